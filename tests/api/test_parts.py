@@ -153,6 +153,22 @@ def test_pieces_that_are_left_out_are_told_where_they_are_many(api: Api) -> None
     assert f"{100 * share:.0f} %" in answer["message"]
 
 
+def test_grips_do_not_hang_by_necks(api: Api) -> None:
+    coupon = {"width": 18.9, "length": 23.7, "grip_length": 4}
+    request = {"outline": {"coupon": coupon}, "structure": {"family": "IH29", "parameters": [0.732]}, "beam_width": 0.4, "orientation": -1.5}
+    answer = api.ok(PARTS, request)
+    checks = answer["checks"]
+    assert checks["widened_necks"] == 2 and checks["cut_necks"] == 0 and checks["missing_solids"] == []
+    assert 0.98 * checks["smallest_wall"] <= checks["smallest_neck"] <= 0.4
+    (necks,) = [effect for effect in answer["effects"] if effect["name"] == "necks"]
+    assert necks["ran"] and necks["count"] == 2
+    assert answer["size"][:2] == pytest.approx([18.9, 31.7]), "what widens them lies within the outline"
+    assert_watertight(stl_triangles(api.post(PARTS, request, headers={"Accept": "model/stl"}).content))
+    # Whoever asks for no smallest wall gets the necks, and the answer says how narrow they are.
+    bare = api.ok(PARTS, {**request, "smallest_wall": 0})["checks"]
+    assert bare["widened_necks"] == 0 and 0 < bare["smallest_neck"] < 0.1
+
+
 def test_whole_tiles_stay_within_the_outline(api: Api) -> None:
     request = {"outline": {"rectangle": [20, 20]}, "structure": IH21}
     clipped, whole = api.ok(PARTS, request), api.ok(PARTS, {**request, "rim": "whole"})

@@ -113,7 +113,13 @@ describe("the material", () => {
       const [share, density] = [number(await design.fact("Relative density")) / 100, number(await design.fact("Density"))];
       assert.ok(Math.abs(density - 1.24 * share) < 0.01 * 1.24, `${density} of ${share}`);
       const request = (await asked).postDataJSON();
-      assert.deepEqual([request.material, request.orientation], [{ density: 1.24 }, Math.PI / 6]);
+      assert.deepEqual([request.material, request.orientation, request.direction], [{ density: 1.24 }, Math.PI / 6, 0]);
+      // The coupon is loaded as the design is; somebody may choose another direction, or leave the part as the design lies.
+      assert.equal(await part.getByLabel("Loaded along, °").inputValue(), "0");
+      await until(async () => /along the design’s 0°/.test(await part.locator(".facts").textContent()), "what the part tests");
+      await part.getByLabel("Loaded along, °").fill("");
+      await part.getByLabel("Loaded along, °").press("Enter");
+      await until(async () => /along the design’s 90°/.test(await part.locator(".facts").textContent()), "the design's own 90°");
       assert.equal(await part.getByLabel("Wall thickness, mm").inputValue(), "0.5");
       assert.match(await page.locator(".tiling > g").getAttribute("transform"), /^rotate\(-(30|29\.9)/);
       await picture(page, "made-given");

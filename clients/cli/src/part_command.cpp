@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <memory>
+#include <numbers>
 
 #include "angles.h"
 #include "commands.h"
@@ -16,6 +17,7 @@ struct PartArguments {
   std::string family;
   std::string parameters;
   std::string request_file;
+  std::string design_file;
   std::string coupon;
   std::string block;
   std::string rectangle;
@@ -26,6 +28,7 @@ struct PartArguments {
   double plate = -1;
   double beam_width = 0;
   std::string orientation;
+  std::string direction;
   double frame = -1;
   double seam = -1;
   double smallest_wall = -1;
@@ -67,13 +70,41 @@ nlohmann::json outline_of(const PartArguments& arguments) {
   return {{"rectangle", {width, height}}};
 }
 
+nlohmann::json object_in(const std::string& file) {
+  auto object = nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", file));
+  return object;
+}
+
+/// The only direction along which a design is loaded; null where its profiles are over directions or of several ones.
+nlohmann::json load_direction(const nlohmann::json& design) {
+  nlohmann::json direction = design.at("profile").value("direction", nlohmann::json());
+  for (const auto& further : design.at("also")) {
+    if (further.value("direction", nlohmann::json()) != direction) return nullptr;
+  }
+  return direction;
+}
+
+/// The structure of a design as `supple design --json` prints it. A coupon or a block of it is loaded as the design.
+void use_design(const std::string& file, bool has_load_axis, nlohmann::json& request) {
+  const nlohmann::json design = object_in(file);
+  try {
+    request["structure"] = {{"family", design.at("family")}, {"parameters", design.at("parameters")}};
+    request["beam_width"] = design.at("structure").at("beam_width");
+    request["orientation"] = design.at("orientation");
+    request["material"] = {{"density", design.at("material").at("density")}};
+    if (const auto direction = load_direction(design); has_load_axis && !direction.is_null())
+      request["direction"] = direction;
+  } catch (const nlohmann::json::exception&) {
+    throw Failure(ExitCode::local_file, fmt::format("{} holds no design: write one by supple design --json", file));
+  }
+}
+
 nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   nlohmann::json request = nlohmann::json::object();
-  if (!arguments.request_file.empty()) {
-    request = nlohmann::json::parse(read_file(arguments.request_file), nullptr, /*allow_exceptions=*/false);
-    if (!request.is_object())
-      throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", arguments.request_file));
-  }
+  if (!arguments.request_file.empty()) request = object_in(arguments.request_file);
+  if (!arguments.design_file.empty())
+    use_design(arguments.design_file, !arguments.coupon.empty() || !arguments.block.empty(), request);
   if (!arguments.family.empty()) request["structure"] = {{"family", arguments.family}};
   if (!arguments.parameters.empty())
     request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
@@ -83,8 +114,9 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
     throw Failure(ExitCode::usage,
                   "--region, --unit, --width and --tolerance are about a drawing: give it with --outline");
   if (!request.contains("structure") || !(request.contains("outline") || !arguments.outline.empty())) {
-    throw Failure(ExitCode::usage,
-                  "no part: give a family and --outline, --coupon, --block or --rectangle, or a file with --request");
+    throw Failure(
+        ExitCode::usage,
+        "no part: give a family or a design and --outline, --coupon, --block or --rectangle, or a file with --request");
   }
   if (!arguments.outline.empty()) {
     const auto [file, name] = drawing_choice(arguments.outline);
@@ -95,6 +127,7 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   };
   if (arguments.beam_width > 0) request["beam_width"] = arguments.beam_width;
   if (!arguments.orientation.empty()) request["orientation"] = parse_angle(arguments.orientation, "--orientation");
+  if (!arguments.direction.empty()) request["direction"] = parse_angle(arguments.direction, "--direction");
   set("frame", arguments.frame, 0);
   set("seam", arguments.seam, 0);
   set("smallest_wall", arguments.smallest_wall, 0);
@@ -112,8 +145,17 @@ void print_part(const nlohmann::json& answer) {
              size.at(2).get<double>());
   fmt::print("solid    {:.6g} mm^2, {:.3g} of the outline\n", number("solid_area"), number("relative_density"));
   fmt::print("mass     {:.4g} g, {:.6g} mm^3\n", number("mass"), number("volume"));
-  fmt::print("walls    at least {:.3g} mm; {:.3g} mm^2 narrower were left out\n",
-             checks.at("smallest_wall").get<double>(), checks.at("trimmed_area").get<double>());
+  fmt::print("walls    {:.3g} mm^2 narrower than {:.3g} mm were left out\n", checks.at("trimmed_area").get<double>(),
+             checks.at("smallest_wall").get<double>());
+  const auto& neck = checks.at("smallest_neck");
+  fmt::print("necks    {}; {} were widened, {} cut\n",
+             neck.is_null() ? "none" : fmt::format("at least {:.3g} mm", neck.get<double>()),
+             checks.at("widened_necks").get<int>(), checks.at("cut_necks").get<int>());
+  if (const auto& direction = answer.at("tested_direction"); !direction.is_null()) {
+    constexpr double degrees = 180 / std::numbers::pi;
+    fmt::print("load     along the direction {:.6g} rad ({:.4g} degrees) of the design, which lies along y\n",
+               direction.get<double>(), degrees * direction.get<double>());
+  }
   fmt::print("pieces   one; {} without connection to it were left out\n", checks.at("crumbs").get<int>());
   const auto message = answer.at("message").get<std::string>();
   if (!message.empty()) fmt::print("note     {}\n", message);
@@ -176,12 +218,21 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
       ->check(CLI::PositiveNumber);
   command->add_option("--orientation", arguments->orientation,
                       "Angle by which the tiling is turned, for example 30deg (0)");
+  command->add_option(
+      "--direction", arguments->direction,
+      "Direction of the design along which a coupon or a block is loaded: it comes to lie along y (90deg)");
+  command
+      ->add_option("--design", arguments->design_file,
+                   "A design as supple design --json prints it: its structure, walls, density, orientation and, if it "
+                   "is loaded along one direction, that direction")
+      ->excludes("family")
+      ->excludes("--parameters");
   command->add_option("--frame", arguments->frame, "Width of a solid rim in mm (0)")->check(CLI::NonNegativeNumber);
   command->add_option("--seam", arguments->seam, "Width of solid strips between regions in mm (the beams')")
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--smallest-wall", arguments->smallest_wall,
-                   "Narrower walls are left out, mm (two thirds of the beams)")
+                   "Narrower walls are left out and necks widened to it, mm (two thirds of the beams)")
       ->check(CLI::NonNegativeNumber);
   command->add_option("--thickness", arguments->thickness, "Thickness in mm (1)")->check(CLI::PositiveNumber);
   command->add_option("--density", arguments->density, "Density of the material in g/cm^3 (1.2)")
@@ -195,7 +246,8 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
   command->footer(
       "Examples:\n  supple part IH21 --coupon 20x60 --beam-width 0.8 --thickness 4 --stl coupon.stl\n"
       "  supple part IH22 --outline sole.svg --region heel=IH29,0.5 --region forefoot=IH21,0.5,0.5rad --stl sole.stl\n"
-      "  supple part --request sole.json --3mf sole.3mf");
+      "  supple part --request sole.json --3mf sole.3mf\n"
+      "  supple part --design design.json --coupon 20x60 --stl coupon.stl");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 

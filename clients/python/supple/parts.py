@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, field
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,9 @@ from . import checks
 from .answers import Cost, cost_from_wire
 from .jobs import Computation
 from .transport import Answer
+
+if TYPE_CHECKING:
+    from .design_answers import Design
 
 PART_FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "step": "model/step", "stl": "model/stl", "3mf": "model/3mf"}
 
@@ -71,17 +74,20 @@ class PartOptions:
     Attributes:
         beam_width: width of the beams, with which the structure scales. 0.3 mm.
         orientation: angle by which the tiling is turned counterclockwise. 0.
+        direction: direction of the design along which a coupon or a block is loaded, radians: it comes to lie along y, the
+            axis of the part, so that all structures are turned by pi/2 - direction besides. pi/2.
         regions: parts of the outline with structures of their own; later ones lie over earlier ones.
         frame: width of a solid rim. 0.
         seam: width of solid strips along the outlines of regions. The width of the finest beams.
         rim: "clipped": beams are cut off at the outline; "whole": only tiles that lie within it. "clipped".
-        smallest_wall: narrower walls and tips are left out. Two thirds of the finest beams' width.
+        smallest_wall: narrower walls and tips are left out and necks widened to it. Two thirds of the finest beams' width.
         thickness: of the part. 1 mm.
         density: of the material, g/cm^3; of `Part.mass`. 1.2.
     """
 
     beam_width: Optional[float] = None
     orientation: Optional[float] = None
+    direction: Optional[float] = None
     regions: Sequence[PartRegion] = field(default_factory=tuple)
     frame: Optional[float] = None
     seam: Optional[float] = None
@@ -90,12 +96,26 @@ class PartOptions:
     thickness: Optional[float] = None
     density: Optional[float] = None
 
+    @classmethod
+    def of_design(cls, design: "Design", **further: Any) -> "PartOptions":
+        """Options of a coupon or a block of a design: its walls, density and orientation, and its direction if it is loaded
+        along one alone. `further` are other options, which come first."""
+        directions = {profile.direction for profile in (design.profile, *design.also)}
+        options: Dict[str, Any] = {
+            "beam_width": design.size.beam_width,
+            "orientation": design.orientation,
+            "direction": directions.pop() if len(directions) == 1 else None,
+            "density": design.material.density,
+        }
+        return cls(**{**options, **further})
+
     def to_wire(self) -> Dict[str, Any]:
         checks.one_of(self.rim, "rim", ("clipped", "whole"))
         return _given(
             {
                 "beam_width": self.beam_width,
                 "orientation": self.orientation,
+                "direction": self.direction,
                 "regions": [region.to_wire() for region in self.regions] or None,
                 "frame": self.frame,
                 "seam": self.seam,
@@ -117,7 +137,13 @@ class Part:
         volume: mm^3.
         mass: g.
         holes: of the solid.
-        smallest_wall: no wall is narrower, mm.
+        orientation: by which the tiling lies turned in the part, radians.
+        tested_direction: direction of the design that lies along y, the axis of load of a coupon or a block, radians; None
+            for other outlines.
+        smallest_wall: the wall that the part was made for, mm.
+        smallest_neck: width of the narrowest place between wider ones, measured on the finished outline, mm; None where
+            there is none.
+        widened_necks, cut_necks: places narrower than the smallest wall that were widened to it, or cut.
         trimmed_area: of narrower walls and tips that were left out, mm^2.
         crumbs: pieces without connection to the largest one that were left out.
         missing_solids: of "lower_grip", "upper_grip", "lower_plate" and "upper_plate" those that the part has lost.
@@ -132,7 +158,12 @@ class Part:
     volume: float
     mass: float
     holes: int
+    orientation: float
+    tested_direction: Optional[float]
     smallest_wall: float
+    smallest_neck: Optional[float]
+    widened_necks: int
+    cut_necks: int
     trimmed_area: float
     crumbs: int
     missing_solids: Tuple[str, ...]
@@ -151,7 +182,12 @@ def part_from_wire(answer: Mapping[str, Any]) -> Part:
         volume=answer["volume"],
         mass=answer["mass"],
         holes=answer["holes"],
+        orientation=answer["orientation"],
+        tested_direction=answer["tested_direction"],
         smallest_wall=checked["smallest_wall"],
+        smallest_neck=checked["smallest_neck"],
+        widened_necks=checked["widened_necks"],
+        cut_necks=checked["cut_necks"],
         trimmed_area=checked["trimmed_area"],
         crumbs=checked["crumbs"],
         missing_solids=tuple(checked["missing_solids"]),

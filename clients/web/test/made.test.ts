@@ -180,10 +180,23 @@ describe("what a design is made of", () => {
 
   it("is what a part begins with", () => {
     const [shown] = shownDesigns(answer, searched);
-    expect(settingsOf(shown)).toEqual({ beamWidth: 0.45, density: 1.21, orientation: 71.62 });
+    expect(settingsOf(shown)).toEqual({ beamWidth: 0.45, density: 1.21, orientation: 71.62, direction: 0 });
     expect(settingsOf({ ...shown, made: DEFAULT_MADE }).beamWidth).toBe(FIRST_PART.beamWidth);
-    expect(partRequest(found, { ...FIRST_PART, ...settingsOf(shown) })).toMatchObject({ beam_width: 0.45, material: { density: 1.21 }, orientation: expect.closeTo(1.25, 4) });
+    expect(partRequest(found, { ...FIRST_PART, ...settingsOf(shown) })).toMatchObject({ beam_width: 0.45, material: { density: 1.21 }, orientation: expect.closeTo(1.25, 4), direction: 0 });
     expect(partRequest(found, FIRST_PART)).not.toHaveProperty("orientation");
+  });
+
+  it("is loaded in a part along its own direction, where it has one alone", () => {
+    const [shown] = shownDesigns(answer, searched);
+    const along = (direction: number) => ({ ...shown.targets[0], direction });
+    const settings = (...targets: (typeof shown)["targets"][number][]) => ({ ...FIRST_PART, ...settingsOf({ ...shown, targets }) });
+    expect(settings(along(Math.PI / 6)).direction).toBe(30);
+    expect(partRequest(found, settings(along(Math.PI / 6)))).toMatchObject({ direction: expect.closeTo(Math.PI / 6, 4) });
+    expect(partRequest(found, { ...settings(along(Math.PI / 6)), kind: "rectangle" })).not.toHaveProperty("direction");
+    for (const several of [settings(along(0), along(1)), settings({ ...along(0), task: "stiffness" }), settings(along(0), { ...along(0), task: "poisson" })]) {
+      expect(several.direction).toBeNull();
+      expect(partRequest(found, several)).not.toHaveProperty("direction");
+    }
   });
 });
 

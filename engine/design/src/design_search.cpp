@@ -12,6 +12,7 @@
 #include "modulus_choice.h"
 #include "structure_limits.h"
 #include "supple/base/error.h"
+#include "supple/base/part_of_execution.h"
 #include "supple/design/inverse_design.h"
 #include "target_residuals.h"
 
@@ -56,12 +57,15 @@ constexpr int rounds_from_rest = 3;
 /// What stays the same from one starting point to the next.
 class Search {
  public:
-  Search(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options)
+  /// `problem` has one material at most; `materials` are all that the structure may be made of.
+  Search(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
+         const ModulusChoice& materials)
       : space_(space),
         problem_(problem),
         options_(options),
         network_(space.model.network),
         bounds_(space, problem),
+        materials_(materials),
         moduli_(problem.moduli, space.model.provenance.youngs_modulus),
         limits_(space, problem.limits) {
     targets_.reserve(problem.targets.size());
@@ -480,7 +484,7 @@ class Search {
     Eigen::Index at = 0;
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const auto n = coarse_[t].y.size();
-      const auto [least, most] = moduli_.limits();
+      const auto [least, most] = materials_.limits();
       const Task task = coarse_[t].samples.task;
       Eigen::MatrixXd y(n, 2 * candidate_count());
       for (Eigen::Index c = 0; c < candidate_count(); ++c) {
@@ -519,7 +523,7 @@ class Search {
 
   void bill() const {
     if (!execution_->cost) return;
-    const bool has_choice = !moduli_.single();
+    const bool has_choice = !materials_.single();
     execution_->cost->add_effect("modulus", has_choice,
                                  has_choice ? "the request leaves a choice" : "the request leaves no choice");
     execution_->cost->add_effect(
@@ -541,6 +545,7 @@ class Search {
   std::vector<SampledTarget> targets_;
   std::vector<double> weights_;
   FreeParameters bounds_;
+  const ModulusChoice& materials_;
   ModulusChoice moduli_;
   LimitRows limits_;
   std::optional<std::string> beyond_limits_;  ///< what was, of the best design beyond the limits
@@ -557,11 +562,57 @@ class Search {
   std::int64_t restarts_ = 0;
 };
 
+/// The counts of all searches belong to the design that is best.
+void add_counts(Design& best, const Design& other) {
+  best.iterations += other.iterations;
+  best.starts += other.starts;
+  best.evaluations += other.evaluations;
+}
+
+/// The best design of several materials. Each of them is searched for by itself: a search that may change the material
+/// at every step ends where two materials are equally good, and its starting points are those of the materials that
+/// look best from afar. The first material that reaches the target ends the search.
+Design best_of_materials(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
+                         const ModulusChoice& materials, const Execution& execution, const OnProgress& progress) {
+  std::optional<Design> best;
+  std::optional<Error> refusal;
+  double least_reported = std::numeric_limits<double>::infinity();
+  OnProgress improvements;
+  if (progress)
+    improvements = [&](const DesignProgress& news) {
+      if (news.error.relative_rms >= least_reported) return;
+      least_reported = news.error.relative_rms;
+      progress(news);
+    };
+  const std::size_t count = problem.moduli.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const double share = 1 / static_cast<double>(count);
+    const PartOfExecution part(execution, share * static_cast<double>(i), share);
+    DesignProblem alone = problem;
+    alone.moduli = {problem.moduli[i]};
+    try {
+      Design design = Search(space, alone, options, materials).run(part.execution(), improvements);
+      design.material = i;
+      const bool is_better = !best || design.error.relative_rms < best->error.relative_rms;
+      if (best) add_counts(is_better ? design : *best, is_better ? *best : design);
+      if (is_better) best = std::move(design);
+    } catch (const Error& error) {
+      if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
+      if (!refusal) refusal = error;
+    }
+    if (best && best->reached && best->error.relative_rms <= good_share && options.multi_start != Switch::on) break;
+  }
+  if (!best) throw Error(*refusal);
+  return *std::move(best);
+}
+
 }  // namespace
 
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
                    const Execution& execution, const OnProgress& progress) {
-  return Search(space, problem, options).run(execution, progress);
+  const ModulusChoice materials(problem.moduli, space.model.provenance.youngs_modulus);
+  if (problem.moduli.size() > 1) return best_of_materials(space, problem, options, materials, execution, progress);
+  return Search(space, problem, options, materials).run(execution, progress);
 }
 
 }  // namespace supple::design

@@ -11,6 +11,8 @@ namespace {
 
 /// Vertices closer than this (mm) to the line through their neighbours are no corners.
 constexpr double straightness = 1e-7;
+/// Round joints are polygons whose sides are so near to the arc, as a fraction of its radius.
+constexpr double arc_tolerance = 2e-3;
 
 /// Drops vertices on the line through their neighbours, tips of spikes of no width among them.
 void drop_straight(Polygon& polygon) {
@@ -78,6 +80,34 @@ Polygon to_polygon(const ClipperLib::Path& path) {
                          static_cast<double>(p.Y) / units_per_millimetre);
   }
   return polygon;
+}
+
+ClipperLib::Paths operation(ClipperLib::ClipType type, const ClipperLib::Paths& subject,
+                            const ClipperLib::Paths& clip) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(subject, ClipperLib::ptSubject, true);
+  clipper.AddPaths(clip, ClipperLib::ptClip, true);
+  ClipperLib::Paths result;
+  clipper.Execute(type, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
+  return result;
+}
+
+ClipperLib::Paths grown(const ClipperLib::Paths& paths, double by, ClipperLib::JoinType joints) {
+  ClipperLib::ClipperOffset offset(4);
+  offset.ArcTolerance = arc_tolerance * std::abs(by) * units_per_millimetre;
+  offset.AddPaths(paths, joints, ClipperLib::etClosedPolygon);
+  ClipperLib::Paths result;
+  offset.Execute(result, by * units_per_millimetre);
+  return result;
+}
+
+ClipperLib::Paths widened_line(const ClipperLib::Path& line, double half_width) {
+  ClipperLib::ClipperOffset offset;
+  offset.ArcTolerance = arc_tolerance * half_width * units_per_millimetre;
+  offset.AddPath(line, ClipperLib::jtRound, ClipperLib::etOpenRound);
+  ClipperLib::Paths result;
+  offset.Execute(result, half_width * units_per_millimetre);
+  return result;
 }
 
 void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {

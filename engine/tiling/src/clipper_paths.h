@@ -17,6 +17,15 @@ ClipperLib::Path to_path(const Polygon& polygon);
 ClipperLib::Paths to_paths(std::span<const Polygon> polygons);
 Polygon to_polygon(const ClipperLib::Path& path);
 
+/// The union, intersection or difference of areas whose paths wind around what is solid.
+ClipperLib::Paths operation(ClipperLib::ClipType type, const ClipperLib::Paths& subject, const ClipperLib::Paths& clip);
+
+/// The area, grown by a distance (mm) or shrunk where that is negative.
+ClipperLib::Paths grown(const ClipperLib::Paths& paths, double by, ClipperLib::JoinType joints);
+
+/// All points within `half_width` (mm) of an open line.
+ClipperLib::Paths widened_line(const ClipperLib::Path& line, double half_width);
+
 /// Adds the connected parts of a tree: its outlines are children of even depth, and what lies directly within one are
 /// its holes.
 void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "clipper_paths.h"
+#include "narrow_places.h"
+#include "neck_repair.h"
 #include "part_tasks.h"
 #include "polygon.h"
 #include "supple/base/faults.h"
@@ -27,6 +27,8 @@ constexpr std::size_t most_tiles = 50'000;
 constexpr std::size_t most_corners = 5'000;
 /// Sides that are shorter (beam widths) are points, as in other files.
 constexpr double smallest_part_side = 0.005;
+/// Repairing a neck may leave others beside it; so many times they are looked for.
+constexpr int max_neck_repairs = 8;
 /// How far corners that touch are parted on either side, mm: less than any printer or laser sees.
 constexpr double parting = 2e-3;
 /// Walls are narrow where no disk of this share of the smallest wall fits in.
@@ -89,23 +91,6 @@ void check(const PartDesign& design) {
     check_filling(design.regions[i].filling, design, folder, faults);
   }
   faults.throw_if_any("tiling.part", "The part");
-}
-
-Paths operation(ClipperLib::ClipType type, const Paths& subject, const Paths& clip) {
-  ClipperLib::Clipper clipper;
-  clipper.AddPaths(subject, ClipperLib::ptSubject, true);
-  clipper.AddPaths(clip, ClipperLib::ptClip, true);
-  Paths result;
-  clipper.Execute(type, result, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-  return result;
-}
-
-Paths grown(const Paths& paths, double by, ClipperLib::JoinType joints) {
-  ClipperLib::ClipperOffset offset(4);
-  offset.AddPaths(paths, joints, ClipperLib::etClosedPolygon);
-  Paths result;
-  offset.Execute(result, by * units_per_millimetre);
-  return result;
 }
 
 double area_of(const Paths& paths) {
@@ -218,15 +203,15 @@ Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
 
 /// Whether two corners of the solid lie in one place.
 bool has_touching_corners(const Paths& paths) {
-  std::set<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
+  std::vector<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
   for (const auto& path : paths) {
-    for (const auto& p : path) {
-      if (!corners.emplace(p.X, p.Y).second) return true;
-    }
+    for (const auto& p : path) corners.emplace_back(p.X, p.Y);
   }
-  return false;
+  std::sort(corners.begin(), corners.end());
+  return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
 }
 
+/// Keeps the largest face. The others are crumbs, besides those of before.
 void keep_largest(std::vector<SolidFace>& faces, Part& part) {
   const auto area_of_face = [](const SolidFace& face) {
     double sum = 0;
@@ -244,8 +229,8 @@ void keep_largest(std::vector<SolidFace>& faces, Part& part) {
     }
   }
   if (faces.empty()) return;
-  part.crumbs = faces.size() - 1;
-  part.crumb_area = total - most;
+  part.crumbs += faces.size() - 1;
+  part.crumb_area += total - most;
   part.solid_area = most;
   part.faces = {std::move(faces[largest])};
 }
@@ -271,6 +256,37 @@ std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
   for (SolidFace& face : faces) std::erase_if(face, [&](Polygon& polygon) { return !remains(polygon, smallest); });
   std::erase_if(faces, [](const SolidFace& face) { return face.empty() || area(face[0]) < 0; });
   return faces;
+}
+
+/// Widens the necks of the part's only face to the wall, or cuts them, and measures the narrowest place that is left.
+void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double shortest_side) {
+  if (wall <= 0) {
+    part.smallest_neck = narrow_places(part.faces[0], 0, beam_width).least_of_rest;
+    return;
+  }
+  NeckRepairs repairs(outline, wall);
+  NarrowPlaces places = narrow_places(part.faces[0], repairs.limit(), beam_width);
+  for (int k = 0; k < max_neck_repairs; ++k) {
+    const NeckRepair repair = repairs.next(part.faces[0], places.below);
+    if (repair.is_empty()) {
+      // What is narrower than the rest belongs to acute corners and stubs.
+      places.below.clear();
+      break;
+    }
+    Paths solid = to_paths(part.faces[0]);
+    solid.insert(solid.end(), repair.added.begin(), repair.added.end());
+    solid = operation(ClipperLib::ctDifference, operation(ClipperLib::ctUnion, solid, {}), repair.removed);
+    if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
+    auto faces = cleaned_faces(solid, shortest_side);
+    keep_largest(faces, part);
+    places = narrow_places(part.faces[0], repairs.limit(), beam_width);
+  }
+  part.widened_necks = repairs.widened();
+  part.cut_necks = repairs.cut();
+  part.left_necks = places.below.size();
+  part.smallest_neck = places.least_of_rest;
+  for (const NarrowPlace& place : places.below)
+    part.smallest_neck = std::min(part.smallest_neck.value_or(place.width()), place.width());
 }
 
 }  // namespace
@@ -312,6 +328,7 @@ Part make_part_here(const PartDesign& design) {
   part.thickness = design.thickness;
   part.outline_area = area_of(outline);
   solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
+  if (design.smallest_wall > 0 && has_touching_corners(solid)) solid = joined_corners(solid, outline);
   if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
   auto faces = cleaned_faces(solid, smallest_part_side * finest);
   keep_largest(faces, part);
@@ -320,6 +337,7 @@ Part make_part_here(const PartDesign& design) {
                 "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
                 {{"outline", "holds no part of the structure"}});
   }
+  repair_necks(part, outline, design.smallest_wall, finest, smallest_part_side * finest);
   const Bounds extent = bounds_of(part.faces[0][0]);
   part.lower = extent.lower;
   part.upper = extent.upper;

@@ -5,6 +5,9 @@
 namespace supple::tiling {
 namespace {
 
+/// Written as the least width of a part without any narrow place.
+constexpr double no_neck = -1;
+
 void write_polygons(ByteWriter& writer, const std::vector<Polygon>& polygons) {
   writer.list(polygons, [&writer](const Polygon& polygon) {
     writer.list(polygon, [&writer](const Eigen::Vector2d& p) { writer.matrix(p); });
@@ -89,6 +92,10 @@ void write(ByteWriter& writer, const Part& part) {
   writer.matrix(part.lower).matrix(part.upper);
   writer.number(part.outline_area).number(part.solid_area).number(part.trimmed_area).size(part.crumbs);
   writer.number(part.crumb_area).number(part.thickness);
+  writer.size(part.widened_necks)
+      .size(part.cut_necks)
+      .size(part.left_necks)
+      .number(part.smallest_neck.value_or(no_neck));
   writer.list(part.lost_solids, [&writer](std::size_t solid) { writer.size(solid); });
 }
 
@@ -103,6 +110,10 @@ Part read_part(ByteReader& reader) {
   part.crumbs = static_cast<std::size_t>(reader.number<std::uint64_t>());
   part.crumb_area = reader.number<double>();
   part.thickness = reader.number<double>();
+  part.widened_necks = static_cast<std::size_t>(reader.number<std::uint64_t>());
+  part.cut_necks = static_cast<std::size_t>(reader.number<std::uint64_t>());
+  part.left_necks = static_cast<std::size_t>(reader.number<std::uint64_t>());
+  if (const double width = reader.number<double>(); width != no_neck) part.smallest_neck = width;
   reader.list(part.lost_solids, [&reader] { return static_cast<std::size_t>(reader.number<std::uint64_t>()); });
   return part;
 }

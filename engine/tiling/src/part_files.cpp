@@ -62,6 +62,8 @@ PartShape tensile_coupon(double width, double length, double grip_length) {
   return shape;
 }
 
+double orientation_under_load(double orientation, double direction) { return orientation + load_axis - direction; }
+
 PartShape compression_block(double width, double height, double plate) { return tensile_coupon(width, height, plate); }
 
 std::string size_words(const Part& part) {

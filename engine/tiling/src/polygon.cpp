@@ -10,13 +10,6 @@ namespace {
 /// Sides closer than this share of the perimeter touch: far above rounding, far below any beam's width.
 constexpr double touching = 1e-9;
 
-double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d u = b - a;
-  const double squared = u.squaredNorm();
-  const double t = squared > 0 ? std::clamp((p - a).dot(u) / squared, 0.0, 1.0) : 0.0;
-  return (p - a - t * u).norm();
-}
-
 bool properly_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                     const Eigen::Vector2d& d) {
   return cross(b - a, c - a) * cross(b - a, d - a) < 0 && cross(d - c, a - c) * cross(d - c, b - c) < 0;
@@ -30,6 +23,13 @@ double segment_distance(const Eigen::Vector2d& a, const Eigen::Vector2d& b, cons
 }
 
 }  // namespace
+
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d u = b - a;
+  const double squared = u.squaredNorm();
+  const double t = squared > 0 ? std::clamp((p - a).dot(u) / squared, 0.0, 1.0) : 0.0;
+  return (p - a - t * u).norm();
+}
 
 double area(const Polygon& polygon) {
   double twice = 0;

@@ -27,6 +27,8 @@ int winding_number(const Polygon& polygon, const Eigen::Vector2d& point);
 /// k + 1. Quadratic in the number of sides.
 std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon);
 
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+
 /// Least distance between two outlines that do not cross.
 double outline_distance(const Polygon& a, const Polygon& b);
 

@@ -123,6 +123,11 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   request.design.outline = std::move(shape.outline);
   request.design.solids = std::move(shape.solids);
   request.filling = read_filling(fields, limits);
+  if (fields.present("direction")) {
+    fields.number("direction", request.direction.emplace(0), -1000, 1000);
+    if (request.solid_names.empty())
+      faults.add("/direction", "needs an outline with an axis of load: \"coupon\" or \"block\"");
+  }
   double finest = request.filling.beam_width;
   if (const auto* regions = fields.array("regions", false, 0, most_part_regions, "")) {
     for (std::size_t i = 0; i < regions->size(); ++i) {
@@ -147,6 +152,15 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   return request;
 }
 
+double PartRequest::orientation_in_part(double orientation) const {
+  return direction ? tiling::orientation_under_load(orientation, *direction) : orientation;
+}
+
+std::optional<double> PartRequest::tested_direction() const {
+  if (solid_names.empty()) return std::nullopt;
+  return direction.value_or(tiling::load_axis);
+}
+
 std::string part_message(const PartRequest& request, const tiling::Part& part) {
   constexpr const char* remedies =
       "Thinner walls, whose tiles are smaller, a greater width or a frame hold it together.";
@@ -160,6 +174,10 @@ std::string part_message(const PartRequest& request, const tiling::Part& part) {
   if (!missing.empty()) {
     return missing + (part.lost_solids.size() > 1 ? " are" : " is") +
            " missing: the structure does not reach from one end to the other in one piece. " + remedies;
+  }
+  if (part.left_necks > 0 && part.smallest_neck) {
+    return "The part hangs by a neck of " + std::to_string(std::lround(1000 * *part.smallest_neck)) +
+           " micrometres, narrower than the smallest wall, which could neither be widened nor cut. " + remedies;
   }
   const double share = part.crumb_area / (part.crumb_area + part.solid_area);
   if (share <= told_crumbs) return {};
@@ -177,10 +195,22 @@ std::string write_part(const PartRequest& request, const tiling::Part& part, con
   out.field("relative_density", part.solid_area / part.outline_area);
   out.field("volume", volume).field("mass", volume * request.material_density / 1000);
   out.field("holes", part.faces.at(0).size() - 1);
+  out.field("orientation", request.orientation_in_part(request.filling.orientation));
+  out.key("tested_direction");
+  if (const auto direction = request.tested_direction())
+    out.number(*direction);
+  else
+    out.null();
   out.key("checks")
       .begin_object()
       .field("pieces", part.faces.size())
       .field("smallest_wall", request.design.smallest_wall);
+  out.key("smallest_neck");
+  if (part.smallest_neck)
+    out.number(*part.smallest_neck);
+  else
+    out.null();
+  out.field("widened_necks", part.widened_necks).field("cut_necks", part.cut_necks);
   out.field("trimmed_area", part.trimmed_area).field("crumbs", part.crumbs).field("crumb_area", part.crumb_area);
   out.key("missing_solids").begin_array();
   for (const std::size_t solid : part.lost_solids) out.string(request.solid_names.at(solid));

@@ -40,9 +40,9 @@ const PartFormat* format_of(const http::Request& request) {
   return found == std::end(formats) ? nullptr : found;
 }
 
-tiling::Filling filling_of(const json::FillingSpec& spec, const std::string& folder) {
+tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const std::string& folder) {
   try {
-    return {make_structure(spec.structure), spec.beam_width, spec.orientation};
+    return {make_structure(spec.structure), spec.beam_width, request.orientation_in_part(spec.orientation)};
   } catch (const Error& error) {
     auto details = error.details();
     for (auto& detail : details)
@@ -53,10 +53,11 @@ tiling::Filling filling_of(const json::FillingSpec& spec, const std::string& fol
 
 tiling::PartDesign design_of(const json::PartRequest& request) {
   tiling::PartDesign design = request.design;
-  design.filling = filling_of(request.filling, "/");
+  design.filling = filling_of(request, request.filling, "/");
   for (std::size_t i = 0; i < request.regions.size(); ++i) {
     const auto& region = request.regions[i];
-    design.regions.push_back({region.outline, filling_of(region.filling, "/regions/" + std::to_string(i) + "/")});
+    design.regions.push_back(
+        {region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i) + "/")});
   }
   return design;
 }
@@ -90,6 +91,12 @@ void tell_effects(const tiling::PartDesign& design, const tiling::Part& part, Co
   cost->add_effect("trimming", design.smallest_wall > 0,
                    part.trimmed_area > 0 ? "some walls and tips were narrower than the smallest wall"
                                          : "no wall is narrower than the smallest wall");
+  const std::size_t necks = part.widened_necks + part.cut_necks;
+  cost->add_effect("necks", necks > 0,
+                   necks > 0                  ? "some places were narrower than the smallest wall"
+                   : design.smallest_wall > 0 ? "no place is narrower than the smallest wall"
+                                              : "the request has no smallest wall",
+                   static_cast<std::int64_t>(necks));
 }
 
 std::string file_name(const json::PartRequest& request, const tiling::Part& part, const PartFormat& format) {

@@ -329,6 +329,38 @@ TEST(InverseDesign, ChoosesAmongMaterials) {
   EXPECT_TRUE(design.reached);
 }
 
+TEST(InverseDesign, IsOfNoWorseMaterialThanEachOneAlone) {
+  int unreached = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 9U}) {
+    const TestSpace test(2, seed);
+    const double model_modulus = test.model.provenance.youngs_modulus;
+    // A curve that no design follows: every second point is moved.
+    DesignProblem problem{{stiffer_target_of(test, test.at({0.37, 0.72}), Task::stress_strain, 2)}, {}, {}};
+    auto& points = problem.targets[0].control_points;
+    for (std::size_t i = 1; i < points.size(); ++i) points[i][1] *= i % 2 == 0 ? 1.15 : 0.7;
+    const std::vector<Range> moduli = {{0.2 * model_modulus, 0.6 * model_modulus},
+                                       {1.2 * model_modulus, 1.2 * model_modulus},
+                                       {2.5 * model_modulus, 16 * model_modulus}};
+    double best_alone = INFINITY, lowest = INFINITY, highest = -INFINITY;
+    for (const Range& range : moduli) {
+      problem.moduli = {range};
+      const auto design = find_design(test.space(), problem);
+      best_alone = std::min(best_alone, design.error.relative_rms);
+      lowest = std::min(lowest, design.profiles[0].lowest.minCoeff());
+      highest = std::max(highest, design.profiles[0].highest.maxCoeff());
+    }
+    problem.moduli = moduli;
+    const auto design = find_design(test.space(), problem);
+    EXPECT_LE(design.error.relative_rms, std::max((1 + 1e-9) * best_alone, 1e-3)) << seed;
+    EXPECT_DOUBLE_EQ(design.profiles[0].lowest.minCoeff(), lowest) << "of all materials";
+    EXPECT_DOUBLE_EQ(design.profiles[0].highest.maxCoeff(), highest);
+    const auto [least, most] = moduli.at(design.material);
+    EXPECT_TRUE(design.youngs_modulus >= least && design.youngs_modulus <= most);
+    unreached += best_alone > 1e-3 ? 1 : 0;
+  }
+  EXPECT_GT(unreached, 0) << "all materials are searched for where none reaches the target";
+}
+
 /// What structures that are turned by an angle do in directions of space.
 Target turned_target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, double orientation) {
   Target target = target_of(test, parameters, task);

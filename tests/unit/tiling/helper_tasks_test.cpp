@@ -70,6 +70,11 @@ TEST_F(TilingInHelpers, GivesThePartsMadeHere) {
   EXPECT_EQ(there.trimmed_area, here.trimmed_area);
   EXPECT_EQ(there.crumbs, here.crumbs);
   EXPECT_EQ(there.crumb_area, here.crumb_area);
+  EXPECT_EQ(there.widened_necks, here.widened_necks);
+  EXPECT_EQ(there.cut_necks, here.cut_necks);
+  EXPECT_EQ(there.left_necks, here.left_necks);
+  EXPECT_TRUE(there.smallest_neck.has_value());
+  EXPECT_EQ(there.smallest_neck, here.smallest_neck);
   EXPECT_EQ(there.thickness, 2);
   const std::string stl = part_stl(there), package = part_3mf(there);
   use_helper_processes(nullptr);

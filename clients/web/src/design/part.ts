@@ -6,12 +6,12 @@ import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contr
 import { type Choices, type Drawing, type Layout, type Where } from "./drawing";
 import { DEFAULT_MADE, radians } from "./made";
 import type { Shown } from "./shown";
-import type { Found } from "./state";
+import { type Found, isPolar } from "./state";
 
 export type PartKind = "rectangle" | "coupon" | "block" | "drawing";
 export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
 
-/** Lengths in mm, the density in g/cm^3, the orientation in degrees. */
+/** Lengths in mm, the density in g/cm^3, angles in degrees. */
 export interface PartSettings {
   readonly kind: PartKind;
   readonly width: number;
@@ -24,11 +24,13 @@ export interface PartSettings {
   readonly frame: number;
   readonly density: number;
   readonly orientation: number;
+  /** The direction of the design that is to lie along the load of a coupon or a block; null where the design has no single one. */
+  readonly direction: number | null;
   readonly whole: boolean;
 }
 
 /** Walls as wide as a common nozzle, and a strip wide enough that the tiles of every family hold it together. */
-export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, whole: false };
+export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, direction: null, whole: false };
 
 export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", step: "model/step", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
 
@@ -79,10 +81,12 @@ export function partRequest(found: Found, settings: PartSettings, product: Produ
     : kind === "coupon" ? { coupon: { width, length, grip_length: end } }
     : { block: { width, height: length, plate: end } };
   const regions = product?.regions ?? [];
+  const loaded = !product && (kind === "coupon" || kind === "block");
   return {
     outline,
     ...structureOf(product?.rest ?? { found, beamWidth: settings.beamWidth, orientation: radians(settings.orientation) }),
     ...(regions.length > 0 && { regions: regions.map((region) => ({ name: region.filling.name, outline: region.outline, ...structureOf(region.filling) })) }),
+    ...(loaded && settings.direction !== null && { direction: radians(settings.direction) }),
     thickness: settings.thickness,
     frame: settings.frame,
     rim: settings.whole ? "whole" : "clipped",
@@ -90,14 +94,27 @@ export function partRequest(found: Found, settings: PartSettings, product: Produ
   };
 }
 
-/** What a part of a design begins with: walls, density and orientation of the design, and a common nozzle's walls where no size was asked for. */
-export function settingsOf({ measures, made }: Pick<Shown, "measures" | "made">): Pick<PartSettings, "beamWidth" | "density" | "orientation"> {
+/** The only direction along which a design is loaded, in degrees; null where its targets are over directions or of several ones. */
+function loadDirection(targets: Shown["targets"]): number | null {
+  const directions = new Set(targets.map(({ task, direction }) => (isPolar(task) ? null : direction)));
+  const [only] = directions;
+  return directions.size === 1 && only !== null ? degrees(only) : null;
+}
+
+/** Rounded as a person would write it. */
+function degrees(angle: number): number {
+  return Number(((angle * 180) / Math.PI).toFixed(2));
+}
+
+/** What a part of a design begins with: walls, density, orientation and direction of the design, and a common nozzle's walls where no size was asked for. */
+export function settingsOf({ measures, made, targets }: Pick<Shown, "measures" | "made" | "targets">): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
   const { beamWidth, materialDensity, orientation } = measures;
   const asked = made.size.kind !== DEFAULT_MADE.size.kind || made.size.value !== DEFAULT_MADE.size.value;
   return {
     beamWidth: asked && beamWidth !== null ? Number(beamWidth.toPrecision(4)) : FIRST_PART.beamWidth,
     density: materialDensity,
-    orientation: Number(((orientation * 180) / Math.PI).toFixed(2)),
+    orientation: degrees(orientation),
+    direction: loadDirection(targets),
   };
 }
 

@@ -6,6 +6,7 @@ import { digits } from "../base/format";
 import { late } from "../base/late";
 import { showText } from "../base/writing";
 import { explain } from "../contract/client";
+import type { PartAnswer } from "../contract/types";
 import { layoutOf } from "./drawing";
 import { drawingFields } from "./drawing_fields";
 import { fillingsOf } from "./fillings";
@@ -15,19 +16,28 @@ import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
 const PAUSE_MS = 400;
-type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density" | "orientation";
+type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density" | "orientation" | "direction";
 const LABELS: Record<NumberSetting, string> = {
-  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °",
+  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °", direction: "Loaded along, °",
 };
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm", drawing: "" } as const;
 /** Of a drawing the size is that of its curves, and several regions have walls and orientations of their own. */
 const OF_A_SHAPE: readonly NumberSetting[] = ["width", "length", "end"];
 const OF_ONE_FILLING: readonly NumberSetting[] = ["beamWidth", "orientation"];
+/** Of angles. */
+const MAY_BE_NEGATIVE: readonly NumberSetting[] = ["orientation", "direction"];
 
 /** What stands in the way of making this part, and what helps. */
 function noteOf(state: PartState): string {
   if (state.kind === "failed") return state.sentence;
   return state.kind === "made" ? state.answer.message : "";
+}
+
+/** The narrowest place, and what was done about narrower ones. */
+function wallWords({ smallest_neck, smallest_wall, widened_necks, cut_necks }: PartAnswer["checks"]): string {
+  const narrowest = `at least ${digits(smallest_neck ?? smallest_wall, 2)} mm`;
+  const done = [widened_necks > 0 ? `${widened_necks} widened` : "", cut_necks > 0 ? `${cut_necks} cut` : ""].filter((words) => words !== "");
+  return done.length > 0 ? `${narrowest}; narrow places: ${done.join(", ")}` : narrowest;
 }
 
 export function partCard(session: DesignSession, part: Part): HTMLElement {
@@ -40,9 +50,10 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
   for (const name of Object.keys(LABELS) as NumberSetting[]) {
     const id = uniqueId("part");
-    const input = h("input", { type: "number", id, class: "number", min: name === "orientation" ? null : 0, step: "any", onchange: () => {
+    const input = h("input", { type: "number", id, class: "number", min: MAY_BE_NEGATIVE.includes(name) ? null : 0, step: "any", onchange: () => {
       const value = Number(input.value);
-      if (input.value !== "" && Number.isFinite(value) && (value >= 0 || name === "orientation")) change({ [name]: value });
+      if (input.value === "" && name === "direction" && input.validity.valid) change({ direction: null });
+      else if (input.value !== "" && Number.isFinite(value) && (value >= 0 || MAY_BE_NEGATIVE.includes(name))) change({ [name]: value });
       else show();
     } });
     const label = h("label", { for: id }, LABELS[name]);
@@ -69,8 +80,12 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     whole.value = settings.whole;
     const drawn = settings.kind === "drawing";
     for (const [name, { field, label, input }] of fields) {
-      showText(input, String(settings[name]));
+      showText(input, String(settings[name] ?? ""));
       field.hidden = drawn && (OF_A_SHAPE.includes(name) || (OF_ONE_FILLING.includes(name) && session.regions.length > 1));
+      if (name === "direction") {
+        field.hidden = drawn || settings.kind === "rectangle";
+        input.title = "The direction of the design that lies along the length of the part; without one the design's 90°";
+      }
       if (name === "end") {
         field.hidden ||= settings.kind === "rectangle";
         label.textContent = END_WORDS[settings.kind];
@@ -151,7 +166,8 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
       ["Size", `${answer.size.map((value) => digits(value)).join(" × ")} mm`],
       ["Mass", `${digits(answer.mass)} g`],
       ["Density", `${digits(100 * answer.relative_density)} % solid`],
-      ["Walls", `at least ${digits(answer.checks.smallest_wall, 2)} mm`],
+      ["Walls", wallWords(answer.checks)],
+      ...(answer.tested_direction === null ? [] : [["Load", `along the design’s ${digits((answer.tested_direction * 180) / Math.PI)}°`] as [string, string]]),
       ["Pieces", answer.checks.crumbs > 0 ? `one; ${answer.checks.crumbs} loose left out` : "one"],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));

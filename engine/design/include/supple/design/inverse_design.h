@@ -58,8 +58,10 @@ struct DesignProblem {
   /// target, or empty for nothing. The profiles of the answer do not include it.
   std::vector<Eigen::VectorXd> corrections{};
   /// Young's moduli in MPa that the structure may have, one range for each material that it may be made of. The design
-  /// has the modulus that serves the targets best, since stresses are proportional to it. Empty means the modulus of
-  /// the model's data. `corrections`, which are of that modulus, need a single modulus.
+  /// has the modulus that serves the targets best, since stresses are proportional to it. Several materials are
+  /// searched for one after the other, each as if it were the only one, until one reaches the target: the design is no
+  /// worse than the best of these, and the search takes so many times as long. Empty means the modulus of the model's
+  /// data. `corrections`, which are of that modulus, need a single modulus.
   std::vector<Range> moduli{};
   /// By which the tiling may be turned counterclockwise, rad; the search finds the angle that serves the targets best.
   /// Responses have the period pi, so that a range of pi leaves every orientation open.

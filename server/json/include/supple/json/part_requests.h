@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,10 +31,17 @@ struct PartRequest {
   tiling::PartDesign design;  ///< but for its fillings and regions
   FillingSpec filling;
   std::vector<PartRegionSpec> regions;
+  /// The direction of the design (rad) that is to lie along the load; of coupons and blocks alone.
+  std::optional<double> direction;
   std::vector<std::string> solid_names;  ///< of the design's solids: "lower_grip", "upper_plate"
   double material_density = 1.2;         ///< g/cm^3
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
+
+  /// The orientation in the part of a structure that has this orientation in the design, rad.
+  double orientation_in_part(double orientation) const;
+  /// The direction of the design (rad) that lies along the load; none where the shape has no axis of load.
+  std::optional<double> tested_direction() const;
 };
 PartRequest parse_part(std::string_view body, const Limits& limits);
 
