@@ -173,7 +173,7 @@ def exponential_map_around_and_around(meshes: Meshes, more: Dict[str, Any]) -> C
 
 @costly
 def part_of_many_tiles_and_regions(meshes: Meshes, more: Dict[str, Any]) -> Costly:
-    comb = [point for i in range(40) for point in ([5 * i, 0], [5 * i, 195 + i / 50], [5 * i + 1, 195 + i / 50], [5 * i + 1, 0.5])] + [[200, 0.5], [200, 0]]
+    comb = [point for i in range(40) for point in ([5 * i, 1], [5 * i, 195 + i / 50], [5 * i + 1, 195 + i / 50], [5 * i + 1, 1])] + [[200, 1], [200, 0], [0, 0]]
     regions = [{"outline": [[x + k / 50, y + k / 50] for x, y in comb], "structure": {"family": "IH50"}, "beam_width": 0.3} for k in range(20)]
     return post("/v1/parts", {"outline": {"rectangle": [200, 200]}, "structure": {"family": "IH01"}, "regions": regions, "frame": 1, **more},
                 accept="model/stl")
