@@ -1,6 +1,7 @@
 #include "border_line.h"
 
 #include "planar_cross.h"
+#include "quadrature.h"
 
 namespace supple::voronoi {
 namespace {
@@ -74,6 +75,20 @@ class LineTracer {
 };
 
 }  // namespace
+
+void BorderLine::take_straight(std::int32_t left, std::int32_t right, const Vector2d& begin, const Vector2d& end,
+                               bool with_samples) {
+  points.clear();
+  samples.clear();
+  beside = 0;
+  lost = true;
+  const double length = (end - begin).norm();
+  lengths.assign(1, length);
+  for (std::size_t i = 0; i < three_nodes.size() && with_samples; ++i) {
+    const Vector2d place = begin + three_nodes[i] * (end - begin);
+    samples.push_back({left, right, place, three_weights[i] * length, place, 0});
+  }
+}
 
 void trace_border(BorderCurve& curve, const Vector2d& begin, const Vector2d& end, std::int32_t left, std::int32_t right,
                   const Active& active, bool samples, BorderLine& line) {

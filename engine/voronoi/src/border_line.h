@@ -37,6 +37,10 @@ struct BorderLine {
   double beside = 0;
   std::vector<FaceSample> samples;  ///< if asked for
   bool lost = false;                ///< whether some part of the border was not found and is taken as straight
+
+  /// Makes it the straight line between its ends.
+  void take_straight(std::int32_t left, std::int32_t right, const Eigen::Vector2d& begin, const Eigen::Vector2d& end,
+                     bool with_samples);
 };
 
 /// Follows the border between two places of a face, which has these sites on its left and right, into `line`, of which

@@ -22,6 +22,8 @@ using Eigen::Vector2d;
 constexpr double smallest_triangle = 1e-12;
 /// Relative to the face: in smaller polygons a border that is lost is taken as it is.
 constexpr double smallest_of_lost = 1e-4;
+/// Relative to the face: points of a border may be this far outside of their polygon.
+constexpr double outside = 1e-9;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
 constexpr int most_chords = 24;
@@ -98,17 +100,17 @@ class Cutter {
     if (cut_by_bisectors(sides, boundary, cuts, kept)) return;
     const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
     const bool surely = small || !(longest > smallest_of_lost * size_);
-    if (!hidden && cuts.size() == 2 && cut_in_two(boundary, cuts, kept, surely)) return;
+    if (!hidden && cuts.size() == 2 && cut_in_two(sides, boundary, cuts, kept, surely)) return;
     if (!hidden && cuts.size() >= 3 && all_differ(boundary, cuts)) {
       Vector2d place = centre;
       if (find_vertex(distances_, kept, corners_, sides, boundary, cuts, longest, place) &&
-          cut_at_vertex(boundary, cuts, place, kept, surely))
+          cut_at_vertex(sides, boundary, cuts, place, kept, surely))
         return;
     }
     if (result_.subdivisions >= most_divisions) result_.resolved = false;
     if (small) {
       if (cuts.empty()) return add_whole(boundary);
-      cut_at_vertex(boundary, cuts, centre, kept, true);
+      cut_at_vertex(sides, boundary, cuts, centre, kept, true);
       return;
     }
     BorderPlace begin;
@@ -185,15 +187,30 @@ class Cutter {
     piece.area += backwards ? line.beside : -line.beside;
   }
 
+  /// Follows a border within the polygon. False where it is lost, or has been lost for another border of its sites that
+  /// runs outside: then it is taken as straight.
+  bool trace(const Sides& sides, const Vector2d& begin, const Vector2d& end, std::int32_t left, std::int32_t right,
+             const Active& active, BorderLine& line) {
+    trace_border(curve_, begin, end, left, right, active, samples_, line);
+    const auto is_outside = [&](const BorderLine::Point& point) {
+      return std::any_of(sides.begin(), sides.end(), [&](const Side& side) {
+        const Vector2d along = side.to - side.from;
+        return cross(along, point.place - side.from) < -outside * size_ * along.norm();
+      });
+    };
+    if (std::none_of(line.points.begin(), line.points.end(), is_outside)) return !line.lost;
+    line.take_straight(left, right, begin, end, samples_);
+    return false;
+  }
+
   /// Where there are two cells with one border. False where it is lost and is not taken as it is: `surely`.
-  bool cut_in_two(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+  bool cut_in_two(const Sides& sides, const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
                   const Active& active, bool surely) {
     // What follows the first cut lies on the left of the way from the second cut to the first.
     const BoundaryVertex& to = boundary[cuts[0]];
     const BoundaryVertex& from = boundary[cuts[1]];
     BorderLine& line = room_.line(0);
-    trace_border(curve_, from.place, to.place, to.site, from.site, active, samples_, line);
-    if (line.lost && !surely) return false;
+    if (!trace(sides, from.place, to.place, to.site, from.site, active, line) && !surely) return false;
     add_border(line, from.cut, to.cut, to.site, from.site);
     for (const std::size_t i : {0, 1}) {
       FacePiece piece = piece_between(boundary, cuts, i);
@@ -204,13 +221,12 @@ class Cutter {
   }
 
   /// Where borders lead from a vertex to all cuts. False where one is lost and is not taken as it is: `surely`.
-  bool cut_at_vertex(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
-                     const Vector2d& place, const Active& active, bool surely) {
+  bool cut_at_vertex(const Sides& sides, const std::vector<BoundaryVertex>& boundary,
+                     const std::vector<std::size_t>& cuts, const Vector2d& place, const Active& active, bool surely) {
     const auto right_of = [&](std::size_t i) { return boundary[cuts[(i + cuts.size() - 1) % cuts.size()]].site; };
     for (std::size_t i = 0; i < cuts.size(); ++i) {
       const BoundaryVertex& to = boundary[cuts[i]];
-      trace_border(curve_, place, to.place, to.site, right_of(i), active, samples_, room_.line(i));
-      if (room_.line(i).lost && !surely) return false;
+      if (!trace(sides, place, to.place, to.site, right_of(i), active, room_.line(i)) && !surely) return false;
     }
     const auto vertex = static_cast<std::int32_t>(result_.points.size());
     result_.points.push_back({place, distances_.nearest(active, place).distance, true});
