@@ -111,6 +111,7 @@ bool BorderCurve::find_bend_by_ends() {
     if (!is_shortest_between(first, last, first.ways, first.ways)) return false;
     ways_of_parts_.push_back(first.ways);
     lay_part(0, first.place, last.place);
+    surely_shortest_ = true;
     return true;
   }
   if (!same_left && !same_right) return false;
@@ -123,6 +124,7 @@ bool BorderCurve::find_bend_by_ends() {
     return false;
   add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
   ways_of_parts_.push_back(last.ways);
+  surely_shortest_ = true;
   return true;
 }
 

@@ -64,6 +64,7 @@ void BorderCurve::lay(const Vector2d& begin, const Vector2d& end, std::int32_t l
   right_ = right;
   other_images_ = 0;
   lost_ = false;
+  surely_shortest_ = false;
   bends_.clear();
   ways_of_parts_.clear();
   if (!(length_ > shortest_curve * size_)) return;
@@ -128,12 +129,12 @@ bool BorderCurve::is_function() const {
   return true;
 }
 
-/// Whether the shortest paths come to the part in the two known ways: to the middle point of each quadrature, and to
-/// all points where it is curved visibly, so that it may leave what an image sees and come back.
+/// Whether the shortest paths come to the part in the two known ways: to all points of quadrature, or to the middle one
+/// of each where no other paths can be shorter, as long as these are possible.
 bool BorderCurve::has_known_ways() const {
   if (other_images_ == 0) return true;
-  const bool visible = is_visible(accuracy_.bulge);
-  for (std::size_t i = visible ? 0 : 1; i < nodes_.size(); i += visible ? 1 : three_nodes.size())
+  const bool all = !surely_shortest_ || is_visible(accuracy_.bulge);
+  for (std::size_t i = all ? 0 : 1; i < nodes_.size(); i += all ? 1 : three_nodes.size())
     if (!is_on_border({0, 0, nodes_[i].point.place, *known_ways_}, same_image * size_)) return false;
   return true;
 }

@@ -139,6 +139,7 @@ class BorderCurve {
   const Ways* known_ways_ = nullptr;  ///< of the part, where it is one
   bool has_nodes_ = false;
   bool lost_ = false;
+  bool surely_shortest_ = false;  ///< whether no paths but those of ways_of_parts_ can be shorter
   std::vector<Node> nodes_;
   std::vector<Bend> arc_;
   Points probes_;  ///< where areas have been tried without bends
