@@ -26,7 +26,7 @@ constexpr double smallest_of_lost = 1e-4;
 constexpr double outside = 1e-9;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
-constexpr int most_chords = 24;
+constexpr int most_chords = 6;
 /// Divisions of a face: polygons that are not simple by then are told apart by rounding only.
 constexpr std::int64_t most_divisions = 1500;
 
