@@ -259,8 +259,8 @@ void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
       ->check(CLI::Range(0.0, 1.0));
   command
       ->add_option("--border-deviation", arguments->border_deviation,
-                   "Largest distance of borders from the lines that draw them, in diagonals of the mesh (0.00001)")
-      ->check(CLI::Range(1e-7, 1.0));
+                   "Largest distance of borders from the lines that draw them, in diagonals of the mesh, from 1e-7 to 1 (1e-5)")
+      ->check(CLI::PositiveNumber);
   add_optimization_options(*command, *arguments);
   command->add_option("--obj", arguments->obj_file,
                       "Write borders and cells as OBJ, - for the terminal; each file divides the surface once more");

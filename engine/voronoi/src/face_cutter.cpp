@@ -26,7 +26,10 @@ constexpr double smallest_of_lost = 1e-4;
 constexpr double outside = 1e-9;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
-constexpr int most_chords = 6;
+constexpr int most_chords = 24;
+/// A line between two parts of one cell that other cells cross counts as so many: lines beside it would miss as well,
+/// and leave slivers.
+constexpr int missed_chord = 4;
 /// Divisions of a face: polygons that are not simple by then are told apart by rounding only.
 constexpr std::int64_t most_divisions = 1500;
 
@@ -116,7 +119,7 @@ class Cutter {
     BorderPlace begin;
     BorderPlace end;
     if (hidden || depth >= most_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
-    divide(sides, begin, end, kept, depth + 1);
+    divide(sides, begin, end, kept, depth);
   }
 
  private:
@@ -309,6 +312,8 @@ class Cutter {
     for (std::size_t k = end.side + 1; k < sides.size(); ++k) beyond.push_back(sides[k]);
     for (std::size_t k = 0; k < begin.side; ++k) beyond.push_back(sides[k]);
     beyond.push_back(std::move(first_before));
+    const bool missed = labelled.sites.front() == labelled.sites.back() && !labelled.cuts.empty();
+    depth += missed ? missed_chord : 1;
     cut(between, active, depth);
     cut(beyond, active, depth);
   }
