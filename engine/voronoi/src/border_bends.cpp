@@ -292,8 +292,8 @@ bool BorderCurve::is_on_border(const Stage& stage, double tolerance) const {
   const double left = stage.ways[0].length_to(stage.place);
   const double right = stage.ways[1].length_to(stage.place);
   tolerance += length_rounding * left;
-  return std::abs(distances_.from_site(from_left_, left_, stage.place).distance - left) <= tolerance &&
-         std::abs(distances_.from_site(from_right_, right_, stage.place).distance - right) <= tolerance;
+  return distances_.is_distance(from_left_, left_, stage.place, left, tolerance) &&
+         distances_.is_distance(from_right_, right_, stage.place, right, tolerance);
 }
 
 }  // namespace supple::voronoi
