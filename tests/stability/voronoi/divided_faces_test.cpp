@@ -77,23 +77,6 @@ void expect_same_cells(const TriangleMesh& mesh, const std::vector<SurfacePoint>
   EXPECT_NEAR(length(whole), length(parts), lengths * length(parts));
 }
 
-/// A site of three on a vertex of its face, one on an edge.
-std::vector<SurfacePoint> at_special_places(std::vector<SurfacePoint> sites) {
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    Vector3d& weights = sites[i].barycentric;
-    Eigen::Index corner = 0;
-    if (i % 3 == 0) {
-      weights.maxCoeff(&corner);
-      weights = Vector3d::Unit(corner);
-    } else if (i % 3 == 1) {
-      weights.minCoeff(&corner);
-      weights[corner] = 0;
-      weights /= weights.sum();
-    }
-  }
-  return sites;
-}
-
 TEST(DividedFaces, HaveTheCellsOfWholeOnes) {
   const std::vector<std::pair<std::string, TriangleMesh>> meshes{{"torus", testing::torus(24, 12)},
                                                                  {"trefoil knot", testing::trefoil_knot(80, 8)},
@@ -109,7 +92,7 @@ TEST(DividedFaces, HaveTheCellsOfWholeOnes) {
         SCOPED_TRACE(name + ", " + std::to_string(count) + " sites, seed " + std::to_string(seed));
         const std::vector<SurfacePoint> sites = random_sites(mesh, count, seed);
         expect_same_cells(mesh, sites, 2e-7, 3e-5);
-        expect_same_cells(mesh, at_special_places(sites), 2e-7, 3e-5);
+        expect_same_cells(mesh, testing::on_vertices_and_edges(sites), 2e-7, 3e-5);
       }
     }
   }
@@ -118,7 +101,7 @@ TEST(DividedFaces, HaveTheCellsOfWholeOnes) {
 /// With these sites a region of a face is as near to one of them by two ways. It was halved until memory ran out.
 TEST(DividedFaces, HaveTheMomentsOfWholeOnesWhereTwoWaysAreAsLongAllOver) {
   const TriangleMesh mesh = testing::rabbit(3);
-  const std::vector<SurfacePoint> sites = at_special_places(random_sites(mesh, 20, 1));
+  const std::vector<SurfacePoint> sites = testing::on_vertices_and_edges(random_sites(mesh, 20, 1));
   std::vector<SurfacePoint> moved;
   for (const SurfacePoint& site : sites) moved.push_back(on_divided(site));
   const DiagramOptions options{.cell_moments = true};

@@ -131,23 +131,6 @@ void expect_drawn_where_they_run(const TriangleMesh& mesh, const std::vector<Sur
   }
 }
 
-/// Puts a site of three on a vertex of its face and one on an edge.
-std::vector<SurfacePoint> on_vertices_and_edges(std::vector<SurfacePoint> sites) {
-  for (std::size_t i = 0; i < sites.size(); ++i) {
-    Vector3d& weights = sites[i].barycentric;
-    Eigen::Index corner = 0;
-    if (i % 3 == 0) {
-      weights.maxCoeff(&corner);
-      weights = Vector3d::Unit(corner);
-    } else if (i % 3 == 1) {
-      weights.minCoeff(&corner);
-      weights[corner] = 0;
-      weights /= weights.sum();
-    }
-  }
-  return sites;
-}
-
 TEST(DrawnBorders, HaveTheCornersThatTheyHaveInFaces) {
   const TriangleMesh mesh = TriangleMesh::build({{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
                                                 {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}});
@@ -166,7 +149,7 @@ TEST(DrawnBorders, RunBetweenTheNearestSitesOnCurvedSurfaces) {
     SCOPED_TRACE(name);
     const std::vector<SurfacePoint> sites = random_sites(mesh, count, 5);
     expect_drawn_where_they_run(mesh, sites, 300, stream);
-    expect_drawn_where_they_run(mesh, on_vertices_and_edges(sites), 300, stream);
+    expect_drawn_where_they_run(mesh, testing::on_vertices_and_edges(sites), 300, stream);
   };
   expect("torus", testing::torus(16, 8), 4);
   expect("genus 3", testing::genus3(2), 5);
