@@ -258,8 +258,9 @@ void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
       ->add_option("-e,--relative-error", arguments->relative_error, "Allowed error of every distance; bounded (0.01)")
       ->check(CLI::Range(0.0, 1.0));
   command
-      ->add_option("--border-deviation", arguments->border_deviation,
-                   "Largest distance of borders from the lines that draw them, in diagonals of the mesh, from 1e-7 to 1 (1e-5)")
+      ->add_option(
+          "--border-deviation", arguments->border_deviation,
+          "Largest distance of borders from the lines that draw them, in diagonals of the mesh, from 1e-7 to 1 (1e-5)")
       ->check(CLI::PositiveNumber);
   add_optimization_options(*command, *arguments);
   command->add_option("--obj", arguments->obj_file,

@@ -23,7 +23,7 @@ constexpr double steep_end = 0.3;
 constexpr double flat_top = 0.1;
 constexpr int most_top_halvings = 24;
 /// Relative to its length: a part that bulges no more has its ends in front of each other.
-constexpr double flat_bulge = 1e-2;
+constexpr double level_bulge = 1e-2;
 /// Halvings of an arc that is drawn: a thousand straight lines draw one to a millionth of its bulge.
 constexpr int most_arc_halvings = 10;
 /// How far, at the outer ones of three points, cubic and quartic terms take a curve from its parabola, as fractions of
@@ -119,7 +119,7 @@ const std::vector<BorderCurve::Node>& BorderCurve::take_straight_nodes() {
 /// next to a focus may begin or end behind them.
 bool BorderCurve::is_function() const {
   if (std::all_of(nodes_.begin(), nodes_.end(),
-                  [&](const Node& node) { return std::abs(node.point.height) <= flat_bulge * length_; }))
+                  [&](const Node& node) { return std::abs(node.point.height) <= level_bulge * length_; }))
     return true;
   const Ways& ways = *known_ways_;
   for (const Vector2d& end : {begin_, Vector2d(begin_ + way_)}) {

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 
 /// Relative to the polygon: a Voronoi vertex may be this far outside.
-constexpr double outside = 1e-9;
+constexpr double vertex_outside = 1e-9;
 /// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
 constexpr double equidistance = 2e-13;
 constexpr int most_newton_steps = 30;
@@ -70,7 +70,7 @@ bool find_vertex(const FaceDistances& distances, const Active& active, const std
   if (!(error <= equidistance * distance)) return false;
   for (const Side& side : sides) {
     const Vector2d along = side.to - side.from;
-    if (cross(along, x - side.from) < -outside * along.norm() * longest) return false;
+    if (cross(along, x - side.from) < -vertex_outside * along.norm() * longest) return false;
   }
   if (distances.nearest(active, x).distance < distance - 4 * equidistance * distance) return false;
   place = within_face(corners, x);
