@@ -62,7 +62,7 @@ def test_four_sites_divide_a_square_into_four(api: Api, odd_grid: str) -> None:
         assert sorted(ends, key=lambda end: end is None) == [0, None], "from the middle to the rim"
         assert length([answer["positions"][p] for p in edge["points"]]) == pytest.approx(edge["length"], rel=1e-12)
     assert answer["cells"][0]["neighbours"] == [1, 3]
-    accuracy = {"method": "exact", "relative_error": 0, "relative_error_bound": 0}
+    accuracy = {"method": "exact", "relative_error": 0, "relative_error_bound": 0, "border_deviation": 1e-5}
     assert answer["accuracy"] == accuracy and {stage["name"] for stage in answer["cost"]["stages"]} >= {"propagation", "cells"}
     spread = answer["statistics"]["area"]
     assert (spread["mean"], spread["least"]) == pytest.approx((0.25, 0.25)) and spread["deviation"] == pytest.approx(0, abs=1e-9)
@@ -99,6 +99,68 @@ def test_surface_points_pieces_and_statistics_come_where_they_are_asked_for(api:
                                     for k in range(1, len(corners) - 1))
     # Borders are curves, pieces are polygons.
     np.testing.assert_allclose(areas, [cell["area"] for cell in full["cells"]], rtol=0.02)
+
+
+def polygon_area(corners: Any) -> float:
+    """Of a flat polygon, which may be hollow."""
+    corners = np.asarray(corners)
+    return float(np.linalg.norm(sum(np.cross(corners[k] - corners[0], corners[k + 1] - corners[0])
+                                    for k in range(1, len(corners) - 1))) / 2)
+
+
+def test_a_border_that_bends_in_a_face_is_drawn_where_it_runs(api: Api) -> None:
+    """The windows of one site meet in a face: its border has a corner there, which positions, points and pieces have."""
+    vertices = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], dtype=float)
+    faces = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
+    sites = [{"face": 0, "barycentric": [0.2, 0.6, 0.2]}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}]
+    answer = api.ok(DIAGRAMS, {"mesh": api.upload(vertices, faces), "sites": sites, "pieces": True, "points": True})
+    (edge,) = answer["edges"]
+    line = np.asarray([answer["positions"][k] for k in edge["points"]])
+    assert edge["length"] == pytest.approx(6.3996209946, abs=1e-9)
+    assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(edge["length"], rel=1e-9)
+    areas = np.zeros(2)
+    for piece in answer["pieces"]["cut_faces"]:
+        assert polygon_area(piece["corners"]) == pytest.approx(piece["area"], abs=1e-9)
+        areas[piece["site"]] += piece["area"]
+    np.testing.assert_allclose(areas, [cell["area"] for cell in answer["cells"]], rtol=1e-9)
+
+
+def test_curved_borders_are_drawn_as_finely_as_is_asked_for(api: Api) -> None:
+    """Behind saddle vertices borders are arcs of hyperbolas."""
+    vertices, faces = bumpy_sphere(2)
+    mesh = api.upload(vertices, faces)
+    lengths, counts, cells = [], [], []
+    for deviation in (1, 1e-3, 1e-5, 1e-7):
+        request = {"mesh": mesh, "sites": {"count": 5, "seed": 2}, "pieces": True, "accuracy": {"border_deviation": deviation}}
+        answer = api.ok(DIAGRAMS, request)
+        assert answer["accuracy"]["border_deviation"] == deviation
+        positions = np.asarray(answer["positions"])
+        lengths.append(sum(np.linalg.norm(np.diff(positions[edge["points"]], axis=0), axis=1).sum() for edge in answer["edges"]))
+        counts.append(len(positions))
+        cells.append([cell["area"] for cell in answer["cells"]])
+        # Whole faces and pieces have all of the cells.
+        areas = np.zeros(5)
+        for face, site in enumerate(answer["pieces"]["face_sites"]):
+            if site is not None:
+                areas[site] += polygon_area(vertices[faces[face]])
+        diagonal = np.linalg.norm(np.ptp(vertices, axis=0))
+        for piece in answer["pieces"]["cut_faces"]:
+            areas[piece["site"]] += piece["area"]
+            assert abs(polygon_area(piece["corners"]) - piece["area"]) <= deviation * diagonal * sum(
+                np.linalg.norm(np.diff(np.asarray(piece["corners"]), axis=0), axis=1))
+        np.testing.assert_allclose(areas, cells[-1], rtol=1e-9)
+    assert counts[0] <= counts[1] < counts[2] < counts[3]
+    assert lengths[0] < lengths[1] < lengths[2] < lengths[3] == pytest.approx(sum(edge["length"] for edge in answer["edges"]), rel=1e-6)
+    for areas in cells[:-1]:
+        np.testing.assert_allclose(areas, cells[-1], rtol=1e-6)
+
+
+def test_a_kept_diagram_is_not_taken_for_one_that_is_drawn_finer(api: Api) -> None:
+    mesh = api.upload(*bumpy_sphere(2))
+    request = {"mesh": mesh, "sites": {"count": 5, "seed": 2}, "keep": True, "statistics": False}
+    coarse = api.ok(DIAGRAMS, {**request, "accuracy": {"border_deviation": 1}})
+    fine = api.ok(DIAGRAMS, {**request, "accuracy": {"border_deviation": 1e-7}})
+    assert len(fine["positions"]) > len(coarse["positions"])
 
 
 def test_opposite_sites_of_a_symmetric_ring_have_half_of_it_each(api: Api) -> None:
@@ -185,7 +247,8 @@ def test_more_sites_than_faces_divide_them(api: Api, grid_mesh: str) -> None:
 
 @pytest.mark.parametrize("change, where", [
     ({"sites": []}, "/sites"), ({"sites": {"count": 0}}, "/sites/count"), ({"sites": {"seed": 3}}, "/sites/count"),
-    ({"accuracy": {"method": "fast"}}, "/accuracy/method"), ({"accuracy": {"relative_error": 0.1}}, "/accuracy/relative_error"),
+    ({"accuracy": {"method": "fast"}}, "/accuracy/method"),
+    ({"accuracy": {"border_deviation": 1e-8}}, "/accuracy/border_deviation"), ({"accuracy": {"relative_error": 0.1}}, "/accuracy/relative_error"),
     ({"pieces": 1}, "/pieces"), ({"panel_scale": 0}, "/panel_scale"), ({"objectives": {}}, "/objectives"),
 ])
 def test_bad_diagrams_are_pointed_to(api: Api, grid_mesh: str, change: Dict[str, Any], where: str) -> None:

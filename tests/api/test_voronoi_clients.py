@@ -63,6 +63,22 @@ def test_sites_come_from_the_command_line_or_from_an_earlier_answer(cli: Program
     assert again["sites"] == given["sites"] and again["accuracy"]["method"] == "edges"
 
 
+def test_curved_borders_are_drawn_as_finely_as_the_command_line_says(cli: Program) -> None:
+    file = cli.file("bumpy.obj", bumpy_sphere(2))
+    command = ("voronoi", file, "--random", "5", "--seed", "2", "--border-deviation")
+    counts = []
+    for deviation in ("1", "1e-6"):
+        answer = json.loads(cli.ok("--json", *command, deviation, "--obj", "cells.obj"))
+        counts.append(len(answer["positions"]))
+        lines = (cli.folder / "cells.obj").read_text().split("o cells")[0].splitlines()
+        assert sum(line.startswith("v ") for line in lines) == counts[-1], "the file has the answer's points"
+    assert counts[0] < counts[1]
+    optimized = json.loads(cli.ok("--json", *command, "1e-6", "--optimize", "centroidal", "--max-iterations", "1"))
+    assert optimized["accuracy"]["border_deviation"] == 1e-6
+    refused = cli.run(*command, "2")
+    assert refused.returncode == 2 and "--border-deviation: must be at least 1e-07 and at most 1" in refused.stderr
+
+
 def test_an_optimization_is_printed_with_its_history_and_both_statistics(cli: Program) -> None:
     file = cli.file("sphere.obj", sphere(3))
     text = cli.ok("voronoi", file, "--random", "20", "--optimize", "centroidal,equal_area=0.5", "--tolerance", "1e-3",
@@ -102,6 +118,11 @@ def test_python_has_diagrams_with_borders_pieces_and_files(client: supple.Client
         for border in found.borders(cell.site):
             assert border.shape[1] == 3 and (border[0] == border[-1]).all() and len(border) > 10
     assert found.statistics is not None and found.relative_error_bound == 0
+    fine = mesh.voronoi(found.sites, pieces=True, border_deviation=1e-6)
+    assert fine.border_deviation == 1e-6 and found.border_deviation == 1e-5 and fine.pieces is not None
+    for cell in fine.cells:
+        whole = sum(piece.area for piece in fine.pieces.cut_faces if piece.site == cell.site)
+        assert 0 < whole < cell.area
     assert mesh.voronoi([0, 5], relative_error=0.2, statistics=False).relative_error_bound == 0.2
     assert b"\no cells\n" in mesh.voronoi_file(found.sites, kind="obj")
     assert b"<svg" in mesh.voronoi_file([0, 40, 90, 200], kind="svg", panel_scale=250)

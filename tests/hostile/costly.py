@@ -255,7 +255,7 @@ def diagram_of_many_sites(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 @costly
 def diagram_of_few_sites(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     return post("/v1/voronoi-diagrams", {"mesh": meshes["hills"], "sites": random_points(5, HILLS),
-                                         "accuracy": {"method": "bounded", "relative_error": 1e-9}, **more})
+                                         "accuracy": {"method": "bounded", "relative_error": 1e-9, "border_deviation": 1e-7}, **more})
 
 
 @costly

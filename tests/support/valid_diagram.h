@@ -39,6 +39,23 @@ inline int euler_characteristic(const surface::TriangleMesh& mesh) {
   return mesh.vertex_count() - edges + mesh.face_count();
 }
 
+/// Puts a site of three on a vertex of its face and one on an edge.
+inline std::vector<surface::SurfacePoint> on_vertices_and_edges(std::vector<surface::SurfacePoint> sites) {
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    Eigen::Vector3d& weights = sites[i].barycentric;
+    Eigen::Index corner = 0;
+    if (i % 3 == 0) {
+      weights.maxCoeff(&corner);
+      weights = Eigen::Vector3d::Unit(corner);
+    } else if (i % 3 == 1) {
+      weights.minCoeff(&corner);
+      weights[corner] = 0;
+      weights /= weights.sum();
+    }
+  }
+  return sites;
+}
+
 /// The distance of every site from any point, each by a search of its own.
 class SiteDistances {
  public:

@@ -33,6 +33,7 @@ struct VoronoiArguments {
   std::string fixed;
   std::string minimizer;
   double tolerance = 0;
+  double border_deviation = 0;
   double panel_scale = 0;
   double deadline = 0;
   std::string obj_file;
@@ -98,6 +99,7 @@ nlohmann::json diagram_request(const VoronoiArguments& arguments) {
     request["accuracy"]["relative_error"] = arguments.relative_error;
     if (arguments.method.empty()) request["accuracy"]["method"] = "bounded";
   }
+  if (arguments.border_deviation > 0) request["accuracy"]["border_deviation"] = arguments.border_deviation;
   if (arguments.panel_scale > 0) request["panel_scale"] = arguments.panel_scale;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   return request;
@@ -116,6 +118,7 @@ nlohmann::json optimization_request(const VoronoiArguments& arguments) {
   if (!arguments.fixed.empty()) request["fixed_sites"] = parse_indices(arguments.fixed, "site");
   if (!arguments.minimizer.empty()) request["method"] = arguments.minimizer;
   if (arguments.tolerance > 0) request["accuracy"]["tolerance"] = arguments.tolerance;
+  if (arguments.border_deviation > 0) request["accuracy"]["border_deviation"] = arguments.border_deviation;
   if (arguments.max_iterations > 0) request["max_iterations"] = arguments.max_iterations;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;
   return request;
@@ -203,6 +206,7 @@ void run(const GlobalOptions& options, const VoronoiArguments& arguments) {
   nlohmann::json drawn = optimized ? nlohmann::json{{"mesh", request["mesh"]}} : request;
   drawn["sites"] = answer.at("sites");
   if (arguments.panel_scale > 0) drawn["panel_scale"] = arguments.panel_scale;
+  if (arguments.border_deviation > 0) drawn["accuracy"]["border_deviation"] = arguments.border_deviation;
   bool on_terminal = false;
   for (const auto& [file, media_type] : arguments.files()) {
     if (file->empty()) continue;
@@ -253,6 +257,11 @@ void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
   command
       ->add_option("-e,--relative-error", arguments->relative_error, "Allowed error of every distance; bounded (0.01)")
       ->check(CLI::Range(0.0, 1.0));
+  command
+      ->add_option(
+          "--border-deviation", arguments->border_deviation,
+          "Largest distance of borders from the lines that draw them, in diagonals of the mesh, from 1e-7 to 1 (1e-5)")
+      ->check(CLI::PositiveNumber);
   add_optimization_options(*command, *arguments);
   command->add_option("--obj", arguments->obj_file,
                       "Write borders and cells as OBJ, - for the terminal; each file divides the surface once more");

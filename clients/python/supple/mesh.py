@@ -321,6 +321,7 @@ class Mesh:
         *,
         method: Optional[str] = None,
         relative_error: Optional[float] = None,
+        border_deviation: Optional[float] = None,
         points: bool = False,
         pieces: bool = False,
         statistics: bool = True,
@@ -335,6 +336,9 @@ class Mesh:
             method: "exact" (as without it), "bounded" (each distance within `relative_error`, with less work) or "edges"
                 (along edges and across pairs of faces, without a bound).
             relative_error: allowed for every distance, in (0, 1]; means "bounded". 0.01 on the server's side.
+            border_deviation: largest distance of a border from the straight lines between its points, in units of the
+                diagonal of the mesh's bounding box, from 1e-7 to 1. 1e-5 on the server's side. Areas and lengths are those of
+                the curves for any value.
             points: whether `VoronoiDiagram.points` are returned, which lie where `positions` do.
             pieces: whether `VoronoiDiagram.pieces` are returned, by which cells are coloured.
             statistics: whether edges, cells and vertices are measured.
@@ -342,7 +346,9 @@ class Mesh:
         Raises `InvalidVoronoi` (codes "voronoi.no_sites", "voronoi.too_many_sites", "voronoi.invalid_option"), and
         `InvalidRequest` (code "request.limit_exceeded") where there are more sites than the server takes.
         """
-        document = voronoi.diagram_document(self.id, sites, method, relative_error, points, pieces, statistics, deadline)
+        document = voronoi.diagram_document(
+            self.id, sites, method, relative_error, points, pieces, statistics, deadline, border_deviation
+        )
         return run(self._transport, voronoi.diagram(document), timeout, progress)
 
     def start_voronoi(
@@ -351,13 +357,16 @@ class Mesh:
         *,
         method: Optional[str] = None,
         relative_error: Optional[float] = None,
+        border_deviation: Optional[float] = None,
         points: bool = False,
         pieces: bool = False,
         statistics: bool = True,
         deadline: Optional[float] = None,
     ) -> Job[VoronoiDiagram]:
         """`voronoi` as a job."""
-        document = voronoi.diagram_document(self.id, sites, method, relative_error, points, pieces, statistics, deadline)
+        document = voronoi.diagram_document(
+            self.id, sites, method, relative_error, points, pieces, statistics, deadline, border_deviation
+        )
         return submit(self._transport, voronoi.diagram(document))
 
     def optimize_voronoi(
@@ -417,6 +426,7 @@ class Mesh:
         kind: str = "obj",
         method: Optional[str] = None,
         relative_error: Optional[float] = None,
+        border_deviation: Optional[float] = None,
         panel_scale: Optional[float] = None,
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
@@ -425,7 +435,9 @@ class Mesh:
         """A Voronoi diagram as a file: `kind` is "obj" or "vtu" (borders and the surface cut along them, mesh units), "svg"
         (flat panels with numbered edges, `panel_scale` millimetres for each mesh unit, 1 on the server's side) or "csv" (the
         panels' lengths and angles). Of an optimized diagram, give its `sites`. The other arguments are those of `voronoi`."""
-        document = voronoi.diagram_document(self.id, sites, method, relative_error, False, False, True, deadline)
+        document = voronoi.diagram_document(
+            self.id, sites, method, relative_error, False, False, True, deadline, border_deviation
+        )
         return run(self._transport, voronoi.diagram_file(document, kind, panel_scale), timeout, progress)
 
     def exponential_map(

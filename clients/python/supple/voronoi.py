@@ -52,15 +52,17 @@ class VoronoiOptions:
         tolerance: the iteration stops once |grad E| <= tolerance * sqrt(number of sites) / (mean cell size). 1e-6 on the
             server's side.
         max_iterations: 100 on the server's side.
+        border_deviation: as in `Mesh.voronoi`.
     """
 
     target_length: Optional[float] = None
     method: Optional[str] = None
     tolerance: Optional[float] = None
     max_iterations: Optional[int] = None
+    border_deviation: Optional[float] = None
 
     def to_wire(self) -> Dict[str, Any]:
-        accuracy = given(tolerance=self.tolerance)
+        accuracy = given(tolerance=self.tolerance, border_deviation=self.border_deviation)
         fields = given(target_length=self.target_length, method=self.method, max_iterations=self.max_iterations)
         return {**fields, **({"accuracy": accuracy} if accuracy else {})}
 
@@ -78,8 +80,9 @@ def diagram_document(
     pieces: bool,
     statistics: bool,
     deadline: Optional[float],
+    border_deviation: Optional[float] = None,
 ) -> Dict[str, Any]:
-    accuracy = given(method=method, relative_error=relative_error)
+    accuracy = given(method=method, relative_error=relative_error, border_deviation=border_deviation)
     if relative_error is not None and method is None:
         accuracy["method"] = "bounded"
     return {

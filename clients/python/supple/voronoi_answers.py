@@ -102,11 +102,19 @@ class VoronoiEdge(Shown):
 
 @dataclass(frozen=True, repr=False)
 class VoronoiPiece(Shown):
-    """The part of a cut face that belongs to one cell: `corners`, shape (n, 3), counterclockwise seen from outside."""
+    """The part of a cut face that belongs to one cell.
+
+    Attributes:
+        site: index of the site.
+        face: index of the face.
+        corners: of the polygon that draws it, shape (n, 3), mesh units, counterclockwise seen from outside.
+        area: squared mesh units, borders taken as the curves that they are.
+    """
 
     site: int
     face: int
     corners: Array
+    area: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -136,13 +144,15 @@ class VoronoiDiagram(Drawn):
         edges: borders of two cells between vertices or the mesh's boundary, and closed ones.
         dual: triangles of sites whose cells meet in one place, counterclockwise, shape (triangles, 3).
         positions: points of all borders, shape (points, 3), mesh units: between two successive points of a border it lies in
-            one face.
+            one face and no farther from the straight line than `border_deviation`.
         points: the same as points of the surface; None where they were not asked for.
         pieces: which site every part of the surface belongs to; None where that was not asked for.
         unreached_area: of the components without a site, squared mesh units.
         statistics: None where they were left out.
         warnings: what deserves attention, one sentence each.
         relative_error_bound: guaranteed bound of the relative error of every distance, rounding aside; None without one.
+        border_deviation: largest distance of a border from the straight lines between its points, in units of the diagonal of
+            the mesh's bounding box.
         points_in_space: where the request's points in space lie on the surface.
     """
 
@@ -162,6 +172,7 @@ class VoronoiDiagram(Drawn):
     effects: Tuple[Effect, ...]
     cost: Cost
     points_in_space: Tuple[PlacedPoint, ...] = ()
+    border_deviation: float = 0.0
 
     def borders(self, site: int) -> Tuple[Array, ...]:
         """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point repeated."""
@@ -272,7 +283,7 @@ def _pieces(document: Optional[Mapping[str, Any]]) -> Optional[VoronoiPieces]:
         vertex_sites=_or_minus_one(document["vertex_sites"]),
         face_sites=_or_minus_one(document["face_sites"]),
         cut_faces=tuple(
-            VoronoiPiece(piece["site"], piece["face"], _positions(piece["corners"])) for piece in document["cut_faces"]
+            VoronoiPiece(piece["site"], piece["face"], _positions(piece["corners"]), piece["area"]) for piece in document["cut_faces"]
         ),
     )
 
@@ -313,6 +324,7 @@ def _diagram(document: Mapping[str, Any], statistics: Optional[Mapping[str, Any]
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
         points_in_space=placed_points_from_wire(document),
+        border_deviation=document["accuracy"]["border_deviation"],
     )
 
 

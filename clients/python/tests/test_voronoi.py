@@ -26,27 +26,28 @@ DIAGRAM: Dict[str, Any] = {
     "effects": [], "cost": {"seconds": 0.1, "stages": [], "quantities": {}},
 }
 ANSWER = {**DIAGRAM, "statistics": STATISTICS,
-          "accuracy": {"method": "bounded", "relative_error": 0.01, "relative_error_bound": 0.01}}
+          "accuracy": {"method": "bounded", "relative_error": 0.01, "relative_error_bound": 0.01, "border_deviation": 1e-4}}
 OPTIMIZED = {**DIAGRAM, "statistics": {"before": {**STATISTICS, "area": {**SPREAD, "mean": 7}}, "after": STATISTICS},
              "energy": 3, "terms": [{"name": "centroidal", "energy": 3}], "gradient_norm": 0.5, "iterations": 1,
              "history": [{"energy": 4, "gradient_norm": 2, "step_length": 0}, {"energy": 3, "gradient_norm": 0.5, "step_length": 1}],
-             "stopped": "iteration_limit", "accuracy": {"tolerance": 1e-6, "gradient_tolerance": 0.4, "gradient_norm": 0.5}}
+             "stopped": "iteration_limit", "accuracy": {"tolerance": 1e-6, "gradient_tolerance": 0.4, "gradient_norm": 0.5,
+                                                      "border_deviation": 1e-3}}
 
 
 def test_a_diagram_is_asked_for_as_the_contract_says() -> None:
     plain = diagram_document(MESH, [0, (3, (0.2, 0.3, 0.5))], None, None, False, False, True, None)
     assert plain == {"mesh": MESH, "sites": [{"vertex": 0}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}]}
-    full = diagram_document(MESH, supple.RandomSites(5, seed=2), None, 0.05, True, True, False, 9.0)
-    assert full == {"mesh": MESH, "sites": {"count": 5, "seed": 2}, "accuracy": {"method": "bounded", "relative_error": 0.05},
+    full = diagram_document(MESH, supple.RandomSites(5, seed=2), None, 0.05, True, True, False, 9.0, 1e-3)
+    assert full == {"mesh": MESH, "sites": {"count": 5, "seed": 2}, "accuracy": {"method": "bounded", "relative_error": 0.05, "border_deviation": 1e-3},
                     "points": True, "pieces": True, "statistics": False, "deadline": 9.0}
     assert diagram(plain).path == "/v1/voronoi-diagrams"
 
 
 def test_an_optimization_is_asked_for_as_the_contract_says() -> None:
-    options = supple.VoronoiOptions(target_length=0.5, method="lbfgs", tolerance=1e-4, max_iterations=7)
+    options = supple.VoronoiOptions(target_length=0.5, method="lbfgs", tolerance=1e-4, max_iterations=7, border_deviation=1e-2)
     document = optimization_document(MESH, supple.RandomSites(5), {"planarity": 2}, [np.int64(1)], options, False, False, None)
     assert document == {"mesh": MESH, "sites": {"count": 5}, "objectives": {"planarity": 2.0}, "fixed_sites": [1],
-                        "target_length": 0.5, "method": "lbfgs", "max_iterations": 7, "accuracy": {"tolerance": 1e-4}}
+                        "target_length": 0.5, "method": "lbfgs", "max_iterations": 7, "accuracy": {"tolerance": 1e-4, "border_deviation": 1e-2}}
     assert optimization(document).path == "/v1/voronoi-optimizations"
 
 
@@ -75,11 +76,12 @@ def test_a_diagram_is_read_with_its_borders_as_polylines() -> None:
 
 def test_points_and_pieces_are_read_where_there_are_any() -> None:
     pieces = {"vertex_sites": [0, None], "face_sites": [None, 1],
-              "cut_faces": [{"site": 1, "face": 0, "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]}
+              "cut_faces": [{"site": 1, "face": 0, "area": 0.5, "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]}
     found = voronoi_diagram_from_wire({**ANSWER, "points": [CORNER], "pieces": pieces})
     assert found.points == (supple.SurfacePoint(0, (1.0, 0.0, 0.0)),) and found.pieces is not None
     assert found.pieces.vertex_sites.tolist() == [0, -1] and found.pieces.face_sites.tolist() == [-1, 1]
     assert found.pieces.cut_faces[0].site == 1 and found.pieces.cut_faces[0].corners.shape == (3, 3)
+    assert found.pieces.cut_faces[0].area == 0.5 and found.border_deviation == 1e-4
 
 
 def test_an_optimized_diagram_is_read_with_both_statistics() -> None:

@@ -19,14 +19,14 @@ const COST = { seconds: 0.01, stages: [], quantities: {} };
 
 describe("the state of a diagram", () => {
   it("asks for cells with what colours them, by the distances that were chosen", () => {
-    expect(diagramRequest(MESH, DEFAULT_VORONOI, SITES, false)).toEqual({ mesh: MESH, sites: SITES, accuracy: { method: "exact" }, pieces: true, statistics: false });
-    expect(diagramRequest(MESH, { ...DEFAULT_VORONOI, exactness: "bounded" }, SITES, true).accuracy).toEqual({ method: "bounded", relative_error: 0.01 });
+    expect(diagramRequest(MESH, DEFAULT_VORONOI, SITES, false)).toEqual({ mesh: MESH, sites: SITES, accuracy: { method: "exact", border_deviation: 1e-5 }, pieces: true, statistics: false });
+    expect(diagramRequest(MESH, { ...DEFAULT_VORONOI, exactness: "bounded" }, SITES, true).accuracy).toEqual({ method: "bounded", relative_error: 0.01, border_deviation: 1e-5 });
   });
 
   it("asks for objectives of some weight alone, and for a length of edges where they count", () => {
     const state = { ...DEFAULT_VORONOI, weights: { ...DEFAULT_VORONOI.weights, planarity: 2 }, targetLength: 0.5, fixed: [1, 9] };
     expect(optimizationRequest(MESH, state, SITES)).toEqual({
-      mesh: MESH, sites: SITES, objectives: { centroidal: 1, planarity: 2 }, pieces: true, fixed_sites: [1], method: "automatic", accuracy: { tolerance: 1e-4 }, max_iterations: 100,
+      mesh: MESH, sites: SITES, objectives: { centroidal: 1, planarity: 2 }, pieces: true, fixed_sites: [1], method: "automatic", accuracy: { tolerance: 1e-4, border_deviation: 1e-5 }, max_iterations: 100,
     });
     expect(optimizationRequest(MESH, { ...state, weights: { ...state.weights, edge_length: 1 } }, SITES).target_length).toBe(0.5);
     expect(hasObjective({ ...state, weights: { centroidal: 0, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 } })).toBe(false);
@@ -41,7 +41,7 @@ describe("the state of a diagram", () => {
   });
 
   it("comes back from a link, with its sites unless they are random ones", () => {
-    const state = { ...DEFAULT_VORONOI, count: 12, seed: 3, exactness: "edges" as const, weights: { ...DEFAULT_VORONOI.weights, equal_area: 0.5 }, targetLength: 0.25, fixed: [0, 2], minimizer: "lbfgs" as const, tolerance: 1e-6, maxIterations: 7 };
+    const state = { ...DEFAULT_VORONOI, count: 12, seed: 3, exactness: "edges" as const, deviation: 1e-4, weights: { ...DEFAULT_VORONOI.weights, equal_area: 0.5 }, targetLength: 0.25, fixed: [0, 2], minimizer: "lbfgs" as const, tolerance: 1e-6, maxIterations: 7 };
     const link = { mesh: MESH, tool: "voronoi" as const, points: SITES, network: null, voronoi: state };
     expect(readMeshLink(writeMeshLink(link))).toEqual(link);
     expect(writeMeshLink({ ...link, tool: "path" })).not.toContain("voronoi");
@@ -53,6 +53,18 @@ describe("the state of a diagram", () => {
 });
 
 describe("cells", () => {
+  it("fill polygons that a curved border makes hollow, and nothing beside them", () => {
+    const mesh = { positions: Float64Array.from([0, 0, 0, 4, 0, 0, 0, 4, 0]), faces: Uint32Array.from([0, 1, 2]) };
+    const corners = [[0, 0, 0], [2, 0, 0], [0.25, 0.25, 0], [0, 2, 0]] as const;
+    const turned = [1, 2, 3, 0].map((k) => corners[k]);
+    for (const hollow of [corners, turned]) {
+      const { places } = cellTriangles(mesh, [0, 0, 1, 0, 0, 1, 0, 0, 1], { faceSites: [null], pieces: [{ site: 0, face: 0, corners: hollow }], colours: [[1, 0, 0]] });
+      const areas = [0, 9].map((at) => 0.5 * ((places[at + 3] - places[at]) * (places[at + 7] - places[at + 1]) - (places[at + 4] - places[at + 1]) * (places[at + 6] - places[at])));
+      expect(Math.min(...areas)).toBeGreaterThan(0);
+      expect(areas[0] + areas[1]).toBeCloseTo(0.5, 12);
+    }
+  });
+
   it("that meet have different colours", () => {
     const neighbours = [[1, 2, 3], [0, 2], [0, 1, 3], [0, 2]];
     const colours = cellColours(neighbours, 4);

@@ -20,6 +20,11 @@ constexpr std::size_t most_bends = 96;
 constexpr int most_change_steps = 10;
 /// Relative to the distance: what rounding does to lengths of two ways.
 constexpr double length_rounding = 1e-14;
+/// As much longer than its straight line is a part of a border at most, or it is not taken for found by its ends.
+constexpr double longest_arc = 1.25;
+/// Next to an end a border that is higher over its straight line than this many times the way along it has another part
+/// before, or runs all but across it.
+constexpr double steepest_end = 1e3;
 /// Of a part that is divided because paths come by a third way: the least fraction on each side.
 constexpr double least_part = 0.1;
 /// Fractions of a border between which a bend is no longer looked for where its equations do not give it: where paths
@@ -38,16 +43,25 @@ BendWidths widths_for_areas(double area) {
 }  // namespace
 
 void BorderCurve::find_bends(bool all) {
-  if (other_images_ == 0) return;
+  if (other_images_ == 0 || find_bend_by_ends()) return;
+  bends_.clear();
+  ways_of_parts_.clear();
   bool probed = false;
   if (!all) {
-    // Three points of quadrature say whether there are bends that its area shows.
+    // Three points of quadrature say whether there are bends that its area or its picture shows.
     nodes_.clear();
     probes_ = {};
     has_nodes_ = find_nodes(0, 0, 1, 0, -1);
-    if (has_nodes_) return;
+    if (has_nodes_ && !is_visible(accuracy_.bulge)) return;
+    for (std::size_t i = 0; i < probes_.size() && has_nodes_; ++i) probes_[i] = nodes_[i].point;
     probed = probes_.front().left.arrival >= 0;
   }
+  lost_ = !find_bends_by_probes(all, probed);
+}
+
+/// Bends between places whose distances have been asked for: `probed` by points of quadrature already. False where the
+/// border is lost.
+bool BorderCurve::find_bends_by_probes(bool all, bool probed) {
   std::array<Stage, most_bend_samples + 1> stages;
   const std::size_t last =
       probed ? 1 + probes_.size() : std::min(2 * static_cast<std::size_t>(other_images_), most_bend_samples);
@@ -58,19 +72,85 @@ void BorderCurve::find_bends(bool all) {
       fraction = three_nodes[i - 1];
       point = probes_[i - 1];
     } else if (!find(fraction, point)) {
-      return;
+      return false;
     }
     stages[i] = stage_of(fraction, point);
   }
   for (const std::size_t end : {std::size_t{0}, last}) {
     const double fraction = end == 0 ? bend_margin : 1 - bend_margin;
     Point point;
-    if (!find(fraction, point, &stages[end == 0 ? 1 : last - 1].ways)) return;
+    if (!find(fraction, point, &stages[end == 0 ? 1 : last - 1].ways)) return false;
+    if (std::abs(point.height) > steepest_end * bend_margin * length_) return false;
     stages[end] = stage_of(fraction, point);
   }
   for (std::size_t i = 0; i < last; ++i)
-    if (!find_bends_between(stages[i], stages[i + 1], all)) return;
+    if (!find_bends_between(stages[i], stages[i + 1], all)) return false;
   ways_of_parts_.push_back(stages[last].ways);
+  return true;
+}
+
+/// How paths come to an end of the border. False where none does.
+bool BorderCurve::find_end_stage(bool at_end, Stage& stage) const {
+  Point point;
+  point.place = at_end ? Vector2d(begin_ + way_) : begin_;
+  measure(point);
+  if (point.left.arrival < 0 || point.right.arrival < 0) return false;
+  stage = stage_of(at_end ? 1 : 0, point);
+  return true;
+}
+
+/// Where paths come to both ends in the same ways, but for one of them at most: the bend that there may be is where its
+/// equations say, which need not lie over the straight line. False where other paths may be shorter in between.
+bool BorderCurve::find_bend_by_ends() {
+  Stage first;
+  Stage last;
+  if (!find_end_stage(false, first) || !find_end_stage(true, last)) return false;
+  const bool same_left = same(first.ways[0], last.ways[0]);
+  const bool same_right = same(first.ways[1], last.ways[1]);
+  if (same_left && same_right) {
+    if (!is_shortest_between(first, last, first.ways, first.ways)) return false;
+    ways_of_parts_.push_back(first.ways);
+    lay_part(0, first.place, last.place);
+    surely_shortest_ = true;
+    return true;
+  }
+  if (!same_left && !same_right) return false;
+  Stage change;
+  if (!find_change(first, last, same_left ? 1 : 0, change) || !is_on_border(change, tie_gap * size_)) return false;
+  const double margin = bend_margin * length_;
+  if ((change.place - first.place).norm() <= margin || (change.place - last.place).norm() <= margin) return false;
+  if (!is_shortest_between(first, change, first.ways, last.ways) ||
+      !is_shortest_between(change, last, last.ways, first.ways))
+    return false;
+  add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
+  ways_of_parts_.push_back(last.ways);
+  surely_shortest_ = true;
+  return true;
+}
+
+/// Whether between two places of the border, of which `ways` lead to both, no paths but those of `others` can be
+/// shorter.
+bool BorderCurve::is_shortest_between(const Stage& first, const Stage& last, const Ways& ways,
+                                      const Ways& others) const {
+  const double length = longest_arc * (last.place - first.place).norm();
+  for (const std::size_t side : {0, 1}) {
+    const Way& own = ways[side];
+    const double own_at_first = own.length_to(first.place);
+    const double own_at_last = own.length_to(last.place);
+    for (const std::int32_t i : side == 0 ? from_left_ : from_right_) {
+      const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(i)];
+      // No path of an arrival is shorter than the straight line from its image.
+      const Way other{arrival.image, arrival.sigma};
+      if (same(other, own) || same(other, others[side])) continue;
+      const double at_first = other.length_to(first.place);
+      const double at_last = other.length_to(last.place);
+      // The directions in which two turns S, T see a place x differ by at most 2 |S - T| / (|x - S| + |x - T|).
+      const double sum = std::min(own_at_first + at_first, own_at_last + at_last) - own.length - other.length - length;
+      const double gain = 0.5 * (own_at_first + own_at_last - at_first - at_last);
+      if (!(sum > 0 && gain + length * (other.turn - own.turn).norm() / sum <= tie_gap * size_)) return false;
+    }
+  }
+  return true;
 }
 
 BorderCurve::Way BorderCurve::way_of(const Slope& slope, const Vector2d& place) const {
@@ -115,8 +195,10 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all) {
       if (same(first.ways[side], last.ways[side])) continue;
       smooth = smooth && is_tangent(first.ways[side], last.ways[side]);
       Stage change;
-      if (!find_change(first, last, side, change)) continue;
-      found = is_on_border(change);
+      if (!find_change(first, last, side, change) ||
+          !(change.fraction > first.fraction && change.fraction < last.fraction))
+        continue;
+      found = is_on_border(change, tie_gap * size_) && leads_to(first, change);
       if (found) {
         add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
         first = change;
@@ -126,7 +208,7 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all) {
       }
     }
     if (found) continue;
-    const BendWidths widths = all ? widths_for_derivatives : widths_for_areas(area_tolerance_ / (size_ * size_));
+    const BendWidths widths = all ? widths_for_derivatives : widths_for_areas(accuracy_.area / (size_ * size_));
     if (!(last.fraction - first.fraction > (smooth ? widths.turn : widths.bend))) {
       add_bend(last.place, last.ways[0].length_to(last.place), first.ways);
       return true;
@@ -144,6 +226,16 @@ bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all) {
   return true;
 }
 
+/// Whether the border runs from one place to another without another bend: next to a vertex at which paths turn there
+/// are places that look like one.
+bool BorderCurve::leads_to(const Stage& first, const Stage& last) const {
+  const double fraction = 0.5 * (first.fraction + last.fraction);
+  const Vector2d base = begin_ + fraction * way_;
+  const auto [below, above] = heights_within_face(base);
+  const double height = height_by(first.ways, base, 0.5 * (first.height + last.height), below, above);
+  return is_on_border({fraction, height, base + height * normal_, first.ways}, same_image * size_);
+}
+
 /// Whether paths turn for one way where they run straight for the other.
 bool BorderCurve::is_tangent(const Way& one, const Way& other) const {
   return std::abs(std::abs(one.length - other.length) - (one.turn - other.turn).norm()) <= same_image * size_;
@@ -151,8 +243,8 @@ bool BorderCurve::is_tangent(const Way& one, const Way& other) const {
 
 /// Newton's method for the place where the border, as long as other paths come as at `first`, reaches the places to
 /// which paths from the site on `side` (0: left) come as at `last`. These are as far by both ways, and where one way
-/// only turns from the other they lie on the line on which it does. False where there is no such place between `first`
-/// and `last`.
+/// only turns from the other they lie on the line on which it does. False where there is no such place in the face near
+/// the border's ends.
 bool BorderCurve::find_change(const Stage& first, const Stage& last, std::size_t side, Stage& change) const {
   const Way& one = first.ways[side];
   const Way& other = last.ways[side];
@@ -187,7 +279,6 @@ bool BorderCurve::find_change(const Stage& first, const Stage& last, std::size_t
     change.height = (place - begin_).dot(normal_);
     change.place = place;
     change.ways = first.ways;
-    if (!(change.fraction > first.fraction && change.fraction < last.fraction)) return false;
     // Beyond the face lengths go on, and may be equal at other places.
     const auto [below, above] = heights_within_face(begin_ + change.fraction * way_);
     return change.height > below && change.height < above;
@@ -195,13 +286,14 @@ bool BorderCurve::find_change(const Stage& first, const Stage& last, std::size_t
   return false;
 }
 
-/// Whether the shortest paths from both sites come in these ways: no others are shorter, and these are possible.
-bool BorderCurve::is_on_border(const Stage& stage) const {
+/// Whether the shortest paths from both sites come in these ways: no others are shorter, and these are possible, but
+/// for `tolerance`.
+bool BorderCurve::is_on_border(const Stage& stage, double tolerance) const {
   const double left = stage.ways[0].length_to(stage.place);
   const double right = stage.ways[1].length_to(stage.place);
-  const double tolerance = tie_gap * size_ + length_rounding * left;
-  return std::abs(distances_.from_site(from_left_, left_, stage.place).distance - left) <= tolerance &&
-         std::abs(distances_.from_site(from_right_, right_, stage.place).distance - right) <= tolerance;
+  tolerance += length_rounding * left;
+  return distances_.is_distance(from_left_, left_, stage.place, left, tolerance) &&
+         distances_.is_distance(from_right_, right_, stage.place, right, tolerance);
 }
 
 }  // namespace supple::voronoi

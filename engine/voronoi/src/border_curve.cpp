@@ -6,6 +6,7 @@
 
 #include "border_rounding.h"
 #include "planar_cross.h"
+#include "planar_face.h"
 
 namespace supple::voronoi {
 namespace {
@@ -15,6 +16,16 @@ using Eigen::Vector2d;
 constexpr int most_curve_steps = 60;
 constexpr int most_curve_halvings = 8;
 constexpr int most_height_steps = 8;
+/// Relative to its length: a part that bulges more is divided, and so is one that begins or ends with a greater slope,
+/// because it turns sharply there. It is divided where its slope is no more than `flat_top`.
+constexpr double wide_bulge = 0.05;
+constexpr double steep_end = 0.3;
+constexpr double flat_top = 0.1;
+constexpr int most_top_halvings = 24;
+/// Relative to its length: a part that bulges no more has its ends in front of each other.
+constexpr double level_bulge = 1e-2;
+/// Halvings of an arc that is drawn: a thousand straight lines draw one to a millionth of its bulge.
+constexpr int most_arc_halvings = 10;
 /// How far, at the outer ones of three points, cubic and quartic terms take a curve from its parabola, as fractions of
 /// the bulge for a series whose terms are all equal; and what fraction of the sixth term three points miss.
 constexpr double cubic_part = 0.156;
@@ -52,6 +63,8 @@ void BorderCurve::lay(const Vector2d& begin, const Vector2d& end, std::int32_t l
   left_ = left;
   right_ = right;
   other_images_ = 0;
+  lost_ = false;
+  surely_shortest_ = false;
   bends_.clear();
   ways_of_parts_.clear();
   if (!(length_ > shortest_curve * size_)) return;
@@ -80,24 +93,113 @@ const std::vector<BorderCurve::Node>& BorderCurve::nodes() {
   if (has_nodes_) return nodes_;
   has_nodes_ = true;
   nodes_.clear();
-  if (length_ > shortest_curve * size_ && !bisects_) {
-    if (find_nodes(0, 0, 1, 0, most_curve_halvings) &&
-        (known_ways_ == nullptr || is_on_border({0, 0, nodes_[1].point.place, *known_ways_})))
-      return nodes_;
-    // Other paths may be shorter in between.
-    nodes_.clear();
-    if (known_ways_ != nullptr) {
-      known_ways_ = nullptr;
-      if (find_nodes(0, 0, 1, 0, most_curve_halvings)) return nodes_;
-      nodes_.clear();
-    }
-  }
+  if (!(length_ > shortest_curve * size_)) return take_straight_nodes();
+  const bool found = bisects_ || find_nodes(0, 0, 1, 0, most_curve_halvings);
+  if (bisects_) take_straight_nodes();
+  if (found && (known_ways_ == nullptr || (is_function() && has_known_ways()))) return nodes_;
+  // Other paths are shorter in between: the border has bends that were not found.
+  lost_ = true;
+  known_ways_ = nullptr;
+  bisects_ = false;
+  nodes_.clear();
+  return find_nodes(0, 0, 1, 0, most_curve_halvings) ? nodes_ : take_straight_nodes();
+}
+
+const std::vector<BorderCurve::Node>& BorderCurve::take_straight_nodes() {
+  nodes_.clear();
   for (std::size_t i = 0; i < three_nodes.size(); ++i) {
     Point point;
     point.place = begin_ + three_nodes[i] * way_;
     nodes_.push_back({point, three_weights[i]});
   }
   return nodes_;
+}
+
+/// Whether the part, whose two ways are known, runs over its straight line at both ends: an arc that bulges that much
+/// next to a focus may begin or end behind them.
+bool BorderCurve::is_function() const {
+  if (std::all_of(nodes_.begin(), nodes_.end(),
+                  [&](const Node& node) { return std::abs(node.point.height) <= level_bulge * length_; }))
+    return true;
+  const Ways& ways = *known_ways_;
+  for (const Vector2d& end : {begin_, Vector2d(begin_ + way_)}) {
+    const Vector2d gradient = (end - ways[0].turn).normalized() - (end - ways[1].turn).normalized();
+    if (!(gradient.dot(normal_) < 0)) return false;
+  }
+  return true;
+}
+
+/// Whether the shortest paths come to the part in the two known ways: to all points of quadrature, or to the middle one
+/// of each where no other paths can be shorter, as long as these are possible.
+bool BorderCurve::has_known_ways() const {
+  if (other_images_ == 0) return true;
+  const bool all = !surely_shortest_ || is_visible(accuracy_.bulge);
+  for (std::size_t i = all ? 0 : 1; i < nodes_.size(); i += all ? 1 : three_nodes.size())
+    if (!is_on_border({0, 0, nodes_[i].point.place, *known_ways_}, same_image * size_)) return false;
+  return true;
+}
+
+/// Whether the straight line is farther from the border than it may be drawn. An arc of a hyperbola bulges to one side:
+/// it is nowhere higher than twice as high as in its middle.
+bool BorderCurve::is_visible(double deviation) const {
+  return std::any_of(nodes_.begin(), nodes_.end(),
+                     [&](const Node& node) { return 2 * std::abs(node.point.height) > deviation; });
+}
+
+bool BorderCurve::bulges() {
+  const std::vector<Node>& all = nodes();
+  if (known_ways_ == nullptr || bisects_) return false;
+  return std::any_of(all.begin(), all.end(),
+                     [&](const Node& node) { return std::abs(node.point.height) > wide_bulge * length_; }) ||
+         std::abs(slope_at(begin_)) > steep_end || std::abs(slope_at(begin_ + way_)) > steep_end;
+}
+
+/// How the height of the part, whose two ways are known, changes along its straight line at one of its places.
+double BorderCurve::slope_at(const Vector2d& place) const {
+  const Vector2d gradient =
+      (place - (*known_ways_)[0].turn).normalized() - (place - (*known_ways_)[1].turn).normalized();
+  const double across = gradient.dot(normal_);
+  return across == 0 ? 0 : -gradient.dot(way_) / (across * length_);
+}
+
+bool BorderCurve::find_top(Bend& top) const {
+  double before = 0;
+  double after = 1;
+  double height = 0;
+  const double rises = slope_at(begin_);
+  for (int halving = 0; halving < most_top_halvings; ++halving) {
+    const double fraction = 0.5 * (before + after);
+    Point point;
+    point.height = height;
+    if (!find(fraction, point)) return false;
+    top = {within_face(corners_, point.place), point.left.distance};
+    height = point.height;
+    const double slope = slope_at(point.place);
+    if (std::abs(slope) <= flat_top) return true;
+    (slope * rises > 0 ? before : after) = fraction;
+  }
+  return true;
+}
+
+const std::vector<BorderCurve::Bend>& BorderCurve::arc() {
+  arc_.clear();
+  if (is_visible(accuracy_.deviation)) add_arc(0, 0, 1, 0, most_arc_halvings);
+  return arc_;
+}
+
+void BorderCurve::add_arc(double begin, double height_at_begin, double end, double height_at_end, int halvings) {
+  const double middle = 0.5 * (begin + end);
+  const double chord = 0.5 * (height_at_begin + height_at_end);
+  Point point;
+  point.height = chord;
+  if (!find(middle, point)) {
+    lost_ = true;
+    return;
+  }
+  if (halvings == 0 || 2 * std::abs(point.height - chord) <= accuracy_.deviation) return;
+  add_arc(begin, height_at_begin, middle, point.height, halvings - 1);
+  arc_.push_back({within_face(corners_, point.place), point.left.distance});
+  add_arc(middle, point.height, end, height_at_end, halvings - 1);
 }
 
 /// Points of quadrature along a border between two fractions of its straight line, over which it has these heights.
@@ -127,8 +229,8 @@ bool BorderCurve::find_nodes(double begin, double height_at_begin, double end, d
       bulge > 0 ? std::max(cubic * cubic / (cubic_part * cubic_part * bulge * bulge), quartic / (quartic_part * bulge))
                 : 0;
   double left = quadrature_error * bulge * square * square * length * length;
-  if (halvings < 0 && left <= area_tolerance_ && turns_near_ends(points)) left += end_error * bulge * length * length;
-  if (left > area_tolerance_) {
+  if (halvings < 0 && left <= accuracy_.area && turns_near_ends(points)) left += end_error * bulge * length * length;
+  if (left > accuracy_.area) {
     if (halvings < 0) probes_ = points;
     if (halvings < 0) return false;
     if (halvings == 0) return take_nodes(points, begin, end);
@@ -222,7 +324,9 @@ bool BorderCurve::find(double fraction, Point& point, const Ways* guess) const {
     const double gap = point.left.distance - point.right.distance;
     const Vector2d gradient = point.left.gradient - point.right.gradient;
     const double across = gradient.dot(normal_);
-    if (!std::isfinite(gap) || !(across < 0)) return false;  // towards the left cell its site comes nearer
+    if (!std::isfinite(gap)) return false;
+    // Towards the left cell its site comes nearer, but where both are as near all over.
+    if (!(across < 0)) return std::abs(gap) <= tie_gap * size_;
     point.stretch = gradient.norm() / -across;
     const double change = -gap / across;
     if (std::abs(change) <= curve_rounding * size_) return true;

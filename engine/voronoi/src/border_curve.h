@@ -6,14 +6,15 @@
 #include <utility>
 #include <vector>
 
+#include "border_accuracy.h"
 #include "face_distances.h"
 #include "quadrature.h"
 
 namespace supple::voronoi {
 
-/// A border between two places of a face as a function over the straight line between them: parts of hyperbolas, with
-/// bends where the shortest paths from one of its sites come another way. Two points of one border are so near to each
-/// other that it bulges by less than a quarter of their distance.
+/// A border between two places of a face as a function over the straight line between them: arcs of hyperbolas, with
+/// bends where the shortest paths from one of its sites come another way. A border that is no such function, or that
+/// rises farther than the straight line is long, is lost; parts of it that are short enough are found.
 class BorderCurve {
  public:
   /// A place of the border.
@@ -29,13 +30,12 @@ class BorderCurve {
     double weight = 0;
   };
 
-  /// `size` is the longest side of the face with these corners, and `area_tolerance` what quadrature may leave of the
-  /// area between a part of a border and its straight line, in squared mesh units.
+  /// `size` is the longest side of the face with these corners.
   BorderCurve(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners, double size,
-              double area_tolerance)
-      : distances_(distances), corners_(corners), size_(size), area_tolerance_(area_tolerance) {}
+              const BorderAccuracy& accuracy)
+      : distances_(distances), corners_(corners), size_(size), accuracy_(accuracy) {}
 
-  /// Where a border bends, and how far the sites on both sides are from there.
+  /// A place at which a border bends or through which it is drawn, and how far the sites on both sides are from there.
   struct Bend {
     Eigen::Vector2d place;
     double distance = 0;
@@ -45,7 +45,7 @@ class BorderCurve {
   void lay(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, std::int32_t left, std::int32_t right,
            const Active& active);
 
-  /// Finds its bends, from its begin to its end: `all`, or those that make a difference to areas.
+  /// Finds its bends, from its begin to its end: `all`, or those that make a difference to areas or to what is drawn.
   void find_bends(bool all);
   const std::vector<Bend>& bends() const { return bends_; }
   /// Goes on with the part between two bends or ends: `number` bends lie before it.
@@ -53,6 +53,16 @@ class BorderCurve {
 
   /// Points of quadrature along the border or the part of it, which is to have no bends in between.
   const std::vector<Node>& nodes();
+  /// Whether the part rises so far or so steeply over its straight line that three points of quadrature do not tell its
+  /// length, and a place where it runs along the straight line, at which it is better divided.
+  bool bulges();
+  bool find_top(Bend& top) const;
+  /// Places along the same, in their order, for drawing: straight lines between these and the two ends are no farther
+  /// from the border than the accuracy says. After nodes().
+  const std::vector<Bend>& arc();
+
+  /// Whether since lay() a part of the border was not found: nodes lie on the straight line instead.
+  bool is_lost() const { return lost_; }
 
   /// Of the straight line.
   double length() const { return length_; }
@@ -86,6 +96,12 @@ class BorderCurve {
   double height_by(const Ways& ways, const Eigen::Vector2d& base, double height, double below, double above) const;
   bool find(double fraction, Point& point, const Ways* guess = nullptr) const;
   bool find_nodes(double begin, double height_at_begin, double end, double height_at_end, int halvings);
+  const std::vector<Node>& take_straight_nodes();
+  bool is_function() const;
+  double slope_at(const Eigen::Vector2d& place) const;
+  bool has_known_ways() const;
+  bool is_visible(double deviation) const;
+  void add_arc(double begin, double height_at_begin, double end, double height_at_end, int halvings);
   bool turns_near_ends(const Points& points) const;
   bool take_nodes(const Points& points, double begin, double end);
 
@@ -95,15 +111,20 @@ class BorderCurve {
   bool same(const Way& one, const Way& other) const;
   bool same(const Ways& one, const Ways& other) const;
   void add_bend(const Eigen::Vector2d& place, double distance, const Ways& before);
+  bool find_end_stage(bool at_end, Stage& stage) const;
+  bool find_bend_by_ends();
+  bool find_bends_by_probes(bool all, bool probed);
+  bool is_shortest_between(const Stage& first, const Stage& last, const Ways& ways, const Ways& others) const;
   bool find_bends_between(Stage first, const Stage& last, bool all);
   bool is_tangent(const Way& one, const Way& other) const;
   bool find_change(const Stage& first, const Stage& last, std::size_t side, Stage& change) const;
-  bool is_on_border(const Stage& stage) const;
+  bool leads_to(const Stage& first, const Stage& last) const;
+  bool is_on_border(const Stage& stage, double tolerance) const;
 
   const FaceDistances& distances_;
   std::array<Eigen::Vector2d, 3> corners_;
   double size_;
-  double area_tolerance_;
+  BorderAccuracy accuracy_;
   Eigen::Vector2d begin_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d way_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d normal_ = Eigen::Vector2d::Zero();
@@ -117,7 +138,10 @@ class BorderCurve {
   std::vector<Ways> ways_of_parts_;   ///< how paths come to each part between bends
   const Ways* known_ways_ = nullptr;  ///< of the part, where it is one
   bool has_nodes_ = false;
+  bool lost_ = false;
+  bool surely_shortest_ = false;  ///< whether no paths but those of ways_of_parts_ can be shorter
   std::vector<Node> nodes_;
+  std::vector<Bend> arc_;
   Points probes_;  ///< where areas have been tried without bends
 };
 

@@ -85,7 +85,7 @@ class DiagramFaces::Task {
     if (wants_pulls()) pulls_.start(face);
     if (whole) return add_moments(face, site, corners, corners);
     CutFace result = voronoi::cut_face(work_.distances, corners, {&sides[0], &sides[1], &sides[2]},
-                                       faces_.options_.border_samples || wants_moments(), faces_.area_tolerance_);
+                                       faces_.options_.border_samples || wants_moments(), faces_.accuracy_);
     if (wants_moments()) add_moments(face, result, corners);
     if (result.borders.empty() && result.pieces.size() == 1) {
       site = result.pieces.front().site;
@@ -162,7 +162,7 @@ class DiagramFaces::Task {
   }
 
   void add_moments(std::int32_t face, const CutFace& cut, const std::array<Vector2d, 3>& corners) {
-    for (const FacePiece& piece : cut.pieces) add_moments(face, piece.site, corners, piece.corners);
+    for (const FacePiece& piece : cut.pieces) add_moments(face, piece.site, corners, without_arcs(piece));
     work_.distances.all(work_.active);
     for (const FaceSample& sample : cut.samples) {
       if (sample.area == 0) continue;
@@ -171,6 +171,12 @@ class DiagramFaces::Task {
         if (slope.arrival >= 0) pulls_.add_area(slope.arrival, sample.beside, area, moments_of(face, site));
       }
     }
+  }
+
+  static std::vector<Vector2d> without_arcs(const FacePiece& piece) {
+    std::vector<Vector2d> corners = piece.corners;
+    for (std::size_t i = piece.arc_corners.size(); i-- > 0;) corners.erase(corners.begin() + piece.arc_corners[i]);
+    return corners;
   }
 
   /// Of a site's part of a face, a polygon.
@@ -239,8 +245,10 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
       std::clamp(area_rounding * mesh.face_count() / faces_of_rounding, area_rounding, most_area_rounding);
   for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
     const std::array<Vector2d, 3> corners = planar_corners(mesh, face);
-    area_tolerance_ += rounding * 0.5 * corners[1].x() * corners[2].y();
+    accuracy_.area += rounding * 0.5 * corners[1].x() * corners[2].y();
   }
+  accuracy_.deviation = options.border_deviation * mesh.diagonal();
+  accuracy_.bulge = std::min(options.border_deviation, DiagramOptions{}.border_deviation) * mesh.diagonal();
   if (options_.method == DiagramMethod::edges) options_.vertex_pulls = options_.border_samples = false;
   if (moments_.empty()) return;
   bends_paths_.resize(vertex_sites_.size());

@@ -83,7 +83,7 @@ class DiagramFaces {
 
   const surface::TriangleMesh* mesh_;
   DiagramOptions options_;
-  double area_tolerance_ = 0;  ///< of a part of a border, squared mesh units
+  BorderAccuracy accuracy_;
   std::vector<double> vertex_distances_;
   std::vector<std::int32_t> vertex_sites_;
   std::vector<std::int32_t> face_sites_;

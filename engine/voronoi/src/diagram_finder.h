@@ -15,6 +15,7 @@ struct Needs {
   bool motions = false;
   bool border_pulls = false;
   bool cell_moments = false;
+  double border_deviation = DiagramOptions{}.border_deviation;
 };
 
 /// Finds what terms ask for at a state, once. Diagrams are made anew only round sites that have moved where most are
@@ -25,10 +26,10 @@ class DiagramFinder {
   DiagramFinder(const surface::GeodesicSolver& solver, Needs needs)
       : solver_(solver),
         needs_(needs),
-        moving_(
-            solver,
-            {.vertex_pulls = needs.motions, .border_samples = needs.border_pulls, .cell_moments = needs.cell_moments}) {
-  }
+        moving_(solver, {.border_deviation = needs.border_deviation,
+                         .vertex_pulls = needs.motions,
+                         .border_samples = needs.border_pulls,
+                         .cell_moments = needs.cell_moments}) {}
 
   /// Order 0: the diagram, and what values need; 1: motions of vertices too.
   void find(SitesState& state, int order, const Execution& execution) const;

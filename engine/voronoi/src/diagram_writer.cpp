@@ -138,7 +138,7 @@ class DiagramWriter {
       parts_[place.part++] = {number_of(border.from), number_of(border.to), border.left, border.right, border.length};
     for (const FacePiece& piece : own.pieces) {
       diagram_.pieces[place.piece++] = {piece.site, place.face, static_cast<std::int32_t>(place.corner),
-                                        static_cast<std::int32_t>(piece.corners.size())};
+                                        static_cast<std::int32_t>(piece.corners.size()), std::max(piece.area, 0.0)};
       for (const Vector2d& corner : piece.corners) diagram_.corners[place.corner++] = barycentric(corners, corner);
     }
     std::copy(own.border_samples.begin(), own.border_samples.end(),
@@ -153,7 +153,8 @@ class DiagramWriter {
         const CutFace& own = *faces_.cut_face(face);
         subdivisions_ += own.subdivisions;
         if (!own.resolved) ++unresolved;
-        for (const auto& [of_site, area] : own.areas) diagram_.cells[static_cast<std::size_t>(of_site)].area += area;
+        for (const FacePiece& piece : own.pieces)
+          diagram_.cells[static_cast<std::size_t>(piece.site)].area += piece.area;
         continue;
       }
       const std::array<Vector2d, 3> corners = planar_corners(mesh_, face);

@@ -1,14 +1,13 @@
 #include "face_cutter.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <utility>
 
 #include "bisector_borders.h"
 #include "border_curve.h"
+#include "face_vertex.h"
 #include "planar_cross.h"
 #include "planar_face.h"
 #include "polygon_sides.h"
@@ -21,16 +20,18 @@ using Eigen::Vector2d;
 
 /// Relative to the face: polygons below are not divided any more.
 constexpr double smallest_triangle = 1e-12;
+/// Relative to the face: in smaller polygons a border that is lost is taken as it is.
+constexpr double smallest_of_lost = 1e-4;
+/// Relative to the face: points of a border may be this far outside of their polygon.
+constexpr double outside = 1e-9;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
 constexpr int most_chords = 24;
+/// A line between two parts of one cell that other cells cross counts as so many: lines beside it would miss as well,
+/// and leave slivers.
+constexpr int missed_chord = 4;
 /// Divisions of a face: polygons that are not simple by then are told apart by rounding only.
 constexpr std::int64_t most_divisions = 1500;
-/// Relative to the triangle: a Voronoi vertex may be this far outside.
-constexpr double outside = 1e-9;
-/// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
-constexpr double equidistance = 2e-13;
-constexpr int most_newton_steps = 30;
 
 /// Room that a thread keeps from face to face, so that cutting one asks for little memory.
 struct CutterRoom {
@@ -42,9 +43,9 @@ struct CutterRoom {
   };
   std::deque<Level> levels;
   std::vector<Vector2d> cut_places;
-  std::vector<std::pair<std::int32_t, double>> areas;
   BisectorBorders bisectors;
   std::vector<Vector2d> polygon;
+  std::deque<BorderLine> lines;
 
   Level& level(int depth) {
     while (levels.size() <= static_cast<std::size_t>(depth)) levels.emplace_back();
@@ -53,23 +54,25 @@ struct CutterRoom {
     found.cuts.clear();
     return found;
   }
+  BorderLine& line(std::size_t number) {
+    while (lines.size() <= number) lines.emplace_back();
+    return lines[number];
+  }
 };
 
 class Cutter {
  public:
-  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples, double area_tolerance,
-         CutterRoom& room, CutFace& result)
+  Cutter(const FaceDistances& distances, const std::array<Vector2d, 3>& corners, bool samples,
+         const BorderAccuracy& accuracy, CutterRoom& room, CutFace& result)
       : distances_(distances),
         corners_(corners),
         result_(result),
         size_(longest_side(corners)),
-        curve_(distances, corners, size_, area_tolerance),
+        curve_(distances, corners, size_, accuracy),
         room_(room),
         cut_places_(room.cut_places),
-        areas_(room.areas),
         samples_(samples) {
     cut_places_.clear();
-    areas_.clear();
     for (const surface::FaceArrival& arrival : distances.arrivals())
       if (arrival.everywhere && arrival.sigma == 0) sites_.push_back({arrival.image, arrival.source});
   }
@@ -95,34 +98,28 @@ class Cutter {
       }
     }
     const bool hidden = has_hidden_site(sides, boundary);
-    if (!hidden && cuts.empty()) return add_piece(boundary.front().site, boundary, 0, boundary.size(), {});
+    if (!hidden && cuts.empty()) return add_whole(boundary);
     distances_.prune(active, centre, radius, kept);
     if (cut_by_bisectors(sides, boundary, cuts, kept)) return;
-    if (!hidden && cuts.size() == 2) return cut_in_two(boundary, cuts, kept);
     const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
+    const bool surely = small || !(longest > smallest_of_lost * size_);
+    if (!hidden && cuts.size() == 2 && cut_in_two(sides, boundary, cuts, kept, surely)) return;
     if (!hidden && cuts.size() >= 3 && all_differ(boundary, cuts)) {
       Vector2d place = centre;
-      if (meet(sides, boundary, cuts, kept, longest, place)) return cut_at_vertex(boundary, cuts, place, kept);
+      if (find_vertex(distances_, kept, corners_, sides, boundary, cuts, longest, place) &&
+          cut_at_vertex(sides, boundary, cuts, place, kept, surely))
+        return;
     }
     if (result_.subdivisions >= most_divisions) result_.resolved = false;
-    if (small)
-      return cuts.empty() ? add_piece(boundary.front().site, boundary, 0, boundary.size(), {})
-                          : cut_at_vertex(boundary, cuts, centre, kept);
+    if (small) {
+      if (cuts.empty()) return add_whole(boundary);
+      cut_at_vertex(sides, boundary, cuts, centre, kept, true);
+      return;
+    }
     BorderPlace begin;
     BorderPlace end;
     if (hidden || depth >= most_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
-    divide(sides, begin, end, kept, depth + 1);
-  }
-
-  /// The areas between the straight lines and the borders.
-  void finish() {
-    std::sort(areas_.begin(), areas_.end());
-    for (const auto& [site, area] : areas_) {
-      if (result_.areas.empty() || result_.areas.back().first != site)
-        result_.areas.emplace_back(site, area);
-      else
-        result_.areas.back().second += area;
-    }
+    divide(sides, begin, end, kept, depth);
   }
 
  private:
@@ -155,117 +152,97 @@ class Cutter {
     return true;
   }
 
-  /// Newton's method for the point at one distance from the sites of all cuts (thesis eq. 3.25). True if it lies in the
-  /// triangle and no other site is nearer.
-  bool meet(const Sides& sides, const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
-            const Active& active, double longest, Vector2d& place) const {
-    Vector2d x = place;
-    double distance = 0;
-    double error = std::numeric_limits<double>::infinity();
-    const auto count = static_cast<Eigen::Index>(cuts.size());
-    for (int step = 0; step < most_newton_steps; ++step) {
-      const Slope first = distances_.from_site(active, boundary[cuts[0]].site, x);
-      if (!std::isfinite(first.distance)) return false;
-      distance = first.distance;
-      double worst = 0;
-      Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-      Vector2d right = Vector2d::Zero();
-      Eigen::Matrix2d two = Eigen::Matrix2d::Zero();
-      Vector2d gaps = Vector2d::Zero();
-      for (Eigen::Index k = 1; k < count; ++k) {
-        const Slope other = distances_.from_site(active, boundary[cuts[static_cast<std::size_t>(k)]].site, x);
-        if (!std::isfinite(other.distance)) return false;
-        const double gap = first.distance - other.distance;
-        const Vector2d slope = first.gradient - other.gradient;
-        worst = std::max(worst, std::abs(gap));
-        if (k <= 2) {
-          two.row(k - 1) = slope.transpose();
-          gaps[k - 1] = gap;
-        }
-        normal += slope * slope.transpose();
-        right += slope * gap;
-      }
-      if (!(worst < 0.5 * error) && worst <= equidistance * distance) break;  // as small as rounding lets it be
-      error = worst;
-      Vector2d way;
-      if (count == 3) {
-        const double determinant = cross(two.row(0), two.row(1));
-        if (determinant == 0) return false;
-        way = Vector2d(two(1, 1) * gaps[0] - two(0, 1) * gaps[1], two(0, 0) * gaps[1] - two(1, 0) * gaps[0]) /
-              -determinant;
-      } else {
-        way = -normal.ldlt().solve(right);
-      }
-      const double length = way.norm();
-      if (!std::isfinite(length)) return false;
-      if (length > longest) way *= longest / length;
-      x += way;
-      if ((x - place).norm() > 2 * longest) return false;
-      if (worst == 0) break;
-    }
-    if (!(error <= equidistance * distance)) return false;
-    for (const Side& side : sides) {
-      const Vector2d along = side.to - side.from;
-      if (cross(along, x - side.from) < -outside * along.norm() * longest) return false;
-    }
-    if (distances_.nearest(active, x).distance < distance - 4 * equidistance * distance) return false;
-    place = within_face(corners_, x);
-    return true;
-  }
-
-  /// Adds the polygon of the boundary between two of its vertices and of the places `beyond`.
-  void add_piece(std::int32_t site, const std::vector<BoundaryVertex>& boundary, std::size_t begin, std::size_t end,
-                 const std::vector<Vector2d>& beyond) {
-    FacePiece piece{site, {}};
-    piece.corners.reserve(end - begin + beyond.size());
-    for (std::size_t i = begin; i < end; ++i) piece.corners.push_back(boundary[i % boundary.size()].place);
-    piece.corners.insert(piece.corners.end(), beyond.begin(), beyond.end());
+  void add_whole(const std::vector<BoundaryVertex>& boundary) {
+    FacePiece piece;
+    piece.site = boundary.front().site;
+    for (const BoundaryVertex& vertex : boundary) piece.corners.push_back(vertex.place);
     add_piece(std::move(piece));
   }
 
+  /// Adds a piece, whose area is what lies between its polygon and its borders so far.
   void add_piece(FacePiece piece) {
     double doubled = 0;
     for (std::size_t i = 2; i < piece.corners.size(); ++i)
       doubled += cross(piece.corners[i - 1] - piece.corners[0], piece.corners[i] - piece.corners[0]);
-    areas_.emplace_back(piece.site, 0.5 * doubled);
+    piece.area += 0.5 * doubled;
     result_.pieces.push_back(std::move(piece));
   }
 
-  /// The piece between two neighbouring cuts, and what is beyond.
-  void add_piece_between(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
-                         std::size_t i, const std::vector<Vector2d>& beyond) {
+  /// Begins the piece between two neighbouring cuts: from the one along the boundary to the other.
+  static FacePiece piece_between(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                                 std::size_t i) {
     const std::size_t begin = cuts[i];
     const std::size_t end = i + 1 < cuts.size() ? cuts[i + 1] : cuts[0] + boundary.size();
-    add_piece(boundary[begin].site, boundary, begin, end + 1, beyond);
+    FacePiece piece;
+    piece.site = boundary[begin].site;
+    for (std::size_t k = begin; k <= end; ++k) piece.corners.push_back(boundary[k % boundary.size()].place);
+    return piece;
   }
 
-  void cut_in_two(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
-                  const Active& active) {
+  /// Continues a piece along a border, which it has on its left, or backwards, on its right.
+  static void follow(const BorderLine& line, bool backwards, FacePiece& piece) {
+    const std::size_t count = line.points.size();
+    for (std::size_t k = 0; k < count; ++k) {
+      const BorderLine::Point& point = line.points[backwards ? count - 1 - k : k];
+      if (point.on_arc) piece.arc_corners.push_back(static_cast<std::int32_t>(piece.corners.size()));
+      piece.corners.push_back(point.place);
+    }
+    piece.area += backwards ? line.beside : -line.beside;
+  }
+
+  /// Follows a border within the polygon. False where it is lost, or has been lost for another border of its sites that
+  /// runs outside: then it is taken as straight.
+  bool trace(const Sides& sides, const Vector2d& begin, const Vector2d& end, std::int32_t left, std::int32_t right,
+             const Active& active, BorderLine& line) {
+    trace_border(curve_, begin, end, left, right, active, samples_, line);
+    const auto is_outside = [&](const BorderLine::Point& point) {
+      return std::any_of(sides.begin(), sides.end(), [&](const Side& side) {
+        const Vector2d along = side.to - side.from;
+        return cross(along, point.place - side.from) < -outside * size_ * along.norm();
+      });
+    };
+    if (std::none_of(line.points.begin(), line.points.end(), is_outside)) return !line.lost;
+    line.take_straight(left, right, begin, end, samples_);
+    return false;
+  }
+
+  /// Where there are two cells with one border. False where it is lost and is not taken as it is: `surely`.
+  bool cut_in_two(const Sides& sides, const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                  const Active& active, bool surely) {
     // What follows the first cut lies on the left of the way from the second cut to the first.
-    std::vector<Vector2d> bends = add_border(boundary[cuts[1]].cut, boundary[cuts[0]].cut, boundary[cuts[0]].site,
-                                             boundary[cuts[1]].site, active);
-    add_piece_between(boundary, cuts, 0, bends);
-    std::reverse(bends.begin(), bends.end());
-    add_piece_between(boundary, cuts, 1, bends);
+    const BoundaryVertex& to = boundary[cuts[0]];
+    const BoundaryVertex& from = boundary[cuts[1]];
+    BorderLine& line = room_.line(0);
+    if (!trace(sides, from.place, to.place, to.site, from.site, active, line) && !surely) return false;
+    add_border(line, from.cut, to.cut, to.site, from.site);
+    for (const std::size_t i : {0, 1}) {
+      FacePiece piece = piece_between(boundary, cuts, i);
+      follow(line, i == 1, piece);
+      add_piece(std::move(piece));
+    }
+    return true;
   }
 
-  void cut_at_vertex(const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
-                     const Vector2d& place, const Active& active) {
+  /// Where borders lead from a vertex to all cuts. False where one is lost and is not taken as it is: `surely`.
+  bool cut_at_vertex(const Sides& sides, const std::vector<BoundaryVertex>& boundary,
+                     const std::vector<std::size_t>& cuts, const Vector2d& place, const Active& active, bool surely) {
+    const auto right_of = [&](std::size_t i) { return boundary[cuts[(i + cuts.size() - 1) % cuts.size()]].site; };
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      const BoundaryVertex& to = boundary[cuts[i]];
+      if (!trace(sides, place, to.place, to.site, right_of(i), active, room_.line(i)) && !surely) return false;
+    }
     const auto vertex = static_cast<std::int32_t>(result_.points.size());
     result_.points.push_back({place, distances_.nearest(active, place).distance, true});
-    std::vector<std::vector<Vector2d>> bends;  // from the vertex to each cut
+    for (std::size_t i = 0; i < cuts.size(); ++i)
+      add_border(room_.line(i), vertex, boundary[cuts[i]].cut, boundary[cuts[i]].site, right_of(i));
     for (std::size_t i = 0; i < cuts.size(); ++i) {
-      const std::size_t before = (i + cuts.size() - 1) % cuts.size();
-      bends.push_back(
-          add_border(vertex, boundary[cuts[i]].cut, boundary[cuts[i]].site, boundary[cuts[before]].site, active));
+      FacePiece piece = piece_between(boundary, cuts, i);
+      follow(room_.line((i + 1) % cuts.size()), true, piece);
+      piece.corners.push_back(place);
+      follow(room_.line(i), false, piece);
+      add_piece(std::move(piece));
     }
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-      const std::vector<Vector2d>& next = bends[(i + 1) % cuts.size()];
-      std::vector<Vector2d> beyond(next.rbegin(), next.rend());
-      beyond.push_back(place);
-      beyond.insert(beyond.end(), bends[i].begin(), bends[i].end());
-      add_piece_between(boundary, cuts, i, beyond);
-    }
+    return true;
   }
 
   /// Where all borders in the polygon are bisectors, and meet its sides where these are cut.
@@ -280,7 +257,8 @@ class Cutter {
     for (const FaceBorder& border : found.borders())
       add_straight_border(border.from, border.to, border.left, border.right);
     for (std::size_t image = 0; image < found.pieces(); ++image) {
-      FacePiece piece{found.site_of_piece(image), {}};
+      FacePiece piece;
+      piece.site = found.site_of_piece(image);
       found.write_piece(
           image, [&](std::int32_t end) -> const Vector2d& { return place_of(end); }, piece.corners);
       if (piece.corners.size() > 2) add_piece(std::move(piece));
@@ -300,44 +278,16 @@ class Cutter {
     }
   }
 
-  /// A border between two points: where it bends because paths from one of its sites come another way, it has a point.
-  /// Returns these.
-  std::vector<Vector2d> add_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right,
-                                   const Active& active) {
-    std::vector<Vector2d> bends;
-    curve_.lay(place_of(from), place_of(to), left, right, active);
-    curve_.find_bends(samples_);
-    std::int32_t before = from;
-    for (const auto& [bend, distance] : curve_.bends()) {
+  /// Adds a border between two points with the points in between.
+  void add_border(const BorderLine& line, std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) {
+    for (std::size_t i = 0; i < line.points.size(); ++i) {
       const auto number = static_cast<std::int32_t>(result_.points.size());
-      result_.points.push_back({bend, distance, false});
-      curve_.lay_part(bends.size(), place_of(before), bend);
-      add_smooth_border(before, number, left, right);
-      bends.push_back(bend);
-      before = number;
+      result_.points.push_back({line.points[i].place, line.points[i].distance, false});
+      result_.borders.push_back({from, number, left, right, line.lengths[i]});
+      from = number;
     }
-    if (!bends.empty()) curve_.lay_part(bends.size(), place_of(before), place_of(to));
-    add_smooth_border(before, to, left, right);
-    return bends;
-  }
-
-  /// A part of a border without bends: the area between it and the straight line, its length, points of quadrature.
-  void add_smooth_border(std::int32_t from, std::int32_t to, std::int32_t left, std::int32_t right) {
-    double area = 0;
-    double along = 0;
-    for (const BorderCurve::Node& node : curve_.nodes()) {
-      const double part = node.weight * node.point.stretch * curve_.length();
-      const double beside = node.weight * node.point.height * curve_.length();
-      area += beside;
-      along += part;
-      if (samples_)
-        result_.samples.push_back({left, right, node.point.place, part,
-                                   node.point.place - 0.5 * node.point.height * curve_.normal(), beside});
-    }
-    // A border that lies on the left of its straight line takes from the cell there.
-    areas_.emplace_back(left, -area);
-    areas_.emplace_back(right, area);
-    result_.borders.push_back({from, to, left, right, along});
+    result_.borders.push_back({from, to, left, right, line.lengths.back()});
+    result_.samples.insert(result_.samples.end(), line.samples.begin(), line.samples.end());
   }
 
   /// Cuts the two parts of a polygon on the sides of a straight line between two places of different sides.
@@ -362,6 +312,8 @@ class Cutter {
     for (std::size_t k = end.side + 1; k < sides.size(); ++k) beyond.push_back(sides[k]);
     for (std::size_t k = 0; k < begin.side; ++k) beyond.push_back(sides[k]);
     beyond.push_back(std::move(first_before));
+    const bool missed = labelled.sites.front() == labelled.sites.back() && !labelled.cuts.empty();
+    depth += missed ? missed_chord : 1;
     cut(between, active, depth);
     cut(beyond, active, depth);
   }
@@ -373,19 +325,17 @@ class Cutter {
   double size_;
   BorderCurve curve_;
   CutterRoom& room_;
-  // Parts of it:
-  std::vector<Vector2d>& cut_places_;
-  std::vector<std::pair<std::int32_t, double>>& areas_;
+  std::vector<Vector2d>& cut_places_;  ///< a part of it
   bool samples_;
 };
 
 }  // namespace
 
 CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides, bool samples, double area_tolerance) {
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples, const BorderAccuracy& accuracy) {
   CutFace result;
   static thread_local CutterRoom room;
-  Cutter cutter(distances, corners, samples, area_tolerance, room, result);
+  Cutter cutter(distances, corners, samples, accuracy, room, result);
   Sides whole(3);
   std::int32_t number = 0;
   for (int i = 0; i < 3; ++i) {
@@ -400,7 +350,6 @@ CutFace cut_face(const FaceDistances& distances, const std::array<Vector2d, 3>& 
   Active active;
   distances.all(active);
   cutter.cut(whole, active, 0);
-  cutter.finish();
   return result;
 }
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "border_accuracy.h"
+#include "border_line.h"
 #include "face_distances.h"
 #include "labelled_segment.h"
 #include "supple/voronoi/diagram.h"
@@ -28,22 +30,14 @@ struct FaceBorder {
   double length = 0;        ///< along the border
 };
 
-/// A point of quadrature on a border.
-struct FaceSample {
-  std::int32_t left = -1;
-  std::int32_t right = -1;
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double weight = 0;
-  /// Of the area between the border and the straight line between its ends, which is the right cell's and not the left
-  /// one's, or the other way round where it is negative: a point of quadrature, and its weight.
-  Eigen::Vector2d beside = Eigen::Vector2d::Zero();
-  double area = 0;
-};
-
-/// A cell's part of a face: corners in the plane of the face, counterclockwise.
+/// A cell's part of a face.
 struct FacePiece {
   std::int32_t site = -1;
-  std::vector<Eigen::Vector2d> corners;
+  double area = 0;                       ///< with borders as the curves that they are
+  std::vector<Eigen::Vector2d> corners;  ///< in the plane of the face, counterclockwise
+  /// Indices, ascending, of the corners that only draw an arc. Without them the polygon is the one beside which areas
+  /// of FaceSample lie.
+  std::vector<std::int32_t> arc_corners;
 };
 
 /// A face as it is cut by the cells.
@@ -56,8 +50,6 @@ struct CutFace {
   /// and of the samples.
   std::vector<std::pair<std::int32_t, SitePull>> vertex_pulls;
   std::vector<BorderSample> border_samples;
-  /// Of each site that has a part of the face, its area with curved borders.
-  std::vector<std::pair<std::int32_t, double>> areas;
   std::int64_t subdivisions = 0;
   bool resolved = true;  ///< whether rounding and the limit of divisions left nothing over
 };
@@ -70,9 +62,11 @@ struct CutFace {
 /// sides. Any other polygon is divided along a straight line. Polygons below 1e-12 of the face that are still not
 /// simple are a Voronoi vertex of all cells that show on their sides.
 ///
-/// The area between a part of a border and the straight line between its ends is right to about `area_tolerance`, in
-/// squared mesh units. Bends of borders that make no such difference are located only with `samples`.
+/// A border that is not found between its ends, as one that leaves and comes back next to its beginning, has its
+/// polygon divided, too.
+///
+/// Bends of borders that make no difference to the accuracy are located only with `samples`.
 CutFace cut_face(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners,
-                 const std::array<const LabelledSegment*, 3>& sides, bool samples, double area_tolerance);
+                 const std::array<const LabelledSegment*, 3>& sides, bool samples, const BorderAccuracy& accuracy);
 
 }  // namespace supple::voronoi

@@ -128,6 +128,19 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
           static_cast<std::int32_t>(best - arrivals_.data())};
 }
 
+bool FaceDistances::is_distance(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double length,
+                                double tolerance) const {
+  bool reached = false;
+  for (const std::int32_t i : active) {
+    const surface::FaceArrival& arrival = arrivals_[i];
+    if (arrival.source != site || is_no_shorter(arrival, point, length + tolerance)) continue;
+    const double own = arrival.length_to(point);
+    if (own < length - tolerance) return false;
+    reached = reached || own <= length + tolerance;
+  }
+  return reached;
+}
+
 bool FaceDistances::of_one_site(const Active& active) const {
   for (const std::int32_t i : active)
     if (arrivals_[i].source != arrivals_[active.front()].source) return false;

@@ -47,6 +47,9 @@ class FaceDistances {
   Nearest nearest(const Active& active, const Eigen::Vector2d& point) const;
   /// The distance from one site, infinite where none of its arrivals is active.
   Slope from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const;
+  /// Whether the distance from one site is this length, but for `tolerance`: quicker than finding it.
+  bool is_distance(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double length,
+                   double tolerance) const;
   /// Whether all are of one site.
   bool of_one_site(const Active& active) const;
 

@@ -29,6 +29,8 @@ void check(const OptimizationOptions& options, std::size_t sites) {
     any = any || weight > 0;
   }
   if (!(options.tolerance > 0)) faults.push_back({"tolerance", "must be above 0"});
+  if (!(options.border_deviation >= least_border_deviation && options.border_deviation <= 1))
+    faults.push_back({"border_deviation", "must be from 1e-7 to 1"});
   if (options.max_iterations < 0 || options.max_iterations > most_optimization_iterations)
     faults.push_back({"max_iterations", "is " + std::to_string(options.max_iterations) + ", but must be from 0 to " +
                                             std::to_string(most_optimization_iterations)});
@@ -113,11 +115,12 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
       std::make_shared<const DiagramFinder>(solver, Needs{.edge_lengths = w.edge_length > 0,
                                                           .motions = w.edge_length + w.planarity + w.regularity > 0,
                                                           .border_pulls = w.equal_area > 0,
-                                                          .cell_moments = w.centroidal > 0});
+                                                          .cell_moments = w.centroidal > 0,
+                                                          .border_deviation = options.border_deviation});
   Execution quiet = execution;
   quiet.progress = nullptr;
   Optimization result;
-  Diagram start = diagram(solver, sites, {}, quiet);
+  Diagram start = diagram(solver, sites, {.border_deviation = options.border_deviation}, quiet);
   result.before = statistics(solver, start, quiet);
   sites = start.sites;
   double area = 0;

@@ -19,6 +19,11 @@ using surface::FaceArrival;
 constexpr double same_region = 1e-12;
 /// Polygons are halved this often at most, where many arrivals of different images compete.
 constexpr int most_halvings = 32;
+/// Regions of a polygon: what is left by then goes to the arrival that is shortest in its middle.
+constexpr std::size_t most_regions = 4096;
+/// Relative to the face: arrivals whose lengths differ by no more at the corners and in the middle of a polygon are
+/// equally long in it, as behind a vertex at which the paths of all of them turn.
+constexpr double tied_region = 1e-11;
 /// Of its chord: a border that bulges by less is a curve that slivers make up for.
 constexpr double flat_bulge = 0.03;
 constexpr int most_sliver_steps = 20;
@@ -115,10 +120,21 @@ void StraightRegions::divide(const Polygon& polygon, const Active& active, int d
   }
   if (greatest - least <= same_region * size_) return divide_by_bisectors(polygon, seen);
   if (seen.size() == 2 && divide_by_curve(polygon, seen[0], seen[1])) return;
-  if (depth < most_halvings) return halve(polygon, seen, depth);
+  if (depth < most_halvings && regions_.size() < most_regions && !are_tied(polygon, centre, seen))
+    return halve(polygon, seen, depth);
   add(polygon, *std::min_element(seen.begin(), seen.end(), [&](std::int32_t i, std::int32_t j) {
         return straight_length(i, centre) < straight_length(j, centre);
       }));
+}
+
+bool StraightRegions::are_tied(const Polygon& polygon, const Vector2d& centre, const Active& active) const {
+  const auto tied_at = [&](const Vector2d& place) {
+    const double first = straight_length(active.front(), place);
+    return std::all_of(active.begin(), active.end(), [&](std::int32_t i) {
+      return std::abs(straight_length(i, place) - first) <= tied_region * size_;
+    });
+  };
+  return tied_at(centre) && std::all_of(polygon.begin(), polygon.end(), tied_at);
 }
 
 void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const {

@@ -65,6 +65,7 @@ class StraightRegions {
   bool divide_by_curve(const Polygon& polygon, std::int32_t one, std::int32_t other);
   void add(const Polygon& polygon, std::int32_t arrival);
 
+  bool are_tied(const Polygon& polygon, const Eigen::Vector2d& centre, const Active& active) const;
   double straight_length(std::int32_t arrival, const Eigen::Vector2d& point) const;
   /// How far a point lies outside the bundle of paths of an arrival, on its two sides.
   struct Outside {

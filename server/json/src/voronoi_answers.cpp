@@ -87,7 +87,12 @@ void write_pieces(JsonWriter& out, const surface::TriangleMesh& mesh, const Diag
   write_indices_or_null(out, "face_sites", diagram.face_sites);
   out.key("cut_faces").begin_array();
   for (const auto& piece : diagram.pieces) {
-    out.begin_object().field("site", piece.site).field("face", piece.face).key("corners").begin_array();
+    out.begin_object()
+        .field("site", piece.site)
+        .field("face", piece.face)
+        .field("area", piece.area)
+        .key("corners")
+        .begin_array();
     for (std::int32_t k = 0; k < piece.corner_count; ++k) {
       const auto& corner = diagram.corners[static_cast<std::size_t>(piece.first_corner) + static_cast<std::size_t>(k)];
       out.numbers(surface::position(mesh, {FaceId{piece.face}, corner}));
@@ -184,7 +189,7 @@ void write_diagram_accuracy(JsonWriter& out, const voronoi::DiagramOptions& opti
   out.key("accuracy").begin_object().field("method", names.at(static_cast<std::size_t>(options.method)));
   out.field("relative_error", error).key("relative_error_bound");
   options.method == Method::edges ? out.null() : out.number(error);
-  out.end_object();
+  out.field("border_deviation", options.border_deviation).end_object();
 }
 
 void write_optimization_history(JsonWriter& out, const std::vector<voronoi::OptimizationStep>& history) {
@@ -238,6 +243,7 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
       .field("tolerance", request.options.tolerance)
       .field("gradient_tolerance", optimization.gradient_tolerance)
       .field("gradient_norm", optimization.gradient_norm)
+      .field("border_deviation", request.options.border_deviation)
       .end_object();
   write_points_in_space(out, request.points_in_space);
   write_bill(out, bill);

@@ -33,6 +33,10 @@ void read_include(Fields& fields, DiagramInclude& include, double& panel_scale) 
   fields.number("panel_scale", panel_scale, 0, largest_panel_scale, true);
 }
 
+void read_border_deviation(Fields& accuracy, double& deviation) {
+  accuracy.number("border_deviation", deviation, voronoi::least_border_deviation, 1);
+}
+
 void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
   const auto* value = fields.required("objectives");
   if (!value) return;
@@ -60,6 +64,7 @@ VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits&
     accuracy.number("relative_error", request.options.relative_error, 0, largest_diagram_error, true);
     if (accuracy.present("relative_error") && request.options.method != voronoi::DiagramMethod::bounded)
       faults.add(accuracy.at("relative_error"), "takes effect with the method \"bounded\" only");
+    read_border_deviation(accuracy, request.options.border_deviation);
   });
   fields.boolean("statistics", request.statistics);
   fields.boolean("keep", request.keep);
@@ -82,7 +87,10 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
   fields.number("target_length", options.edge_length, 0, any, true);
   read_indices(fields, "fixed_sites", limits, options.fixed_sites);
   fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
-  nested(fields, "accuracy", [&](Fields& accuracy) { accuracy.number("tolerance", options.tolerance, 0, 1, true); });
+  nested(fields, "accuracy", [&](Fields& accuracy) {
+    accuracy.number("tolerance", options.tolerance, 0, 1, true);
+    read_border_deviation(accuracy, options.border_deviation);
+  });
   fields.integer("max_iterations", options.max_iterations, 1, voronoi::most_optimization_iterations);
   read_include(fields, request.include, request.panel_scale);
   request.deadline = read_deadline(fields, limits);

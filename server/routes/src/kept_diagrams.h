@@ -28,11 +28,12 @@ class KeptDiagrams {
  private:
   struct Kept {
     std::weak_ptr<const store::LoadedMesh> mesh;
+    double border_deviation;
     voronoi::MovingDiagram moving;
   };
 
-  /// Takes one out that is near, if there is one.
-  std::list<Kept> take(const std::shared_ptr<const store::LoadedMesh>& mesh,
+  /// Takes one out that is near and has borders as they are asked for, if there is one.
+  std::list<Kept> take(const std::shared_ptr<const store::LoadedMesh>& mesh, double border_deviation,
                        std::span<const surface::SurfacePoint> sites);
 
   std::mutex mutex_;

@@ -7,13 +7,26 @@ import { facesMaterial } from "./surface_material";
 export interface CellPicture {
   /** Of each face its cell; null where it is cut, or in none. */
   readonly faceSites: readonly (number | null)[];
-  /** Of cut faces, each a convex or star-shaped polygon. */
+  /** Of cut faces, each a simple polygon. */
   readonly pieces: readonly { readonly site: number; readonly face: number; readonly corners: readonly Vector[] }[];
   /** Of each cell. */
   readonly colours: readonly Rgb[];
 }
 
 const PLAIN: Rgb = [0.5, 0.53, 0.55];
+
+/** Triangles of a polygon as indices of its corners, given by weights in its face: curved borders leave polygons that no fan fills. */
+function polygonTriangles(weights: readonly Vector[]): readonly (readonly number[])[] {
+  const corners = weights.map(([, x, y]) => new THREE.Vector2(x, y));
+  const turns = corners.map((corner, k) => {
+    const next = corners[(k + 1) % corners.length];
+    return next.clone().sub(corner).cross(corners[(k + 2) % corners.length].clone().sub(next));
+  });
+  const fan = corners.slice(2).map((_, k) => [0, k + 1, k + 2]);
+  if (turns.every((turn) => turn >= 0)) return fan;
+  const triangles = THREE.ShapeUtils.triangulateShape(corners, []);
+  return triangles.length === fan.length ? triangles : fan;
+}
 
 /** Triangles of all cells: places, normals as the whole surface has them, and colours. */
 export function cellTriangles(mesh: MeshData, normals: ArrayLike<number>, picture: CellPicture): { places: Float32Array; normals: Float32Array; colours: Float32Array } {
@@ -38,12 +51,10 @@ export function cellTriangles(mesh: MeshData, normals: ArrayLike<number>, pictur
     }
   });
   for (const { site, face, corners } of picture.pieces) {
-    const bent = corners.map((place): Vector => {
-      const weights = barycentricOf(mesh, face, place);
-      const own = [0, 1, 2].map((corner) => normalAt(mesh.faces[3 * face + corner]));
-      return [0, 1, 2].map((axis) => weights[0] * own[0][axis] + weights[1] * own[1][axis] + weights[2] * own[2][axis]) as unknown as Vector;
-    });
-    for (let k = 2; k < corners.length; ++k) for (const corner of [0, k - 1, k]) add(corners[corner], bent[corner], picture.colours[site]);
+    const all = corners.map((place) => barycentricOf(mesh, face, place));
+    const own = [0, 1, 2].map((corner) => normalAt(mesh.faces[3 * face + corner]));
+    const bent = all.map((weights) => [0, 1, 2].map((axis) => weights[0] * own[0][axis] + weights[1] * own[1][axis] + weights[2] * own[2][axis]) as unknown as Vector);
+    for (const triangle of polygonTriangles(all)) for (const corner of triangle) add(corners[corner], bent[corner], picture.colours[site]);
   }
   return result;
 }

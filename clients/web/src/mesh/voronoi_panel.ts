@@ -1,6 +1,6 @@
 // The panel in which a Voronoi diagram is set up: its sites, its accuracy, and the objective that is minimized.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
-import { digits } from "../base/format";
+import { digits, plain } from "../base/format";
 import { h, uniqueId } from "../base/dom";
 import { pointWords, readPoint } from "./link";
 import { placedOn, readPlace } from "./point_in_space";
@@ -9,7 +9,7 @@ import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import { readFixed, writeFixed } from "./network_text";
 import type { MeshSession } from "./session";
 import type { VoronoiSession } from "./voronoi_session";
-import { type Exactness, type Minimizer, MOST_OBJECTIVE_WEIGHT, MOST_SITE_SEED, MOST_SITES, MOST_VORONOI_ITERATIONS, type Objective, OBJECTIVES, VORONOI_TOLERANCES } from "./voronoi_state";
+import { BORDER_DEVIATIONS, type Exactness, type Minimizer, MOST_OBJECTIVE_WEIGHT, MOST_SITE_SEED, MOST_SITES, MOST_VORONOI_ITERATIONS, type Objective, OBJECTIVES, VORONOI_TOLERANCES } from "./voronoi_state";
 
 const EXACTNESS_WORDS: Record<Exactness, string> = { exact: "Exact", bounded: "Within 1 %", edges: "Along edges" };
 const OBJECTIVE_WORDS: Record<Objective, string> = { centroidal: "Sites at their cells’ centres", regularity: "Regular cells", equal_area: "Equal areas", edge_length: "Equal edges", planarity: "Flat panels" };
@@ -118,13 +118,16 @@ function more(voronoi: VoronoiSession): HTMLElement {
   const method = new Select<Minimizer>("Method", choices, (value) => voronoi.change({ minimizer: value }));
   const tolerance = new Select<string>("Tolerance of the gradient", [], (value) => voronoi.change({ tolerance: Number(value) }));
   const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MOST_VORONOI_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && voronoi.change({ maxIterations: Math.round(value) }) });
+  const deviation = new Select<string>("Borders are drawn to, in diagonals of the mesh", [], (value) => voronoi.change({ deviation: Number(value) }));
   voronoi.state.watch((state) => {
+    deviation.setChoices([...new Set([...BORDER_DEVIATIONS, state.deviation])].map((value) => ({ value: String(value), words: plain(value) })));
+    deviation.value = String(state.deviation);
     method.value = state.minimizer;
     tolerance.setChoices([...new Set([...VORONOI_TOLERANCES, state.tolerance])].map((value) => ({ value: String(value), words: String(value) })));
     tolerance.value = String(state.tolerance);
     iterations.value = state.maxIterations;
   });
-  return h("details", { class: "more" }, h("summary", {}, "Method and accuracy"), method.element, tolerance.element, iterations.element);
+  return h("details", { class: "more" }, h("summary", {}, "Method and accuracy"), method.element, tolerance.element, iterations.element, deviation.element);
 }
 
 function actions(voronoi: VoronoiSession): HTMLElement {

@@ -73,7 +73,8 @@ export class VoronoiSession {
   change(change: Partial<VoronoiState>): void {
     const before = this.state.get();
     this.state.set({ ...before, ...change });
-    if (change.exactness && change.exactness !== before.exactness) this.divide(true);
+    const redraws = (change.exactness ?? before.exactness) !== before.exactness || (change.deviation ?? before.deviation) !== before.deviation;
+    if (redraws) this.divide(true);
   }
 
   /** The diagram of a link, once its mesh is there. */

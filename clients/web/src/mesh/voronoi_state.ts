@@ -14,6 +14,8 @@ export interface VoronoiState {
   /** Whether the sites are the random ones, unchanged. */
   readonly scattered: boolean;
   readonly exactness: Exactness;
+  /** Of borders from the lines that draw them, in diagonals of the mesh. */
+  readonly deviation: number;
   readonly weights: Readonly<Record<Objective, number>>;
   /** Mesh units; 0 for the mean length at the start. */
   readonly targetLength: number;
@@ -28,6 +30,7 @@ export const OBJECTIVES: readonly Objective[] = ["centroidal", "regularity", "eq
 export const EXACTNESSES: readonly Exactness[] = ["exact", "bounded", "edges"];
 export const MINIMIZERS: readonly Minimizer[] = ["automatic", "gauss_newton", "lbfgs"];
 export const VORONOI_TOLERANCES: readonly number[] = [1e-2, 1e-4, 1e-6];
+export const BORDER_DEVIATIONS: readonly number[] = [1e-3, 1e-4, 1e-5, 1e-6];
 export const MOST_SITES = 2000;
 export const MOST_SITE_SEED = 999;
 export const MOST_OBJECTIVE_WEIGHT = 100;
@@ -35,7 +38,7 @@ export const MOST_VORONOI_ITERATIONS = 1000;
 export const RELATIVE_ERROR = 0.01;
 
 export const DEFAULT_VORONOI: VoronoiState = {
-  count: 60, seed: 1, scattered: false, exactness: "exact",
+  count: 60, seed: 1, scattered: false, exactness: "exact", deviation: 1e-5,
   weights: { centroidal: 1, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 },
   targetLength: 0, fixed: [], minimizer: "automatic", tolerance: 1e-4, maxIterations: 100,
 };
@@ -56,7 +59,7 @@ export function withoutSite(state: VoronoiState, site: number): VoronoiState {
 }
 
 export function diagramRequest(mesh: string, state: VoronoiState, sites: VoronoiDiagramRequest["sites"], statistics: boolean): VoronoiDiagramRequest {
-  const accuracy = state.exactness === "bounded" ? { method: state.exactness, relative_error: RELATIVE_ERROR } : { method: state.exactness };
+  const accuracy = { method: state.exactness, ...(state.exactness === "bounded" && { relative_error: RELATIVE_ERROR }), border_deviation: state.deviation };
   return { mesh, sites, accuracy, pieces: true, statistics };
 }
 
@@ -66,13 +69,13 @@ export function optimizationRequest(mesh: string, state: VoronoiState, sites: re
     mesh, sites: [...sites], objectives, pieces: true,
     ...(state.weights.edge_length > 0 && state.targetLength > 0 && { target_length: state.targetLength }),
     fixed_sites: state.fixed.filter((site) => site < sites.length),
-    method: state.minimizer, accuracy: { tolerance: state.tolerance }, max_iterations: state.maxIterations,
+    method: state.minimizer, accuracy: { tolerance: state.tolerance, border_deviation: state.deviation }, max_iterations: state.maxIterations,
   };
 }
 
 /** The fields of a diagram in a link; the sites are its points. */
 export function writeVoronoi(state: VoronoiState): string {
-  const fields = [state.count, state.seed, state.scattered ? 1 : 0, state.exactness, ...OBJECTIVES.map((name) => plain(state.weights[name])), plain(state.targetLength), state.minimizer, plain(state.tolerance), state.maxIterations];
+  const fields = [state.count, state.seed, state.scattered ? 1 : 0, state.exactness, ...OBJECTIVES.map((name) => plain(state.weights[name])), plain(state.targetLength), state.minimizer, plain(state.tolerance), state.maxIterations, plain(state.deviation)];
   return `voronoi=${fields.join(",")}${state.fixed.length > 0 ? `&held=${state.fixed.join(",")}` : ""}`;
 }
 
@@ -89,12 +92,13 @@ export function readVoronoi(fields: ReadonlyMap<string, string>): VoronoiState |
   const after = first + OBJECTIVES.length;
   const weights = Object.fromEntries(OBJECTIVES.map((name, k) => [name, number(first + k, 0, MOST_OBJECTIVE_WEIGHT, 0)])) as Record<Objective, number>;
   const held = (fields.get("held") ?? "").split(",").filter((text) => /^\d{1,6}$/.test(text)).map(Number);
-  const { count, seed, tolerance, maxIterations } = DEFAULT_VORONOI;
+  const { count, seed, tolerance, maxIterations, deviation } = DEFAULT_VORONOI;
   return {
     count: whole(0, 1, MOST_SITES, count), seed: whole(1, 0, MOST_SITE_SEED, seed), scattered: values[2] === "1",
     exactness: EXACTNESSES.find((one) => one === values[3]) ?? "exact", weights,
     targetLength: number(after, 0, Infinity, 0), fixed: [...new Set(held)].sort((a, b) => a - b),
     minimizer: MINIMIZERS.find((one) => one === values[after + 1]) ?? "automatic",
     tolerance: number(after + 2, 1e-12, 1, tolerance), maxIterations: whole(after + 3, 1, MOST_VORONOI_ITERATIONS, maxIterations),
+    deviation: number(after + 4, 1e-7, 1, deviation),
   };
 }

@@ -44,7 +44,7 @@ struct SmallDiagram {
     diagram.dual = {{0, 1, 1}};
     diagram.vertex_sites = {0, 1, 1, -1};
     diagram.face_sites = {-1, -2};
-    diagram.pieces = {{1, 0, 1, 3}};
+    diagram.pieces = {{1, 0, 1, 3, 0.75}};
     diagram.corners = {{1, 0, 0}, {0.5, 0.5, 0}, {0, 1, 0}, {0, 0, 1}};
     diagram.unreached_area = 0.25;
     diagram.warnings = {"One."};
@@ -81,19 +81,20 @@ TEST(VoronoiAnswers, HaveSurfacePointsPiecesAndStatisticsWhereTheyAreAskedFor) {
   const auto answer = small.written();
   EXPECT_EQ(answer.at("points").at(0), json::parse(R"({"face":0,"barycentric":[0.5,0.5,0]})"));
   EXPECT_EQ(answer.at("pieces"), json::parse(R"({"vertex_sites":[0,1,1,null],"face_sites":[null,null],
-      "cut_faces":[{"site":1,"face":0,"corners":[[1,0,0],[2,0,0],[2,2,0]]}]})"));
+      "cut_faces":[{"site":1,"face":0,"area":0.75,"corners":[[1,0,0],[2,0,0],[2,2,0]]}]})"));
 }
 
 TEST(VoronoiAnswers, TellWhatErrorsOfDistancesAreBoundedBy) {
   SmallDiagram small;
   EXPECT_EQ(small.written().at("accuracy"),
-            json::parse(R"({"method":"exact","relative_error":0,"relative_error_bound":0})"));
-  small.request.options = {voronoi::DiagramMethod::bounded, 0.25};
-  EXPECT_EQ(small.written().at("accuracy"),
-            json::parse(R"({"method":"bounded","relative_error":0.25,"relative_error_bound":0.25})"));
+            json::parse(R"({"method":"exact","relative_error":0,"relative_error_bound":0,"border_deviation":1e-5})"));
+  small.request.options = {voronoi::DiagramMethod::bounded, 0.25, 0.5};
+  EXPECT_EQ(
+      small.written().at("accuracy"),
+      json::parse(R"({"method":"bounded","relative_error":0.25,"relative_error_bound":0.25,"border_deviation":0.5})"));
   small.request.options.method = voronoi::DiagramMethod::edges;
   EXPECT_EQ(small.written().at("accuracy"),
-            json::parse(R"({"method":"edges","relative_error":0,"relative_error_bound":null})"));
+            json::parse(R"({"method":"edges","relative_error":0,"relative_error_bound":null,"border_deviation":0.5})"));
 }
 
 TEST(VoronoiAnswers, RefuseBordersAndPiecesOfMorePointsThanOneAnswerHolds) {
@@ -133,7 +134,9 @@ TEST(VoronoiAnswers, TellWhereAnOptimizationEndedAndHowItGotThere) {
   const auto answer = json::parse(write_voronoi_optimization(request, small.mesh, optimization, {}, {}));
   EXPECT_EQ(answer.at("terms"), json::parse(R"([{"name":"centroidal","energy":3}])"));
   EXPECT_EQ(answer.at("history").at(1), json::parse(R"({"energy":3,"gradient_norm":0.25,"step_length":0.5})"));
-  EXPECT_EQ(answer.at("accuracy"), json::parse(R"({"tolerance":0.5,"gradient_tolerance":0.125,"gradient_norm":0.25})"));
+  EXPECT_EQ(
+      answer.at("accuracy"),
+      json::parse(R"({"tolerance":0.5,"gradient_tolerance":0.125,"gradient_norm":0.25,"border_deviation":1e-5})"));
   EXPECT_EQ(answer.at("statistics").at("before").at("area").at("mean"), 7);
   EXPECT_EQ(answer.at("statistics").at("after").at("area").at("mean"), 2);
   EXPECT_EQ(answer.at("stopped"), "iteration_limit");

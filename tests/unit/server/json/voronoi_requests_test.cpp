@@ -35,6 +35,7 @@ TEST(VoronoiRequests, HaveTheDefaultsOfTheContract) {
   ASSERT_EQ(std::get<0>(request.sites).size(), 2U);
   EXPECT_TRUE(std::get<0>(request.sites)[0].by_vertex);
   EXPECT_EQ(request.options.method, voronoi::DiagramMethod::exact);
+  EXPECT_EQ(request.options.border_deviation, 1e-5);
   EXPECT_FALSE(request.include.points);
   EXPECT_FALSE(request.include.pieces);
   EXPECT_TRUE(request.statistics);
@@ -44,13 +45,14 @@ TEST(VoronoiRequests, HaveTheDefaultsOfTheContract) {
 
 TEST(VoronoiRequests, ReadEveryFieldOfADiagram) {
   const auto request = parse_voronoi_diagram(voronoi_body(R"("sites":{"count":12,"seed":7},
-      "accuracy":{"method":"bounded","relative_error":0.25},"points":true,"pieces":true,"statistics":false,
+      "accuracy":{"method":"bounded","relative_error":0.25,"border_deviation":0.001},"points":true,"pieces":true,"statistics":false,
       "panel_scale":250,"deadline":5)"),
                                              {});
   EXPECT_EQ(std::get<RandomSites>(request.sites).count, 12);
   EXPECT_EQ(std::get<RandomSites>(request.sites).seed, 7U);
   EXPECT_EQ(request.options.method, voronoi::DiagramMethod::bounded);
   EXPECT_EQ(request.options.relative_error, 0.25);
+  EXPECT_EQ(request.options.border_deviation, 0.001);
   EXPECT_TRUE(request.include.points);
   EXPECT_TRUE(request.include.pieces);
   EXPECT_FALSE(request.statistics);
@@ -61,7 +63,7 @@ TEST(VoronoiRequests, ReadEveryFieldOfADiagram) {
 TEST(VoronoiRequests, ReadEveryFieldOfAnOptimization) {
   const auto request = parse_voronoi_optimization(two_sites_and(R"("objectives":{"edge_length":1,"planarity":2,
       "regularity":3,"centroidal":4,"equal_area":5},"target_length":0.5,"fixed_sites":[1,0],"method":"lbfgs",
-      "accuracy":{"tolerance":0.125},"max_iterations":7,"points":true,"pieces":true,"panel_scale":2,"deadline":9)"),
+      "accuracy":{"tolerance":0.125,"border_deviation":0.01},"max_iterations":7,"points":true,"pieces":true,"panel_scale":2,"deadline":9)"),
                                                   {});
   const auto& options = request.options;
   EXPECT_EQ(options.weights.edge_length, 1);
@@ -73,6 +75,7 @@ TEST(VoronoiRequests, ReadEveryFieldOfAnOptimization) {
   EXPECT_EQ(options.fixed_sites, (std::vector<std::int32_t>{1, 0}));
   EXPECT_EQ(options.method, voronoi::OptimizationMethod::lbfgs);
   EXPECT_EQ(options.tolerance, 0.125);
+  EXPECT_EQ(options.border_deviation, 0.01);
   EXPECT_EQ(options.max_iterations, 7);
   EXPECT_TRUE(request.include.points && request.include.pieces);
   EXPECT_EQ(request.panel_scale, 2);
@@ -118,6 +121,16 @@ TEST(VoronoiRequests, TakeARelativeErrorWithTheMethodThatHasOneOnly) {
             (Where{"/accuracy/relative_error"}));
   EXPECT_EQ(faults_of_diagram(two_sites_and(R"("accuracy":{"method":"edges","relative_error":0.1})")),
             (Where{"/accuracy/relative_error"}));
+}
+
+TEST(VoronoiRequests, DrawBordersNoFinerThanTheEngineDoes) {
+  for (const char* deviation : {"0", "0.99e-7", "1.01", "\"fine\""})
+    EXPECT_EQ(faults_of_diagram(two_sites_and(R"("accuracy":{"border_deviation":)" + std::string(deviation) + "}")),
+              (Where{"/accuracy/border_deviation"}))
+        << deviation;
+  for (const char* deviation : {"1e-7", "1"})
+    EXPECT_NO_THROW(
+        parse_voronoi_diagram(two_sites_and(R"("accuracy":{"border_deviation":)" + std::string(deviation) + "}"), {}));
 }
 
 TEST(VoronoiRequests, RefuseMoreSitesThanTheLimitByItsSetting) {

@@ -21,10 +21,16 @@ enum class DiagramMethod {
   edges     ///< along edges and across pairs of faces: no bound on the error, the cheapest
 };
 
+/// The least DiagramOptions::border_deviation, with which an arc has up to a thousand points.
+inline constexpr double least_border_deviation = 1e-7;
+
 struct DiagramOptions {
   DiagramMethod method = DiagramMethod::exact;
   /// Of `bounded`: the allowed relative error of every distance, in (0, 1].
   double relative_error = 1e-2;
+  /// The largest distance of a border from the straight lines between its points, relative to the mesh's diagonal; from
+  /// least_border_deviation to 1.
+  double border_deviation = 1e-5;
   // What derivatives need, of `exact` and `bounded` diagrams:
   bool vertex_pulls = false;
   bool border_samples = false;
@@ -56,8 +62,9 @@ struct CellMoments {
   Eigen::Vector2d pull = Eigen::Vector2d::Zero();
 };
 
-/// A point of the cells' borders. Borders are curves (arcs of hyperbolas, smooth within a face but for cut loci);
-/// between two successive points of a border they lie in one face.
+/// A point of the cells' borders. Borders are arcs of hyperbolas, with bends within faces where two shortest paths lead
+/// to one site. Between two successive points of a border it lies in one face, does not bend visibly, and is no farther
+/// from the straight line than DiagramOptions::border_deviation.
 struct DiagramPoint {
   enum class Kind : std::uint8_t {
     vertex,    ///< a Voronoi vertex: three or more cells meet
@@ -100,12 +107,13 @@ struct DiagramCell {
   std::vector<std::int32_t> neighbours;  ///< sites whose cells share a border with this one, ascending
 };
 
-/// A cell's part of a face: a polygon in it, for drawing and for integrals.
+/// A cell's part of a face: a polygon in it, whose sides along borders have the borders' points.
 struct DiagramPiece {
   std::int32_t site = -1;
   std::int32_t face = -1;
   std::int32_t first_corner = 0;  ///< of its corners in Diagram::corners, counterclockwise
   std::int32_t corner_count = 0;
+  double area = 0;  ///< squared mesh units, borders taken as the curves that they are
 };
 
 /// A geodesic Voronoi diagram (thesis eq. 3.23, 3.24).

@@ -41,7 +41,8 @@ struct OptimizationOptions {
   double edge_length = 0;
   /// Converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
   double tolerance = 1e-6;
-  int max_iterations = 100;  ///< at most most_optimization_iterations
+  double border_deviation = DiagramOptions{}.border_deviation;  ///< as in DiagramOptions
+  int max_iterations = 100;                                     ///< at most most_optimization_iterations
   /// Sites that stay where they are.
   std::vector<std::int32_t> fixed_sites;
   /// Called with the start and the state after every iteration, on the thread of the caller.
@@ -70,8 +71,8 @@ struct Optimization {
 /// rises in energy from one iteration to the next.
 ///
 /// Bills "propagation", "cells", "derivatives", "step" and one effect for each term. Throws what `diagram` throws,
-/// "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance, max_iterations, edge_length),
-/// "voronoi.fixed_site".
+/// "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance, border_deviation,
+/// max_iterations, edge_length), "voronoi.fixed_site".
 Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface::SurfacePoint> sites,
                       const OptimizationOptions& options, const Execution& execution = {});
 

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "face_distances.h"
+#include "polygon_sides.h"
+
+namespace supple::voronoi {
+
+/// The Voronoi vertex of the cells that begin at the `cuts` of a convex polygon's boundary, which are indices into it:
+/// the point at one distance from their sites (thesis eq. 3.25), by Newton's method from `place`. True if it lies in
+/// the polygon, whose longest side is `longest`, and no other site is nearer; `corners` are those of the face.
+bool find_vertex(const FaceDistances& distances, const Active& active, const std::array<Eigen::Vector2d, 3>& corners,
+                 const Sides& sides, const std::vector<BoundaryVertex>& boundary, const std::vector<std::size_t>& cuts,
+                 double longest, Eigen::Vector2d& place);
+
+}  // namespace supple::voronoi
