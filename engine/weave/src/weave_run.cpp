@@ -20,9 +20,9 @@ constexpr double least_way_across = 0.6;
 WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
                    const EquilibriumOptions& options, const Execution& execution)
     : weave_(weave), prescription_(prescription), options_(options), execution_(execution) {
-  energy_.barrier_range = options.barrier_range;
+  if (options.barrier_range) energy_.barrier_range = *options.barrier_range;
   energy_.least_distance = options.least_distance;
-  energy_.sliding_regularization = options.sliding_regularization;
+  if (options.sliding_regularization) energy_.sliding_regularization = *options.sliding_regularization;
   model_options_.segments = options.segments;
   model_options_.direction = direction;
   model_options_.cancellation = execution.cancellation;
@@ -93,21 +93,68 @@ void WeaveRun::start(bool spatial) {
   model_ = std::make_unique<RodModel>(weave_, prescription_.anchors, model_options_);
   Eigen::VectorXd q = model_->rest_state();
   Chart chart = spatial ? flat_chart(*model_, q) : Chart{};
+  reported_.reset();
+  objective_ = std::make_unique<WeaveSystem>(make_system(std::move(q), std::move(chart), energy_));
+  path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
+}
+
+WeaveSystem WeaveRun::make_system(Eigen::VectorXd q, Chart chart, const EnergyOptions& energy) const {
   std::vector<PointForces::Load> forces;
   for (const Prescription::Force& force : prescription_.forces)
     for (int c = 0; c < model_->dimension(); ++c)
       if (force.force[c] != 0)
         forces.push_back(
             {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
-  objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
-                                             std::move(forces), execution_);
-  path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
+  return {*model_, std::move(q), std::move(chart), held_of(*model_), energy, std::move(forces), execution_};
+}
+
+const LimitedState& WeaveRun::reported() {
+  if (reported_) return *reported_;
+  reported_ = with_barriers(*objective_, path_->residual(), path_->stable());
+  if (reported_->limit_error == 0 || options_.limit_tolerance >= 1 || path_->stopped() != Stop::converged)
+    return *reported_;
+  EnergyOptions rigid = energy_;
+  rigid.rigid_limits = true;
+  WeaveSystem system = make_system(objective_->q(), objective_->chart(), rigid);
+  system.set_force_share(path_->force_share());
+  reported_ = with_rigid_limits(std::move(*reported_), system, options_, path_->tolerance(), execution_);
+  iterations_ += reported_->iterations;
+  return *reported_;
+}
+
+CellConfiguration WeaveRun::configuration() const {
+  return {spatial(), objective_->q(), objective_->chart(), model_->deformation_gradient(objective_->q())};
+}
+
+bool WeaveRun::go_on_from(const CellConfiguration& from) {
+  start(from.spatial);
+  Eigen::VectorXd q = from.q;
+  for (int k = 0; k < 4; ++k)
+    q[model_->strain() + k] =
+        model_->dyads()[static_cast<std::size_t>(k)].cwiseProduct(from.deformation_gradient).sum();
+  LoadStep step{Eigen::VectorXd::Zero(model_->size()), 1};
+  const Eigen::VectorXd rest = model_->rest_state();
+  for (const Prescription::Entry& entry : prescription_.held) {
+    const int dof = model_->strain() + entry.index;
+    step.change[dof] = rest[dof] + entry.change - q[dof];
+  }
+  const double change = step.change.lpNorm<Eigen::Infinity>();
+  step.parts = std::max(1, static_cast<int>(std::ceil(change / largest_strain_step - 1e-9)));
+  objective_->set_state(std::move(q), from.chart);
+  path_->resume_at(1);
+  const bool arrived = path_->advance(step);
+  share_ = arrived ? 1 : 0;
+  return arrived && leave_plane_if_unstable();
 }
 
 bool WeaveRun::advance_to(double share) {
   const double before = share_;
+  reported_.reset();
   const bool arrived = path_->advance(step_to(share));
-  if (arrived) prefer_lower_side();
+  if (arrived) {
+    prefer_lower_side();
+    prefer_straight_path();
+  }
   share_ = arrived ? share : before + path_->reached() * (share - before);
   return leave_plane_if_unstable() && arrived;
 }
@@ -128,10 +175,34 @@ void WeaveRun::prefer_lower_side() {
   WeavePath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();
-  const bool lower = pulled.reached() > least_way_across && path_->prefer_lower_from(strands.q());
+  const bool lower = pulled.reached() > least_way_across && prefer_lower_from({strands.q(), strands.chart(), 1});
   looked_across_ = true;
   if (execution_.cost)
     execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
+}
+
+void WeaveRun::prefer_straight_path() {
+  if (!weave_.lattice || options_.buckling == Switch::off || path_->branches_left() == 0) return;
+  EquilibriumOptions options = options_;
+  options.buckling = Switch::off;
+  options.out_of_plane = spatial() ? Switch::on : Switch::off;
+  WeaveRun straight(weave_, prescription_, model_options_.direction, options,
+                    {execution_.cancellation, nullptr, execution_.cost});
+  const bool arrived = straight.advance_to(1);
+  iterations_ += straight.iterations();
+  if (arrived) prefer_lower_from(straight.path_->state());
+  looked_across_ = true;
+}
+
+bool WeaveRun::prefer_lower_from(const WeaveScene::State& state) {
+  LimitedState found = reported();
+  const auto energy = [this] {
+    reported_.reset();
+    return reported().energy;
+  };
+  const bool lower = path_->prefer_lower_from(state, found.energy, energy);
+  if (!lower) reported_ = std::move(found);
+  return lower;
 }
 
 bool WeaveRun::leave_plane_if_unstable() {
@@ -170,7 +241,7 @@ void WeaveRun::bill_effects() const {
   if (model_->sliders().empty()) {
     cost->add_effect("sliding_regularizer", false, "nothing slides");
   } else {
-    const Eigen::VectorXd& q = objective_->q();
+    const Eigen::VectorXd& q = reported_ ? reported_->q : objective_->q();
     const int limits = objective_->limits()->near(q);
     const int near = objective_->contact()->near(q);
     cost->add_effect("at_sliding_limits", limits > 0,
@@ -188,16 +259,16 @@ void WeaveRun::bill_effects() const {
                                                       : "the tangent stiffness stayed positive definite");
 }
 
-std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q) {
+std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q, double unit) {
   std::vector<std::vector<Eigen::Vector3d>> lines(model.weave().strands.size());
   for (const Edge& edge : model.edges()) {
     auto& line = lines[static_cast<std::size_t>(edge.strand)];
     if (line.empty()) {
       Eigen::Vector3d first = Eigen::Vector3d::Zero();
-      first.head(model.dimension()) = q.segment(model.position(edge.tail), model.dimension());
+      first.head(model.dimension()) = unit * q.segment(model.position(edge.tail), model.dimension());
       line.push_back(first);
     }
-    const Eigen::Vector3d next = line.back() + model.edge_vector(edge, q);
+    const Eigen::Vector3d next = line.back() + unit * model.edge_vector(edge, q);
     line.push_back(next);
   }
   return lines;

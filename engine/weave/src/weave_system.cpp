@@ -19,11 +19,15 @@ WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions
     }
   }
   if (!model.sliders().empty()) {
-    parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range, options.barrier_stiffness);
-    parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range,
-                                                      options.barrier_stiffness);
-    if (!parts.limits->empty()) parts.all.push_back(parts.limits);
-    if (!parts.contact->empty()) parts.all.push_back(parts.contact);
+    parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range);
+    parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range);
+    if (options.rigid_limits) {
+      parts.multipliers = std::make_shared<LimitMultipliers>(model, *parts.limits, *parts.contact);
+      parts.all.push_back(parts.multipliers);
+    } else {
+      if (!parts.limits->empty()) parts.all.push_back(parts.limits);
+      if (!parts.contact->empty()) parts.all.push_back(parts.contact);
+    }
     parts.all.push_back(std::make_shared<SlidingRegularizer>(model, options.sliding_regularization));
   }
   if (!forces.empty()) {
@@ -56,6 +60,13 @@ void WeaveSystem::set_force_share(double share) {
   if (!parts_.forces) return;
   parts_.forces->set_share(share);
   forget();
+}
+
+double WeaveSystem::stored_energy() {
+  double stored = evaluate(0).value;
+  if (parts_.forces) stored -= parts_.forces->potential(q());
+  if (parts_.multipliers) stored -= parts_.multipliers->value(q());
+  return stored;
 }
 
 std::vector<bool> free_but_for_gauges(const RodModel& model) {
