@@ -11,9 +11,11 @@ namespace {
 
 /// Neighbours farther apart than this say too little about each other, rad.
 constexpr double widest_gap = 0.16;
-/// Energies of neighbours may differ by this share of the larger one from what their slopes explain ...
-constexpr double unexplained_share = 0.02;
-/// ... and by this share of the largest energy over all directions, below which a cell slides nearly freely.
+/// The difference of two neighbours' energies is the gap between them times a slope between theirs, or a slope beyond
+/// them by at most this share of their difference: slopes change where sliders reach their limits.
+constexpr double slopes_beyond = 0.25;
+/// Nothing is suspicious below this share of the larger energy, or of the largest one over all directions.
+constexpr double unexplained_share = 0.01;
 constexpr double negligible_share = 1e-5;
 /// Energies closer than this, relative, are those of one equilibrium or of mirror images.
 constexpr double least_improvement = 1e-4;
@@ -23,11 +25,13 @@ double turned_into_half_turn(double direction) {
   return turned < 0 ? turned + std::numbers::pi : turned;
 }
 
-/// How much more energy the second of two neighbours has than the slopes of both explain, N/m.
+/// How much more energy (or less, if negative) the second of two neighbours has than the slopes of both explain, N/m.
 double unexplained_rise(const DirectionalResponse& first, const DirectionalResponse& second, double gap,
                         const HomogenizationOptions& options) {
-  const double explained = gap / 2 * (energy_slope(first, options) + energy_slope(second, options));
-  return second.state.energy_density - first.state.energy_density - explained;
+  const auto [low, high] = std::minmax({energy_slope(first, options), energy_slope(second, options)});
+  const double beyond = slopes_beyond * (high - low);
+  const double rise = second.state.energy_density - first.state.energy_density;
+  return rise - std::clamp(rise, gap * (low - beyond), gap * (high + beyond));
 }
 
 }  // namespace

@@ -38,16 +38,15 @@ LimitedState with_barriers(WeaveSystem& system, double residual, bool stable) {
   return state;
 }
 
-LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, const EquilibriumOptions& options,
-                               double gradient_tolerance, const Execution& execution) {
+LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics::ShiftedCholesky& cholesky,
+                               const EquilibriumOptions& options, double gradient_tolerance,
+                               const Execution& execution) {
   LimitMultipliers& limits = *rigid.multipliers();
   limits.begin(rigid.q());
   rigid.forget();
   numerics::MinimizerOptions minimizer = minimizer_options();
   minimizer.gradient_tolerance = gradient_tolerance;
   minimizer.max_iterations = options.max_iterations;
-  numerics::ShiftedCholesky cholesky;
-  cholesky.bill_to(execution.cost);
   int iterations = 0;
   for (int k = 0; k < most_corrections; ++k) {
     const numerics::MinimizerResult result =

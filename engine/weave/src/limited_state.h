@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "supple/base/execution.h"
+#include "supple/numerics/cholesky.h"
 #include "supple/weave/equilibrium.h"
 #include "weave_system.h"
 
@@ -23,10 +24,11 @@ struct LimitedState {
 LimitedState with_barriers(WeaveSystem& system, double residual, bool stable);
 
 /// Goes from an equilibrium with barriers, `start`, to that with rigid limits. `rigid` is the same system, in the same
-/// state, with rigid limits (EnergyOptions::rigid_limits). Where no barrier pushes, this is `start`. Where none is
+/// state, with rigid limits (WeaveSystem::with_rigid_limits). Where no barrier pushes, this is `start`. Where none is
 /// found nearby, or only an unstable one of a stable `start`, the result is `start` too, and its limit_error says how
 /// much that matters. Takes some Newton iterations where a slider is at its limit.
-LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, const EquilibriumOptions& options,
-                               double gradient_tolerance, const Execution& execution);
+LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics::ShiftedCholesky& cholesky,
+                               const EquilibriumOptions& options, double gradient_tolerance,
+                               const Execution& execution);
 
 }  // namespace supple::weave

@@ -12,6 +12,9 @@ namespace {
 /// A unit that differs from 1 by less does so by rounding.
 constexpr double unit_rounding = 1e-12;
 
+/// A crossing this close to the end of a strand, relative to its length, is at the end.
+constexpr double end_tolerance = 1e-7;
+
 double rounded_unit(double unit) { return std::abs(unit - 1) < unit_rounding ? 1 : unit; }
 
 Weave in_units(const Weave& weave, const NaturalUnits& units) {
@@ -37,14 +40,20 @@ Weave in_units(const Weave& weave, const NaturalUnits& units) {
 
 NaturalUnits natural_units(const Weave& weave) {
   double length = 0;
-  std::size_t rods = 0;
+  std::ptrdiff_t rods = 0;
   for (const Strand& strand : weave.strands) {
     length += strand.curve.length();
     if (strand.curve.ends() == Ends::open) ++rods;
   }
-  for (const Crossing& crossing : weave.crossings) rods += crossing.members.size();
-  // A loop that crosses nothing is one rod.
-  const double mean = length / static_cast<double>(std::max<std::size_t>(rods, 1));
+  for (const Crossing& crossing : weave.crossings) {
+    for (const CrossingMember& member : crossing.members) {
+      const StrandCurve& curve = weave.strands[static_cast<std::size_t>(member.strand)].curve;
+      const double to_end = std::min(member.coordinate, curve.length() - member.coordinate);
+      if (curve.ends() != Ends::open || to_end > end_tolerance * curve.length()) ++rods;
+    }
+  }
+  // A loop that nothing crosses is no more than one rod.
+  const double mean = length / static_cast<double>(std::max<std::ptrdiff_t>(rods, 1));
   return {rounded_unit(mean / mean_rod_length),
           rounded_unit(weave.material.youngs_modulus / Material{}.youngs_modulus)};
 }

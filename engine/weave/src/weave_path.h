@@ -53,6 +53,7 @@ class WeaveScene {
   void begin(const LoadStep& step);
   double remaining() const { return 1 - done_; }  ///< share of the step
   void set_force_share(double share);
+  double force_share() const { return force_share_; }
   std::optional<Eigen::VectorXd> take_ridge() { return std::exchange(ridge_, std::nullopt); }
   double tolerance() const { return tolerance_; }
 
@@ -111,7 +112,7 @@ class WeavePath {
   double energy() const { return path_.result().value; }
   double residual() const { return path_.result().gradient_norm; }  ///< |g|, N
   double tolerance() const { return scene_.tolerance(); }
-  double force_share() const { return scene_.state().force_share; }
+  double force_share() const { return scene_.force_share(); }
   bool stable() const { return path_.stable(); }
   Stop stopped() const;
   int iterations() const { return path_.counts().iterations; }

@@ -15,6 +15,10 @@ constexpr double most_strain_steps = 1000;
 constexpr int parts_across = 4;
 constexpr double least_way_across = 0.6;
 
+/// How often barriers are narrowed, and by which factor, where rigid limits are too far from them.
+constexpr int most_narrowings = 4;
+constexpr double narrowing = 0.25;
+
 }  // namespace
 
 WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
@@ -26,6 +30,9 @@ WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double 
   model_options_.segments = options.segments;
   model_options_.direction = direction;
   model_options_.cancellation = execution.cancellation;
+  rigid_cholesky_.order_quickly();
+  rigid_cholesky_.stop_with(execution.cancellation);
+  rigid_cholesky_.bill_to(execution.cost);
   start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));
 }
 
@@ -88,24 +95,25 @@ LoadStep WeaveRun::step_to(double share) const {
   return step;
 }
 
+std::vector<PointForces::Load> WeaveRun::point_forces() const {
+  std::vector<PointForces::Load> loads;
+  for (const Prescription::Force& force : prescription_.forces)
+    for (int c = 0; c < model_->dimension(); ++c)
+      if (force.force[c] != 0)
+        loads.push_back(
+            {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
+  return loads;
+}
+
 void WeaveRun::start(bool spatial) {
   model_options_.spatial = spatial;
   model_ = std::make_unique<RodModel>(weave_, prescription_.anchors, model_options_);
   Eigen::VectorXd q = model_->rest_state();
   Chart chart = spatial ? flat_chart(*model_, q) : Chart{};
   reported_.reset();
-  objective_ = std::make_unique<WeaveSystem>(make_system(std::move(q), std::move(chart), energy_));
+  objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
+                                             point_forces(), execution_);
   path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
-}
-
-WeaveSystem WeaveRun::make_system(Eigen::VectorXd q, Chart chart, const EnergyOptions& energy) const {
-  std::vector<PointForces::Load> forces;
-  for (const Prescription::Force& force : prescription_.forces)
-    for (int c = 0; c < model_->dimension(); ++c)
-      if (force.force[c] != 0)
-        forces.push_back(
-            {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
-  return {*model_, std::move(q), std::move(chart), held_of(*model_), energy, std::move(forces), execution_};
 }
 
 const LimitedState& WeaveRun::reported() {
@@ -113,12 +121,30 @@ const LimitedState& WeaveRun::reported() {
   reported_ = with_barriers(*objective_, path_->residual(), path_->stable());
   if (reported_->limit_error == 0 || options_.limit_tolerance >= 1 || path_->stopped() != Stop::converged)
     return *reported_;
-  EnergyOptions rigid = energy_;
-  rigid.rigid_limits = true;
-  WeaveSystem system = make_system(objective_->q(), objective_->chart(), rigid);
-  system.set_force_share(path_->force_share());
-  reported_ = with_rigid_limits(std::move(*reported_), system, options_, path_->tolerance(), execution_);
-  iterations_ += reported_->iterations;
+  const auto with_limits_of = [this](const WeaveSystem& barriers, LimitedState start) {
+    WeaveSystem rigid = barriers.with_rigid_limits();
+    LimitedState found =
+        with_rigid_limits(std::move(start), rigid, rigid_cholesky_, options_, path_->tolerance(), execution_);
+    iterations_ += found.iterations;
+    return found;
+  };
+  reported_ = with_limits_of(*objective_, std::move(*reported_));
+  // If the limits are too far from where the barriers keep the sliders, narrower barriers lead a part of the way.
+  EnergyOptions narrower = energy_;
+  std::unique_ptr<WeaveSystem> last;
+  for (int k = 0; k < most_narrowings && reported_->limit_error > options_.limit_tolerance; ++k) {
+    narrower.barrier_range *= narrowing;
+    const WeaveSystem& from = last ? *last : *objective_;
+    auto next = std::make_unique<WeaveSystem>(*model_, from.q(), from.chart(), held_of(*model_), narrower,
+                                              point_forces(), execution_);
+    WeavePath path(*next, options_, execution_);
+    path.resume_at(path_->force_share());
+    const bool settled = path.settle();
+    iterations_ += path.iterations();
+    if (!settled) break;
+    reported_ = with_limits_of(*next, with_barriers(*next, path.residual(), path.stable()));
+    last = std::move(next);
+  }
   return *reported_;
 }
 

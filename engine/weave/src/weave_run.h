@@ -73,8 +73,8 @@ class WeaveRun {
  private:
   std::vector<bool> held_of(const RodModel& model) const;
   LoadStep step_to(double share) const;
+  std::vector<PointForces::Load> point_forces() const;
   void start(bool spatial);
-  WeaveSystem make_system(Eigen::VectorXd q, Chart chart, const EnergyOptions& energy) const;
   /// Looks at the other side of a ridge on the way and goes over to it where the energy is lower.
   void prefer_lower_side();
   /// If an unstable equilibrium of a cell was left on the way, looks at the path that leaves none, and goes over to
@@ -100,6 +100,7 @@ class WeaveRun {
   bool buckled_out_ = false;
   bool looked_across_ = false;  ///< at the other side of a ridge, or at the path that leaves no branch
   std::optional<LimitedState> reported_;
+  numerics::ShiftedCholesky rigid_cholesky_;
 };
 
 /// Deformed polylines of all strands, closed ones with their first point at the end again, in the cell of the first

@@ -21,13 +21,8 @@ WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions
   if (!model.sliders().empty()) {
     parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range);
     parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range);
-    if (options.rigid_limits) {
-      parts.multipliers = std::make_shared<LimitMultipliers>(model, *parts.limits, *parts.contact);
-      parts.all.push_back(parts.multipliers);
-    } else {
-      if (!parts.limits->empty()) parts.all.push_back(parts.limits);
-      if (!parts.contact->empty()) parts.all.push_back(parts.contact);
-    }
+    if (!parts.limits->empty()) parts.all.push_back(parts.limits);
+    if (!parts.contact->empty()) parts.all.push_back(parts.contact);
     parts.all.push_back(std::make_shared<SlidingRegularizer>(model, options.sliding_regularization));
   }
   if (!forces.empty()) {
@@ -42,13 +37,23 @@ WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vecto
     : System(std::move(state), parts.all, numerics::Unknowns(held),
              {.execution = {execution.cancellation, nullptr, execution.cost}}),
       model_(&model),
-      parts_(std::move(parts)) {}
+      parts_(std::move(parts)),
+      held_(held),
+      execution_(execution) {}
 
 WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
                          const EnergyOptions& options, std::vector<PointForces::Load> forces,
                          const Execution& execution)
     : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), held,
                   parts(model, options, std::move(forces)), execution) {}
+
+WeaveSystem WeaveSystem::with_rigid_limits() const {
+  Parts rigid = parts_;
+  rigid.multipliers = std::make_shared<LimitMultipliers>(*model_, *parts_.limits, *parts_.contact);
+  std::erase_if(rigid.all, [&](const auto& term) { return term == parts_.limits || term == parts_.contact; });
+  rigid.all.push_back(rigid.multipliers);
+  return {*model_, state(), held_, std::move(rigid), execution_};
+}
 
 void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
   RodState state(*model_, std::move(q), std::move(chart));

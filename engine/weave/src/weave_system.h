@@ -14,12 +14,10 @@
 namespace supple::weave {
 
 struct EnergyOptions {
-  double barrier_range = 0.1;  ///< mm from a limit or a neighbour where its barrier begins
+  double barrier_range = 0.4;  ///< mm from a limit or a neighbour where its barrier begins
   /// Length of strand between neighbouring crossings that slide, mm. Without it, see Gap::touching.
   std::optional<double> least_distance{};
   double sliding_regularization = 1e-6;  ///< N/mm
-  /// Whether limits are rigid (see LimitMultipliers) instead of having barriers before them.
-  bool rigid_limits = false;
 };
 
 /// A weave's energy: the terms that its model calls for.
@@ -30,6 +28,10 @@ class WeaveSystem : public numerics::System<RodState> {
   WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
               const EnergyOptions& options, std::vector<PointForces::Load> forces = {},
               const Execution& execution = {});
+
+  /// The same system in the same state, with rigid limits (see LimitMultipliers) instead of barriers before them. It
+  /// shares all other terms with this system. Something must slide.
+  WeaveSystem with_rigid_limits() const;
 
   const RodModel& model() const { return *model_; }
   const Eigen::VectorXd& q() const { return state().q(); }
@@ -63,6 +65,8 @@ class WeaveSystem : public numerics::System<RodState> {
 
   const RodModel* model_;
   Parts parts_;
+  std::vector<bool> held_;
+  Execution execution_;
 };
 
 /// Unknowns of a model: none held. Pinned sliders (no way to go), the spin of straight strands that nothing holds and,
