@@ -106,10 +106,10 @@ CellState state_under(const NaturalWeave& natural, const Eigen::Matrix2d& f, con
   for (int k = 0; k < 4; ++k)
     prescription.held.push_back(strain_entry(k, f(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
   prescription.strain = (f - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
-  WeaveRun run(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
-  const bool arrived = run.advance_to(1);
-  CellState state = state_of(run, natural.units(), arrived, lines);
-  run.bill_effects();
+  const CellPath path =
+      follow_cell(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
+  CellState state = state_of(*path.run, natural.units(), path.arrived, lines);
+  path.run->bill_effects();
   return state;
 }
 
@@ -173,9 +173,8 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   const auto bills = parallel_bills(n, execution, "directions", [&](int index, const Execution& own) {
     const auto i = static_cast<std::size_t>(index);
     const double direction = options.directions[i];
-    WeaveRun run(natural.weave(), prescription, direction, equilibrium, own);
-    const bool arrived = run.advance_to(1);
-    responses[i] = response_of(run, natural.units(), options, direction, arrived, wanted[i]);
+    const CellPath path = follow_cell(natural.weave(), prescription, direction, equilibrium, own);
+    responses[i] = response_of(*path.run, natural.units(), options, direction, path.arrived, wanted[i]);
   });
   if (execution.cost) add_bills(bills, *execution.cost);
   if (equilibrium.buckling == Switch::off) return responses;
@@ -187,9 +186,9 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
   const auto look_again = [&](int index, const Execution& own) {
     const auto [position, upwards] = starts[static_cast<std::size_t>(index)];
     const double from = options.directions[order.index(position)];
-    WeaveRun first(natural.weave(), prescription, from, equilibrium, own);
-    if (!first.advance_to(1)) return;
-    CellConfiguration at = first.configuration();
+    const CellPath first = follow_cell(natural.weave(), prescription, from, equilibrium, own);
+    if (!first.arrived) return;
+    CellConfiguration at = first.run->configuration();
     auto next = order.neighbour(position, upwards);
     for (std::size_t steps = 1; next && steps < order.size(); ++steps, next = order.neighbour(*next, upwards)) {
       const std::size_t i = order.index(*next);

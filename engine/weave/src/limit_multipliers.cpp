@@ -49,6 +49,10 @@ bool LimitMultipliers::update(const Eigen::VectorXd& x) {
   return changed;
 }
 
+bool LimitMultipliers::all_open() const {
+  return std::none_of(limits_.begin(), limits_.end(), [](const Limit& limit) { return limit.closed; });
+}
+
 double LimitMultipliers::error(const Eigen::VectorXd& x) const {
   double sum = 0;
   for (const Limit& limit : limits_)

@@ -21,6 +21,7 @@ class LimitMultipliers : public Energy {
   /// At a minimum x: corrects the forces, opens limits that pull instead of pushing, and closes those that x has
   /// crossed. Returns whether a limit was opened or closed.
   bool update(const Eigen::VectorXd& x);
+  bool all_open() const;
   /// The first-order error of the energy at x: the sum of |force d| over the closed limits, N mm.
   double error(const Eigen::VectorXd& x) const;
   /// E at x, N mm.

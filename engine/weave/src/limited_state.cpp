@@ -13,6 +13,8 @@ namespace {
 
 /// Minimizations, each followed by a correction of the limits' forces and of the set of closed limits.
 constexpr int most_corrections = 30;
+/// Newton iterations of one of them. Limits that are near enough to be reached take about five.
+constexpr int most_iterations = 30;
 
 double relative_to(double error, double energy) {
   return error == 0 ? 0 : error / std::max(std::abs(energy), std::numeric_limits<double>::min());
@@ -46,7 +48,7 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
   rigid.forget();
   numerics::MinimizerOptions minimizer = minimizer_options();
   minimizer.gradient_tolerance = gradient_tolerance;
-  minimizer.max_iterations = options.max_iterations;
+  minimizer.max_iterations = std::min(options.max_iterations, most_iterations);
   int iterations = 0;
   for (int k = 0; k < most_corrections; ++k) {
     const numerics::MinimizerResult result =
@@ -55,15 +57,17 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
     if (result.stop != numerics::MinimizerStop::converged) break;
     LimitedState state;
     state.q = rigid.q();
+    state.gradient = rigid.full_gradient();
+    state.residual = result.gradient_norm;
     state.energy = rigid.stored_energy();
     state.limit_error = relative_to(limits.error(state.q), state.energy);
     const bool changed = limits.update(state.q);
     rigid.forget();
+    // Where all limits opened, they were closed too early, and a cell that slides freely is far from equilibrium now.
+    if (changed && limits.all_open()) break;
     if (changed || state.limit_error > options.limit_tolerance) continue;
     state.stable = start.stable && (!result.indefinite || cholesky.factorize(rigid.evaluate(2).hessian, 0));
     if (start.stable && !state.stable) break;
-    state.gradient = rigid.full_gradient();
-    state.residual = rigid.evaluate(1).gradient.norm();
     state.iterations = iterations;
     return state;
   }

@@ -16,8 +16,10 @@ constexpr int parts_across = 4;
 constexpr double least_way_across = 0.6;
 
 /// How often barriers are narrowed, and by which factor, where rigid limits are too far from them.
-constexpr int most_narrowings = 4;
+constexpr int most_narrowings = 3;
 constexpr double narrowing = 0.25;
+/// How often a whole path is followed again with narrower barriers.
+constexpr int most_narrower_paths = 2;
 
 }  // namespace
 
@@ -283,6 +285,26 @@ void WeaveRun::bill_effects() const {
     cost->add_effect("buckling", false,
                      options_.buckling == Switch::off ? "switched off by the request"
                                                       : "the tangent stiffness stayed positive definite");
+}
+
+CellPath follow_cell(const Weave& weave, const Prescription& prescription, double direction, EquilibriumOptions options,
+                     const Execution& execution) {
+  CellPath path;
+  const auto follow = [&] {
+    CellPath followed{std::make_unique<WeaveRun>(weave, prescription, direction, options, execution), false};
+    followed.arrived = followed.run->advance_to(1);
+    return followed;
+  };
+  path = follow();
+  for (int k = 0; k < most_narrower_paths && path.arrived && path.run->reported().limit_error > options.limit_tolerance;
+       ++k) {
+    options.barrier_range = narrowing * options.barrier_range.value_or(EnergyOptions{}.barrier_range);
+    CellPath narrower = follow();
+    const bool better = narrower.arrived && narrower.run->reported().limit_error < path.run->reported().limit_error;
+    if (better) std::swap(path, narrower);
+    path.run->count_iterations(narrower.run->iterations());
+  }
+  return path;
 }
 
 std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q, double unit) {

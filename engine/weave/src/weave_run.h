@@ -63,6 +63,8 @@ class WeaveRun {
   const WeavePath& path() const { return *path_; }
   bool spatial() const { return model_->spatial(); }
   int iterations() const { return iterations_ + path_->iterations(); }
+  /// Iterations that another run took for the same answer count too.
+  void count_iterations(int more) { iterations_ += more; }
   int load_steps() const { return load_steps_ + path_->load_steps(); }
   int branches() const { return branches_ + path_->branches_left(); }
   double share() const { return share_; }
@@ -102,6 +104,15 @@ class WeaveRun {
   std::optional<LimitedState> reported_;
   numerics::ShiftedCholesky rigid_cholesky_;
 };
+
+struct CellPath {
+  std::unique_ptr<WeaveRun> run;
+  bool arrived = false;
+};
+/// Follows the whole path of a cell from rest. If no equilibrium with sliders at their limits is found near where it
+/// ends, the path is followed again with narrower barriers.
+CellPath follow_cell(const Weave& weave, const Prescription& prescription, double direction, EquilibriumOptions options,
+                     const Execution& execution);
 
 /// Deformed polylines of all strands, closed ones with their first point at the end again, in the cell of the first
 /// node of each; mm, where `unit` is the length of the model's unit in mm.

@@ -14,7 +14,7 @@
 namespace supple::weave {
 
 struct EnergyOptions {
-  double barrier_range = 0.4;  ///< mm from a limit or a neighbour where its barrier begins
+  double barrier_range = 0.2;  ///< mm from a limit or a neighbour where its barrier begins
   /// Length of strand between neighbouring crossings that slide, mm. Without it, see Gap::touching.
   std::optional<double> least_distance{};
   double sliding_regularization = 1e-6;  ///< N/mm

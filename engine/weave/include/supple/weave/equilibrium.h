@@ -49,7 +49,7 @@ struct EquilibriumOptions {
   /// CellState::limit_error estimates. 1 leaves the barriers as they are.
   double limit_tolerance = 1e-6;
   /// While a path is followed, resistance begins this far before a sliding limit or a neighbour, mm. Reported states do
-  /// not depend on it, unless `limit_tolerance` is 1. Without it: a tenth of the mean length of rod between
+  /// not depend on it, unless `limit_tolerance` is 1. Without it: a twentieth of the mean length of rod between
   /// crossings.
   std::optional<double> barrier_range{};
   /// Stiffness against every sliding displacement, N/mm. Without it: 7e-11 times Young's modulus times the mean length
