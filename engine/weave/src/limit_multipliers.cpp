@@ -26,7 +26,7 @@ LimitMultipliers::LimitMultipliers(const RodModel& model, const SlidingLimits& l
 
 void LimitMultipliers::begin(const Eigen::VectorXd& x) {
   for (Limit& limit : limits_) {
-    limit.force = limit.barriers->force(*limit.place, x);
+    limit.force = -limit.barriers->at(*limit.place, x).first;
     limit.closed = limit.force > 0;
   }
 }

@@ -33,10 +33,10 @@ class LimitMultipliers : public Energy {
 
  private:
   struct Limit {
-    const BarrierEnergy* barriers;
-    const SlidingLimit* place;
-    double stiffness;  ///< N/mm
-    double force = 0;  ///< N
+    const BarrierEnergy* barriers = nullptr;
+    const SlidingLimit* place = nullptr;
+    double stiffness = 0;  ///< N/mm
+    double force = 0;      ///< N
     bool closed = false;
   };
   std::vector<Limit> limits_;

@@ -31,14 +31,14 @@ double BarrierEnergy::stiffness(const SlidingLimit& limit) const {
   return barrier_stretch * model_.stiffness(limit.strand).stretch / mean_rod_length;
 }
 
-double BarrierEnergy::force(const SlidingLimit& limit, const Eigen::VectorXd& x) const {
-  return -barrier(limit.distance(x), limit.range, stiffness(limit)).first;
+Barrier BarrierEnergy::at(const SlidingLimit& limit, const Eigen::VectorXd& x) const {
+  return barrier(limit.distance(x), limit.range, stiffness(limit));
 }
 
 void BarrierEnergy::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   const Eigen::VectorXd& x = state.q();
   for (const SlidingLimit& limit : limits_) {
-    const Barrier b = barrier(limit.distance(x), limit.range, stiffness(limit));
+    const Barrier b = at(limit, x);
     if (b.value == 0) continue;
     sum.value += b.value;
     if (order < 1) continue;

@@ -38,8 +38,8 @@ class BarrierEnergy : public Energy {
   double largest_step(const RodState& state, const Eigen::VectorXd& step) const override;
   bool empty() const { return limits_.empty(); }
   const std::vector<SlidingLimit>& limits() const { return limits_; }
-  /// The force with which the barrier of a limit pushes at x, N.
-  double force(const SlidingLimit& limit, const Eigen::VectorXd& x) const;
+  /// The barrier of a limit at x. It pushes with the force -first, N.
+  Barrier at(const SlidingLimit& limit, const Eigen::VectorXd& x) const;
   /// How many distances are within their barrier's range at x.
   int near(const Eigen::VectorXd& x) const;
 

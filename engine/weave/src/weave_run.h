@@ -36,7 +36,7 @@ struct CellConfiguration {
   bool spatial = false;
   Eigen::VectorXd q;
   Chart chart;
-  Eigen::Matrix2d deformation_gradient;
+  Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
 };
 
 /// A weave on its way along one load path: in the plane first, in space from where that is called for.
