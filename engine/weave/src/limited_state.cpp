@@ -35,8 +35,8 @@ LimitedState with_barriers(WeaveSystem& system, double residual, bool stable) {
   for (const BarrierEnergy* barriers :
        {static_cast<const BarrierEnergy*>(system.limits()), static_cast<const BarrierEnergy*>(system.contact())})
     for (const SlidingLimit& limit : barriers->limits())
-      if (const Barrier barrier = barriers->at(limit, state.q); barrier.value > 0)
-        error += barrier.value - barrier.first * limit.distance(state.q);
+      if (const Barrier b = barriers->at(limit, state.q); b.value > 0)
+        error += b.value - b.first * limit.distance(state.q);
   state.limit_error = relative_to(error, state.energy);
   return state;
 }
