@@ -11,9 +11,7 @@ namespace {
 
 /// Neighbours farther apart than this say too little about each other, rad.
 constexpr double widest_gap = 0.16;
-/// The difference of two neighbours' energies is the gap between them times a slope between theirs, or a slope beyond
-/// them by at most this share of their difference: slopes change where sliders reach their limits.
-constexpr double slopes_beyond = 0.25;
+/// The difference of two neighbours' energies is the gap between them times a slope between theirs.
 /// Nothing is suspicious below this share of the larger energy, or of the largest one over all directions.
 constexpr double unexplained_share = 0.01;
 constexpr double negligible_share = 1e-5;
@@ -29,9 +27,8 @@ double turned_into_half_turn(double direction) {
 double unexplained_rise(const DirectionalResponse& first, const DirectionalResponse& second, double gap,
                         const HomogenizationOptions& options) {
   const auto [low, high] = std::minmax({energy_slope(first, options), energy_slope(second, options)});
-  const double beyond = slopes_beyond * (high - low);
   const double rise = second.state.energy_density - first.state.energy_density;
-  return rise - std::clamp(rise, gap * (low - beyond), gap * (high + beyond));
+  return rise - std::clamp(rise, gap * low, gap * high);
 }
 
 }  // namespace

@@ -19,6 +19,11 @@ namespace {
 constexpr double newtons_per_metre = 1000;  ///< in a N/mm
 constexpr double largest_strain = 2;
 constexpr double smallest_strain = -0.5;
+/// Fewer directions than these may have no neighbours near enough to be compared with.
+constexpr std::size_t few_directions = 20;
+/// How many times as many load steps a path has that a path is compared with, and how many at most.
+constexpr int finer_paths = 3;
+constexpr int most_finer_steps = 1000;
 /// Over that at rest: where a cell free to narrow has less, its strands lie beside each other.
 constexpr double least_area = 1e-3;
 
@@ -175,6 +180,15 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
     const double direction = options.directions[i];
     const CellPath path = follow_cell(natural.weave(), prescription, direction, equilibrium, own);
     responses[i] = response_of(*path.run, natural.units(), options, direction, path.arrived, wanted[i]);
+    // Without neighbours to compare it with, a direction whose path left a branch is compared with a finer path.
+    if (responses[i].state.branches == 0 || options.directions.size() >= few_directions) return;
+    EquilibriumOptions finer = equilibrium;
+    finer.load_steps = finer_paths * responses[i].state.load_steps;
+    if (equilibrium.buckling == Switch::off || finer.load_steps > most_finer_steps) return;
+    const CellPath again = follow_cell(natural.weave(), prescription, direction, finer, own);
+    std::vector<DirectionalResponse> one{std::move(responses[i])};
+    take_better({{0, response_of(*again.run, natural.units(), options, direction, again.arrived, wanted[i])}}, one);
+    responses[i] = std::move(one.front());
   });
   if (execution.cost) add_bills(bills, *execution.cost);
   if (equilibrium.buckling == Switch::off) return responses;

@@ -66,8 +66,9 @@ struct DirectionalResponse {
 /// Strains a periodic weave uniaxially in each direction, from rest. The deformation gradient F obeys F^T d = stretch d
 /// exactly. Directions are computed in parallel, and results do not depend on the number of threads. If the energies of
 /// neighbouring directions, at most 0.16 rad apart, differ by more than their derivatives explain, the higher one is
-/// computed again from the state of the lower one, and the lower energy is the answer. Reports progress by directions.
-/// Bills every term, "out-of-plane stability" and the effects. Throws what `validate` throws,
+/// computed again from the state of the lower one, and the lower energy is the answer. Of fewer than 20 directions,
+/// each that left a branch is compared with a path of three times as many load steps instead. Reports progress by
+/// directions. Bills every term, "out-of-plane stability" and the effects. Throws what `validate` throws,
 /// "weave.invalid_option", and "weave.not_periodic" if there is no lattice. A direction that cannot be followed to its
 /// end is no error: its state says why.
 std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
