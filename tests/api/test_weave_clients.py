@@ -153,7 +153,7 @@ def test_python_homogenizes(client: supple.Client) -> None:
     assert result.deformation_gradient.shape == (2, 2, 2) and len(result.cells[0].strands) == 4
     options = supple.WeaveOptions(max_iterations=1)
     lost = client.start_weave_homogenization(supple.Weave.squares(2), strain=0.3, directions=3, options=options).result()
-    assert not lost.converged and np.isnan(lost.youngs_modulus).all()
+    assert not lost.converged and np.isnan(lost.youngs_modulus[1:]).all()
     with pytest.raises(supple.InvalidWeave) as raised:
         client.weave_homogenization(supple.Weave.rings())
     assert raised.value.code == "weave.not_periodic"

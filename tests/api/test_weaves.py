@@ -228,8 +228,44 @@ def test_the_answer_says_what_ran_and_what_was_reached(api: Api) -> None:
     assert answer["cost"]["stages"] and not any(answer["out_of_plane"]) and all(answer["stable"])
 
 
+def test_a_cell_ends_on_the_lower_side_and_its_sliders_at_their_limits(api: Api) -> None:
+    cell = {"weave": {"pattern": "interlacing_squares", "type": 2, "side": 24, "overlap": 6}, "strain": 0.3, "directions": [0]}
+    answer = api.ok(HOMOGENIZATIONS, {**cell, "deformed": [0]})
+    straight = api.ok(HOMOGENIZATIONS, {**cell, "effects": {"buckling": "off"}})
+    assert answer["stable"] == [True] and answer["message"] == ""
+    assert answer["energy_density"][0] <= straight["energy_density"][0] * (1 + 1e-6)
+    assert answer["limit_error"][0] <= answer["accuracy"]["limit_error"] <= answer["accuracy"]["limit_tolerance"] == 1e-6
+    assert [abs(slid) for slid in answer["cells"][0]["sliding"]] == pytest.approx([4.2] * 8, abs=1e-5)
+
+
+def test_a_cell_is_proportional_to_youngs_modulus_and_to_its_size(api: Api) -> None:
+    cell = {"pattern": "interlacing_squares", "type": 2, "side": 12, "overlap": 3, "radius": 0.25}
+    directions = {"strain": 0.3, "directions": [0, 0.4]}
+
+    def moduli(times: float, modulus: float) -> list[float]:
+        scaled = {name: value if isinstance(value, str) or name == "type" else value * times for name, value in cell.items()}
+        weave = {**scaled, "material": {"youngs_modulus": 3500 * modulus}}
+        return [value / modulus / times for value in api.ok(HOMOGENIZATIONS, {"weave": weave, **directions})["youngs_modulus"]]
+
+    usual = moduli(1, 1)
+    assert usual[0] == pytest.approx(294.29, abs=0.03)
+    assert moduli(1, 0.01) == pytest.approx(usual, rel=1e-12)
+    assert moduli(1, 1000) == pytest.approx(usual, rel=1e-12)
+    assert moduli(20, 1) == pytest.approx(usual, rel=1e-6)
+
+
+def test_sliders_that_barriers_alone_stop_are_said_to_stand_short_of_their_limits(api: Api) -> None:
+    cell = {"weave": {**SQUARES, "type": 2}, "strain": 0.3, "directions": [0, 0.4]}
+    soft = api.ok(HOMOGENIZATIONS, {**cell, "accuracy": {"limit_tolerance": 1}})
+    assert soft["accuracy"]["limit_error"] == max(soft["limit_error"]) > 0.01
+    state = api.ok(HOMOGENIZATIONS, cell)
+    assert all(soft["youngs_modulus"][k] > state["youngs_modulus"][k] * 1.005 for k in range(2))
+    unfinished = api.ok(HOMOGENIZATIONS, {**cell, "directions": [0], "accuracy": {"max_iterations": 1}})
+    assert unfinished["stopped"] != ["converged"] or "sliders stand short of their limits" in unfinished["message"]
+
+
 def test_a_direction_that_is_not_reached_is_null_and_no_error(api: Api) -> None:
-    answer = api.ok(HOMOGENIZATIONS, {"weave": {**SQUARES, "type": 2}, "directions": [0, 1], "strain": 0.3,
+    answer = api.ok(HOMOGENIZATIONS, {"weave": {**SQUARES, "type": 2}, "directions": [0.5, 1], "strain": 0.3,
                                       "accuracy": {"max_iterations": 1}})
     assert "converged" not in answer["stopped"] and "2 of 2" in answer["message"]
     assert answer["youngs_modulus"] == answer["poisson_ratio"] == [None, None]

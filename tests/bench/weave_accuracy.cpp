@@ -18,6 +18,7 @@ using weave::HomogenizationOptions;
 using weave::Stop;
 
 constexpr double studied_strain = 0.1;
+constexpr double locked_strain = 0.3;
 /// Fewer do not resolve how a strand bends between crossings: errors do not follow a power of their length yet.
 constexpr int asymptotic_segments = 8;
 
@@ -132,6 +133,77 @@ void study_tolerance(Report& report, const WeaveSettings& settings) {
   report.table(table);
 }
 
+void study_limits(Report& report, const WeaveSettings& settings) {
+  // Limits as rigid as they get, and barriers of these ranges alone, as shares of the mean length of rod.
+  struct Variant {
+    std::string name;
+    double limit_tolerance;
+    double barrier_share;
+  };
+  constexpr double usual_share = 0.05;
+  constexpr double mean_rod_length = 4;  // mm, of all cells below
+  std::vector<Variant> variants{{"barriers alone", 1, 0.1},   {"barriers alone", 1, 0.025},
+                                {"barriers alone", 1, 0.005}, {"barriers alone", 1, 0.001},
+                                {"rigid", 1e-3, usual_share}, {"rigid", 1e-6, usual_share},
+                                {"rigid", 1e-9, usual_share}, {"rigid", 1e-6, 0.01}};
+  if (settings.brief) variants = {variants[1], variants[5]};
+  Table table("weaves-limits", {{"cell", "Cell"},
+                                {"limits", "Limits"},
+                                {"tolerance", "Limit tolerance"},
+                                {"range", "Barriers begin, mm"},
+                                {"ms", "ms per direction"},
+                                {"modulus_percent", "Error of the modulus, %"},
+                                {"worst_percent", "Worst direction, %"},
+                                {"poisson", "Error of Poisson's ratio"},
+                                {"energy_percent", "Worst error of an energy, %"},
+                                {"said_percent", "What limit_error says, %"}});
+  double worst_of_default = 0;
+  const std::vector<std::string> names =
+      settings.brief
+          ? std::vector<std::string>{"squares, type 4"}
+          : std::vector<std::string>{"squares, type 2", "squares, type 3", "squares, type 4", "circles, sliding"};
+  const int directions = settings.brief ? 3 : 24;
+  for (const std::string& name : names) {
+    const weave::Weave cell = cell_named(name).weave;
+    const auto run = [&](const Variant& variant) {
+      EquilibriumOptions equilibrium;
+      equilibrium.limit_tolerance = variant.limit_tolerance;
+      equilibrium.barrier_range = variant.barrier_share * mean_rod_length;
+      return run_timed(cell, uniaxial(locked_strain, directions, equilibrium));
+    };
+    const TimedCell reference = run({"reference", 1e-12, usual_share});
+    for (const Variant& variant : variants) {
+      const TimedCell timed = run(variant);
+      const ProfileError error = profile_error(timed.result, reference.result);
+      double energy = 0;
+      double said = 0;
+      for (std::size_t i = 0; i < timed.result.size(); ++i) {
+        const weave::CellState& state = timed.result[i].state;
+        const double exact = reference.result[i].state.energy_density;
+        if (state.stopped != Stop::converged || reference.result[i].state.stopped != Stop::converged) continue;
+        if (exact > 0) energy = std::max(energy, std::abs(state.energy_density / exact - 1));
+        said = std::max(said, state.limit_error);
+      }
+      if (variant.limit_tolerance == EquilibriumOptions{}.limit_tolerance && variant.barrier_share == usual_share)
+        worst_of_default = std::max(worst_of_default, error.modulus_worst);
+      table.row({name, variant.name, number(variant.limit_tolerance, 1),
+                 number(variant.barrier_share * mean_rod_length), number(per_direction_ms(timed)),
+                 percent(error.modulus_rms), percent(error.modulus_worst), number(error.poisson_rms, 2),
+                 percent(energy), percent(said)});
+    }
+  }
+  report.target("What the default limit tolerance leaves of error in a modulus", "at most 0.01 %",
+                percent(worst_of_default) + " %", worst_of_default <= 1e-4);
+  report.heading("Limits of sliding");
+  report.text(
+      "Strain " + number(locked_strain, 1) +
+      ", where sliders have reached their limits in most directions, against a limit tolerance of 1e-12. Barriers "
+      "alone "
+      "(`accuracy.limit_tolerance` 1) stop sliders short of their limits, by a distance of the size of their range; "
+      "rigid limits begin from where the barriers led. Segments are the default.");
+  report.table(table);
+}
+
 /// Values at many directions from every `stride`-th of them, by a curve of period pi.
 std::vector<double> interpolated(const std::vector<DirectionalResponse>& profile, std::size_t stride,
                                  Interpolation interpolation, double DirectionalResponse::*value) {
@@ -204,6 +276,7 @@ void study_weave_accuracy(const WeaveSettings& settings) {
   report.image("weaves-segments.svg", "Error against time for segments between crossings");
   study_tolerance(report, settings);
   report.image("weaves-tolerance.svg", "Error against time for tolerances");
+  study_limits(report, settings);
   study_directions(report, settings);
   report.image("weaves-directions.svg", "Error of interpolated profiles against the number of directions");
   report.write(

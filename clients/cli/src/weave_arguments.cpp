@@ -169,7 +169,17 @@ void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments)
   command
       .add_option("--load-steps", arguments.load_steps, "Load steps to a state at least (as many as keep each to 4 %)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--least-distance", arguments.least_distance, "Between crossings that slide, in mm (0.5)");
+  command
+      .add_option("--limit-tolerance", arguments.limit_tolerance,
+                  "Error of the energy because sliders stand short of their limits, relative (1e-6)")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--least-distance", arguments.least_distance,
+                     "Between crossings that slide, in mm (strands that cross there touch)");
+  command.add_option(
+      "--barrier-range", arguments.barrier_range,
+      "Where resistance before a limit begins on the way, in mm (a twentieth of the mean length of rod)");
+  command.add_option("--sliding-stiffness", arguments.sliding_stiffness,
+                     "Stiffness of every sliding displacement, in N/mm (7.1e-11 E times the mean length of rod)");
   const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
   command.add_option("--out-of-plane", arguments.out_of_plane, "The third dimension (automatic)")->check(switch_values);
   command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
@@ -185,8 +195,13 @@ void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::jso
   set_number("tolerance", arguments.tolerance);
   set_number("max_iterations", arguments.max_iterations);
   set_number("load_steps", arguments.load_steps);
+  set_number("limit_tolerance", arguments.limit_tolerance);
   if (!arguments.least_distance.empty())
     request["sliding"]["least_distance"] = parse_number(arguments.least_distance, "distance");
+  if (!arguments.barrier_range.empty())
+    request["sliding"]["barrier_range"] = parse_number(arguments.barrier_range, "range");
+  if (!arguments.sliding_stiffness.empty())
+    request["sliding"]["regularization"] = parse_number(arguments.sliding_stiffness, "stiffness");
   if (!arguments.out_of_plane.empty()) request["effects"]["out_of_plane"] = arguments.out_of_plane;
   if (!arguments.buckling.empty()) request["effects"]["buckling"] = arguments.buckling;
   if (arguments.deadline > 0) request["deadline"] = arguments.deadline;

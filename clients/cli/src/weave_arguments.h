@@ -39,7 +39,10 @@ struct EquilibriumArguments {
   double tolerance = 0;
   int max_iterations = 0;
   int load_steps = 0;
+  double limit_tolerance = 0;
   std::string least_distance;
+  std::string barrier_range;
+  std::string sliding_stiffness;
   std::string out_of_plane;
   std::string buckling;
   double deadline = 0;

@@ -21,6 +21,10 @@ void print_accuracy(const nlohmann::json& answer) {
   fmt::print("residual    {} of what {:.1e} allows\n",
              residual.is_null() ? "none" : fmt::format("{:.1e}", residual.get<double>()),
              accuracy.at("tolerance").get<double>());
+  const auto& limits = accuracy.at("limit_error");
+  if (limits.is_null() || limits.get<double>() > 0)
+    fmt::print("limits      an energy may be {} too high, because sliders stand short of their limits\n",
+               limits.is_null() ? "any amount" : fmt::format("{:.1e} of it", limits.get<double>()));
 }
 
 void print_message(const nlohmann::json& answer) {
@@ -87,12 +91,13 @@ void print_layout(const nlohmann::json& answer, bool crossings) {
 
 namespace {
 
-constexpr auto state_names = "energy_density,stopped,residual,out_of_plane,stable,iterations,load_steps,branches";
+constexpr auto state_names =
+    "energy_density,stopped,residual,out_of_plane,stable,iterations,load_steps,branches,limit_error";
 
 /// What every equilibrium of a cell has beside its gradient and stress, as `state_names` say.
 void append_state(std::string& line, const nlohmann::json& answer, std::size_t i) {
-  for (const char* name :
-       {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations", "load_steps", "branches"})
+  for (const char* name : {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations",
+                           "load_steps", "branches", "limit_error"})
     line += ',' + cell_text(answer.at(name).at(i));
 }
 
@@ -207,7 +212,8 @@ std::string strands_as_obj(const nlohmann::json& strands) {
 
 std::string sheet_states_as_csv(const nlohmann::json& answer) {
   const auto& supports = answer.at("supports");
-  std::string text = "state,share,energy,stopped,residual,iterations,load_steps,branches,out_of_plane,stable";
+  std::string text =
+      "state,share,energy,stopped,residual,iterations,load_steps,branches,out_of_plane,stable,limit_error";
   for (std::size_t i = 0; i < answer.at("states").size(); ++i) {
     const auto& state = answer.at("states").at(i);
     const auto sums = resultants(supports, state);
@@ -216,8 +222,8 @@ std::string sheet_states_as_csv(const nlohmann::json& answer) {
       text += '\n';
     }
     std::string line = std::to_string(i);
-    for (const char* name :
-         {"share", "energy", "stopped", "residual", "iterations", "load_steps", "branches", "out_of_plane", "stable"})
+    for (const char* name : {"share", "energy", "stopped", "residual", "iterations", "load_steps", "branches",
+                             "out_of_plane", "stable", "limit_error"})
       line += ',' + cell_text(state.at(name));
     for (const auto& sum : sums)
       for (const double component : sum) line += fmt::format(",{}", component);

@@ -98,9 +98,12 @@ class WeaveDeformation(Shown):
         energy_density: N/m, shape (n,).
         stopped: "converged", "iteration_limit" or "step_too_small".
         out_of_plane, stable: bool, shape (n,).
-        message: how many gradients were not reached; empty where all were.
+        message: how many gradients were not reached, and where sliders do not stand at their limits; empty if there is
+            nothing to say.
         cells: the deformed cells that were asked for, by the index of their gradient.
         tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
+        limit_tolerance, limit_error: what was asked for, and the largest estimated error of an energy because sliders stand
+            short of their limits, relative (None where not finite). `limit_errors` has that of each entry, shape (n,).
     """
 
     deformation_gradient: Array
@@ -114,6 +117,9 @@ class WeaveDeformation(Shown):
     cells: Mapping[int, DeformedCell]
     tolerance: float
     residual: Optional[float]
+    limit_tolerance: float
+    limit_error: Optional[float]
+    limit_errors: Array
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -131,9 +137,12 @@ class WeaveHomogenization(Drawn):
         energy_density: N/m.
         stopped: "converged", "iteration_limit", "step_too_small" or "folded_flat".
         out_of_plane, stable: bool, shape (n,).
-        message: how many directions did not converge; empty where all did.
+        message: how many directions did not converge, and where sliders do not stand at their limits; empty if there is
+            nothing to say.
         cells: the deformed cells that were asked for.
         tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
+        limit_tolerance, limit_error: what was asked for, and the largest estimated error of an energy because sliders stand
+            short of their limits, relative (None where not finite). `limit_errors` has that of each entry, shape (n,).
     """
 
     strain: float
@@ -152,13 +161,16 @@ class WeaveHomogenization(Drawn):
     cells: Tuple[DeformedCell, ...]
     tolerance: float
     residual: Optional[float]
+    limit_tolerance: float
+    limit_error: Optional[float]
+    limit_errors: Array
     effects: Tuple[Effect, ...]
     cost: Cost
 
     @property
     def converged(self) -> bool:
         """Whether every direction was followed to the strain."""
-        return not self.message
+        return all(stopped == "converged" for stopped in self.stopped)
 
     def _drawing(self) -> Drawing:
         title = f"Young's modulus / (N/m) at a strain of {self.strain:.4g}"
@@ -178,6 +190,8 @@ class SheetState(Drawn):
         out_of_plane, stable: whether it is computed in space, and whether its tangent is positive definite.
         stopped: "converged", "iteration_limit" or "step_too_small".
         residual: N; None where it is not finite.
+        limit_error: estimated error of the energy because sliders stand short of their limits, relative; None where it is
+            not finite.
         iterations, load_steps, branches: since the state before.
         strands: polylines of shape (n, 3); None unless deformed="json". `obj` and `vtu` likewise.
     """
@@ -191,6 +205,7 @@ class SheetState(Drawn):
     stable: bool
     stopped: str
     residual: Optional[float]
+    limit_error: Optional[float]
     iterations: int
     load_steps: int
     branches: int
@@ -227,7 +242,8 @@ class WeaveSimulation(Drawn):
         supports: each place that is held; a box holds several.
         sliders: (crossing, member) of what slides, in the order of `SheetState.sliding`.
         states: one for each that was asked for, fewer where the path ended early; the last then has not converged.
-        message: why the path ended early; empty where it did not.
+        message: why the path ended early, and where sliders do not stand at their limits; empty if there is nothing to say.
+        limit_tolerance, limit_error: as those of a homogenization.
         unknowns: of the largest system that was solved.
     """
 
@@ -237,6 +253,8 @@ class WeaveSimulation(Drawn):
     message: str
     tolerance: float
     residual: Optional[float]
+    limit_tolerance: float
+    limit_error: Optional[float]
     unknowns: int
     effects: Tuple[Effect, ...]
     cost: Cost
@@ -244,7 +262,7 @@ class WeaveSimulation(Drawn):
     @property
     def converged(self) -> bool:
         """Whether every state was reached."""
-        return not self.message and all(state.converged for state in self.states)
+        return all(state.converged for state in self.states)
 
     def resultant(self, support: int) -> Array:
         """The sum of the reactions at a support of the request in every state, shape (states, 3), N."""
@@ -320,6 +338,9 @@ def deformation_from_wire(document: Mapping[str, Any]) -> WeaveDeformation:
         cells={cell.direction: cell for cell in cells},
         tolerance=float(document["accuracy"]["tolerance"]),
         residual=document["accuracy"]["residual"],
+        limit_tolerance=float(document["accuracy"]["limit_tolerance"]),
+        limit_error=document["accuracy"]["limit_error"],
+        limit_errors=_array(document["limit_error"]),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
     )
@@ -344,6 +365,9 @@ def homogenization_from_wire(document: Mapping[str, Any]) -> WeaveHomogenization
         cells=tuple(_cell(cell, "direction") for cell in document["cells"]),
         tolerance=float(document["accuracy"]["tolerance"]),
         residual=document["accuracy"]["residual"],
+        limit_tolerance=float(document["accuracy"]["limit_tolerance"]),
+        limit_error=document["accuracy"]["limit_error"],
+        limit_errors=_array(document["limit_error"]),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),
     )
@@ -361,6 +385,7 @@ def _state(document: Mapping[str, Any]) -> SheetState:
         stable=bool(document["stable"]),
         stopped=str(document["stopped"]),
         residual=document["residual"],
+        limit_error=document["limit_error"],
         iterations=int(document["iterations"]),
         load_steps=int(document["load_steps"]),
         branches=int(document["branches"]),
@@ -382,6 +407,8 @@ def weave_simulation_from_wire(document: Mapping[str, Any]) -> WeaveSimulation:
         message=str(document["message"]),
         tolerance=float(accuracy["tolerance"]),
         residual=accuracy["residual"],
+        limit_tolerance=float(accuracy["limit_tolerance"]),
+        limit_error=accuracy["limit_error"],
         unknowns=int(accuracy["unknowns"]),
         effects=effects_from_wire(document["effects"]),
         cost=cost_from_wire(document["cost"]),

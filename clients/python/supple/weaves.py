@@ -249,10 +249,12 @@ class WeaveOptions:
         tolerance: relative residual. 1e-6 on the server's side.
         max_iterations: Newton iterations for one load step before it is halved.
         load_steps: load steps to a state at least; by default as many as keep each to a strain of 4 %.
-        least_distance: of a strand's crossings where one slides, mm.
-        barrier_range: mm before a limit where resistance sets in.
+        least_distance: of a strand's crossings where one slides, mm; by default the strands that cross there touch.
+        barrier_range: mm before a limit where resistance sets in while a path is followed; answers do not depend on it.
         regularization: stiffness of sliding, N/mm.
         out_of_plane, buckling: "on", "off" or "automatic".
+        limit_tolerance: largest error of the energy because sliders stand short of their limits, relative. 1e-6 on the
+            server's side.
     """
 
     segments: Optional[int] = None
@@ -264,6 +266,7 @@ class WeaveOptions:
     regularization: Optional[float] = None
     out_of_plane: Optional[str] = None
     buckling: Optional[str] = None
+    limit_tolerance: Optional[float] = None
 
     def to_wire(self) -> Dict[str, Any]:
         groups = {
@@ -272,6 +275,7 @@ class WeaveOptions:
                 tolerance=self.tolerance,
                 max_iterations=self.max_iterations,
                 load_steps=self.load_steps,
+                limit_tolerance=self.limit_tolerance,
             ),
             "sliding": given(
                 least_distance=self.least_distance,

@@ -56,8 +56,8 @@ def test_what_is_not_given_is_left_to_the_server() -> None:
 
 
 def test_everything_that_is_given_is_sent() -> None:
-    options = supple.WeaveOptions(8, 1e-8, 9, 2, 0.2, 0.05, 1e-5, "off", "on")
-    groups = {"accuracy": {"segments": 8, "tolerance": 1e-8, "max_iterations": 9, "load_steps": 2},
+    options = supple.WeaveOptions(8, 1e-8, 9, 2, 0.2, 0.05, 1e-5, "off", "on", 1e-4)
+    groups = {"accuracy": {"segments": 8, "tolerance": 1e-8, "max_iterations": 9, "load_steps": 2, "limit_tolerance": 1e-4},
               "sliding": {"least_distance": 0.2, "barrier_range": 0.05, "regularization": 1e-5},
               "effects": {"out_of_plane": "off", "buckling": "on"}}
     document = homogenization(supple.Weave.rings(), 0.2, np.array([0, 1]), "suppressed", 0.5, [1], options, 7.0).document
@@ -99,10 +99,13 @@ def test_missing_moduli_are_no_numbers() -> None:
         "strain": 0.1, "directions": [0, 1], "youngs_modulus": [5, None], "poisson_ratio": [0.3, None],
         "deformation_gradient": matrices, "nominal_stress": matrices, "cauchy_stress": matrices, "energy_density": [1, 2],
         "stopped": ["converged", "step_too_small"], "residual": [0, None], "out_of_plane": [False, True],
-        "stable": [True, True], "iterations": [1, 2], "load_steps": [1, 2], "branches": [0, 0], "message": "1 of 2",
+        "stable": [True, True], "iterations": [1, 2], "load_steps": [1, 2], "branches": [0, 0],
+        "limit_error": [1e-8, None], "message": "1 of 2",
         "sliders": [], "cells": [{"direction": 1, "lattice": [[1, 0], [0, 1]], "strands": [[[0, 0, 0], [1, 0, 0]]],
                                   "sliding": []}],
-        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": None}, **BILL})
+        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": None, "limit_tolerance": 1e-6, "limit_error": None}, **BILL})
+    assert result.limit_tolerance == 1e-6 and result.limit_error is None
+    assert result.limit_errors[0] == 1e-8 and np.isnan(result.limit_errors[1])
     assert result.youngs_modulus[0] == 5 and np.isnan(result.youngs_modulus[1]) and np.isnan(result.poisson_ratio[1])
     assert result.youngs_modulus_mpa is None and not result.converged and result.residual is None
     assert result.out_of_plane.tolist() == [False, True] and result.cells[0].strands[0].shape == (2, 3)
@@ -110,12 +113,14 @@ def test_missing_moduli_are_no_numbers() -> None:
 
 def test_reactions_of_a_box_add_up() -> None:
     state = {"share": 1, "energy": 2, "crossings": [[0, 0, 0]], "sliding": [0.5], "reactions": [[1, 0, 0], [2, 0, 0], [0, 3, 0]],
-             "out_of_plane": False, "stable": True, "stopped": "converged", "residual": 1e-9, "iterations": 3,
+             "out_of_plane": False, "stable": True, "stopped": "converged", "residual": 1e-9, "limit_error": 2e-8, "iterations": 3,
              "load_steps": 1, "branches": 0, "obj": "v"}
     places = [{"support": support, "strand": 0, "coordinate": 0, "position": [0, 0]} for support in (0, 0, 1)]
     result = weave_simulation_from_wire({
         "supports": places, "sliders": [{"crossing": 2, "member": 1}], "states": [state], "message": "",
-        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": 0.1, "unknowns": 9}, **BILL})
+        "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": 0.1, "limit_tolerance": 1e-6, "limit_error": 2e-8,
+                     "unknowns": 9}, **BILL})
+    assert result.limit_error == result.states[0].limit_error == 2e-8
     assert result.converged and result.sliders == ((2, 1),) and result.unknowns == 9
     assert result.resultant(0).tolist() == [[3, 0, 0]] and result.resultant(1).tolist() == [[0, 3, 0]]
     assert result.states[0].obj == "v" and result.states[0].strands is None and result.states[0].vtu is None

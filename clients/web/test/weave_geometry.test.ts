@@ -110,6 +110,7 @@ describe("a profile", () => {
     strain: 0.1, directions: [0, 1, 2], youngs_modulus: [5, null, null], poisson_ratio: [0.1, null, null],
     stopped: ["converged", "iteration_limit", "folded_flat"], deformation_gradient: [[[1.1, 0], [0, 1]], [[1, 0], [0, 1]], [[1.5, 0], [0, 0]]],
     out_of_plane: [false, false, false], stable: [true, true, false], cost: { seconds: 1 },
+    limit_error: [0.2, 0, 0], accuracy: { limit_tolerance: 1e-6, limit_error: 0.2 },
   } as unknown as WeaveHomogenization;
   const profile = profileOf(answer, "key", false);
 
@@ -119,6 +120,7 @@ describe("a profile", () => {
     expect(gapWords(profile)[0]).toBe("No value at 57.3°: the smallest load step did not converge.");
     expect(gapWords(profile)[1]).toMatch(/^No value at 115°: the cell folds flat/);
     expect(profile.unstable).toBe(0);
+    expect([profile.shortOfLimits, profile.limitError]).toEqual([1, 0.2]);
     expect(csvOf(profile).trim().split("\n")[2]).toBe('1,,,"the smallest load step did not converge"');
   });
 

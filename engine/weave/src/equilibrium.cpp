@@ -27,11 +27,15 @@ void validate(const EquilibriumOptions& options) {
   faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
                  "must lie within [1, 10000]");
   faults.require(options.load_steps >= 0 && options.load_steps <= 10'000, "load_steps", "must lie within [0, 10000]");
-  faults.require(options.least_distance >= 0 && options.least_distance <= 1e3, "least_distance",
-                 "must lie within [0, 1000] mm");
-  faults.require(options.barrier_range > 0 && options.barrier_range <= 1e3, "barrier_range",
+  const auto within = [](const std::optional<double>& value, double least, double most) {
+    return !value || (*value >= least && *value <= most);
+  };
+  faults.require(within(options.least_distance, 0, 1e3), "least_distance", "must lie within [0, 1000] mm");
+  faults.require(options.limit_tolerance >= 1e-12 && options.limit_tolerance <= 1, "limit_tolerance",
+                 "must lie within [1e-12, 1]");
+  faults.require(within(options.barrier_range, 0, 1e3) && options.barrier_range != 0.0, "barrier_range",
                  "must lie within (0, 1000] mm");
-  faults.require(options.sliding_regularization >= 0 && options.sliding_regularization <= 1e3, "sliding_regularization",
+  faults.require(within(options.sliding_regularization, 0, 1e3), "sliding_regularization",
                  "must lie within [0, 1000] N/mm");
   faults.throw_if_any("weave.invalid_option");
 }

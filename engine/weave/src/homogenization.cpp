@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "direction_sweep.h"
+#include "natural_units.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
@@ -17,6 +19,11 @@ namespace {
 constexpr double newtons_per_metre = 1000;  ///< in a N/mm
 constexpr double largest_strain = 2;
 constexpr double smallest_strain = -0.5;
+/// Fewer directions than these may have no neighbours near enough to be compared with.
+constexpr std::size_t few_directions = 20;
+/// How many times as many load steps a path has that a path is compared with, and how many at most.
+constexpr int finer_paths = 3;
+constexpr int most_finer_steps = 1000;
 /// Over that at rest: where a cell free to narrow has less, its strands lie beside each other.
 constexpr double least_area = 1e-3;
 
@@ -50,31 +57,35 @@ void check(const HomogenizationOptions& options) {
   faults.throw_if_any("weave.invalid_option");
 }
 
-CellState state_of(WeaveRun& run, const Weave& weave, bool arrived, bool lines) {
-  WeaveSystem& objective = run.objective();
+/// `run` is of a weave in these units.
+CellState state_of(WeaveRun& run, const NaturalUnits& units, bool arrived, bool lines) {
+  const LimitedState& reported = run.reported();
   const RodModel& model = run.model();
   const WeavePath& path = run.path();
   CellState state;
-  const Eigen::VectorXd gradient = objective.full_gradient();
-  const Eigen::VectorXd& q = objective.q();
-  const double area = weave.lattice->determinant();
+  const Eigen::VectorXd& q = reported.q;
+  // From an energy over the cell's area at rest, both in natural units.
+  const double to_newtons_per_metre =
+      newtons_per_metre * units.force_per_length() / model.weave().lattice->determinant();
   const Eigen::Matrix2d f = model.deformation_gradient(q);
   state.deformation_gradient = f;
   // The dyads are orthonormal: the derivative by F has these components along them.
   for (int k = 0; k < 4; ++k)
     state.nominal_stress +=
-        newtons_per_metre / area * gradient[model.strain() + k] * model.dyads()[static_cast<std::size_t>(k)];
+        to_newtons_per_metre * reported.gradient[model.strain() + k] * model.dyads()[static_cast<std::size_t>(k)];
   state.cauchy_stress = state.nominal_stress * f.transpose() / f.determinant();
-  state.energy_density = newtons_per_metre * path.energy() / area;
+  state.energy_density = to_newtons_per_metre * reported.energy;
   state.sliding.reserve(model.sliders().size());
-  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) state.sliding.push_back(q[model.slider(i)]);
-  if (lines) state.strands = polylines(model, q);
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i)
+    state.sliding.push_back(units.length * q[model.slider(i)]);
+  if (lines) state.strands = polylines(model, q, units.length);
   state.out_of_plane = run.spatial();
-  state.stable = path.stable();
+  state.stable = reported.stable;
   state.stopped = path.stopped();
   if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
-  state.residual = path.residual();
-  state.tolerance = path.tolerance();
+  state.residual = units.force() * reported.residual;
+  state.tolerance = units.force() * path.tolerance();
+  state.limit_error = reported.limit_error;
   state.iterations = run.iterations();
   state.load_steps = run.load_steps();
   state.branches = run.branches();
@@ -93,32 +104,36 @@ std::vector<bool> chosen(const std::vector<int>& indices, std::size_t count) {
 }
 
 /// The equilibrium under a gradient that has been checked.
-CellState state_under(const Weave& weave, const Eigen::Matrix2d& f, const EquilibriumOptions& options,
+CellState state_under(const NaturalWeave& natural, const Eigen::Matrix2d& f, const EquilibriumOptions& options,
                       const Execution& execution, bool lines) {
   Prescription prescription;
   // Along the axes the dyads are the matrix' entries, row by row.
   for (int k = 0; k < 4; ++k)
     prescription.held.push_back(strain_entry(k, f(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
   prescription.strain = (f - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
-  WeaveRun run(weave, prescription, 0, options, execution);
-  const bool arrived = run.advance_to(1);
-  run.bill_effects();
-  return state_of(run, weave, arrived, lines);
+  const CellPath path =
+      follow_cell(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
+  CellState state = state_of(*path.run, natural.units(), path.arrived, lines);
+  path.run->bill_effects();
+  return state;
 }
 
-DirectionalResponse respond(const Weave& weave, const HomogenizationOptions& options, double direction, bool lines,
-                            const Execution& execution) {
-  // F^T d = stretch d: of the components along d d^T, d n^T, n d^T, n n^T the first two are given.
+/// F^T d = stretch d: of the components along d d^T, d n^T, n d^T, n n^T the first two are given.
+Prescription uniaxial(const HomogenizationOptions& options) {
   Prescription prescription;
   prescription.held = {strain_entry(0, options.strain), strain_entry(1, 0)};
   if (!options.shear_free) prescription.held.push_back(strain_entry(2, 0));
   prescription.strain = std::abs(options.strain);
-  WeaveRun run(weave, prescription, direction, options.equilibrium, execution);
-  const bool arrived = run.advance_to(1);
-  run.bill_effects();
+  return prescription;
+}
+
+/// What a run along a direction came to, or how far it came.
+DirectionalResponse response_of(WeaveRun& run, const NaturalUnits& units, const HomogenizationOptions& options,
+                                double direction, bool arrived, bool lines) {
   DirectionalResponse response;
   response.direction = direction;
-  response.state = state_of(run, weave, arrived, lines);
+  response.state = state_of(run, units, arrived, lines);
+  run.bill_effects();
   if (response.state.stopped == Stop::converged && response.state.deformation_gradient.determinant() < least_area) {
     response.state.stopped = Stop::folded_flat;
     response.state.cauchy_stress.setZero();
@@ -154,14 +169,55 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
                                             const Execution& execution) {
   check(weave, options.equilibrium, execution);
   check(options);
+  const NaturalWeave natural(weave);
+  const EquilibriumOptions equilibrium = in_natural_units(options.equilibrium, natural.units());
+  const Prescription prescription = uniaxial(options);
   const auto n = static_cast<int>(options.directions.size());
   const std::vector<bool> wanted = chosen(options.deformed, options.directions.size());
   std::vector<DirectionalResponse> responses(options.directions.size());
   const auto bills = parallel_bills(n, execution, "directions", [&](int index, const Execution& own) {
     const auto i = static_cast<std::size_t>(index);
-    responses[i] = respond(weave, options, options.directions[i], wanted[i], own);
+    const double direction = options.directions[i];
+    const CellPath path = follow_cell(natural.weave(), prescription, direction, equilibrium, own);
+    responses[i] = response_of(*path.run, natural.units(), options, direction, path.arrived, wanted[i]);
+    // Without neighbours to compare it with, a direction whose path left a branch is compared with a finer path.
+    if (responses[i].state.branches == 0 || options.directions.size() >= few_directions) return;
+    EquilibriumOptions finer = equilibrium;
+    finer.load_steps = finer_paths * responses[i].state.load_steps;
+    if (equilibrium.buckling == Switch::off || finer.load_steps > most_finer_steps) return;
+    const CellPath again = follow_cell(natural.weave(), prescription, direction, finer, own);
+    std::vector<DirectionalResponse> one{std::move(responses[i])};
+    take_better({{0, response_of(*again.run, natural.units(), options, direction, again.arrived, wanted[i])}}, one);
+    responses[i] = std::move(one.front());
   });
   if (execution.cost) add_bills(bills, *execution.cost);
+  if (equilibrium.buckling == Switch::off) return responses;
+  // A direction whose energy is far above what its neighbours lead to expect is looked at again, from their states.
+  const DirectionOrder order(responses);
+  const std::vector<SweepStart> starts = suspicious_directions(responses, order, options);
+  std::vector<std::vector<BetterResponse>> found(starts.size());
+  const Execution unreported{execution.cancellation, nullptr, execution.cost};
+  const auto look_again = [&](int index, const Execution& own) {
+    const auto [position, upwards] = starts[static_cast<std::size_t>(index)];
+    const double from = options.directions[order.index(position)];
+    const CellPath first = follow_cell(natural.weave(), prescription, from, equilibrium, own);
+    if (!first.arrived) return;
+    CellConfiguration at = first.run->configuration();
+    auto next = order.neighbour(position, upwards);
+    for (std::size_t steps = 1; next && steps < order.size(); ++steps, next = order.neighbour(*next, upwards)) {
+      const std::size_t i = order.index(*next);
+      WeaveRun run(natural.weave(), prescription, options.directions[i], equilibrium, own);
+      if (!run.go_on_from(at)) return;
+      auto response = response_of(run, natural.units(), options, options.directions[i], true, wanted[i]);
+      if (!is_better(response, responses[i])) return;
+      at = run.configuration();
+      found[static_cast<std::size_t>(index)].push_back({i, std::move(response)});
+    }
+  };
+  const auto more_bills =
+      parallel_bills(static_cast<int>(starts.size()), unreported, "neighbouring directions", look_again);
+  if (execution.cost) add_bills(more_bills, *execution.cost);
+  for (auto& better : found) take_better(std::move(better), responses);
   return responses;
 }
 
@@ -171,7 +227,7 @@ CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gra
   Faults faults;
   check_gradient(deformation_gradient, "deformation_gradient", faults);
   faults.throw_if_any("weave.invalid_load");
-  return state_under(weave, deformation_gradient, options, execution, lines);
+  return state_under(NaturalWeave(weave), deformation_gradient, options, execution, lines);
 }
 
 std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen::Matrix2d>& deformation_gradients,
@@ -185,11 +241,12 @@ std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen:
   check_deformed(deformed, deformation_gradients.size(), "deformation gradient", faults);
   faults.throw_if_any("weave.invalid_load");
   const std::vector<bool> wanted = chosen(deformed, deformation_gradients.size());
+  const NaturalWeave natural(weave);
   std::vector<CellState> states(deformation_gradients.size());
   const auto bills =
       parallel_bills(static_cast<int>(states.size()), execution, "gradients", [&](int index, const Execution& own) {
         const auto i = static_cast<std::size_t>(index);
-        states[i] = state_under(weave, deformation_gradients[i], options, own, wanted[i]);
+        states[i] = state_under(natural, deformation_gradients[i], options, own, wanted[i]);
       });
   if (execution.cost) add_bills(bills, *execution.cost);
   return states;

@@ -19,7 +19,8 @@ struct Key {
   Eigen::Vector2i shift{0, 0};  ///< the strand's own copy is the node's copy moved by this
   int slider = -1;
   int joint = -1;
-  bool end = false;  ///< made for the strand's end alone
+  bool end = false;       ///< made for the strand's end alone
+  double half_width = 0;  ///< of the widest strand that crosses there, mm
 };
 
 double turn_between(const StrandCurve& curve, double from, double to) {
@@ -81,6 +82,9 @@ class ModelBuilder {
       for (int m = 0; m < static_cast<int>(members.size()); ++m) {
         const CrossingMember& member = members[static_cast<std::size_t>(m)];
         Key key{member.coordinate, node, -member.shift, -1, member.slides ? -1 : joint};
+        for (const CrossingMember& other : members)
+          if (&other != &member)
+            key.half_width = std::max(key.half_width, weave_.strands[static_cast<std::size_t>(other.strand)].radius);
         if (member.slides) {
           key.slider = static_cast<int>(model_.sliders_.size());
           model_.sliders_.push_back({c, m, member.strand, member.coordinate, -member.backward, member.forward});
@@ -164,7 +168,8 @@ class ModelBuilder {
     const MaterialCoordinate end = coordinate_of(to, more);
     const double turn = turn_between(curve, begin.start, end.start);
     const int count = std::max({least, model_.options_.segments, static_cast<int>(std::ceil(turn / longest_turn))});
-    if (from.slider >= 0 || to.slider >= 0) model_.gaps_.push_back({strand, begin, end, from.end || to.end});
+    if (from.slider >= 0 || to.slider >= 0)
+      model_.gaps_.push_back({strand, begin, end, from.end || to.end, from.half_width + to.half_width});
     int tail = from.node;
     Eigen::Vector2i tail_shift = from.shift;
     MaterialCoordinate at = begin;

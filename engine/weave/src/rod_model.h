@@ -10,6 +10,9 @@
 
 namespace supple::weave {
 
+/// The mean length of rod between crossings, in the unit in which weaves are computed (see natural_units.h).
+inline constexpr double mean_rod_length = 4;
+
 /// A place of a strand that must be a node: where it is held or loaded.
 struct Anchor {
   int strand = 0;
@@ -72,6 +75,8 @@ struct Gap {
   MaterialCoordinate from;
   MaterialCoordinate to;
   bool at_end = false;  ///< one of the two is the strand's end, not a crossing
+  /// The distance at which the strands that cross at the two places touch each other, or one touches the end; mm.
+  double touching = 0;
 };
 
 /// A weave cut into nodes, edges and turns: an Eulerian-on-Lagrangian discretization (Cirio et al. 2014) of discrete

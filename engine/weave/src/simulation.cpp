@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "natural_units.h"
 #include "supple/base/faults.h"
 #include "weave_run.h"
 
@@ -45,6 +46,19 @@ void check(const Weave& weave, const SheetLoad& load) {
     faults.require(load.forces[i].force.allFinite(), where + "/force", "must be finite, in N");
   }
   faults.throw_if_any("weave.invalid_load");
+}
+
+/// The load in these units.
+SheetLoad in_natural_units(SheetLoad load, const NaturalUnits& units) {
+  for (Support& support : load.supports) {
+    support.coordinate /= units.length;
+    support.displacement /= units.length;
+  }
+  for (PointForce& force : load.forces) {
+    force.coordinate /= units.length;
+    force.force /= units.force();
+  }
+  return load;
 }
 
 Prescription prescribe(const SheetLoad& load) {
@@ -108,42 +122,39 @@ double strain_of(const SheetLoad& load, const Weave& weave) {
   return strain;
 }
 
-SheetState state_of(WeaveRun& run, const SheetLoad& load) {
-  WeaveSystem& objective = run.objective();
+/// `run` is of a sheet in these units, as `load` is.
+SheetState state_of(WeaveRun& run, const SheetLoad& load, const NaturalUnits& units) {
+  const LimitedState& reported = run.reported();
   const RodModel& model = run.model();
   const int dimension = model.dimension();
   SheetState state;
-  const Eigen::VectorXd gradient = objective.full_gradient();
-  const Eigen::VectorXd& q = objective.q();
+  const Eigen::VectorXd& q = reported.q;
   state.share = run.share();
-  state.energy = run.path().energy();
-  state.strands = polylines(model, q);
+  state.energy = units.energy() * reported.energy;
+  state.strands = polylines(model, q, units.length);
   state.crossings.reserve(model.weave().crossings.size());
   for (int c = 0; c < static_cast<int>(model.weave().crossings.size()); ++c) {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
-    position.head(dimension) = q.segment(model.position(model.crossing_node(c)), dimension);
+    position.head(dimension) = units.length * q.segment(model.position(model.crossing_node(c)), dimension);
     state.crossings.push_back(position);
   }
   state.sliding.reserve(model.sliders().size());
-  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) state.sliding.push_back(q[model.slider(i)]);
+  for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i)
+    state.sliding.push_back(units.length * q[model.slider(i)]);
   state.reactions.reserve(load.supports.size());
   for (std::size_t i = 0; i < load.supports.size(); ++i) {
     Eigen::Vector3d reaction = Eigen::Vector3d::Zero();
     for (int c = 0; c < dimension; ++c)
       if (load.supports[i].held[static_cast<std::size_t>(c)])
-        reaction[c] = gradient[model.position(model.anchor_node(i)) + c];
+        reaction[c] = units.force() * reported.gradient[model.position(model.anchor_node(i)) + c];
     state.reactions.push_back(reaction);
   }
-  // The minimized energy has the forces' potential in it; what the weave stores has not.
-  for (std::size_t i = 0; i < load.forces.size(); ++i) {
-    const int node = model.position(model.anchor_node(load.supports.size() + i));
-    for (int c = 0; c < dimension; ++c) state.energy += run.share() * load.forces[i].force[c] * q[node + c];
-  }
   state.out_of_plane = run.spatial();
-  state.stable = run.path().stable();
+  state.stable = reported.stable;
   state.stopped = run.path().stopped();
-  state.residual = run.path().residual();
-  state.tolerance = run.path().tolerance();
+  state.residual = units.force() * reported.residual;
+  state.tolerance = units.force() * run.path().tolerance();
+  state.limit_error = reported.limit_error;
   return state;
 }
 
@@ -155,10 +166,12 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   validate(options);
   check(weave, load);
   execution.cancellation.throw_if_requested();
-  Prescription prescription = prescribe(load);
-  prescription.strain = strain_of(load, weave);
-  check_nodes(weave, load, prescription, options, execution);
-  WeaveRun run(weave, prescription, 0, options, execution);
+  const NaturalWeave natural(weave);
+  const SheetLoad scaled = in_natural_units(load, natural.units());
+  Prescription prescription = prescribe(scaled);
+  prescription.strain = strain_of(scaled, natural.weave());
+  check_nodes(natural.weave(), scaled, prescription, options, execution);
+  WeaveRun run(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
   SimulationResult result;
   result.states.reserve(static_cast<std::size_t>(load.states));
   int iterations = 0;
@@ -167,7 +180,7 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
   for (int k = 1; k <= load.states; ++k) {
     execution.checkpoint(static_cast<double>(k - 1) / load.states, "states");
     const bool arrived = run.advance_to(k == load.states ? 1 : static_cast<double>(k) / load.states);
-    SheetState state = state_of(run, load);
+    SheetState state = state_of(run, scaled, natural.units());
     if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
     state.iterations = run.iterations() - std::exchange(iterations, run.iterations());
     state.load_steps = run.load_steps() - std::exchange(load_steps, run.load_steps());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "rod_elements.h"
@@ -15,42 +16,56 @@ struct Barrier {
 };
 Barrier barrier(double distance, double range, double stiffness);
 
-/// Distances that affine functions of the degrees of freedom keep above 0: d = offset + sum of coefficients times x.
+/// A distance d = offset + sum of coefficients times the degrees of freedom x that may not fall below 0, mm.
+struct SlidingLimit {
+  int strand = 0;     ///< the strand that slides
+  double offset = 0;  ///< distance at rest, mm
+  double range = 0;   ///< distance at which the barrier begins, mm
+  Links links{};      ///< of the one slot 0
+
+  double distance(const Eigen::VectorXd& x) const {
+    double d = offset;
+    for (const Link& link : links) d += link.coefficient * x[link.dof];
+    return d;
+  }
+};
+
+/// Barriers before limits, which keep a path of equilibria clear of them. The stiffness of each is proportional to that
+/// of its strand: `barrier_stretch` EA / l, where l is the mean length of rod between crossings.
 class BarrierEnergy : public Energy {
  public:
   void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
   double largest_step(const RodState& state, const Eigen::VectorXd& step) const override;
-  bool empty() const { return elements_.empty(); }
+  bool empty() const { return limits_.empty(); }
+  const std::vector<SlidingLimit>& limits() const { return limits_; }
+  /// The barrier of a limit at x. It pushes with the force -first, N.
+  Barrier at(const SlidingLimit& limit, const Eigen::VectorXd& x) const;
   /// How many distances are within their barrier's range at x.
   int near(const Eigen::VectorXd& x) const;
 
  protected:
-  struct Element {
-    double offset = 0;
-    double range = 0;
-    Links links;  ///< of the one slot 0
-  };
-  explicit BarrierEnergy(double stiffness) : stiffness_(stiffness) {}
-  std::vector<Element> elements_;
+  explicit BarrierEnergy(const RodModel& model) : model_(model) {}
+  std::vector<SlidingLimit> limits_;
 
  private:
-  static double distance(const Element& element, const Eigen::VectorXd& x);
-  double stiffness_;
+  double stiffness(const SlidingLimit& limit) const;  ///< N/mm
+  const RodModel& model_;
 };
 
 /// Sliders end at their limits.
 class SlidingLimits : public BarrierEnergy {
  public:
   /// `range`, mm: how far from a limit its barrier begins; a half of the slider's way to it at most.
-  SlidingLimits(const RodModel& model, double range, double stiffness);
+  SlidingLimits(const RodModel& model, double range);
   std::string_view name() const override { return "sliding_limits"; }
 };
 
 /// Crossings of a strand, of which one at least slides, stay `least` mm of strand apart, or half as far as at rest
-/// where that is less; from its ends they stay on it.
+/// where that is less. Without `least`, they stay so far apart that the strands that cross there touch. They stay half
+/// as far from the strand's ends.
 class CrossingContact : public BarrierEnergy {
  public:
-  CrossingContact(const RodModel& model, double least, double range, double stiffness);
+  CrossingContact(const RodModel& model, const std::optional<double>& least, double range);
   std::string_view name() const override { return "crossing_contact"; }
 };
 
@@ -76,6 +91,8 @@ class PointForces : public Energy {
   explicit PointForces(std::vector<Load> loads) : loads_(std::move(loads)) {}
   std::string_view name() const override { return "point_forces"; }
   void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
+  /// The potential of the forces at x, N mm.
+  double potential(const Eigen::VectorXd& x) const;
   /// The forces act at this share of their size.
   void set_share(double share) { share_ = share; }
 

@@ -290,6 +290,16 @@ double StrandCurve::piece_length(std::size_t piece, double from, double to) cons
   return 0.5 * (to - from) * sum;
 }
 
+StrandCurve StrandCurve::scaled(double factor) const {
+  StrandCurve curve = *this;
+  curve.translation_ *= factor;
+  for (double& knot : curve.knots_) knot *= factor;
+  for (Eigen::Vector2d& value : curve.values_) value *= factor;
+  for (Eigen::Vector2d& second : curve.seconds_) second /= factor;
+  for (double& coordinate : curve.point_coordinates_) coordinate *= factor;
+  return curve;
+}
+
 StrandCurve::Point StrandCurve::at(double s) const {
   const double whole = length();
   if (ends_ == Ends::open && !(s >= 0 && s <= whole)) {

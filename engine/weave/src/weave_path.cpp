@@ -33,8 +33,7 @@ constexpr double tangent_step = 1e-6;
 
 numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
   numerics::PathOptions options;
-  options.minimizer.first_regularization = first_regularization;
-  options.minimizer.longest_expansion = longest_expansion;
+  options.minimizer = minimizer_options();
   options.max_iterations = equilibrium.max_iterations;
   options.more_iterations_after_leaving = more_iterations_after_leaving;
   options.smallest_step = smallest_part;
@@ -45,6 +44,13 @@ numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
 }
 
 }  // namespace
+
+numerics::MinimizerOptions minimizer_options() {
+  numerics::MinimizerOptions options;
+  options.first_regularization = first_regularization;
+  options.longest_expansion = longest_expansion;
+  return options;
+}
 
 double absolute_tolerance(const RodModel& model, double relative) {
   double weakest = std::numeric_limits<double>::infinity();
@@ -213,10 +219,9 @@ bool WeavePath::advance(const LoadStep& step) {
   return true;
 }
 
-bool WeavePath::prefer_lower_from(Eigen::VectorXd q) {
-  WeaveScene::State state = std::as_const(scene_).state();
-  state.q = std::move(q);
-  return path_.prefer_lower_from(state, same_energy);
+bool WeavePath::prefer_lower_from(const WeaveScene::State& state, double energy,
+                                  const std::function<double()>& energy_there) {
+  return path_.prefer_lower_from(state, same_energy, energy, energy_there);
 }
 
 Stop WeavePath::stopped() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -52,6 +53,7 @@ class WeaveScene {
   void begin(const LoadStep& step);
   double remaining() const { return 1 - done_; }  ///< share of the step
   void set_force_share(double share);
+  double force_share() const { return force_share_; }
   std::optional<Eigen::VectorXd> take_ridge() { return std::exchange(ridge_, std::nullopt); }
   double tolerance() const { return tolerance_; }
 
@@ -102,13 +104,15 @@ class WeavePath {
   /// went. Of cells that slide in the plane; of sheets there are too many.
   std::optional<Eigen::VectorXd> take_ridge() { return scene_.take_ridge(); }
 
-  /// From an equilibrium, looks for another one from `q` at the same loads, and goes over to it if its energy is lower
-  /// and it is stable.
-  bool prefer_lower_from(Eigen::VectorXd q);
+  /// From an equilibrium, looks for another one from `state` at the same loads, and goes over to it if its energy is
+  /// lower than `energy` and it is stable. `energy_there` measures the energy when the path is there.
+  bool prefer_lower_from(const WeaveScene::State& state, double energy, const std::function<double()>& energy_there);
+  WeaveScene::State state() const { return scene_.state(); }
 
   double energy() const { return path_.result().value; }
   double residual() const { return path_.result().gradient_norm; }  ///< |g|, N
   double tolerance() const { return scene_.tolerance(); }
+  double force_share() const { return scene_.force_share(); }
   bool stable() const { return path_.stable(); }
   Stop stopped() const;
   int iterations() const { return path_.counts().iterations; }
@@ -124,6 +128,9 @@ class WeavePath {
   numerics::EquilibriumPath<WeaveScene> path_;
   double reached_ = 1;
 };
+
+/// How energies of weaves are minimized.
+numerics::MinimizerOptions minimizer_options();
 
 /// See EquilibriumOptions::tolerance; N.
 double absolute_tolerance(const RodModel& model, double relative);

@@ -15,17 +15,26 @@ constexpr double most_strain_steps = 1000;
 constexpr int parts_across = 4;
 constexpr double least_way_across = 0.6;
 
+/// How often barriers are narrowed, and by which factor, where rigid limits are too far from them.
+constexpr int most_narrowings = 3;
+constexpr double narrowing = 0.25;
+/// How often a whole path is followed again with narrower barriers.
+constexpr int most_narrower_paths = 2;
+
 }  // namespace
 
 WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double direction,
                    const EquilibriumOptions& options, const Execution& execution)
     : weave_(weave), prescription_(prescription), options_(options), execution_(execution) {
-  energy_.barrier_range = options.barrier_range;
+  if (options.barrier_range) energy_.barrier_range = *options.barrier_range;
   energy_.least_distance = options.least_distance;
-  energy_.sliding_regularization = options.sliding_regularization;
+  if (options.sliding_regularization) energy_.sliding_regularization = *options.sliding_regularization;
   model_options_.segments = options.segments;
   model_options_.direction = direction;
   model_options_.cancellation = execution.cancellation;
+  rigid_cholesky_.order_quickly();
+  rigid_cholesky_.stop_with(execution.cancellation);
+  rigid_cholesky_.bill_to(execution.cost);
   start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));
 }
 
@@ -88,26 +97,92 @@ LoadStep WeaveRun::step_to(double share) const {
   return step;
 }
 
+std::vector<PointForces::Load> WeaveRun::point_forces() const {
+  std::vector<PointForces::Load> loads;
+  for (const Prescription::Force& force : prescription_.forces)
+    for (int c = 0; c < model_->dimension(); ++c)
+      if (force.force[c] != 0)
+        loads.push_back(
+            {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
+  return loads;
+}
+
 void WeaveRun::start(bool spatial) {
   model_options_.spatial = spatial;
   model_ = std::make_unique<RodModel>(weave_, prescription_.anchors, model_options_);
   Eigen::VectorXd q = model_->rest_state();
   Chart chart = spatial ? flat_chart(*model_, q) : Chart{};
-  std::vector<PointForces::Load> forces;
-  for (const Prescription::Force& force : prescription_.forces)
-    for (int c = 0; c < model_->dimension(); ++c)
-      if (force.force[c] != 0)
-        forces.push_back(
-            {model_->position(model_->anchor_node(static_cast<std::size_t>(force.anchor))) + c, force.force[c]});
+  reported_.reset();
   objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
-                                             std::move(forces), execution_);
+                                             point_forces(), execution_);
   path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
+}
+
+const LimitedState& WeaveRun::reported() {
+  if (reported_) return *reported_;
+  reported_ = with_barriers(*objective_, path_->residual(), path_->stable());
+  if (reported_->limit_error == 0 || options_.limit_tolerance >= 1 || path_->stopped() != Stop::converged)
+    return *reported_;
+  const auto with_limits_of = [this](const WeaveSystem& barriers, LimitedState start) {
+    WeaveSystem rigid = barriers.with_rigid_limits();
+    LimitedState found =
+        with_rigid_limits(std::move(start), rigid, rigid_cholesky_, options_, path_->tolerance(), execution_);
+    iterations_ += found.iterations;
+    return found;
+  };
+  reported_ = with_limits_of(*objective_, std::move(*reported_));
+  // If the limits are too far from where the barriers keep the sliders, narrower barriers lead a part of the way.
+  EnergyOptions narrower = energy_;
+  std::unique_ptr<WeaveSystem> last;
+  for (int k = 0; k < most_narrowings && reported_->limit_error > options_.limit_tolerance; ++k) {
+    narrower.barrier_range *= narrowing;
+    const WeaveSystem& from = last ? *last : *objective_;
+    auto next = std::make_unique<WeaveSystem>(*model_, from.q(), from.chart(), held_of(*model_), narrower,
+                                              point_forces(), execution_);
+    WeavePath path(*next, options_, execution_);
+    path.resume_at(path_->force_share());
+    const bool settled = path.settle();
+    iterations_ += path.iterations();
+    if (!settled) break;
+    reported_ = with_limits_of(*next, with_barriers(*next, path.residual(), path.stable()));
+    last = std::move(next);
+  }
+  return *reported_;
+}
+
+CellConfiguration WeaveRun::configuration() const {
+  return {spatial(), objective_->q(), objective_->chart(), model_->deformation_gradient(objective_->q())};
+}
+
+bool WeaveRun::go_on_from(const CellConfiguration& from) {
+  start(from.spatial);
+  Eigen::VectorXd q = from.q;
+  for (int k = 0; k < 4; ++k)
+    q[model_->strain() + k] =
+        model_->dyads()[static_cast<std::size_t>(k)].cwiseProduct(from.deformation_gradient).sum();
+  LoadStep step{Eigen::VectorXd::Zero(model_->size()), 1};
+  const Eigen::VectorXd rest = model_->rest_state();
+  for (const Prescription::Entry& entry : prescription_.held) {
+    const int dof = model_->strain() + entry.index;
+    step.change[dof] = rest[dof] + entry.change - q[dof];
+  }
+  const double change = step.change.lpNorm<Eigen::Infinity>();
+  step.parts = std::max(1, static_cast<int>(std::ceil(change / largest_strain_step - 1e-9)));
+  objective_->set_state(std::move(q), from.chart);
+  path_->resume_at(1);
+  const bool arrived = path_->advance(step);
+  share_ = arrived ? 1 : 0;
+  return arrived && leave_plane_if_unstable();
 }
 
 bool WeaveRun::advance_to(double share) {
   const double before = share_;
+  reported_.reset();
   const bool arrived = path_->advance(step_to(share));
-  if (arrived) prefer_lower_side();
+  if (arrived) {
+    prefer_lower_side();
+    prefer_straight_path();
+  }
   share_ = arrived ? share : before + path_->reached() * (share - before);
   return leave_plane_if_unstable() && arrived;
 }
@@ -128,10 +203,34 @@ void WeaveRun::prefer_lower_side() {
   WeavePath pulled(strands, options_, execution_);
   pulled.advance(across);
   iterations_ += pulled.iterations();
-  const bool lower = pulled.reached() > least_way_across && path_->prefer_lower_from(strands.q());
+  const bool lower = pulled.reached() > least_way_across && prefer_lower_from({strands.q(), strands.chart(), 1});
   looked_across_ = true;
   if (execution_.cost)
     execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
+}
+
+void WeaveRun::prefer_straight_path() {
+  if (!weave_.lattice || options_.buckling == Switch::off || path_->branches_left() == 0) return;
+  EquilibriumOptions options = options_;
+  options.buckling = Switch::off;
+  options.out_of_plane = spatial() ? Switch::on : Switch::off;
+  WeaveRun straight(weave_, prescription_, model_options_.direction, options,
+                    {execution_.cancellation, nullptr, execution_.cost});
+  const bool arrived = straight.advance_to(1);
+  iterations_ += straight.iterations();
+  if (arrived) prefer_lower_from(straight.path_->state());
+  looked_across_ = true;
+}
+
+bool WeaveRun::prefer_lower_from(const WeaveScene::State& state) {
+  LimitedState found = reported();
+  const auto energy = [this] {
+    reported_.reset();
+    return reported().energy;
+  };
+  const bool lower = path_->prefer_lower_from(state, found.energy, energy);
+  if (!lower) reported_ = std::move(found);
+  return lower;
 }
 
 bool WeaveRun::leave_plane_if_unstable() {
@@ -170,7 +269,7 @@ void WeaveRun::bill_effects() const {
   if (model_->sliders().empty()) {
     cost->add_effect("sliding_regularizer", false, "nothing slides");
   } else {
-    const Eigen::VectorXd& q = objective_->q();
+    const Eigen::VectorXd& q = reported_ ? reported_->q : objective_->q();
     const int limits = objective_->limits()->near(q);
     const int near = objective_->contact()->near(q);
     cost->add_effect("at_sliding_limits", limits > 0,
@@ -188,16 +287,36 @@ void WeaveRun::bill_effects() const {
                                                       : "the tangent stiffness stayed positive definite");
 }
 
-std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q) {
+CellPath follow_cell(const Weave& weave, const Prescription& prescription, double direction, EquilibriumOptions options,
+                     const Execution& execution) {
+  CellPath path;
+  const auto follow = [&] {
+    CellPath followed{std::make_unique<WeaveRun>(weave, prescription, direction, options, execution), false};
+    followed.arrived = followed.run->advance_to(1);
+    return followed;
+  };
+  path = follow();
+  for (int k = 0; k < most_narrower_paths && path.arrived && path.run->reported().limit_error > options.limit_tolerance;
+       ++k) {
+    options.barrier_range = narrowing * options.barrier_range.value_or(EnergyOptions{}.barrier_range);
+    CellPath narrower = follow();
+    const bool better = narrower.arrived && narrower.run->reported().limit_error < path.run->reported().limit_error;
+    if (better) std::swap(path, narrower);
+    path.run->count_iterations(narrower.run->iterations());
+  }
+  return path;
+}
+
+std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q, double unit) {
   std::vector<std::vector<Eigen::Vector3d>> lines(model.weave().strands.size());
   for (const Edge& edge : model.edges()) {
     auto& line = lines[static_cast<std::size_t>(edge.strand)];
     if (line.empty()) {
       Eigen::Vector3d first = Eigen::Vector3d::Zero();
-      first.head(model.dimension()) = q.segment(model.position(edge.tail), model.dimension());
+      first.head(model.dimension()) = unit * q.segment(model.position(edge.tail), model.dimension());
       line.push_back(first);
     }
-    const Eigen::Vector3d next = line.back() + model.edge_vector(edge, q);
+    const Eigen::Vector3d next = line.back() + unit * model.edge_vector(edge, q);
     line.push_back(next);
   }
   return lines;

@@ -19,9 +19,8 @@ WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions
     }
   }
   if (!model.sliders().empty()) {
-    parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range, options.barrier_stiffness);
-    parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range,
-                                                      options.barrier_stiffness);
+    parts.limits = std::make_shared<SlidingLimits>(model, options.barrier_range);
+    parts.contact = std::make_shared<CrossingContact>(model, options.least_distance, options.barrier_range);
     if (!parts.limits->empty()) parts.all.push_back(parts.limits);
     if (!parts.contact->empty()) parts.all.push_back(parts.contact);
     parts.all.push_back(std::make_shared<SlidingRegularizer>(model, options.sliding_regularization));
@@ -38,13 +37,23 @@ WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vecto
     : System(std::move(state), parts.all, numerics::Unknowns(held),
              {.execution = {execution.cancellation, nullptr, execution.cost}}),
       model_(&model),
-      parts_(std::move(parts)) {}
+      parts_(std::move(parts)),
+      held_(held),
+      execution_(execution) {}
 
 WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
                          const EnergyOptions& options, std::vector<PointForces::Load> forces,
                          const Execution& execution)
     : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), held,
                   parts(model, options, std::move(forces)), execution) {}
+
+WeaveSystem WeaveSystem::with_rigid_limits() const {
+  Parts rigid = parts_;
+  rigid.multipliers = std::make_shared<LimitMultipliers>(*model_, *parts_.limits, *parts_.contact);
+  std::erase_if(rigid.all, [&](const auto& term) { return term == parts_.limits || term == parts_.contact; });
+  rigid.all.push_back(rigid.multipliers);
+  return {*model_, state(), held_, std::move(rigid), execution_};
+}
 
 void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
   RodState state(*model_, std::move(q), std::move(chart));
@@ -56,6 +65,13 @@ void WeaveSystem::set_force_share(double share) {
   if (!parts_.forces) return;
   parts_.forces->set_share(share);
   forget();
+}
+
+double WeaveSystem::stored_energy() {
+  double stored = evaluate(0).value;
+  if (parts_.forces) stored -= parts_.forces->potential(q());
+  if (parts_.multipliers) stored -= parts_.multipliers->value(q());
+  return stored;
 }
 
 std::vector<bool> free_but_for_gauges(const RodModel& model) {

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "limit_multipliers.h"
 #include "rod_energies.h"
 #include "rod_state.h"
 #include "sliding_energies.h"
@@ -12,9 +14,9 @@
 namespace supple::weave {
 
 struct EnergyOptions {
-  double barrier_range = 0.1;            ///< mm from a limit or a neighbour where its barrier begins
-  double barrier_stiffness = 10;         ///< N/mm
-  double least_distance = 0.5;           ///< mm of strand between neighbouring crossings that slide
+  double barrier_range = 0.2;  ///< mm from a limit or a neighbour where its barrier begins
+  /// Length of strand between neighbouring crossings that slide, mm. Without it, see Gap::touching.
+  std::optional<double> least_distance{};
   double sliding_regularization = 1e-6;  ///< N/mm
 };
 
@@ -27,6 +29,10 @@ class WeaveSystem : public numerics::System<RodState> {
               const EnergyOptions& options, std::vector<PointForces::Load> forces = {},
               const Execution& execution = {});
 
+  /// The same system in the same state, with rigid limits (see LimitMultipliers) instead of barriers before them. It
+  /// shares all other terms with this system. Something must slide.
+  WeaveSystem with_rigid_limits() const;
+
   const RodModel& model() const { return *model_; }
   const Eigen::VectorXd& q() const { return state().q(); }
   const Chart& chart() const { return state().chart(); }
@@ -35,10 +41,14 @@ class WeaveSystem : public numerics::System<RodState> {
   /// The same where the chart stays; q is seen from it.
   void set_q(Eigen::VectorXd q) { set_state(std::move(q), chart()); }
   void set_force_share(double share);
+  /// The energy that the weave stores: without the potential of forces and without what rigid limits add. N mm.
+  double stored_energy();
 
   /// Null where nothing slides.
   const SlidingLimits* limits() const { return parts_.limits.get(); }
   const CrossingContact* contact() const { return parts_.contact.get(); }
+  /// Null where limits have barriers, or where nothing slides.
+  LimitMultipliers* multipliers() { return parts_.multipliers.get(); }
 
  private:
   /// The terms, and those of them that others ask for.
@@ -46,6 +56,7 @@ class WeaveSystem : public numerics::System<RodState> {
     Terms all;
     std::shared_ptr<SlidingLimits> limits;
     std::shared_ptr<CrossingContact> contact;
+    std::shared_ptr<LimitMultipliers> multipliers;
     std::shared_ptr<PointForces> forces;
   };
   static Parts parts(const RodModel& model, const EnergyOptions& options, std::vector<PointForces::Load> forces);
@@ -54,6 +65,8 @@ class WeaveSystem : public numerics::System<RodState> {
 
   const RodModel* model_;
   Parts parts_;
+  std::vector<bool> held_;
+  Execution execution_;
 };
 
 /// Unknowns of a model: none held. Pinned sliders (no way to go), the spin of straight strands that nothing holds and,

@@ -72,9 +72,28 @@ class LargestResidual {
   double largest_ = 0;
 };
 
-void write_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const LargestResidual& residual) {
+void write_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const LargestResidual& residual,
+                    const LargestResidual& limit_error) {
   out.key("accuracy").begin_object().field("segments", options.segments).field("tolerance", options.tolerance);
   write_number_or_null(out, "residual", residual.value());
+  out.field("limit_tolerance", options.limit_tolerance);
+  write_number_or_null(out, "limit_error", limit_error.value());
+}
+
+/// In how many of `states`, called by `name`, sliders stand short of their limits by more than was allowed; empty if in
+/// none. `error_of(state)` is the error of the energy.
+template <class State, class ErrorOf>
+std::string message_about_limits(const std::vector<State>& states, const std::string& name,
+                                 const weave::EquilibriumOptions& options, ErrorOf error_of) {
+  const auto short_of_limits = std::count_if(
+      states.begin(), states.end(), [&](const State& state) { return !(error_of(state) <= options.limit_tolerance); });
+  if (short_of_limits == 0 || options.limit_tolerance >= 1) return {};
+  return "In " + std::to_string(short_of_limits) + " of " + std::to_string(states.size()) + " " + name +
+         " sliders stand short of their limits; `limit_error` says how much too high the energy may be.";
+}
+
+std::string sentences(const std::string& one, const std::string& other) {
+  return one + (one.empty() || other.empty() ? "" : " ") + other;
 }
 
 /// An array with write(entry) for each entry.
@@ -117,16 +136,27 @@ void write_cell_states(JsonWriter& out, const std::vector<Entry>& entries) {
   write_field("iterations", &CellState::iterations, write_integer);
   write_field("load_steps", &CellState::load_steps, write_integer);
   write_field("branches", &CellState::branches, write_integer);
+  write_field("limit_error", &CellState::limit_error,
+              [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); });
 }
 
 /// What became of the entries that did not converge; `of` names several of them, `lost_words` says it.
 template <class Entry>
-std::string message_about(const std::vector<Entry>& entries, const std::string& of, const std::string& lost_words) {
+std::string message_about_lost(const std::vector<Entry>& entries, const std::string& of,
+                               const std::string& lost_words) {
   const auto lost = std::count_if(entries.begin(), entries.end(),
                                   [](const Entry& e) { return state_in(e).stopped != weave::Stop::converged; });
   if (lost == 0) return {};
   return std::to_string(lost) + " of " + std::to_string(entries.size()) + " " + of + " " + lost_words +
          "; `stopped` says why.";
+}
+
+template <class Entry>
+std::string message_about(const std::vector<Entry>& entries, const std::string& of, const std::string& lost_words,
+                          const weave::EquilibriumOptions& options) {
+  const auto limit_error = [](const Entry& entry) { return state_in(entry).limit_error; };
+  return sentences(message_about_lost(entries, of, lost_words),
+                   message_about_limits(entries, of, options, limit_error));
 }
 
 /// The deformed cells that were asked for; `number` is the field with the index.
@@ -147,8 +177,12 @@ void write_cells(JsonWriter& out, std::string_view number, const std::vector<int
 template <class Entry>
 void write_cell_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, const std::vector<Entry>& entries) {
   LargestResidual residual;
-  for (const Entry& entry : entries) residual.add(state_in(entry).residual, state_in(entry).tolerance);
-  write_accuracy(out, options, residual);
+  LargestResidual limit_error;
+  for (const Entry& entry : entries) {
+    residual.add(state_in(entry).residual, state_in(entry).tolerance);
+    limit_error.add(state_in(entry).limit_error, 1);
+  }
+  write_accuracy(out, options, residual, limit_error);
   out.end_object();
 }
 
@@ -174,6 +208,7 @@ void write_sheet_state(JsonWriter& out, DeformedStrands deformed, const Weave& w
   out.field("out_of_plane", state.out_of_plane).field("stable", state.stable);
   out.field("stopped", weave::to_string(state.stopped));
   write_number_or_null(out, "residual", state.residual);
+  write_number_or_null(out, "limit_error", state.limit_error);
   out.field("iterations", state.iterations).field("load_steps", state.load_steps).field("branches", state.branches);
   write_deformed(out, deformed, weave, state);
   out.end_object();
@@ -224,7 +259,7 @@ std::string write_weave_homogenization(const WeaveHomogenizationRequest& request
   out.begin_object().field("strain", options.strain).key("directions").numbers(options.directions);
   write_moduli(out, options.thickness.has_value(), responses);
   write_cell_states(out, responses);
-  out.field("message", message_about(responses, "directions", "have no value"));
+  out.field("message", message_about(responses, "directions", "have no value", options.equilibrium));
   write_sliders(out, weave);
   write_cells(out, "direction", options.deformed, weave, responses);
   write_cell_accuracy(out, options.equilibrium, responses);
@@ -238,7 +273,7 @@ std::string write_weave_deformation(const WeaveDeformationRequest& request, cons
   JsonWriter out;
   out.begin_object();
   write_cell_states(out, states);
-  out.field("message", message_about(states, "deformation gradients", "were not reached"));
+  out.field("message", message_about(states, "deformation gradients", "were not reached", request.options));
   write_sliders(out, weave);
   write_cells(out, "state", request.deformed, weave, states);
   write_cell_accuracy(out, request.options, states);
@@ -264,10 +299,16 @@ std::string write_weave_simulation(const WeaveSimulationRequest& request, const 
   write_sliders(out, weave);
   out.key("states").begin_array();
   for (const auto& state : result.states) write_sheet_state(out, request.deformed, weave, state);
-  out.end_array().field("message", result.message);
+  out.end_array().field(
+      "message", sentences(result.message, message_about_limits(result.states, "states", request.options,
+                                                                [](const auto& state) { return state.limit_error; })));
   LargestResidual residual;
-  for (const auto& state : result.states) residual.add(state.residual, state.tolerance);
-  write_accuracy(out, request.options, residual);
+  LargestResidual limit_error;
+  for (const auto& state : result.states) {
+    residual.add(state.residual, state.tolerance);
+    limit_error.add(state.limit_error, 1);
+  }
+  write_accuracy(out, request.options, residual, limit_error);
   out.field("unknowns", result.unknowns).end_object();
   write_bill(out, bill);
   out.end_object();

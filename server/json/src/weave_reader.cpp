@@ -312,12 +312,18 @@ void read_equilibrium_options(Fields& fields, weave::EquilibriumOptions& options
     accuracy.integer("segments", options.segments, 1, 64);
     accuracy.number("tolerance", options.tolerance, 1e-12, 0.1);
     accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
+    accuracy.number("limit_tolerance", options.limit_tolerance, 1e-12, 1);
     accuracy.integer("load_steps", options.load_steps, 1, 10'000);
   });
   nested(fields, "sliding", [&](Fields& sliding) {
-    sliding.number("least_distance", options.least_distance, 0, 1000);
-    sliding.number("barrier_range", options.barrier_range, 0, 1000, true);
-    sliding.number("regularization", options.sliding_regularization, 0, 1000);
+    const auto number = [&](std::string_view name, std::optional<double>& out, bool positive) {
+      double value = 0;
+      if (!sliding.present(name)) return sliding.number(name, value, 0, 1000, positive);
+      sliding.number(name, out.emplace(0), 0, 1000, positive);
+    };
+    number("least_distance", options.least_distance, false);
+    number("barrier_range", options.barrier_range, true);
+    number("regularization", options.sliding_regularization, false);
   });
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("out_of_plane", options.out_of_plane, switch_names);

@@ -17,6 +17,9 @@ export interface Profile {
   /** Directions whose cell left its plane, and whose equilibrium is not stable. */
   readonly outOfPlane: number;
   readonly unstable: number;
+  /** Directions in which sliders do not stand at their limits, and by how much the largest energy may be too high. */
+  readonly shortOfLimits: number;
+  readonly limitError: number | null;
   readonly seconds: number;
   /** Few directions: finer ones follow. */
   readonly provisional: boolean;
@@ -40,6 +43,8 @@ export function profileOf(answer: WeaveHomogenization, key: string, provisional:
     reasons,
     outOfPlane: answer.out_of_plane.filter(Boolean).length,
     unstable: answer.stable.filter((stable, k) => !stable && reasons[k] === null).length,
+    shortOfLimits: answer.limit_error.filter((error, k) => reasons[k] === null && !(error !== null && error <= answer.accuracy.limit_tolerance)).length,
+    limitError: answer.accuracy.limit_error,
     seconds: answer.cost.seconds,
     provisional,
   };

@@ -152,5 +152,9 @@ function notesOf(profile: Profile | null): string[] {
   const count = profile.directions.length;
   if (profile.outOfPlane > 0) words.push(`Along ${profile.outOfPlane} of ${count} directions the weave leaves its plane.`);
   if (profile.unstable > 0) words.push(`Along ${profile.unstable} of ${count} directions the equilibrium is not stable.`);
+  if (profile.shortOfLimits > 0) {
+    const error = profile.limitError === null ? "" : `: energies may be up to ${digits(100 * profile.limitError, 2)} % too high`;
+    words.push(`Along ${profile.shortOfLimits} of ${count} directions sliders stand short of their limits${error}.`);
+  }
   return words;
 }

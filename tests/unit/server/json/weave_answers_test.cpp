@@ -76,6 +76,27 @@ TEST(WeaveAnswers, HaveOneEntryForEachDirectionAndNullWhereOneWasNotReached) {
             0.25);
 }
 
+TEST(WeaveAnswers, SayWhereSlidersStandShortOfTheirLimits) {
+  weave::Weave weave = one_crossing();
+  weave.lattice = Eigen::Matrix2d{{4, 0}, {0, 4}};
+  WeaveHomogenizationRequest request;
+  request.options.directions = {0, 1.5};
+  auto short_of_limits = response(250);
+  short_of_limits.state.limit_error = 0.125;
+  const auto written = [&] {
+    return Json::parse(write_weave_homogenization(request, weave, {response(250), short_of_limits}, {}));
+  };
+  const auto answer = written();
+  EXPECT_EQ(answer["limit_error"], Json::parse("[0.0,0.125]"));
+  EXPECT_EQ(answer["accuracy"]["limit_error"], 0.125);
+  EXPECT_EQ(answer["accuracy"]["limit_tolerance"], 1e-6);
+  EXPECT_EQ(answer["message"],
+            "In 1 of 2 directions sliders stand short of their limits; `limit_error` says how much "
+            "too high the energy may be.");
+  request.options.equilibrium.limit_tolerance = 0.5;
+  EXPECT_EQ(written()["message"], "");
+}
+
 TEST(WeaveAnswers, HaveOneEntryForEachDeformationGradient) {
   weave::Weave weave = one_crossing();
   weave.lattice = Eigen::Matrix2d{{4, 0}, {0, 4}};

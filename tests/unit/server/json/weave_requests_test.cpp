@@ -162,7 +162,7 @@ TEST(WeaveRequests, SpreadDirectionsOverHalfATurnUnlessTheyAreGiven) {
 TEST(WeaveRequests, ReadEveryOptionOfAHomogenization) {
   const auto request = parse_weave_homogenization(
       R"({"weave":{"pattern":"regular"},"strain":0.3,"directions":3,"shear":"suppressed","thickness":0.5,"deformed":[2,0],
-          "accuracy":{"segments":8,"tolerance":1e-8,"max_iterations":7,"load_steps":3},
+          "accuracy":{"segments":8,"tolerance":1e-8,"max_iterations":7,"load_steps":3,"limit_tolerance":1e-4},
           "sliding":{"least_distance":0.2,"barrier_range":0.05,"regularization":1e-5},
           "effects":{"out_of_plane":"off","buckling":"on"}})",
       {});
@@ -175,6 +175,7 @@ TEST(WeaveRequests, ReadEveryOptionOfAHomogenization) {
   EXPECT_EQ(options.equilibrium.tolerance, 1e-8);
   EXPECT_EQ(options.equilibrium.max_iterations, 7);
   EXPECT_EQ(options.equilibrium.load_steps, 3);
+  EXPECT_EQ(options.equilibrium.limit_tolerance, 1e-4);
   EXPECT_EQ(options.equilibrium.least_distance, 0.2);
   EXPECT_EQ(options.equilibrium.barrier_range, 0.05);
   EXPECT_EQ(options.equilibrium.sliding_regularization, 1e-5);
@@ -193,6 +194,11 @@ TEST(WeaveRequests, PointToEachFieldOfAHomogenizationAtFault) {
   EXPECT_EQ(
       faults_of_homogenization(R"("accuracy":{"segments":0},"sliding":{"barrier_range":0},"effects":{"twist":"on"})"),
       (Pointers{"/accuracy/segments", "/sliding/barrier_range", "/effects/twist"}));
+  EXPECT_EQ(faults_of_homogenization(R"("accuracy":{"limit_tolerance":2},"sliding":{"regularization":"x"})"),
+            (Pointers{"/accuracy/limit_tolerance", "/sliding/regularization"}));
+  // Lengths and stiffnesses that a request leaves out are left to the engine, which knows the weave.
+  const auto left_out = parse_weave_homogenization(R"({"weave":{"pattern":"regular"}})", {}).options.equilibrium;
+  EXPECT_FALSE(left_out.least_distance || left_out.barrier_range || left_out.sliding_regularization);
 }
 
 TEST(WeaveRequests, ReadDeformationGradientsByRows) {

@@ -154,11 +154,16 @@ class EquilibriumPath {
   /// From an equilibrium, looks for another one from `state` at the same loads. Goes over to it if it is stable and its
   /// energy is lower by more than the share `same_energy`: closer ones are mirror images.
   bool prefer_lower_from(const State& state, double same_energy) {
+    return prefer_lower_from(state, same_energy, result_.value, [this] { return result_.value; });
+  }
+  /// The same for energies other than those that the path minimizes: `energy` is that of the present state, and
+  /// `energy_there()` that of the other one, when it is the present one.
+  template <class Energy>
+  bool prefer_lower_from(const State& state, double same_energy, double energy, const Energy& energy_there) {
     const Snapshot found = snapshot();
     const int branches = counts_.branches_left;
     scene_.set_state(state);
-    const double energy = found.result.value;
-    const bool lower = minimize(false) && stable_ && result_.value < energy - same_energy * std::abs(energy);
+    const bool lower = minimize(false) && stable_ && energy_there() < energy - same_energy * std::abs(energy);
     counts_.branches_left = branches + (lower ? 1 : 0);
     if (!lower) restore(found);
     stopped_ = PathStop::converged;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include "supple/base/effect_switch.h"
@@ -41,10 +42,19 @@ struct EquilibriumOptions {
   /// on. off reports the unstable equilibrium.
   Switch buckling = Switch::automatic;
   /// Crossings of a strand keep this distance along it if one of them slides, mm. It is at most half of their distance
-  /// at rest.
-  double least_distance = 0.5;
-  double barrier_range = 0.1;            ///< resistance begins this far before a sliding limit or a neighbour, mm
-  double sliding_regularization = 1e-6;  ///< stiffness against every sliding displacement, N/mm
+  /// at rest, and half as much before the end of a strand. Without it, crossings come so near each other that the
+  /// strands that cross there touch: the sum of their radii.
+  std::optional<double> least_distance{};
+  /// Sliders stand at their limits exactly, but for an error of the energy of at most about this share, which
+  /// CellState::limit_error estimates. 1 leaves the barriers as they are.
+  double limit_tolerance = 1e-6;
+  /// While a path is followed, resistance begins this far before a sliding limit or a neighbour, mm. Reported states do
+  /// not depend on it, unless `limit_tolerance` is 1. Without it: a twentieth of the mean length of rod between
+  /// crossings.
+  std::optional<double> barrier_range{};
+  /// Stiffness against every sliding displacement, N/mm. Without it: 7e-11 times Young's modulus times the mean length
+  /// of rod between crossings.
+  std::optional<double> sliding_regularization{};
 };
 
 /// Throws "weave.invalid_option" with a detail for each option out of range.

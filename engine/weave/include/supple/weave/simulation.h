@@ -48,9 +48,10 @@ struct SheetState {
   bool out_of_plane = false;
   bool stable = true;
   Stop stopped = Stop::converged;
-  double residual = 0;   ///< |g|, N; at most `tolerance` if it converged
-  double tolerance = 0;  ///< N
-  int iterations = 0;    ///< Newton iterations since the state before
+  double residual = 0;     ///< |g|, N; at most `tolerance` if it converged
+  double tolerance = 0;    ///< N
+  double limit_error = 0;  ///< as CellState::limit_error
+  int iterations = 0;      ///< Newton iterations since the state before
   int load_steps = 0;
   int branches = 0;  ///< unstable equilibria that were left since the state before
 };

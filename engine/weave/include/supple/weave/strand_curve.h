@@ -37,6 +37,9 @@ class StrandCurve {
   /// How many pieces a curve has at most. A piece takes some 100 bytes.
   static constexpr std::size_t most_pieces = 4'000'000;
 
+  /// The same curve with all lengths multiplied by a positive factor. O(pieces).
+  StrandCurve scaled(double factor) const;
+
   double length() const { return knots_.back(); }  ///< length of the curve, or of one loop or period, mm
   Ends ends() const { return ends_; }
   const Eigen::Vector2d& translation() const { return translation_; }
