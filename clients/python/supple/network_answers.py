@@ -64,6 +64,7 @@ class FollowedStop(Shown):
         energy, gradient_norm: as in `RelaxedNetwork`, there.
         iterations: steps of the solver on the way from the position before.
         load_steps: parts that this way was divided into.
+        jumps: how often on this way the equilibrium was lost, so that the points went to another one of less energy.
         stopped: as in `RelaxedNetwork`.
         reached: share of the way from the position before; below 1 where moved vertices cannot go on, since elements of the
             host would be turned inside out, or no equilibrium is found: it is then the last stop.
@@ -75,6 +76,7 @@ class FollowedStop(Shown):
     load_steps: int
     stopped: str
     reached: float = 1.0
+    jumps: int = 0
 
 
 @dataclass(frozen=True, repr=False)
@@ -186,7 +188,7 @@ def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
         tetrahedra=host.get("tetrahedra"),
         nodes=host.get("nodes"),
         stops=None if stops is None else tuple(
-            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"])
+            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"], s.get("jumps", 0))
             for s in stops
         ),
     )

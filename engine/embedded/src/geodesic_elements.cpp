@@ -146,6 +146,17 @@ std::vector<double> GeodesicElements::pulls_at(const FoundPaths& found) const {
   return pulls;
 }
 
+std::vector<bool> GeodesicElements::ends_that_push_at_cut_loci(const FoundPaths& found) const {
+  std::vector<bool> ends(held_.size(), false);
+  const std::vector<double> pulls = pulls_at(found);
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    if (!(pulls[i] < 0) || found.is_unique(i)) continue;
+    for (const std::int32_t end : {paths_[i].from, paths_[i].to})
+      if (!held_[static_cast<std::size_t>(end)]) ends[static_cast<std::size_t>(end)] = true;
+  }
+  return ends;
+}
+
 void GeodesicElements::share_out(NetworkState& state, FoundPaths& found, std::vector<EqualPaths> equal) const {
   // With all of the force in the first path of each.
   for (EqualPaths& own : equal) found.geodesics[own.path] = own.geodesics.front();

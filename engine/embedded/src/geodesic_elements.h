@@ -74,6 +74,8 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   /// Lengths of a triangle's sides where the paths are found.
   Eigen::Vector3d lengths_of(const FoundPaths& found, std::size_t triangle) const;
   const TriangleEnergy& energy_of(std::size_t triangle) const { return triangles_[triangle].energy; }
+  /// Points at which paths end that push and are not the only shortest ones; held ones are left out.
+  std::vector<bool> ends_that_push_at_cut_loci(const FoundPaths& found) const;
   /// Whether a side of a triangle is the only shortest path between its ends.
   bool side_is_unique(const FoundPaths& found, std::size_t triangle, int side) const {
     return found.is_unique(triangles_[triangle].sides[static_cast<std::size_t>(side)].path);

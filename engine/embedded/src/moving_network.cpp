@@ -11,8 +11,15 @@
 namespace supple::embedded {
 namespace {
 
-/// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
-constexpr double small_share = 1e-6;
+/// By how much the surface moves for the difference of gradients, in diagonals: rounding and curvature spoil it about
+/// as much.
+constexpr double small_motion = 1e-7;
+/// Stiffness that directions without any get for the tangent, in mean entries of the Hessian's diagonal.
+constexpr double least_stiffness = 1e-6;
+/// How many times as far as foretold the energy may fall on a load step, and by which share of it, before that counts
+/// as another equilibrium.
+constexpr double jump = 10;
+constexpr double rounding_of_energy = 1e-9;
 
 }  // namespace
 
@@ -93,6 +100,9 @@ void MovingNetwork::begin_step() {
   const numerics::Evaluation here = system_->evaluate(2);
   Eigen::VectorXd unbalanced = -system_->full_gradient();
   std::shared_ptr<const surface::GeodesicSolver> ahead;
+  const double motion = (nodes_at(announced_) - nodes_at(load_)).lpNorm<Eigen::Infinity>();
+  if (!(motion > 0)) return;
+  const double small_share = std::min(1.0, small_motion * solver_->mesh().diagonal() / motion);
   try {
     ahead = surface_at(load_ + small_share * (announced_ - load_));
   } catch (const Error&) {
@@ -117,30 +127,52 @@ void MovingNetwork::begin_step() {
     unbalanced.segment<2>(row) += change.transpose() * sum.gradient.segment<2>(row);
   }
   numerics::ShiftedCholesky cholesky;
-  if (!cholesky.factorize(here.hessian, 0)) return;
+  if (!cholesky.factorize(here.hessian, least_stiffness * numerics::diagonal_scale(here.hessian))) return;
   Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
   // Paths that are kept at cut loci have followed these.
   if (carried.last_step().size() > 0) answer += unknowns_.restrict(carried.last_step()) / small_share;
-  if (answer.allFinite()) tangent_ = unknowns_.expand(answer);
+  if (!answer.allFinite()) return;
+  tangent_ = unknowns_.expand(answer);
+  // Points that hardly anything holds would run far: they stay in their places.
+  for (std::size_t i = 0; i < start_.points.size(); ++i) {
+    auto way = tangent_.segment<2>(2 * static_cast<Eigen::Index>(i));
+    if (!(way.norm() <= solver_->mesh().diagonal())) way.setZero();
+  }
 }
 
+// The points are first carried along by the surface, to which a motion that keeps lengths does nothing. The step along
+// the tangent is taken only where it lowers energy and gradient: at a cut locus and where hardly anything holds a point
+// the tangent leads anywhere.
 bool MovingNetwork::predict(double share) {
-  NetworkState ahead(solver_->mesh(), start_.points);
-  // The surface where the step began, which the last trial may have left.
-  place(start_.load, start_.points);
-  ahead = NetworkState(solver_->mesh(), start_.points);
-  ahead.set_cut_loci(start_.cut_loci);
-  ahead.move(share * tangent_);
   const double load = start_.load + share * (announced_ - start_.load);
   try {
-    place(load, ahead.points(), ahead.cut_loci());
+    place(load, start_.points, start_.cut_loci);
   } catch (const Error&) {
     return false;  // a face loses its area on the way between two positions
   }
-  if (std::isfinite(system_->evaluate(0).value)) return true;
-  // A triangle of a membrane is inside out where the tangent leads: it is not where the points stay in their places.
+  const numerics::Evaluation carried = system_->evaluate(1);
+  carried_energy_ = carried.value;
+  foretold_ = 0;
+  if (!std::isfinite(carried.value)) return false;
+  if (carried.gradient.norm() <= gradient_tolerance_ || tangent_.isZero(0)) return true;
+  const Eigen::VectorXd step = share * tangent_;
+  foretold_ = 0.5 * std::abs(carried.gradient.dot(unknowns_.restrict(step)));
+  // The surface where the step began, on which its coordinates are.
+  place(start_.load, start_.points, start_.cut_loci);
+  NetworkState ahead(solver_->mesh(), start_.points);
+  ahead.set_cut_loci(start_.cut_loci);
+  ahead.move(step);
+  place(load, ahead.points(), ahead.cut_loci());
+  const numerics::Evaluation there = system_->evaluate(1);
+  if (there.value <= carried.value && there.gradient.norm() < carried.gradient.norm()) return true;
+  foretold_ = 0;
   place(load, start_.points, start_.cut_loci);
-  return std::isfinite(system_->evaluate(0).value);
+  return true;
+}
+
+bool MovingNetwork::has_jumped() {
+  const double fell = carried_energy_ - system_->evaluate(0).value;
+  return fell > jump * foretold_ + rounding_of_energy * carried_energy_;
 }
 
 }  // namespace supple::embedded

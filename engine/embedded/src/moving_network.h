@@ -58,6 +58,10 @@ class MovingNetwork {
   bool move_along(const State&, const Eigen::VectorXd&, double) { return false; }
   void left_branch() {}
 
+  /// Whether the equilibrium at the end of the last load step is another one than that at its start: the energy fell by
+  /// much more than the points give way by when the surface moves under them.
+  bool has_jumped();
+
  private:
   Eigen::VectorXd nodes_at(double load) const;
   std::shared_ptr<const surface::GeodesicSolver> surface_at(double load) const;
@@ -77,8 +81,10 @@ class MovingNetwork {
   std::shared_ptr<numerics::EnergySum> sums_;
   std::unique_ptr<numerics::System<NetworkState>> system_;
   numerics::ShiftedCholesky cholesky_;
-  State start_;              ///< of the load step
-  Eigen::VectorXd tangent_;  ///< of the points' coordinates at its start, for all of the announced change
+  State start_;                ///< of the load step
+  double carried_energy_ = 0;  ///< where the last load step ends, with the points carried along by the surface
+  double foretold_ = 0;        ///< by which it is foretold to fall from there
+  Eigen::VectorXd tangent_;    ///< of the points' coordinates at its start, for all of the announced change
 };
 
 }  // namespace supple::embedded

@@ -3,7 +3,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <variant>
 
@@ -31,7 +33,9 @@ constexpr double longest_expansion = 64;
 /// weaker, the tolerance is this.
 constexpr double host_rounding = 1e-14;
 /// A way between two positions of a moving surface is not divided below this share of it.
-constexpr double shortest_load_step = 1.0 / 8;
+constexpr double shortest_load_step = 1.0 / 64;
+/// See numerics::MinimizerOptions: an equilibrium that is followed does not drift where nothing holds it.
+constexpr double least_regularization_of_a_path = 1e-6;
 /// That of vertices of a host that are moved. Shorter ones help where elements are about to be turned inside out, and
 /// not where an equilibrium is lost.
 constexpr double shortest_support_step = 1.0 / 8;
@@ -39,6 +43,9 @@ constexpr double shortest_valid_step = 1.0 / 1024;
 /// From a tangent a load step takes few iterations. Where a thin shell buckles on it, it takes some dozens, and shorter
 /// ones do not find the way sooner.
 constexpr int iterations_of_support_step = 80;
+/// How often ends of paths at cut loci are held and let go, and by which share that has to lower the energy.
+constexpr int most_jams = 20;
+constexpr double least_gain = 1e-9;
 /// Of the computation, until network and host are at rest and vertices are moved.
 constexpr double share_before_moving = 0.2;
 /// Springs whose final paths one task describes.
@@ -140,6 +147,7 @@ class RelaxationRun {
     {
       const PartOfExecution part(execution_, 0, moving || !host_.moved().empty() ? share_before_moving : 1);
       stop = minimize(mollified, part.execution());
+      if (geodesic && stop == numerics::MinimizerStop::step_too_small) stop = leave_jam(mollified, part.execution());
     }
     if (moving) stop = follow(*moving);
     if (!host_.moved().empty()) stop = move_supports();
@@ -178,10 +186,10 @@ class RelaxationRun {
     return state_.found() && std::ranges::any_of(state_.found()->geodesics, &surface::TangentGeodesic::pinned);
   }
 
-  std::shared_ptr<numerics::Term<NetworkState>> make_term(bool mollified) const {
+  std::shared_ptr<numerics::Term<NetworkState>> make_term(bool mollified, std::vector<bool> held) const {
     if (options_.spring_length == SpringLength::euclidean) return std::make_shared<EuclideanSprings>(network_);
     return std::make_shared<GeodesicElements>(
-        solver_, network_, holds_.held,
+        solver_, network_, std::move(held),
         GeodesicElementsOptions{.kept_strips = keeps_strips(),
                                 .mollifier_length = mollified ? options_.mollifier_length : 0});
   }
@@ -201,8 +209,8 @@ class RelaxationRun {
     return state_.surface() ? *state_.surface() : solver_;
   }
 
-  std::vector<bool> held() const {
-    std::vector<bool> coordinates = held_coordinates(holds_.held);
+  std::vector<bool> held(const std::vector<bool>& points) const {
+    std::vector<bool> coordinates = held_coordinates(points);
     coordinates.insert(coordinates.end(), host_.held().begin(), host_.held().end());
     return coordinates;
   }
@@ -231,7 +239,7 @@ class RelaxationRun {
   numerics::MinimizerStop follow(const MovingHost& host) {
     MovingNetwork scene(solver_, network_, holds_.held, held_coordinates(holds_.held), {.kept_strips = keeps_strips()},
                         host, result_.gradient_tolerance, execution_);
-    scene.place(0, state_.points());
+    scene.place(0, state_.points(), state_.cut_loci());
     numerics::PathOptions options;
     options.minimizer = minimizer_options();
     options.minimizer.after_step = [&](const numerics::MinimizerStep& step) {
@@ -240,24 +248,42 @@ class RelaxationRun {
     options.max_iterations = options_.max_iterations;
     options.smallest_step = shortest_load_step;
     options.leave_unstable = false;
+    options.minimizer.least_regularization = least_regularization_of_a_path;
     numerics::EquilibriumPath<MovingNetwork> path(scene, options, execution_);
     numerics::MinimizerStop stop = numerics::MinimizerStop::converged;
     for (std::size_t k = 1; k <= host.positions.size(); ++k) {
       execution_.checkpoint(static_cast<double>(k - 1) / static_cast<double>(host.positions.size()), "step");
       const auto target = static_cast<double>(k);
       scene.announce(target);
-      using Progress = numerics::EquilibriumPath<MovingNetwork>::Progress;
-      auto progress = Progress::underway;
-      while (progress == Progress::underway) progress = path.step(target - scene.load());
-      if (progress == Progress::failed) {
-        // The best there is at the next position.
-        scene.place(target, scene.state().points, scene.state().cut_loci);
-        path.settle();
+      int load_steps = 0;
+      int jumps = 0;
+      while (scene.load() < target) {
+        using Path = numerics::EquilibriumPath<MovingNetwork>;
+        const Path::Snapshot before = path.snapshot();
+        const bool failed = path.step(target - scene.load()) == Path::Progress::failed;
+        if (failed) {
+          // The best there is a short way on.
+          const double on = before.state.load + shortest_load_step;
+          scene.place(on < target ? on : target, before.state.points, before.state.cut_loci);
+          path.settle();
+        }
+        const double way = scene.load() - before.state.load;
+        if (!failed && scene.has_jumped() && way > shortest_load_step) {
+          path.restore(before);
+          path.set_next_step(way / 2);
+          continue;
+        }
+        ++load_steps;
+        if (failed || scene.has_jumped()) ++jumps;
       }
       stop = path.result().stop;
       const auto counts = path.take_counts();
-      result_.stops.push_back({path.result().value, path.result().gradient_norm, counts.iterations,
-                               std::max(1, counts.load_steps), std::string(numerics::to_string(stop))});
+      result_.stops.push_back({.energy = path.result().value,
+                               .gradient_norm = path.result().gradient_norm,
+                               .iterations = counts.iterations,
+                               .load_steps = load_steps,
+                               .jumps = jumps,
+                               .stopped = std::string(numerics::to_string(stop))});
       result_.iterations += counts.iterations;
     }
     result_.energy = result_.stops.back().energy;
@@ -274,8 +300,9 @@ class RelaxationRun {
   /// From the equilibrium with all vertices where they are at first to those with the moved ones at their positions.
   numerics::MinimizerStop move_supports() {
     numerics::System<NetworkState>::Terms terms = host_.terms();
-    terms.push_back(make_term(false));
-    numerics::System<NetworkState> system(state_, terms, numerics::Unknowns(held()), {.execution = execution_});
+    terms.push_back(make_term(false, holds_.held));
+    numerics::System<NetworkState> system(state_, terms, numerics::Unknowns(held(holds_.held)),
+                                          {.execution = execution_});
     MovedSupports scene(system, host_.moved(), result_.gradient_tolerance);
     numerics::PathOptions options;
     options.minimizer = minimizer_options();
@@ -291,7 +318,8 @@ class RelaxationRun {
       const auto target = static_cast<double>(k);
       scene.announce(target);
       int load_steps = 0;
-      while (scene.load() < target && follow_supports(path, scene, target)) ++load_steps;
+      int jumps = 0;
+      while (scene.load() < target && follow_supports(path, scene, target, jumps)) ++load_steps;
       const auto counts = path.take_counts();
       stop = path.result().stop;
       if (scene.load() < target)
@@ -301,6 +329,7 @@ class RelaxationRun {
                                .gradient_norm = path.result().gradient_norm,
                                .iterations = counts.iterations,
                                .load_steps = std::max(1, load_steps),
+                               .jumps = jumps,
                                .stopped = std::string(numerics::to_string(stop)),
                                .reached = scene.load() - (target - 1)});
       result_.iterations += counts.iterations;
@@ -317,7 +346,8 @@ class RelaxationRun {
 
   /// A load step of moved vertices. Where even the shortest finds no equilibrium although no element is turned inside
   /// out, the best state there is taken. False where there is none.
-  bool follow_supports(numerics::EquilibriumPath<MovedSupports>& path, MovedSupports& scene, double target) {
+  bool follow_supports(numerics::EquilibriumPath<MovedSupports>& path, MovedSupports& scene, double target,
+                       int& jumps) {
     using Progress = numerics::EquilibriumPath<MovedSupports>::Progress;
     const auto stops = static_cast<double>(scene.stops());
     const PartOfExecution part(execution_, share_before_moving, 1 - share_before_moving);
@@ -332,23 +362,55 @@ class RelaxationRun {
       path.set_max_iterations(options_.max_iterations);
       path.settle();
       path.set_max_iterations(std::min(options_.max_iterations, iterations_of_support_step));
+      ++jumps;
       return true;
     }
     scene.restart_step();
     return false;
   }
 
+  /// The ends of paths that push and are at their cut loci can jam all others: a step that is good for these is none
+  /// for them. So they are held while the others come to rest, then the others while they do, and then all are free
+  /// again. Where this lowers the energy it is repeated.
+  numerics::MinimizerStop leave_jam(bool mollified, const Execution& execution) {
+    auto stop = numerics::MinimizerStop::step_too_small;
+    for (int round = 0; round < most_jams && stop == numerics::MinimizerStop::step_too_small; ++round) {
+      const std::vector<bool> jammed = jammed_points();
+      if (std::ranges::none_of(jammed, std::identity())) break;
+      const double before = result_.energy;
+      std::vector<bool> first = holds_.held;
+      std::vector<bool> second = holds_.held;
+      for (std::size_t i = 0; i < jammed.size(); ++i) (jammed[i] ? first : second)[i] = true;
+      minimize(mollified, execution, first);
+      minimize(mollified, execution, second);
+      stop = minimize(mollified, execution, holds_.held);
+      if (!(result_.energy < before * (1 - least_gain))) break;
+    }
+    return stop;
+  }
+
+  std::vector<bool> jammed_points() const {
+    const GeodesicElements elements(solver(), network_, holds_.held, {});
+    return elements.ends_that_push_at_cut_loci(*state_.found());
+  }
+
   numerics::MinimizerStop minimize(bool mollified, const Execution& execution) {
-    NetworkState start = host_.gives_way() ? first_state() : NetworkState(solver_.mesh(), state_.points());
+    return minimize(mollified, execution, holds_.held);
+  }
+  /// With some points held, from where the last search ended.
+  numerics::MinimizerStop minimize(bool mollified, const Execution& execution, const std::vector<bool>& held_points) {
+    const bool again = !result_.history.empty();
+    NetworkState start = !host_.gives_way() ? NetworkState(solver_.mesh(), state_.points())
+                         : again            ? state_
+                                            : first_state();
     // The network last: where its paths lead over other faces, only its own places in the Hessian are new.
     numerics::System<NetworkState>::Terms terms = host_.terms();
-    terms.push_back(make_term(mollified));
-    numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held()),
+    terms.push_back(make_term(mollified, held_points));
+    numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held(held_points)),
                                           {.execution = execution_});
     if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
     numerics::MinimizerOptions options = minimizer_options();
     options.max_iterations = options_.max_iterations - result_.iterations;
-    const bool again = !result_.history.empty();
     options.after_step = [&](const numerics::MinimizerStep& step) { tell(step, system.state()); };
     const numerics::MinimizerResult found = numerics::minimize(system, options, execution);
     result_.iterations += found.iterations + (again ? 1 : 0);
@@ -425,6 +487,14 @@ class RelaxationRun {
     describe_springs();
     describe_triangles();
     describe_host();
+    const auto lost = std::accumulate(
+        result_.stops.begin(), result_.stops.end(), std::size_t{0},
+        [](std::size_t sum, const FollowedStop& stop) { return sum + static_cast<std::size_t>(stop.jumps); });
+    if (lost > 0)
+      result_.warnings.push_back(
+          counted(lost, "time", "times") +
+          " on the way the equilibrium was lost, and the points went to another one of less energy: on the way "
+          "back they need not return to where they were.");
     const auto compressed = static_cast<std::size_t>(std::ranges::count_if(result_.springs, &SpringState::compressed));
     const auto torn = static_cast<std::size_t>(
         std::ranges::count_if(result_.springs, [](const SpringState& s) { return s.compressed && s.at_cut_locus; }));

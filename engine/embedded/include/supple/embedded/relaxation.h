@@ -81,7 +81,9 @@ struct FollowedStop {
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;
-  int load_steps = 0;   ///< parts that the way to here was divided into
+  int load_steps = 0;  ///< parts that the way to here was divided into
+  /// How often on the way an equilibrium was lost: the energy fell to that of another one.
+  int jumps = 0;
   std::string stopped;  ///< as Relaxation::stopped
   /// Share of the way from the position before; below 1 where moved vertices cannot go on, since tetrahedra or faces
   /// would be turned inside out: it is then the last stop.
