@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "constrained_points.h"
 #include "supple/base/error.h"
 #include "tangent_change.h"
 
@@ -13,24 +14,23 @@ namespace {
 
 /// By how much the surface moves for the difference of gradients, in diagonals: rounding and curvature spoil it about
 /// as much.
-constexpr double small_motion = 1e-7;
-/// Stiffness that directions without any get for the tangent, in mean entries of the Hessian's diagonal.
-constexpr double least_stiffness = 1e-6;
-/// How many times as far as foretold the energy may fall on a load step, and by which share of it, before that counts
-/// as another equilibrium.
-constexpr double jump = 10;
-constexpr double rounding_of_energy = 1e-9;
+constexpr double small_surface_motion = 1e-7;
+/// The energy of another equilibrium is lower by more than this many times the predicted decrease, and by more than
+/// this share of the energy, which rounding and the tolerance of the gradient leave.
+constexpr double surprising_decrease = 10;
+constexpr double decrease_of_rounding = 1e-9;
 
 }  // namespace
 
 MovingNetwork::MovingNetwork(const surface::GeodesicSolver& solver, const Network& network,
-                             std::vector<bool> held_points, const std::vector<bool>& held_coordinates,
+                             std::vector<bool> held_points, std::shared_ptr<PointDamping> damping,
                              GeodesicElementsOptions options, const MovingHost& host, double gradient_tolerance,
                              Execution execution)
     : first_(solver),
       network_(network),
       held_points_(std::move(held_points)),
-      unknowns_(held_coordinates),
+      unknowns_(held_coordinates(held_points_)),
+      damping_(std::move(damping)),
       options_(options),
       gradient_tolerance_(gradient_tolerance),
       execution_(std::move(execution)),
@@ -84,7 +84,7 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
   NetworkState state(solver->mesh(), points);
   state.set_cut_loci(std::move(cut_loci));
   system_ = std::make_unique<numerics::System<NetworkState>>(
-      std::move(state), numerics::System<NetworkState>::Terms{elements}, unknowns_,
+      std::move(state), numerics::System<NetworkState>::Terms{damping_, elements}, unknowns_,
       numerics::SystemOptions{.execution = execution_, .sums = sums_});
   elements_ = std::move(elements);
   solver_ = std::move(solver);
@@ -95,14 +95,18 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
 // is the difference of gradients for points that keep their places in the material while the surface moves a little:
 // that is as good as its derivative here, at the price of one gradient.
 void MovingNetwork::begin_step() {
+  system_->evaluate(0);  // which puts paths at their cut loci
   start_ = state();
   tangent_ = Eigen::VectorXd::Zero(unknowns_.degrees_of_freedom());
-  const numerics::Evaluation here = system_->evaluate(2);
-  Eigen::VectorXd unbalanced = -system_->full_gradient();
-  std::shared_ptr<const surface::GeodesicSolver> ahead;
+  has_factors_ = false;
   const double motion = (nodes_at(announced_) - nodes_at(load_)).lpNorm<Eigen::Infinity>();
-  if (!(motion > 0)) return;
-  const double small_share = std::min(1.0, small_motion * solver_->mesh().diagonal() / motion);
+  if (!(motion > 0) || unknowns_.size() == 0) return;
+  const numerics::Evaluation here = system_->evaluate(2);
+  has_factors_ = cholesky_.factorize(here.hessian, 0);
+  if (!has_factors_) return;
+  Eigen::VectorXd unbalanced = -system_->full_gradient();
+  const double small_share = std::min(1.0, small_surface_motion * solver_->mesh().diagonal() / motion);
+  std::shared_ptr<const surface::GeodesicSolver> ahead;
   try {
     ahead = surface_at(load_ + small_share * (announced_ - load_));
   } catch (const Error&) {
@@ -126,9 +130,7 @@ void MovingNetwork::begin_step() {
     const Eigen::Matrix2d change = tangent_change(solver_->mesh(), ahead->mesh(), start_.points[i].face);
     unbalanced.segment<2>(row) += change.transpose() * sum.gradient.segment<2>(row);
   }
-  numerics::ShiftedCholesky cholesky;
-  if (!cholesky.factorize(here.hessian, least_stiffness * numerics::diagonal_scale(here.hessian))) return;
-  Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
+  Eigen::VectorXd answer = -cholesky_.solve(unknowns_.restrict(unbalanced)) / small_share;
   // Paths that are kept at cut loci have followed these.
   if (carried.last_step().size() > 0) answer += unknowns_.restrict(carried.last_step()) / small_share;
   if (!answer.allFinite()) return;
@@ -140,11 +142,13 @@ void MovingNetwork::begin_step() {
   }
 }
 
-// The points are first carried along by the surface, to which a motion that keeps lengths does nothing. The step along
-// the tangent is taken only where it lowers energy and gradient: at a cut locus and where hardly anything holds a point
-// the tangent leads anywhere.
+// The points are first carried along by the surface, so that a motion that keeps all lengths does no work. The step
+// along the tangent is taken only where it lowers energy and gradient: at a cut locus, and where hardly anything holds
+// a point, the tangent may lead anywhere.
 bool MovingNetwork::predict(double share) {
-  const double load = start_.load + share * (announced_ - start_.load);
+  const double load = share < 1 ? start_.load + share * (announced_ - start_.load) : announced_;
+  const std::shared_ptr<const surface::GeodesicSolver> before = solver_;
+  predicted_decrease_ = 0;
   try {
     place(load, start_.points, start_.cut_loci);
   } catch (const Error&) {
@@ -152,27 +156,27 @@ bool MovingNetwork::predict(double share) {
   }
   const numerics::Evaluation carried = system_->evaluate(1);
   carried_energy_ = carried.value;
-  foretold_ = 0;
   if (!std::isfinite(carried.value)) return false;
-  if (carried.gradient.norm() <= gradient_tolerance_ || tangent_.isZero(0)) return true;
-  const Eigen::VectorXd step = share * tangent_;
-  foretold_ = 0.5 * std::abs(carried.gradient.dot(unknowns_.restrict(step)));
-  // The surface where the step began, on which its coordinates are.
-  place(start_.load, start_.points, start_.cut_loci);
-  NetworkState ahead(solver_->mesh(), start_.points);
+  if (carried.gradient.norm() <= gradient_tolerance_ || !has_factors_) return true;
+  predicted_decrease_ = 0.5 * carried.gradient.dot(cholesky_.solve(carried.gradient));
+  if (tangent_.isZero(0)) return true;
+  NetworkState ahead(before->mesh(), start_.points);
   ahead.set_cut_loci(start_.cut_loci);
-  ahead.move(step);
+  ahead.move(share * tangent_);
+  auto carried_system = std::move(system_);
+  const auto carried_elements = elements_;
   place(load, ahead.points(), ahead.cut_loci());
   const numerics::Evaluation there = system_->evaluate(1);
   if (there.value <= carried.value && there.gradient.norm() < carried.gradient.norm()) return true;
-  foretold_ = 0;
-  place(load, start_.points, start_.cut_loci);
+  system_ = std::move(carried_system);
+  system_->forget();  // the sums are those of the other system
+  elements_ = carried_elements;
   return true;
 }
 
-bool MovingNetwork::has_jumped() {
-  const double fell = carried_energy_ - system_->evaluate(0).value;
-  return fell > jump * foretold_ + rounding_of_energy * carried_energy_;
+bool MovingNetwork::has_jumped(double energy) const {
+  const double decrease = carried_energy_ - energy;
+  return decrease > surprising_decrease * predicted_decrease_ + decrease_of_rounding * std::abs(carried_energy_);
 }
 
 }  // namespace supple::embedded

@@ -1,6 +1,5 @@
 #include "descent_direction.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -68,7 +67,7 @@ class NewtonDirection : public DescentDirection {
     if (relative_ < options_.first_regularization) relative_ = 0;
   }
 
-  double regularization() const override { return std::max(relative_, options_.least_regularization) * scale_; }
+  double regularization() const override { return relative_ * scale_; }
   bool is_rough() const override { return relative_ > 0 || convex_; }
   bool met_indefinite() const override { return indefinite_; }
 

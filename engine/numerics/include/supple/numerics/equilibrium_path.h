@@ -144,9 +144,6 @@ class EquilibriumPath {
   /// From now on steps are at most so long. The next step is tried at that length.
   void set_largest_step(double size) { options_.largest_step = step_ = size; }
 
-  /// The next step is tried at this length, and those after it grow again.
-  void set_next_step(double size) { step_ = size; }
-
   /// Sets the limit of iterations of each minimization from now on.
   void set_max_iterations(int most) { options_.max_iterations = most; }
 

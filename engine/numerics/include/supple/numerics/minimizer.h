@@ -48,10 +48,6 @@ struct MinimizerOptions {
   double raise = 10;
   double lower = 0.1;
   double max_regularization = 1e10;
-  /// Newton: never less than this. Directions without stiffness then move only as far as forces of more than rounding
-  /// take them, and the others converge at this rate. In the unit of `regularization` above; 0 leaves Newton's method
-  /// as it is.
-  double least_regularization = 0;
   /// Newton: if the Hessian is not positive definite, a regularized step has a good direction and a bad length. A step
   /// that is accepted completely is doubled while the value falls, up to this multiple. 1 means never.
   double longest_expansion = 1;
