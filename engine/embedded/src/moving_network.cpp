@@ -15,10 +15,12 @@ namespace {
 /// By how much the surface moves for the difference of gradients, in diagonals: rounding and curvature spoil it about
 /// as much.
 constexpr double small_surface_motion = 1e-7;
-/// The energy of another equilibrium is lower by more than this many times the predicted decrease, and by more than
-/// this share of the energy, which rounding and the tolerance of the gradient leave.
-constexpr double surprising_decrease = 10;
-constexpr double decrease_of_rounding = 1e-9;
+/// A load step is beyond doubt where the energy falls as the Hessian at its start predicts, but for this share of the
+/// energy. Where it returns to what it was on the way back, but for this share, the equilibrium is the same.
+constexpr double doubtful_decrease = 1e-7;
+constexpr double same_equilibrium = 1e-8;
+/// The tolerance of the gradient times this, in diagonals, is no difference of energies.
+constexpr double unbalanced_length = 1e-6;
 
 }  // namespace
 
@@ -95,7 +97,7 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
 // is the difference of gradients for points that keep their places in the material while the surface moves a little:
 // that is as good as its derivative here, at the price of one gradient.
 void MovingNetwork::begin_step() {
-  system_->evaluate(0);  // which puts paths at their cut loci
+  start_energy_ = system_->evaluate(0).value;  // paths are at their cut loci from now on
   start_ = state();
   tangent_ = Eigen::VectorXd::Zero(unknowns_.degrees_of_freedom());
   has_factors_ = false;
@@ -174,9 +176,23 @@ bool MovingNetwork::predict(double share) {
   return true;
 }
 
-bool MovingNetwork::has_jumped(double energy) const {
+bool MovingNetwork::is_doubtful(double energy) const {
   const double decrease = carried_energy_ - energy;
-  return decrease > surprising_decrease * predicted_decrease_ + decrease_of_rounding * std::abs(carried_energy_);
+  return std::abs(decrease - predicted_decrease_) > doubtful_decrease * std::abs(energy) + energy_rounding();
+}
+
+// Where an equilibrium was lost on the way, the one that was found instead is followed back past that place.
+bool MovingNetwork::leads_back(const numerics::MinimizerOptions& options) {
+  const State here = state();
+  place(start_.load, here.points, here.cut_loci);
+  const numerics::MinimizerResult back =
+      numerics::minimize(*system_, options, {execution_.cancellation, nullptr, nullptr}, &cholesky_);
+  place(here.load, here.points, here.cut_loci);
+  return std::abs(back.value - start_energy_) <= same_equilibrium * std::abs(start_energy_) + energy_rounding();
+}
+
+double MovingNetwork::energy_rounding() const {
+  return gradient_tolerance_ * unbalanced_length * first_.mesh().diagonal();
 }
 
 }  // namespace supple::embedded

@@ -60,13 +60,16 @@ class MovingNetwork {
   bool move_along(const State&, const Eigen::VectorXd&, double) { return false; }
   void left_branch() {}
 
-  /// Whether the equilibrium that was found after the last prediction, with this energy, is another one than that at
-  /// the start of the load step: the energy fell by much more than it does where points give way to a surface that
-  /// moves under them.
-  bool has_jumped(double energy) const;
+  /// Whether the energy of the equilibrium that was found after the last prediction differs from what the Hessian at
+  /// the start of the load step predicts. If not, it is the same equilibrium.
+  bool is_doubtful(double energy) const;
+  /// Whether the equilibrium at the start of the load step is found again from the present one, when the surface goes
+  /// back to where it was: otherwise an equilibrium was lost on the way. The present state stays. Costs a minimization.
+  bool leads_back(const numerics::MinimizerOptions& options);
 
  private:
   Eigen::VectorXd nodes_at(double load) const;
+  double energy_rounding() const;
   std::shared_ptr<const surface::GeodesicSolver> surface_at(double load) const;
 
   const surface::GeodesicSolver& first_;
@@ -85,9 +88,10 @@ class MovingNetwork {
   std::shared_ptr<numerics::EnergySum> sums_;
   std::unique_ptr<numerics::System<NetworkState>> system_;
   numerics::ShiftedCholesky cholesky_;
-  State start_;                    ///< of the load step
-  Eigen::VectorXd tangent_;        ///< of the points' coordinates there, for all of the announced change
-  bool has_factors_ = false;       ///< whether `cholesky_` has those of the Hessian there
+  State start_;               ///< of the load step
+  Eigen::VectorXd tangent_;   ///< of the points' coordinates there, for all of the announced change
+  bool has_factors_ = false;  ///< whether `cholesky_` has those of the Hessian there
+  double start_energy_ = 0;
   double carried_energy_ = 0;      ///< where the load step ends, with the points carried along by the surface
   double predicted_decrease_ = 0;  ///< of the energy from there, by the Hessian at the start
 };

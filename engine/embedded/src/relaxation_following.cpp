@@ -77,7 +77,8 @@ RelaxationRun::FollowCounts RelaxationRun::follow_surface(SurfacePath& path, Mov
     const bool is_valid = scene.predict(1);
     if (is_valid) path.settle();
     const bool is_unfinished = !is_valid || path.result().stop == Stop::iteration_limit;
-    const bool is_lost = is_unfinished || scene.has_jumped(path.result().value);
+    const bool is_lost =
+        is_unfinished || (scene.is_doubtful(path.result().value) && !scene.leads_back(quiet_options()));
     const double shortest = is_unfinished ? shortest_unfinished_step : shortest_surface_step;
     if (is_lost && made > shortest) {
       path.restore(before);
@@ -94,6 +95,13 @@ RelaxationRun::FollowCounts RelaxationRun::follow_surface(SurfacePath& path, Mov
     if (!is_lost && path.result().iterations <= quick_surface_iterations) step = std::min(1.0, 2 * made);
   }
   return counts;
+}
+
+numerics::MinimizerOptions RelaxationRun::quiet_options() const {
+  numerics::MinimizerOptions options = minimizer_options();
+  options.gradient_tolerance = result_.gradient_tolerance;
+  options.max_iterations = options_.max_iterations;
+  return options;
 }
 
 RelaxationRun::Stop RelaxationRun::leave_jam_of(MovingNetwork& scene, int& jumps, const Execution& execution) {

@@ -73,6 +73,8 @@ class RelaxationRun {
   Stop follow(const MovingHost& host, const Execution& execution);
   /// `step` is the length of the next load step.
   FollowCounts follow_surface(SurfacePath& path, MovingNetwork& scene, double target, double& step);
+  /// Those of a search that nobody is told of.
+  numerics::MinimizerOptions quiet_options() const;
   /// Leaves a jam at the present position of the surface. Returns why the search stopped; `jumps` counts a loss of
   /// energy.
   Stop leave_jam_of(MovingNetwork& scene, int& jumps, const Execution& execution);

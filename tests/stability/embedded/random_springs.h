@@ -16,13 +16,16 @@ namespace supple::embedded {
 struct RandomSprings {
   int points = 12;
   bool to_nearest = false;  ///< each point is joined with the four nearest others, or else with four that are drawn
-  double shortest = 0.6;    ///< rest lengths over those at first, from
-  double longest = 1.3;     ///< and to
+  double shortest = 0.6;    ///< rest lengths over the lengths at the start lie between this
+  double longest = 1.3;     ///< and this
   int fixed = 3;
+  double weight = 1;  ///< weights are half of this to twice as much
 };
 
-/// A network of points anywhere on the mesh, whose springs pull and push. Four springs begin at each point.
-inline void draw_network(NetworkCase& hard, const RandomSprings& drawn, RandomStream& random) {
+/// Gives a case a network of points anywhere on its mesh, whose springs pull and push. Four springs begin at each
+/// point.
+template <class Case>
+void draw_network(Case& hard, const RandomSprings& drawn, RandomStream& random) {
   const auto count = static_cast<std::size_t>(drawn.points);
   for (std::size_t i = 0; i < count; ++i) hard.network.points.push_back(testing::random_point(*hard.mesh, random));
   std::set<std::pair<std::size_t, std::size_t>> pairs;
@@ -40,7 +43,7 @@ inline void draw_network(NetworkCase& hard, const RandomSprings& drawn, RandomSt
     const double length = hard.solver.distance(hard.network.points[a], hard.network.points[b]);
     const double rest = length * random.uniform(drawn.shortest, drawn.longest);
     hard.network.springs.push_back(
-        {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), rest, random.uniform(0.5, 2)});
+        {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), rest, drawn.weight * random.uniform(0.5, 2)});
   }
   for (std::int32_t i = 0; i < drawn.fixed; ++i) hard.network.fixed_points.push_back(i);
 }
