@@ -66,6 +66,9 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   bool has_convex_hessian() const override { return true; }
   void prepare(NetworkState& state, int order, const Execution& execution) override;
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
+  /// No point goes farther than a few diagonals of the mesh: where hardly anything holds it, it could go round for
+  /// ever.
+  double largest_step(const NetworkState& state, const Eigen::VectorXd& step) const override;
   bool has_kinks() const override { return true; }
   std::vector<Kink> kinks(const NetworkState& current, const std::vector<NetworkState>& tried,
                           double reach) const override;

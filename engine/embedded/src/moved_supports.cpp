@@ -19,7 +19,7 @@ constexpr double least_shift = 1e-8;
 constexpr double rigid_rounding = 1e-12;
 /// A host that moved as a whole is at its equilibrium but for rounding if the gradient is at most so many tolerances.
 constexpr double tolerances_of_rounding = 100;
-/// See MovingNetwork: the energy of another equilibrium is lower by more than this many times the predicted decrease,
+/// The energy of another equilibrium is lower by more than this many times the predicted decrease,
 /// and by more than this share of the energy.
 constexpr double surprising_support_decrease = 10;
 constexpr double support_decrease_of_rounding = 1e-9;
@@ -106,7 +106,7 @@ void MovedSupports::begin_step() {
   has_factors_ = false;
   if (system_.dimension() == 0) return;
   const numerics::Evaluation here = system_.evaluate(2);
-  has_factors_ = cholesky_.factorize(here.hessian, 0);
+  has_factors_ = !at_kink_ && cholesky_.factorize(here.hessian, 0);
   Eigen::VectorXd unbalanced = -system_.full_gradient();
   if (!has_factors_) {
     if (const auto convex = system_.convex_hessian()) {
@@ -119,6 +119,13 @@ void MovedSupports::begin_step() {
   NetworkState carried = from;
   carried.move(share_for_tangent * tangent_);
   if (carried.collapsed()) return;
+  if (at_kink_) {
+    const Eigen::VectorXd response = -cholesky_.solve(system_.restrict(unbalanced_host(carried))) / share_for_tangent;
+    if (!response.allFinite()) return;
+    tangent_ += system_.expand(response);
+    tangent_.head(2 * static_cast<Eigen::Index>(from.points().size())).setZero();
+    return;
+  }
   system_.set_state(carried);
   system_.look_around();
   const Eigen::VectorXd moved = system_.full_gradient();
@@ -168,10 +175,35 @@ bool MovedSupports::go_lower(const Eigen::VectorXd& step, double load) {
   return valid;
 }
 
+Eigen::VectorXd MovedSupports::unbalanced_host(const NetworkState& carried) const {
+  numerics::EnergySum before;
+  numerics::EnergySum after;
+  before.clear(carried.dimension(), 1);
+  after.clear(carried.dimension(), 1);
+  // The network is the last term, and the only one that has to search for its paths first.
+  for (std::size_t i = 0; i + 1 < system_.terms().size(); ++i) {
+    system_.terms()[i]->add(start_.network, 1, before);
+    system_.terms()[i]->add(carried, 1, after);
+  }
+  return after.gradient - before.gradient;
+}
+
 bool MovedSupports::predict_rigid_motion() {
   const auto step = rigid_motion(start_.network, announced_);
   if (!step || !go(start_, *step, announced_)) return false;
   return system_.evaluate(1).gradient.norm() <= tolerances_of_rounding * gradient_tolerance_;
+}
+
+bool MovedSupports::carry_rigidly() {
+  start_ = state();
+  const double energy = system_.evaluate(0).value;
+  // The gradient says nothing here: which of two equally short paths it belongs to is up to rounding.
+  const auto step = rigid_motion(start_.network, announced_);
+  if (step && go(start_, *step, announced_) &&
+      std::abs(system_.evaluate(0).value - energy) <= support_decrease_of_rounding * std::abs(energy))
+    return true;
+  restart_step();
+  return false;
 }
 
 void MovedSupports::note_prediction() {

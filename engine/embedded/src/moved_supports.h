@@ -55,6 +55,13 @@ class MovedSupports {
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);
   void left_branch() {}
 
+  /// Tells whether the present state is none of equilibrium, since a path that pushes is at its cut locus. Load steps
+  /// then begin with the response of the host alone: no tangent is known.
+  void set_at_kink(bool at_kink) { at_kink_ = at_kink; }
+  /// Moves network and host as a whole to where the supports go, if these go the way of one rigid body and that changes
+  /// neither energy nor gradient. Returns false otherwise; the state is then as before.
+  bool carry_rigidly();
+
   /// Whether the equilibrium that was found after the last prediction, with this energy, is another one than that at
   /// the start of the load step: the energy fell by much more than the prediction was off.
   bool has_jumped(double energy) const;
@@ -66,6 +73,8 @@ class MovedSupports {
   std::optional<Eigen::VectorXd> rigid_motion(const NetworkState& from, double load) const;
   /// Makes the current state that of a rigid motion, if this is an equilibrium.
   bool predict_rigid_motion();
+  /// How much more the host alone is out of balance at a state than at the start of the load step.
+  Eigen::VectorXd unbalanced_host(const NetworkState& carried) const;
   /// Makes the current state that of a step, or the one in which points stay in their places in the material, whichever
   /// has the lower energy. Returns false if neither is valid.
   bool go_lower(const Eigen::VectorXd& step, double load);
@@ -81,9 +90,11 @@ class MovedSupports {
   double load_ = 0;
   double announced_ = 0;
   numerics::ShiftedCholesky cholesky_;
-  State start_;                    ///< of the load step
-  Eigen::VectorXd tangent_;        ///< of all degrees of freedom at its start, for all of the announced change
-  bool has_factors_ = false;       ///< whether `cholesky_` was factorized at the start of the load step
+  State start_;                ///< of the load step
+  Eigen::VectorXd tangent_;    ///< of all degrees of freedom at its start, for all of the announced change
+  bool has_factors_ = false;   ///< whether `cholesky_` was factorized at the start of the load step
+  double start_gradient_ = 0;  ///< norm of the gradient at the start of the load step
+  bool at_kink_ = false;
   double predicted_energy_ = 0;    ///< that of the last prediction
   double predicted_decrease_ = 0;  ///< of the energy from there, by the factors that are known
 };

@@ -64,7 +64,7 @@ const surface::GeodesicSolver& RelaxationRun::solver() const {
 Relaxation RelaxationRun::run() {
   const bool mollified = is_geodesic() && options_.mollifier == Switch::on;
   const auto* moving = std::get_if<MovingHost>(&options_.host);
-  Stop stop;
+  Stop stop = Stop::converged;
   {
     const PartOfExecution part(execution_, 0, moving || !host_.moved().empty() ? fraction_before_moving : 1);
     stop = minimize(mollified, part.execution());
@@ -73,7 +73,7 @@ Relaxation RelaxationRun::run() {
   {
     const PartOfExecution part(execution_, fraction_before_moving, 1 - fraction_before_moving);
     if (moving) stop = follow(*moving, part.execution());
-    if (!host_.moved().empty()) stop = move_supports(part.execution());
+    if (!host_.moved().empty()) stop = move_supports(stop, part.execution());
   }
   if (is_geodesic() && keeps_shape() && options_.mollifier == Switch::automatic && stop != Stop::converged &&
       may_go_on() && some_path_is_pinned()) {

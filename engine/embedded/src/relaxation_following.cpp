@@ -127,7 +127,7 @@ void RelaxationRun::adopt(MovingNetwork& scene) {
   state_ = scene.network_state();
 }
 
-RelaxationRun::Stop RelaxationRun::move_supports(const Execution& execution) {
+RelaxationRun::Stop RelaxationRun::move_supports(Stop start, const Execution& execution) {
   Terms energies = host_.terms();
   energies.push_back(make_term(false, points_.held));
   Terms terms = energies;
@@ -143,18 +143,19 @@ RelaxationRun::Stop RelaxationRun::move_supports(const Execution& execution) {
   options.max_iterations = std::min(options_.max_iterations, iterations_of_support_step);
   options.smallest_step = shortest_support_step;
   SupportPath path(scene, options, execution);
-  Stop stop = Stop::converged;
+  Stop stop = start;
   int all_steps = 0;
   for (std::size_t k = 1; k <= scene.stops() && (k == 1 || result_.stops.back().reached == 1); ++k) {
     const auto target = static_cast<double>(k);
     scene.announce(target);
-    const FollowCounts counts = follow_supports(path, scene, target, execution);
+    const FollowCounts counts = follow_supports(path, scene, target, stop, execution);
     const int iterations = path.take_counts().iterations;
-    stop = path.result().stop;
+    stop = counts.stop;
     if (scene.load() < target)
       stop = path.stopped() == numerics::PathStop::iteration_limit ? Stop::iteration_limit : Stop::step_too_small;
-    result_.stops.push_back({.energy = system.evaluate(0).value,
-                             .gradient_norm = path.result().gradient_norm,
+    const numerics::Evaluation end = system.evaluate(1);
+    result_.stops.push_back({.energy = end.value,
+                             .gradient_norm = end.gradient.norm(),
                              .iterations = iterations,
                              .load_steps = std::max(1, counts.load_steps),
                              .jumps = counts.jumps,
@@ -173,22 +174,33 @@ RelaxationRun::Stop RelaxationRun::move_supports(const Execution& execution) {
 }
 
 RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, MovedSupports& scene, double target,
-                                                           const Execution& execution) {
-  FollowCounts counts;
+                                                           Stop start, const Execution& execution) {
+  FollowCounts counts{.stop = start};
   double longest = 1;
   while (scene.load() < target) {
     execution.checkpoint(scene.load() / static_cast<double>(scene.stops()), "step");
+    const bool at_kink = counts.stop == Stop::step_too_small;
+    scene.set_at_kink(at_kink);
+    if (at_kink && scene.carry_rigidly()) {
+      ++counts.load_steps;
+      continue;
+    }
     const SupportPath::Snapshot before = path.snapshot();
-    const bool failed = path.step(target - scene.load()) == SupportPath::Progress::failed;
-    if (failed && !go_on_without_equilibrium(path, scene, target)) break;
+    const bool failed = at_kink || path.step(target - scene.load()) == SupportPath::Progress::failed;
+    if (failed) {
+      const bool blocked = at_kink || path.stopped() == numerics::PathStop::step_too_small;
+      scene.set_at_kink(blocked);
+      if (!go_on_without_equilibrium(path, scene, target, blocked ? longest : shortest_support_step)) break;
+    }
     const bool is_lost = scene.has_jumped(path.result().value);
     const double made = scene.load() - before.state.load;
-    if (is_lost && !failed && made > shortest_support_step) {
+    if (is_lost && made > shortest_support_step) {
       path.restore(before);
       longest = made / 2;
       path.set_largest_step(longest);
       continue;
     }
+    counts.stop = path.result().stop;
     ++counts.load_steps;
     counts.jumps += is_lost ? 1 : 0;
     if (longest < 1) {
@@ -199,9 +211,9 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
   return counts;
 }
 
-bool RelaxationRun::go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target) {
+bool RelaxationRun::go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target, double longest) {
   scene.begin_step();
-  double way = shortest_support_step;
+  double way = longest;
   while (way >= shortest_valid_step) {
     const bool valid = scene.predict(std::min(1.0, way / (target - scene.load())));
     way /= 2;

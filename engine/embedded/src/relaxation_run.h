@@ -68,6 +68,7 @@ class RelaxationRun {
   struct FollowCounts {
     int load_steps = 0;
     int jumps = 0;
+    Stop stop = Stop::converged;
   };
   /// From the equilibrium on the mesh to those on all positions of the surface.
   Stop follow(const MovingHost& host, const Execution& execution);
@@ -81,11 +82,13 @@ class RelaxationRun {
   /// The scene's surface and points become those of this run.
   void adopt(MovingNetwork& scene);
   /// From the equilibrium with all vertices where they are at first to those with the moved ones at their positions.
-  Stop move_supports(const Execution& execution);
-  FollowCounts follow_supports(SupportPath& path, MovedSupports& scene, double target, const Execution& execution);
-  /// Where even the shortest load step finds no equilibrium although no element is turned inside out, the best state
-  /// there is taken. Returns false where there is none.
-  bool go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target);
+  Stop move_supports(Stop start, const Execution& execution);
+  /// `start` is why the search for the present state stopped.
+  FollowCounts follow_supports(SupportPath& path, MovedSupports& scene, double target, Stop start,
+                               const Execution& execution);
+  /// Where no load step finds an equilibrium although no element is turned inside out, the best state after one of at
+  /// most this length is taken. Returns false where there is none.
+  bool go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target, double longest);
 
   // relaxation_answer.cpp
   std::string why_mollified() const;
