@@ -58,8 +58,8 @@ class MovedSupports {
   /// Tells whether the present state is none of equilibrium, since a path that pushes is at its cut locus. Load steps
   /// then begin with the response of the host alone: no tangent is known.
   void set_at_kink(bool at_kink) { at_kink_ = at_kink; }
-  /// Moves network and host as a whole to where the supports go, if these go the way of one rigid body and that changes
-  /// neither energy nor gradient. Returns false otherwise; the state is then as before.
+  /// Moves network and host as a whole to where the supports go, if these go the way of one rigid body and that does
+  /// not change the energy. Returns false otherwise; the state is then as before.
   bool carry_rigidly();
 
   /// Whether the equilibrium that was found after the last prediction, with this energy, is another one than that at
@@ -90,10 +90,9 @@ class MovedSupports {
   double load_ = 0;
   double announced_ = 0;
   numerics::ShiftedCholesky cholesky_;
-  State start_;                ///< of the load step
-  Eigen::VectorXd tangent_;    ///< of all degrees of freedom at its start, for all of the announced change
-  bool has_factors_ = false;   ///< whether `cholesky_` was factorized at the start of the load step
-  double start_gradient_ = 0;  ///< norm of the gradient at the start of the load step
+  State start_;               ///< of the load step
+  Eigen::VectorXd tangent_;   ///< of all degrees of freedom at its start, for all of the announced change
+  bool has_factors_ = false;  ///< whether `cholesky_` was factorized at the start of the load step
   bool at_kink_ = false;
   double predicted_energy_ = 0;    ///< that of the last prediction
   double predicted_decrease_ = 0;  ///< of the energy from there, by the factors that are known

@@ -16,9 +16,8 @@ namespace {
 /// as much.
 constexpr double small_surface_motion = 1e-7;
 /// A load step is beyond doubt where the energy falls as the Hessian at its start predicts, but for this share of the
-/// energy. Where it returns to what it was on the way back, but for this share, the equilibrium is the same.
+/// energy.
 constexpr double doubtful_decrease = 1e-7;
-constexpr double same_equilibrium = 1e-8;
 /// The tolerance of the gradient times this, in diagonals, is no difference of energies.
 constexpr double unbalanced_length = 1e-6;
 
@@ -182,13 +181,15 @@ bool MovingNetwork::is_doubtful(double energy) const {
 }
 
 // Where an equilibrium was lost on the way, the one that was found instead is followed back past that place.
-bool MovingNetwork::leads_back(const numerics::MinimizerOptions& options) {
+double MovingNetwork::loss_on_way_back(const numerics::MinimizerOptions& options) {
   const State here = state();
+  const double scale = std::max(std::abs(start_energy_), std::abs(system_->evaluate(0).value));
   place(start_.load, here.points, here.cut_loci);
   const numerics::MinimizerResult back =
       numerics::minimize(*system_, options, {execution_.cancellation, nullptr, nullptr}, &cholesky_);
   place(here.load, here.points, here.cut_loci);
-  return std::abs(back.value - start_energy_) <= same_equilibrium * std::abs(start_energy_) + energy_rounding();
+  const double difference = std::abs(back.value - start_energy_) - energy_rounding();
+  return difference > 0 ? difference / scale : 0;
 }
 
 double MovingNetwork::energy_rounding() const {

@@ -63,9 +63,10 @@ class MovingNetwork {
   /// Whether the energy of the equilibrium that was found after the last prediction differs from what the Hessian at
   /// the start of the load step predicts. If not, it is the same equilibrium.
   bool is_doubtful(double energy) const;
-  /// Whether the equilibrium at the start of the load step is found again from the present one, when the surface goes
-  /// back to where it was: otherwise an equilibrium was lost on the way. The present state stays. Costs a minimization.
-  bool leads_back(const numerics::MinimizerOptions& options);
+  /// By which share of the energy the equilibrium that is found from the present one, when the surface goes back to
+  /// where it was at the start of the load step, differs from the one that was there: where it does, an equilibrium was
+  /// lost on the way. The present state stays. Costs a minimization.
+  double loss_on_way_back(const numerics::MinimizerOptions& options);
 
  private:
   Eigen::VectorXd nodes_at(double load) const;

@@ -15,6 +15,10 @@ namespace {
 /// steps than this are, too.
 constexpr double shortest_surface_step = 1.0 / 64;
 constexpr double shortest_unfinished_step = 1.0 / 8;
+/// Shares of the energy by which that of an equilibrium differs on the way back if it is the same, and if it is so near
+/// that shorter steps would hardly find a nearer one.
+constexpr double same_equilibrium = 1e-8;
+constexpr double near_equilibrium = 1e-2;
 /// A load step of so few iterations lets the next one be twice as long.
 constexpr int quick_surface_iterations = 6;
 /// The same for vertices of a host that are moved. Shorter steps help where elements are about to be turned inside out,
@@ -77,10 +81,11 @@ RelaxationRun::FollowCounts RelaxationRun::follow_surface(SurfacePath& path, Mov
     const bool is_valid = scene.predict(1);
     if (is_valid) path.settle();
     const bool is_unfinished = !is_valid || path.result().stop == Stop::iteration_limit;
-    const bool is_lost =
-        is_unfinished || (scene.is_doubtful(path.result().value) && !scene.leads_back(quiet_options()));
+    const double loss =
+        !is_unfinished && scene.is_doubtful(path.result().value) ? scene.loss_on_way_back(quiet_options()) : 0;
+    const bool is_lost = is_unfinished || loss > same_equilibrium;
     const double shortest = is_unfinished ? shortest_unfinished_step : shortest_surface_step;
-    if (is_lost && made > shortest) {
+    if ((is_unfinished || loss > near_equilibrium) && made > shortest) {
       path.restore(before);
       step = std::max(shortest, made / 2);
       continue;
@@ -179,7 +184,7 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
   double longest = 1;
   while (scene.load() < target) {
     execution.checkpoint(scene.load() / static_cast<double>(scene.stops()), "step");
-    const bool at_kink = counts.stop == Stop::step_too_small;
+    const bool at_kink = counts.stop != Stop::converged;
     scene.set_at_kink(at_kink);
     if (at_kink && scene.carry_rigidly()) {
       ++counts.load_steps;

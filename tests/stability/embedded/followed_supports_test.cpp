@@ -15,6 +15,7 @@ class HeldTorus : public HostCase {
   HeldTorus(H host, std::uint64_t seed) : HostCase(testing::torus(16, 8), RigidHost{}), bare_(host) {
     RandomStream random("followed supports", seed);
     draw_network(*this, {.points = 10, .weight = 0.05}, random);
+    options.max_iterations = 60;
     held_ = vertices_where([](const Vector3d& p) { return p.x() > 0.8; });
     rest = follow({[](const Vector3d& p) { return p; }});
   }
@@ -57,7 +58,7 @@ int jumps_at_supports(const Relaxation& relaxed) {
 }
 
 void expect_supports_to_be_followed(const Host& host) {
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::visit(
         [&](const auto& own) {
@@ -81,7 +82,7 @@ void expect_supports_to_be_followed(const Host& host) {
             return p + way * std::sin(2 * p.y()) * Vector3d(0.3, 0, 1);
           };
           const Relaxation back = hard.follow({bent, same});
-          if (jumps_at_supports(back) == 0 && back.stopped == "converged") {
+          if (hard.rest.stopped == "converged" && jumps_at_supports(back) == 0) {
             EXPECT_NEAR(back.energy, hard.rest.energy, 1e-6 * hard.rest.energy);
             EXPECT_LT(hard.farthest(back.points), 1e-3 * hard.mesh->diagonal());
           }
