@@ -14,10 +14,14 @@
 namespace supple::embedded {
 namespace {
 
-/// How often points at cut loci are held and released.
-constexpr int max_jam_rounds = 20;
-/// Less than this share of the energy is no gain: rounding and the tolerance of the gradient leave about as much.
-constexpr double smallest_gain = 1e-9;
+/// How often points at cut loci are held and released. On a host that gives way this is done once: its nodes are pushed
+/// across cut loci, too, and cannot be kept there.
+constexpr int max_jam_rounds = 10;
+/// Iterations of one search with some points held.
+constexpr int max_held_iterations = 50;
+/// A round that lowers the energy by less than this share is the last one: steps to and fro across a valley gain as
+/// much again and again.
+constexpr double smallest_gain = 1e-6;
 /// Lengths in mean edges by which jammed points are moved, the longest first.
 constexpr std::array trial_lengths{0.3, 0.03, 3e-3, 3e-4};
 /// Directions of a single point all around, and of several points together.
@@ -88,7 +92,9 @@ std::vector<Eigen::VectorXd> directions_all_around(Eigen::Index size, std::uint6
 RelaxationRun::Stop RelaxationRun::leave_jam(bool mollified, const Execution& execution) {
   auto stop = Stop::step_too_small;
   if (!state_.found()) return stop;
-  for (int round = 0; round < max_jam_rounds && stop == Stop::step_too_small; ++round) {
+  const int rounds = host_.gives_way() ? 1 : max_jam_rounds;
+  const int all_iterations = iteration_limit_;
+  for (int round = 0; round < rounds && stop == Stop::step_too_small; ++round) {
     const std::vector<bool> jammed = jammed_points();
     if (std::ranges::none_of(jammed, std::identity())) break;
     const double before = result_.energy;
@@ -97,9 +103,10 @@ RelaxationRun::Stop RelaxationRun::leave_jam(bool mollified, const Execution& ex
     std::vector<bool> without_others = points_.held;
     for (std::size_t i = 0; i < jammed.size(); ++i) (jammed[i] ? without_jammed : without_others)[i] = true;
     for (const auto& held_points : {without_jammed, without_others}) {
-      if (!may_go_on()) return Stop::iteration_limit;
-      minimize(mollified, execution, held_points);
+      iteration_limit_ = std::min(all_iterations, result_.iterations + max_held_iterations);
+      if (may_go_on()) minimize(mollified, execution, held_points);
     }
+    iteration_limit_ = all_iterations;
     if (!may_go_on()) return Stop::iteration_limit;
     // Distances that are not mollified say nothing about an energy that is.
     const bool has_moved = !mollified && !has_gained() && move_jammed(jammed);

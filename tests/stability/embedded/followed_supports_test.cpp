@@ -71,8 +71,10 @@ void expect_supports_to_be_followed(const Host& host) {
                                       std::vector<std::function<Vector3d(const Vector3d&)>>{rigid, same},
                                       std::vector<std::function<Vector3d(const Vector3d&)>>{hardly}}) {
             const Relaxation end = hard.follow(motions);
-            EXPECT_NEAR(end.energy, hard.rest.energy, 1e-7 * hard.rest.energy);
-            EXPECT_LT(hard.farthest(end.points), 1e-5 * hard.mesh->diagonal());
+            // A search that was not at its end goes on.
+            const double accuracy = hard.rest.stopped == "converged" ? 1e-7 : 1e-5;
+            EXPECT_NEAR(end.energy, hard.rest.energy, accuracy * hard.rest.energy);
+            EXPECT_LT(hard.farthest(end.points), 100 * accuracy * hard.mesh->diagonal());
             EXPECT_EQ(jumps_at_supports(end), 0);
             EXPECT_EQ(end.stops.back().reached, 1);
           }

@@ -29,7 +29,7 @@ TEST(Jams, HoldingWhatJamsLowersNoEnergyAtTheEnd) {
     std::ranges::sort(held.fixed_points);
     held.fixed_points.erase(std::unique(held.fixed_points.begin(), held.fixed_points.end()), held.fixed_points.end());
     const Relaxation others = relax(hard.solver, held, hard.options);
-    EXPECT_GE(others.energy, relaxed.energy * (1 - 1e-8));
+    EXPECT_GE(others.energy, relaxed.energy * (1 - 1e-5));
     for (std::size_t i = 1; i < relaxed.history.size(); ++i)
       EXPECT_LE(relaxed.history[i].energy, relaxed.history[i - 1].energy * (1 + 1e-12));
   }
