@@ -119,8 +119,8 @@ struct Relaxation {
   std::vector<RelaxationStep> history;  ///< the start and every iteration
   /// "converged", also where springs or sides that push rest at their cut loci, each of the shortest paths with its
   /// share of the force; "cut_locus" (no step lowers the energy although a gradient is left, and what pushes is at its
-  /// cut locus, where its length is not differentiable; neither do moves of the other points with the ends of such paths
-  /// held, nor of these ends singly, in pairs and together); "step_too_small"; or "iteration_limit".
+  /// cut locus, where its length is not differentiable; neither do moves of the other points with the ends of such
+  /// paths held, nor of these ends singly, in pairs and together); "step_too_small"; or "iteration_limit".
   std::string stopped;
   bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.

@@ -175,8 +175,8 @@ class System : public Objective {
         const double value = evaluate(0).value;
         // A state that rounding alone keeps from the kink has the kink's value, or one below it by rounding. Trial
         // states so close to it that they hardly fall below are no reason to pass it by.
-        const bool is_worse = value > value_ + same_value * std::abs(value_) ||
-                              value > best + smallest_decrease * std::abs(best);
+        const bool is_worse =
+            value > value_ + same_value * std::abs(value_) || value > best + smallest_decrease * std::abs(best);
         if (kink.same_place ? is_worse : !(value < best)) continue;
         best = value;
         distance = kink.distance;
