@@ -17,7 +17,7 @@ constexpr double shortest_surface_step = 1.0 / 64;
 constexpr double shortest_unfinished_step = 1.0 / 8;
 /// Shares of the energy by which that of an equilibrium differs on the way back if it is the same, and if it is so near
 /// that shorter steps would hardly find a nearer one.
-constexpr double same_equilibrium = 1e-8;
+constexpr double same_equilibrium = 1e-7;
 constexpr double near_equilibrium = 1e-2;
 /// A load step of so few iterations lets the next one be twice as long.
 constexpr int quick_surface_iterations = 6;
