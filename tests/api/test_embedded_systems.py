@@ -193,6 +193,24 @@ def test_a_network_follows_a_surface_that_moves(api: Api, sphere_mesh: str) -> N
     np.testing.assert_allclose(again["positions"], answer["positions"], atol=1e-6)
 
 
+def test_a_surface_that_turns_moves_no_point_of_its_network(api: Api, sphere_mesh: str) -> None:
+    vertices = sphere(3)[0]
+    # Nothing holds it as a whole, and springs push: it could spin.
+    request = {"mesh": sphere_mesh, "points": [{"vertex": 3}, {"vertex": 40}, {"vertex": 71}],
+               "springs": springs((0, 1), (1, 2), (2, 0), rest_length=1.2)}
+    rest = api.ok(NETWORKS, request)
+    points = [{"face": p["face"], "barycentric": p["barycentric"]} for p in rest["points"]]
+    cosine, sine = np.cos(0.4), np.sin(0.4)
+    turned = vertices @ np.array([[1, 0, 0], [0, cosine, sine], [0, -sine, cosine]])
+    positions = [vertices.tolist(), turned.tolist(), (turned * (1 + 1e-9)).tolist()]
+    answer = api.ok(NETWORKS, {**request, "points": points, "host": {"kind": "moving", "positions": positions}})
+    for stop in answer["host"]["stops"]:
+        assert stop["jumps"] == 0 and stop["energy"] == pytest.approx(rest["energy"], rel=1e-7, abs=1e-14)
+    assert [p["face"] for p in answer["points"]] == [p["face"] for p in points]
+    np.testing.assert_allclose([p["barycentric"] for p in answer["points"]], [p["barycentric"] for p in points], atol=1e-6)
+    assert not any("the equilibrium was lost" in warning for warning in answer["warnings"])
+
+
 def moved(vertices: Any, chosen: Any, *ways: Any) -> List[Any]:
     return [{"vertex": int(i), "positions": [(vertices[i] + way).tolist() for way in ways]} for i in chosen]
 

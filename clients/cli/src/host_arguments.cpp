@@ -213,7 +213,12 @@ void print_host(const nlohmann::json& answer) {
   } else {
     fmt::print("moving surface of {} vertices", host->at("vertices").size());
   }
-  if (const auto stops = host->find("stops"); stops != host->end()) fmt::print(", {} positions", stops->size());
+  if (const auto stops = host->find("stops"); stops != host->end()) {
+    int jumps = 0;
+    for (const auto& stop : *stops) jumps += stop.at("jumps").get<int>();
+    fmt::print(", {} positions", stops->size());
+    if (jumps > 0) fmt::print(" ({} equilibria lost)", jumps);
+  }
   fmt::print(", moved by up to {:.6g}", host->at("largest_displacement").get<double>());
   if (const auto ratio = host->find("volume_ratio"); ratio != host->end())
     fmt::print(", encloses {:.6g} of its volume at rest", ratio->get<double>());

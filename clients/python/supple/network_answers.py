@@ -64,6 +64,8 @@ class FollowedStop(Shown):
         energy, gradient_norm: as in `RelaxedNetwork`, there.
         iterations: steps of the solver on the way from the position before.
         load_steps: parts that this way was divided into.
+        jumps: how often an equilibrium was lost on this way, so that network and host went to another one of less energy.
+            On the way back they need not return to where they were.
         stopped: as in `RelaxedNetwork`.
         reached: share of the way from the position before; below 1 where moved vertices cannot go on, since elements of the
             host would be turned inside out, or no equilibrium is found: it is then the last stop.
@@ -75,6 +77,7 @@ class FollowedStop(Shown):
     load_steps: int
     stopped: str
     reached: float = 1.0
+    jumps: int = 0
 
 
 @dataclass(frozen=True, repr=False)
@@ -186,7 +189,7 @@ def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
         tetrahedra=host.get("tetrahedra"),
         nodes=host.get("nodes"),
         stops=None if stops is None else tuple(
-            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"])
+            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"], s["jumps"])
             for s in stops
         ),
     )

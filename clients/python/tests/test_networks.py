@@ -93,9 +93,9 @@ def test_an_answer_of_a_host_that_gives_way_has_its_vertices() -> None:
     solid = relaxed_network_from_wire({**ANSWER, "host": {**host, "volume_ratio": 0.9, "tetrahedra": 7, "nodes": 12}}).host
     assert solid is not None and (solid.volume_ratio, solid.tetrahedra, solid.nodes) == (0.9, 7, 12)
     assert solid.stops is None
-    stop = {"energy": 1.5, "gradient_norm": 1e-9, "iterations": 4, "load_steps": 2, "stopped": "converged", "reached": 0.25}
+    stop = {"energy": 1.5, "gradient_norm": 1e-9, "iterations": 4, "load_steps": 2, "jumps": 3, "stopped": "converged", "reached": 0.25}
     moved = relaxed_network_from_wire({**ANSWER, "host": {**host, "stops": [stop]}}).host
-    assert moved is not None and moved.stops == (supple.FollowedStop(1.5, 1e-9, 4, 2, "converged", 0.25),)
+    assert moved is not None and moved.stops == (supple.FollowedStop(1.5, 1e-9, 4, 2, "converged", 0.25, 3),)
     assert relaxed_network_from_wire(ANSWER).host is None
 
 

@@ -45,6 +45,8 @@ constexpr double same_path = 1e-4;
 constexpr int halvings = 50;
 /// A path is shorter than the one that it was by more than this share, and not by rounding.
 constexpr double shorter = 1e-10;
+/// Diagonals of the mesh that a point goes at most in one step.
+constexpr double longest_way = 4;
 /// A slope above this share of the pulls that make it counts as none.
 constexpr double slope_rounding = 1e-12;
 
@@ -93,6 +95,14 @@ void GeodesicElements::prepare(NetworkState& state, int order, const Execution& 
   if (!state.found()) find_paths(state, execution);
   if (order >= 1 && state.surface() && !(state.host_lengths() && state.host_lengths()->order >= order))
     find_host_lengths(state, order, execution);
+}
+
+double GeodesicElements::largest_step(const NetworkState& /*state*/, const Eigen::VectorXd& step) const {
+  double longest = 0;
+  for (const std::size_t point : free_)
+    longest = std::max(longest, step.segment<2>(2 * static_cast<Eigen::Index>(point)).squaredNorm());
+  const double limit = longest_way * solver_.mesh().diagonal();
+  return longest > limit * limit ? limit / std::sqrt(longest) : std::numeric_limits<double>::infinity();
 }
 
 void GeodesicElements::find_paths(NetworkState& state, const Execution& execution) {
@@ -144,6 +154,17 @@ std::vector<double> GeodesicElements::pulls_at(const FoundPaths& found) const {
     for (int k = 0; k < 3; ++k) pulls[triangles_[t].sides[static_cast<std::size_t>(k)].path] += energy.first[k];
   }
   return pulls;
+}
+
+std::vector<bool> GeodesicElements::ends_that_push_at_cut_loci(const FoundPaths& found) const {
+  std::vector<bool> ends(held_.size(), false);
+  const std::vector<double> pulls = pulls_at(found);
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
+    if (!(pulls[i] < 0) || found.is_unique(i)) continue;
+    for (const std::int32_t end : {paths_[i].from, paths_[i].to})
+      if (!held_[static_cast<std::size_t>(end)]) ends[static_cast<std::size_t>(end)] = true;
+  }
+  return ends;
 }
 
 void GeodesicElements::share_out(NetworkState& state, FoundPaths& found, std::vector<EqualPaths> equal) const {

@@ -66,6 +66,9 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   bool has_convex_hessian() const override { return true; }
   void prepare(NetworkState& state, int order, const Execution& execution) override;
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
+  /// No point goes farther than a few diagonals of the mesh: where hardly anything holds it, it could go round for
+  /// ever.
+  double largest_step(const NetworkState& state, const Eigen::VectorXd& step) const override;
   bool has_kinks() const override { return true; }
   std::vector<Kink> kinks(const NetworkState& current, const std::vector<NetworkState>& tried,
                           double reach) const override;
@@ -74,6 +77,8 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   /// Lengths of a triangle's sides where the paths are found.
   Eigen::Vector3d lengths_of(const FoundPaths& found, std::size_t triangle) const;
   const TriangleEnergy& energy_of(std::size_t triangle) const { return triangles_[triangle].energy; }
+  /// Points at which paths end that push and are not the only shortest ones; held ones are left out.
+  std::vector<bool> ends_that_push_at_cut_loci(const FoundPaths& found) const;
   /// Whether a side of a triangle is the only shortest path between its ends.
   bool side_is_unique(const FoundPaths& found, std::size_t triangle, int side) const {
     return found.is_unique(triangles_[triangle].sides[static_cast<std::size_t>(side)].path);

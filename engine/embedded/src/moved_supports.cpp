@@ -1,5 +1,6 @@
 #include "moved_supports.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,12 +15,29 @@ namespace {
 constexpr double share_for_tangent = 1e-6;
 /// Shifts that the convex matrix gets where it cannot be factorized without, in mean entries of its diagonal.
 constexpr double least_shift = 1e-8;
+/// Supports go the way of one rigid body if they are off it by less than this, in diagonals of the host.
+constexpr double rigid_rounding = 1e-12;
+/// A host that moved as a whole is at its equilibrium but for rounding if the gradient is at most so many tolerances.
+constexpr double tolerances_of_rounding = 100;
+/// The energy of another equilibrium is lower by more than this many times the predicted decrease,
+/// and by more than this share of the energy.
+constexpr double surprising_support_decrease = 10;
+constexpr double support_decrease_of_rounding = 1e-9;
 
 }  // namespace
 
-MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const std::vector<MovedVertex>& moved,
-                             double gradient_tolerance)
+MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const HostModel& host, double gradient_tolerance)
     : system_(system), gradient_tolerance_(gradient_tolerance), start_{system.state(), 0} {
+  const std::vector<MovedVertex>& moved = host.moved();
+  const std::vector<bool>& held = host.held();
+  bool partly = false;
+  for (std::size_t i = 0; i < held.size(); i += 3) {
+    const auto count = std::count(held.begin() + static_cast<std::ptrdiff_t>(i),
+                                  held.begin() + static_cast<std::ptrdiff_t>(i) + 3, true);
+    partly = partly || (count > 0 && count < 3);
+    if (count == 3) supports_.push_back(static_cast<std::int32_t>(i / 3));
+  }
+  if (partly) supports_.clear();
   std::size_t stops = 0;
   Eigen::VectorXd places(3 * static_cast<Eigen::Index>(moved.size()));
   for (std::size_t i = 0; i < moved.size(); ++i) {
@@ -53,6 +71,31 @@ Eigen::VectorXd MovedSupports::way_of_supports(const NetworkState& from, double 
   return way;
 }
 
+std::optional<Eigen::VectorXd> MovedSupports::rigid_motion(const NetworkState& from, double load) const {
+  if (supports_.empty()) return std::nullopt;
+  const Eigen::VectorXd way = way_of_supports(from, load);
+  Eigen::Matrix3Xd before(3, static_cast<Eigen::Index>(supports_.size()));
+  Eigen::Matrix3Xd after = before;
+  for (Eigen::Index i = 0; i < before.cols(); ++i) {
+    const std::int32_t node = supports_[static_cast<std::size_t>(i)];
+    before.col(i) = from.node(node);
+    after.col(i) = before.col(i) + way.segment<3>(from.node_row(node));
+  }
+  const Eigen::Matrix4d motion = Eigen::umeyama(before, after, false);
+  const auto moved = [&](const Eigen::Vector3d& at) -> Eigen::Vector3d {
+    return motion.topLeftCorner<3, 3>() * at + motion.topRightCorner<3, 1>();
+  };
+  for (Eigen::Index i = 0; i < before.cols(); ++i)
+    if (!((moved(before.col(i)) - after.col(i)).norm() <= rigid_rounding * from.mesh().diagonal())) return std::nullopt;
+  Eigen::VectorXd step = way;
+  const auto nodes = static_cast<std::int32_t>(from.nodes().size() / 3);
+  for (std::int32_t node = 0; node < nodes; ++node) {
+    if (std::ranges::binary_search(supports_, node)) continue;
+    step.segment<3>(from.node_row(node)) = moved(from.node(node)) - from.node(node);
+  }
+  return step;
+}
+
 // With the energy's derivatives by unknowns u and the load t, an equilibrium stays one where H_uu du + H_ut dt = 0.
 // H_ut is the difference of gradients for unknowns that stay while the supports move a little: that is as good as its
 // derivative here, at the price of one gradient. Coordinates of points turn with the faces that they are on.
@@ -60,21 +103,29 @@ void MovedSupports::begin_step() {
   start_ = state();
   const NetworkState& from = start_.network;
   tangent_ = way_of_supports(from, announced_);
+  has_factors_ = false;
   if (system_.dimension() == 0) return;
   const numerics::Evaluation here = system_.evaluate(2);
-  bool known = cholesky_.factorize(here.hessian, 0);
+  has_factors_ = !at_kink_ && cholesky_.factorize(here.hessian, 0);
   Eigen::VectorXd unbalanced = -system_.full_gradient();
-  if (!known) {
+  if (!has_factors_) {
     if (const auto convex = system_.convex_hessian()) {
       const double scale = numerics::diagonal_scale(*convex);
-      for (double shift = 0; !known && shift <= 1; shift = std::max(least_shift, 10 * shift))
-        known = cholesky_.factorize(*convex, shift * scale);
+      for (double shift = 0; !has_factors_ && shift <= 1; shift = std::max(least_shift, 10 * shift))
+        has_factors_ = cholesky_.factorize(*convex, shift * scale);
     }
   }
-  if (!known) return;
+  if (!has_factors_) return;
   NetworkState carried = from;
   carried.move(share_for_tangent * tangent_);
   if (carried.collapsed()) return;
+  if (at_kink_) {
+    const Eigen::VectorXd response = -cholesky_.solve(system_.restrict(unbalanced_host(carried))) / share_for_tangent;
+    if (!response.allFinite()) return;
+    tangent_ += system_.expand(response);
+    tangent_.head(2 * static_cast<Eigen::Index>(from.points().size())).setZero();
+    return;
+  }
   system_.set_state(carried);
   system_.look_around();
   const Eigen::VectorXd moved = system_.full_gradient();
@@ -111,16 +162,78 @@ bool MovedSupports::go(const State& from, const Eigen::VectorXd& step, double lo
   return std::isfinite(system_.evaluate(0).value);
 }
 
+bool MovedSupports::go_lower(const Eigen::VectorXd& step, double load) {
+  const bool valid = go(start_, step, load);
+  const auto coordinates = 2 * static_cast<Eigen::Index>(start_.network.points().size());
+  if (step.head(coordinates).isZero(0)) return valid;
+  const double energy = valid ? system_.energy() : std::numeric_limits<double>::infinity();
+  const State moved = state();
+  Eigen::VectorXd carried = step;
+  carried.head(coordinates).setZero();
+  if (go(start_, carried, load) && system_.energy() < energy) return true;
+  if (valid) set_state(moved);
+  return valid;
+}
+
+Eigen::VectorXd MovedSupports::unbalanced_host(const NetworkState& carried) const {
+  numerics::EnergySum before;
+  numerics::EnergySum after;
+  before.clear(carried.dimension(), 1);
+  after.clear(carried.dimension(), 1);
+  // The network is the last term, and the only one that has to search for its paths first.
+  for (std::size_t i = 0; i + 1 < system_.terms().size(); ++i) {
+    system_.terms()[i]->add(start_.network, 1, before);
+    system_.terms()[i]->add(carried, 1, after);
+  }
+  return after.gradient - before.gradient;
+}
+
+bool MovedSupports::predict_rigid_motion() {
+  const auto step = rigid_motion(start_.network, announced_);
+  if (!step || !go(start_, *step, announced_)) return false;
+  return system_.evaluate(1).gradient.norm() <= tolerances_of_rounding * gradient_tolerance_;
+}
+
+bool MovedSupports::carry_rigidly() {
+  start_ = state();
+  const double energy = system_.evaluate(0).value;
+  // The gradient says nothing here: which of two equally short paths it belongs to is up to rounding.
+  const auto step = rigid_motion(start_.network, announced_);
+  if (step && go(start_, *step, announced_) &&
+      std::abs(system_.evaluate(0).value - energy) <= support_decrease_of_rounding * std::abs(energy))
+    return true;
+  restart_step();
+  return false;
+}
+
+void MovedSupports::note_prediction() {
+  const numerics::Evaluation there = system_.evaluate(2);
+  predicted_energy_ = there.value;
+  predicted_decrease_ = has_factors_ ? 0.5 * there.gradient.dot(cholesky_.solve(there.gradient)) : 0;
+}
+
 bool MovedSupports::predict(double share) {
   // A whole way ends where it is to end, to the last digit.
   const double load = share == 1 ? announced_ : start_.load + share * (announced_ - start_.load);
+  if (share == 1 && predict_rigid_motion()) {
+    note_prediction();
+    return true;
+  }
   Eigen::VectorXd step = share * tangent_;
   const Eigen::VectorXd way = way_of_supports(start_.network, load);
   for (const std::int32_t vertex : vertices_) {
     const std::int32_t row = start_.network.node_row(vertex);
     step.segment<3>(row) = way.segment<3>(row);
   }
-  return go(start_, step, load);
+  if (!go_lower(step, load)) return false;
+  note_prediction();
+  return true;
+}
+
+bool MovedSupports::has_jumped(double energy) const {
+  const double decrease = predicted_energy_ - energy;
+  return decrease >
+         surprising_support_decrease * predicted_decrease_ + support_decrease_of_rounding * std::abs(predicted_energy_);
 }
 
 bool MovedSupports::finish(const numerics::MinimizerResult& result) {

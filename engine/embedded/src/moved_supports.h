@@ -3,9 +3,11 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "host_model.h"
 #include "network_state.h"
 #include "supple/embedded/host.h"
 #include "supple/numerics/equilibrium_path.h"
@@ -24,8 +26,7 @@ class MovedSupports {
   };
 
   /// `system` has the moved vertices where they are at first, among what it holds; it outlives this.
-  MovedSupports(numerics::System<NetworkState>& system, const std::vector<MovedVertex>& moved,
-                double gradient_tolerance);
+  MovedSupports(numerics::System<NetworkState>& system, const HostModel& host, double gradient_tolerance);
 
   /// The most positions that a vertex has.
   std::size_t stops() const { return stops_.size() - 1; }
@@ -54,20 +55,47 @@ class MovedSupports {
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);
   void left_branch() {}
 
+  /// Tells whether the present state is none of equilibrium, since a path that pushes is at its cut locus. Load steps
+  /// then begin with the response of the host alone: no tangent is known.
+  void set_at_kink(bool at_kink) { at_kink_ = at_kink; }
+  /// Moves network and host as a whole to where the supports go, if these go the way of one rigid body and that does
+  /// not change the energy. Returns false otherwise; the state is then as before.
+  bool carry_rigidly();
+
+  /// Whether the equilibrium that was found after the last prediction, with this energy, is another one than that at
+  /// the start of the load step: the energy fell by much more than the prediction was off.
+  bool has_jumped(double energy) const;
+
  private:
   bool go(const State& from, const Eigen::VectorXd& step, double load);
+  /// The change of all degrees of freedom by which the host moves as a whole to where its supports are at a load; none
+  /// where these do not all go the way of one rigid body.
+  std::optional<Eigen::VectorXd> rigid_motion(const NetworkState& from, double load) const;
+  /// Makes the current state that of a rigid motion, if this is an equilibrium.
+  bool predict_rigid_motion();
+  /// How much more the host alone is out of balance at a state than at the start of the load step.
+  Eigen::VectorXd unbalanced_host(const NetworkState& carried) const;
+  /// Makes the current state that of a step, or the one in which points stay in their places in the material, whichever
+  /// has the lower energy. Returns false if neither is valid.
+  bool go_lower(const Eigen::VectorXd& step, double load);
+  void note_prediction();
   /// By which all degrees of freedom differ at a load from a state, as far as they are those of moved vertices.
   Eigen::VectorXd way_of_supports(const NetworkState& from, double load) const;
 
   numerics::System<NetworkState>& system_;
-  std::vector<std::int32_t> vertices_;
+  std::vector<std::int32_t> vertices_;  ///< those that are moved
+  std::vector<std::int32_t> supports_;  ///< all nodes that are held; empty where some are held to some directions only
   std::vector<Eigen::VectorXd> stops_;  ///< coordinates of the moved vertices: at first, then at each position
   double gradient_tolerance_;
   double load_ = 0;
   double announced_ = 0;
   numerics::ShiftedCholesky cholesky_;
-  State start_;              ///< of the load step
-  Eigen::VectorXd tangent_;  ///< of all degrees of freedom at its start, for all of the announced change
+  State start_;               ///< of the load step
+  Eigen::VectorXd tangent_;   ///< of all degrees of freedom at its start, for all of the announced change
+  bool has_factors_ = false;  ///< whether `cholesky_` was factorized at the start of the load step
+  bool at_kink_ = false;
+  double predicted_energy_ = 0;    ///< that of the last prediction
+  double predicted_decrease_ = 0;  ///< of the energy from there, by the factors that are known
 };
 
 }  // namespace supple::embedded

@@ -5,25 +5,33 @@
 #include <string>
 #include <utility>
 
+#include "constrained_points.h"
 #include "supple/base/error.h"
 #include "tangent_change.h"
 
 namespace supple::embedded {
 namespace {
 
-/// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
-constexpr double small_share = 1e-6;
+/// By how much the surface moves for the difference of gradients, in diagonals: rounding and curvature spoil it about
+/// as much.
+constexpr double small_surface_motion = 1e-7;
+/// A load step is beyond doubt where the energy falls as the Hessian at its start predicts, but for this share of the
+/// energy.
+constexpr double doubtful_decrease = 1e-7;
+/// The tolerance of the gradient times this, in diagonals, is no difference of energies.
+constexpr double unbalanced_length = 1e-6;
 
 }  // namespace
 
 MovingNetwork::MovingNetwork(const surface::GeodesicSolver& solver, const Network& network,
-                             std::vector<bool> held_points, const std::vector<bool>& held_coordinates,
+                             std::vector<bool> held_points, std::shared_ptr<PointDamping> damping,
                              GeodesicElementsOptions options, const MovingHost& host, double gradient_tolerance,
                              Execution execution)
     : first_(solver),
       network_(network),
       held_points_(std::move(held_points)),
-      unknowns_(held_coordinates),
+      unknowns_(held_coordinates(held_points_)),
+      damping_(std::move(damping)),
       options_(options),
       gradient_tolerance_(gradient_tolerance),
       execution_(std::move(execution)),
@@ -77,7 +85,7 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
   NetworkState state(solver->mesh(), points);
   state.set_cut_loci(std::move(cut_loci));
   system_ = std::make_unique<numerics::System<NetworkState>>(
-      std::move(state), numerics::System<NetworkState>::Terms{elements}, unknowns_,
+      std::move(state), numerics::System<NetworkState>::Terms{damping_, elements}, unknowns_,
       numerics::SystemOptions{.execution = execution_, .sums = sums_});
   elements_ = std::move(elements);
   solver_ = std::move(solver);
@@ -88,10 +96,17 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
 // is the difference of gradients for points that keep their places in the material while the surface moves a little:
 // that is as good as its derivative here, at the price of one gradient.
 void MovingNetwork::begin_step() {
+  start_energy_ = system_->evaluate(0).value;  // paths are at their cut loci from now on
   start_ = state();
   tangent_ = Eigen::VectorXd::Zero(unknowns_.degrees_of_freedom());
+  has_factors_ = false;
+  const double motion = (nodes_at(announced_) - nodes_at(load_)).lpNorm<Eigen::Infinity>();
+  if (!(motion > 0) || unknowns_.size() == 0) return;
   const numerics::Evaluation here = system_->evaluate(2);
+  has_factors_ = cholesky_.factorize(here.hessian, 0);
+  if (!has_factors_) return;
   Eigen::VectorXd unbalanced = -system_->full_gradient();
+  const double small_share = std::min(1.0, small_surface_motion * solver_->mesh().diagonal() / motion);
   std::shared_ptr<const surface::GeodesicSolver> ahead;
   try {
     ahead = surface_at(load_ + small_share * (announced_ - load_));
@@ -116,31 +131,69 @@ void MovingNetwork::begin_step() {
     const Eigen::Matrix2d change = tangent_change(solver_->mesh(), ahead->mesh(), start_.points[i].face);
     unbalanced.segment<2>(row) += change.transpose() * sum.gradient.segment<2>(row);
   }
-  numerics::ShiftedCholesky cholesky;
-  if (!cholesky.factorize(here.hessian, 0)) return;
-  Eigen::VectorXd answer = -cholesky.solve(unknowns_.restrict(unbalanced)) / small_share;
+  Eigen::VectorXd answer = -cholesky_.solve(unknowns_.restrict(unbalanced)) / small_share;
   // Paths that are kept at cut loci have followed these.
   if (carried.last_step().size() > 0) answer += unknowns_.restrict(carried.last_step()) / small_share;
-  if (answer.allFinite()) tangent_ = unknowns_.expand(answer);
+  if (!answer.allFinite()) return;
+  tangent_ = unknowns_.expand(answer);
+  // Points that hardly anything holds would run far: they stay in their places.
+  for (std::size_t i = 0; i < start_.points.size(); ++i) {
+    auto way = tangent_.segment<2>(2 * static_cast<Eigen::Index>(i));
+    if (!(way.norm() <= solver_->mesh().diagonal())) way.setZero();
+  }
 }
 
+// The points are first carried along by the surface, so that a motion that keeps all lengths does no work. The step
+// along the tangent is taken only where it lowers energy and gradient: at a cut locus, and where hardly anything holds
+// a point, the tangent may lead anywhere.
 bool MovingNetwork::predict(double share) {
-  NetworkState ahead(solver_->mesh(), start_.points);
-  // The surface where the step began, which the last trial may have left.
-  place(start_.load, start_.points);
-  ahead = NetworkState(solver_->mesh(), start_.points);
-  ahead.set_cut_loci(start_.cut_loci);
-  ahead.move(share * tangent_);
-  const double load = start_.load + share * (announced_ - start_.load);
+  const double load = share < 1 ? start_.load + share * (announced_ - start_.load) : announced_;
+  const std::shared_ptr<const surface::GeodesicSolver> before = solver_;
+  predicted_decrease_ = 0;
   try {
-    place(load, ahead.points(), ahead.cut_loci());
+    place(load, start_.points, start_.cut_loci);
   } catch (const Error&) {
     return false;  // a face loses its area on the way between two positions
   }
-  if (std::isfinite(system_->evaluate(0).value)) return true;
-  // A triangle of a membrane is inside out where the tangent leads: it is not where the points stay in their places.
-  place(load, start_.points, start_.cut_loci);
-  return std::isfinite(system_->evaluate(0).value);
+  const numerics::Evaluation carried = system_->evaluate(1);
+  carried_energy_ = carried.value;
+  if (!std::isfinite(carried.value)) return false;
+  if (carried.gradient.norm() <= gradient_tolerance_ || !has_factors_) return true;
+  predicted_decrease_ = 0.5 * carried.gradient.dot(cholesky_.solve(carried.gradient));
+  if (tangent_.isZero(0)) return true;
+  NetworkState ahead(before->mesh(), start_.points);
+  ahead.set_cut_loci(start_.cut_loci);
+  ahead.move(share * tangent_);
+  auto carried_system = std::move(system_);
+  const auto carried_elements = elements_;
+  place(load, ahead.points(), ahead.cut_loci());
+  const numerics::Evaluation there = system_->evaluate(1);
+  if (there.value <= carried.value && there.gradient.norm() < carried.gradient.norm()) return true;
+  system_ = std::move(carried_system);
+  system_->forget();  // the sums are those of the other system
+  elements_ = carried_elements;
+  return true;
+}
+
+bool MovingNetwork::is_doubtful(double energy) const {
+  const double decrease = carried_energy_ - energy;
+  return std::abs(decrease - predicted_decrease_) > doubtful_decrease * std::abs(energy) + energy_rounding();
+}
+
+// Where an equilibrium was lost on the way, the one that was found instead is followed back past that place.
+double MovingNetwork::loss_on_way_back(const numerics::MinimizerOptions& options) {
+  const State here = state();
+  const double scale = std::max(std::abs(start_energy_), std::abs(system_->evaluate(0).value));
+  place(start_.load, here.points, here.cut_loci);
+  const numerics::MinimizerResult back =
+      numerics::minimize(*system_, options, {execution_.cancellation, nullptr, nullptr}, &cholesky_);
+  place(here.load, here.points, here.cut_loci);
+  const double difference = std::abs(back.value - start_energy_) - energy_rounding();
+  return difference > 0 ? difference / scale : 0;
+}
+
+double MovingNetwork::energy_rounding() const {
+  return gradient_tolerance_ * unbalanced_length * first_.mesh().diagonal();
 }
 
 }  // namespace supple::embedded

@@ -6,6 +6,7 @@
 
 #include "geodesic_elements.h"
 #include "network_state.h"
+#include "point_damping.h"
 #include "supple/embedded/host.h"
 #include "supple/numerics/equilibrium_path.h"
 #include "supple/numerics/system.h"
@@ -23,9 +24,9 @@ class MovingNetwork {
     std::vector<CutLocus> cut_loci{};
   };
 
-  /// `solver` is that of the mesh; all outlive this. Throws "host.positions".
+  /// `solver` is that of the mesh; references outlive this. Throws "host.positions".
   MovingNetwork(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held_points,
-                const std::vector<bool>& held_coordinates, GeodesicElementsOptions options, const MovingHost& host,
+                std::shared_ptr<PointDamping> damping, GeodesicElementsOptions options, const MovingHost& host,
                 double gradient_tolerance, Execution execution);
 
   /// Moves the surface to a load, the points with it.
@@ -34,7 +35,8 @@ class MovingNetwork {
   void announce(double load) { announced_ = load; }
   double load() const { return load_; }
   const NetworkState& network_state() { return system_->state(); }
-  const surface::GeodesicSolver& solver() const { return *solver_; }
+  /// The surface as it is at the present load.
+  const std::shared_ptr<const surface::GeodesicSolver>& shared_solver() const { return solver_; }
   numerics::System<NetworkState>& system() { return *system_; }
   const std::shared_ptr<GeodesicElements>& elements() const { return elements_; }
 
@@ -58,14 +60,24 @@ class MovingNetwork {
   bool move_along(const State&, const Eigen::VectorXd&, double) { return false; }
   void left_branch() {}
 
+  /// Whether the energy of the equilibrium that was found after the last prediction differs from what the Hessian at
+  /// the start of the load step predicts. If not, it is the same equilibrium.
+  bool is_doubtful(double energy) const;
+  /// By which share of the energy the equilibrium that is found from the present one, when the surface goes back to
+  /// where it was at the start of the load step, differs from the one that was there: where it does, an equilibrium was
+  /// lost on the way. The present state stays. Costs a minimization.
+  double loss_on_way_back(const numerics::MinimizerOptions& options);
+
  private:
   Eigen::VectorXd nodes_at(double load) const;
+  double energy_rounding() const;
   std::shared_ptr<const surface::GeodesicSolver> surface_at(double load) const;
 
   const surface::GeodesicSolver& first_;
   const Network& network_;
   std::vector<bool> held_points_;
   numerics::Unknowns unknowns_;
+  std::shared_ptr<PointDamping> damping_;
   GeodesicElementsOptions options_;
   std::vector<Eigen::VectorXd> stops_;  ///< coordinates of the vertices: of the mesh, then of each position
   double gradient_tolerance_;
@@ -77,8 +89,12 @@ class MovingNetwork {
   std::shared_ptr<numerics::EnergySum> sums_;
   std::unique_ptr<numerics::System<NetworkState>> system_;
   numerics::ShiftedCholesky cholesky_;
-  State start_;              ///< of the load step
-  Eigen::VectorXd tangent_;  ///< of the points' coordinates at its start, for all of the announced change
+  State start_;               ///< of the load step
+  Eigen::VectorXd tangent_;   ///< of the points' coordinates there, for all of the announced change
+  bool has_factors_ = false;  ///< whether `cholesky_` has those of the Hessian there
+  double start_energy_ = 0;
+  double carried_energy_ = 0;      ///< where the load step ends, with the points carried along by the surface
+  double predicted_decrease_ = 0;  ///< of the energy from there, by the Hessian at the start
 };
 
 }  // namespace supple::embedded

@@ -75,6 +75,7 @@ void write_host(JsonWriter& out, const embedded::Relaxation& relaxation) {
           .field("gradient_norm", stop.gradient_norm)
           .field("iterations", stop.iterations)
           .field("load_steps", stop.load_steps)
+          .field("jumps", stop.jumps)
           .field("stopped", stop.stopped)
           .field("reached", stop.reached)
           .end_object();

@@ -179,7 +179,7 @@ TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
   held.insert(held.end(), model.held().begin(), model.held().end());
   numerics::System<NetworkState> system(state, terms, numerics::Unknowns(held));
   ASSERT_LT(system.evaluate(1).gradient.norm(), 1e-10);
-  MovedSupports scene(system, model.moved(), 1e-9);
+  MovedSupports scene(system, model, 1e-9);
   scene.announce(1);
   scene.begin_step();
   // What is out of balance after a step along the tangent is of second order.
@@ -232,7 +232,7 @@ TEST(MovedVertices, TakeABranchThatIsStable) {
     const NetworkState state(
         std::make_shared<GeodesicSolver>(testing::share(bar.mesh->with_positions(std::move(positions)))), {}, nodes);
     numerics::System<NetworkState> system(state, model.terms(), numerics::Unknowns(held));
-    MovedSupports scene(system, model.moved(), 1e-9);
+    MovedSupports scene(system, model, 1e-9);
     numerics::MinimizerResult result;
     result.indefinite = true;
     return scene.finish(result);

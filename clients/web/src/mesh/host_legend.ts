@@ -42,5 +42,6 @@ export function hostFacts({ host, terms }: Pick<EmbeddedSystem, "host" | "terms"
   rows.push(["Largest displacement", digits(host.largest_displacement, 4)]);
   if (host.volume_ratio !== undefined) rows.push(["Volume over that at rest", digits(host.volume_ratio, 4)]);
   if (host.tetrahedra !== undefined) rows.push(["Tetrahedra", host.tetrahedra.toLocaleString("en")]);
+  if (host.stops) rows.push(["Equilibria lost on the way", String(host.stops.reduce((sum, stop) => sum + stop.jumps, 0))]);
   return rows;
 }

@@ -81,7 +81,10 @@ struct FollowedStop {
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;
-  int load_steps = 0;   ///< parts that the way to here was divided into
+  int load_steps = 0;  ///< parts that the way to here was divided into
+  /// How often an equilibrium was lost on the way, so that network and host went to another one of less energy: on the
+  /// way back they need not return to where they were.
+  int jumps = 0;
   std::string stopped;  ///< as Relaxation::stopped
   /// Share of the way from the position before; below 1 where moved vertices cannot go on, since tetrahedra or faces
   /// would be turned inside out: it is then the last stop.
@@ -116,7 +119,8 @@ struct Relaxation {
   std::vector<RelaxationStep> history;  ///< the start and every iteration
   /// "converged", also where springs or sides that push rest at their cut loci, each of the shortest paths with its
   /// share of the force; "cut_locus" (no step lowers the energy although a gradient is left, and what pushes is at its
-  /// cut locus, where its length is not differentiable); "step_too_small"; or "iteration_limit".
+  /// cut locus, where its length is not differentiable; neither do moves of the other points with the ends of such
+  /// paths held, nor of these ends singly, in pairs and together); "step_too_small"; or "iteration_limit".
   std::string stopped;
   bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points that came to rest exactly at a vertex where the energy has a kink and no direction descends, ascending.
@@ -149,10 +153,11 @@ struct Relaxation {
 /// equilibrium to stable equilibrium. Where they cannot go on since elements would be turned inside out, the last
 /// equilibrium is the answer. Bills the effect "moved_vertices".
 ///
-/// A network on a moving surface comes to rest on the mesh first and then follows the surface from position to position
-/// (numerics::EquilibriumPath): each step starts on the tangent to the path of equilibria, one that fails is halved,
-/// and where even the shortest fails the best state at the next position is taken, which `stops` tells. E may rise
-/// there.
+/// A network on a moving surface comes to rest on the mesh first and then follows the surface from position to
+/// position: the surface carries the points along, then they take a step along the tangent to the path of equilibria
+/// where that lowers E, and come to rest. A step on which an equilibrium is lost, so that the way back would lead
+/// elsewhere, is halved; where even the shortest loses it, the one that is found counts in `stops`. Motions that keep
+/// all lengths do no work.
 ///
 /// Throws what checked_network throws, "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
 /// with straight springs, a mollifier or straight springs on a host that gives way), "network.collapsed" where a

@@ -173,8 +173,11 @@ class System : public Objective {
         kinks_tried_.push_back(kink.id);
         set_trial(std::move(kink.state));
         const double value = evaluate(0).value;
-        // A state that rounding alone keeps from the kink has the kink's value, or one below it by rounding.
-        if (kink.same_place ? value > best * (1 + same_value) : !(value < best)) continue;
+        // A state that rounding alone keeps from the kink has the kink's value, or one below it by rounding. Trial
+        // states so close to it that they hardly fall below are no reason to pass it by.
+        const bool is_worse =
+            value > value_ + same_value * std::abs(value_) || value > best + smallest_decrease * std::abs(best);
+        if (kink.same_place ? is_worse : !(value < best)) continue;
         best = value;
         distance = kink.distance;
         found = std::move(trial_);
@@ -203,6 +206,8 @@ class System : public Objective {
  private:
   /// Values that differ by less than this, relative, differ by rounding.
   static constexpr double same_value = 1e-12;
+  /// Decreases by less than this, relative, are those of a step on which no progress is made.
+  static constexpr double smallest_decrease = 1e-10;
 
   void set_trial(S state) {
     trial_ = std::move(state);

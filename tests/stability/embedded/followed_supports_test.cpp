@@ -1,0 +1,105 @@
+// Networks on shells and solids whose supports go the way of a rigid body, or hardly any way: the nearest equilibrium
+// is the one that network and host are at.
+#include "host_case.h"
+#include "random_springs.h"
+
+namespace supple::embedded {
+namespace {
+
+using Eigen::Vector3d;
+
+/// A torus that is held at a part of its surface, with a random network that is at rest.
+class HeldTorus : public HostCase {
+ public:
+  template <class H>
+  HeldTorus(H host, std::uint64_t seed) : HostCase(testing::torus(16, 8), RigidHost{}), bare_(host) {
+    RandomStream random("followed supports", seed);
+    draw_network(*this, {.points = 10, .weight = 0.05}, random);
+    options.max_iterations = 60;
+    held_ = vertices_where([](const Vector3d& p) { return p.x() > 0.8; });
+    rest = follow({[](const Vector3d& p) { return p; }});
+  }
+
+  /// To where the motions take the held vertices, one after the other.
+  Relaxation follow(const std::vector<std::function<Vector3d(const Vector3d&)>>& motions) {
+    std::visit(
+        [&](auto host) {
+          if constexpr (requires { host.moved_vertices; }) {
+            for (const std::int32_t vertex : held_) {
+              MovedVertex& one = host.moved_vertices.emplace_back(MovedVertex{vertex});
+              for (const auto& motion : motions)
+                one.positions.push_back(motion(mesh->positions()[static_cast<std::size_t>(vertex)]));
+            }
+          }
+          options.host = host;
+        },
+        bare_);
+    return relax(solver, network, options);
+  }
+
+  /// How far the points are from where they were at rest, in the material.
+  double farthest(const std::vector<surface::SurfacePoint>& points) const {
+    double most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) most = std::max(most, solver.distance(points[i], rest.points[i]));
+    return most;
+  }
+
+  Relaxation rest;
+
+ private:
+  Host bare_;
+  std::vector<std::int32_t> held_;
+};
+
+int jumps_at_supports(const Relaxation& relaxed) {
+  int jumps = 0;
+  for (const FollowedStop& stop : relaxed.stops) jumps += stop.jumps;
+  return jumps;
+}
+
+void expect_supports_to_be_followed(const Host& host) {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::visit(
+        [&](const auto& own) {
+          HeldTorus hard(own, seed);
+          const Eigen::AngleAxisd turn(0.6, Vector3d(1, 2, -1).normalized());
+          const auto same = [](const Vector3d& p) { return p; };
+          const auto rigid = [&](const Vector3d& p) -> Vector3d { return turn * p + Vector3d(1, -2, 0.5); };
+          const auto hardly = [](const Vector3d& p) -> Vector3d { return (1 + 1e-9) * p; };
+          for (const auto& motions : {std::vector<std::function<Vector3d(const Vector3d&)>>{same, same},
+                                      std::vector<std::function<Vector3d(const Vector3d&)>>{rigid, same},
+                                      std::vector<std::function<Vector3d(const Vector3d&)>>{hardly}}) {
+            const Relaxation end = hard.follow(motions);
+            // A search that was not at its end goes on.
+            const double accuracy = hard.rest.stopped == "converged" ? 1e-7 : 1e-5;
+            EXPECT_NEAR(end.energy, hard.rest.energy, accuracy * hard.rest.energy);
+            EXPECT_LT(hard.farthest(end.points), 100 * accuracy * hard.mesh->diagonal());
+            EXPECT_EQ(jumps_at_supports(end), 0);
+            EXPECT_EQ(end.stops.back().reached, 1);
+          }
+          // There and back by half a per cent of the diagonal.
+          const double way = 0.005 * hard.mesh->diagonal();
+          const auto bent = [&](const Vector3d& p) -> Vector3d {
+            return p + way * std::sin(2 * p.y()) * Vector3d(0.3, 0, 1);
+          };
+          const Relaxation back = hard.follow({bent, same});
+          if (hard.rest.stopped == "converged" && jumps_at_supports(back) == 0) {
+            EXPECT_NEAR(back.energy, hard.rest.energy, 1e-6 * hard.rest.energy);
+            EXPECT_LT(hard.farthest(back.points), 1e-3 * hard.mesh->diagonal());
+          }
+        },
+        host);
+  }
+}
+
+TEST(FollowedSupports, OfAShellLeaveItsNetworkAtItsEquilibrium) {
+  expect_supports_to_be_followed(ShellHost{.thickness = 0.1, .youngs_modulus = 200, .poisson_ratio = 0.3});
+}
+
+TEST(FollowedSupports, OfASolidLeaveItsNetworkAtItsEquilibrium) {
+  expect_supports_to_be_followed(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3});
+}
+
+}  // namespace
+}  // namespace supple::embedded

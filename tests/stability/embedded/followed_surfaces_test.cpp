@@ -1,0 +1,160 @@
+// Networks that follow a surface to where it is almost or exactly the same: the nearest equilibrium is the one that
+// they are at.
+#include <Eigen/Geometry>
+#include <functional>
+#include <numbers>
+
+#include "random_springs.h"
+
+namespace supple::embedded {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<Vector3d> moved(const surface::TriangleMesh& mesh, const std::function<Vector3d(const Vector3d&)>& motion) {
+  std::vector<Vector3d> positions;
+  for (const Vector3d& at : mesh.positions()) positions.push_back(motion(at));
+  return positions;
+}
+
+std::vector<Vector3d> turned(const surface::TriangleMesh& mesh, double angle) {
+  const Eigen::AngleAxisd turn(angle, Vector3d(1, 2, -1).normalized());
+  return moved(mesh, [&](const Vector3d& at) -> Vector3d { return turn * at; });
+}
+
+std::vector<Vector3d> scaled(const surface::TriangleMesh& mesh, double factor) {
+  return moved(mesh, [&](const Vector3d& at) -> Vector3d { return factor * at; });
+}
+
+/// A smooth wave, whose height is this share of the diagonal.
+std::vector<Vector3d> waved(const surface::TriangleMesh& mesh, double share) {
+  const Vector3d height = share * mesh.diagonal() * Vector3d(0.2, 0.5, 1).normalized();
+  return moved(mesh, [&](const Vector3d& at) -> Vector3d { return at + std::sin(at.x() + 0.3) * height; });
+}
+
+/// A network at rest, which then follows its surface.
+class Follower : public NetworkCase {
+ public:
+  using NetworkCase::NetworkCase;
+
+  void come_to_rest() {
+    options.max_iterations = 1000;
+    rest = relax(solver, network, options);
+    network.points = rest.points;
+  }
+
+  Relaxation follow(std::vector<std::vector<Vector3d>> positions) const {
+    RelaxationOptions moving = options;
+    moving.host = MovingHost{std::move(positions)};
+    return relax(solver, network, moving);
+  }
+
+  void expect_no_work(const Relaxation& end, double accuracy) const {
+    EXPECT_NEAR(end.energy, rest.energy, accuracy * rest.energy);
+    EXPECT_EQ(jumps_of(end), 0);
+    EXPECT_EQ(end.stopped, rest.stopped);
+    EXPECT_LT(farthest(end.points), 1e-6 * mesh->diagonal());
+  }
+
+  static int jumps_of(const Relaxation& relaxed) {
+    int jumps = 0;
+    for (const FollowedStop& stop : relaxed.stops) jumps += stop.jumps;
+    return jumps;
+  }
+
+  /// How far the points are from where they were at rest.
+  double farthest(const std::vector<surface::SurfacePoint>& points) const {
+    double most = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) most = std::max(most, solver.distance(points[i], rest.points[i]));
+    return most;
+  }
+
+  Relaxation rest;
+};
+
+/// All that is asked of a network at rest.
+void expect_to_follow(const Follower& hard) {
+  const surface::TriangleMesh& mesh = *hard.mesh;
+  hard.expect_no_work(hard.follow({mesh.positions()}), 1e-9);
+  hard.expect_no_work(hard.follow({turned(mesh, 0.05), turned(mesh, 2)}), 1e-9);
+  hard.expect_no_work(hard.follow({scaled(mesh, 1 + 1e-9)}), 1e-7);
+  const Relaxation back = hard.follow({waved(mesh, 0.005), mesh.positions()});
+  if (Follower::jumps_of(back) > 0) {
+    EXPECT_TRUE(std::ranges::any_of(back.warnings, [](const std::string& warning) {
+      return warning.find("the equilibrium was lost") != std::string::npos;
+    }));
+    return;
+  }
+  EXPECT_NEAR(back.energy, hard.rest.energy, 1e-6 * hard.rest.energy);
+  EXPECT_LT(hard.farthest(back.points), 1e-3 * mesh.diagonal());
+}
+
+// Hard: half of the springs push, and some are at their cut loci.
+class FollowedSurfaces : public ::testing::TestWithParam<std::uint64_t> {};
+
+TEST_P(FollowedSurfaces, ASpringNetworkStaysAtItsEquilibrium) {
+  Follower hard(testing::torus(24, 12));
+  RandomStream random("followed surfaces", GetParam());
+  draw_network(hard, {}, random);
+  hard.come_to_rest();
+  expect_to_follow(hard);
+}
+
+INSTANTIATE_TEST_SUITE_P(Random, FollowedSurfaces, ::testing::Range<std::uint64_t>(0, 16));
+
+// Hard: a membrane that is larger than its place, with sides at cut loci, and one that is stretched; nothing holds
+// them.
+TEST(FollowedSurface, AMembraneStaysAtItsEquilibrium) {
+  for (const double rest_scale : {0.8, 1.2}) {
+    SCOPED_TRACE(rest_scale);
+    Follower hard(testing::torus(16, 8));
+    hard.cover(0.2 * hard.mesh->diagonal(), rest_scale, 3);
+    hard.come_to_rest();
+    expect_to_follow(hard);
+  }
+}
+
+// Hard: nothing holds the network as a whole: it can spin on a ball, and the Hessian is singular.
+TEST(FollowedSurface, ANetworkThatCanSpinDoesNotSpin) {
+  Follower hard(testing::icosphere(2));
+  hard.network.points = {hard.near(1, 0.1, 0.2), hard.near(-0.3, 1, 0.1), hard.near(0.1, -0.2, 1)};
+  hard.network.springs = {{0, 1, 1, 1}, {1, 2, 1.1, 1}, {2, 0, 1.2, 1}};
+  hard.come_to_rest();
+  const Relaxation end = hard.follow({hard.mesh->positions(), scaled(*hard.mesh, 1 + 1e-9), scaled(*hard.mesh, 1.01)});
+  EXPECT_EQ(end.stopped, "converged");
+  EXPECT_EQ(Follower::jumps_of(end), 0);
+  EXPECT_LT(hard.farthest(end.points), 0.02 * hard.mesh->diagonal());
+}
+
+// Hard: a stretched loop round the waist of a body rests there until the waist is gone; it then slips to an end. On the
+// way back it does not return by itself.
+TEST(FollowedSurface, ALoopThatSlipsOffIsCountedAsAJump) {
+  Follower hard(testing::icosphere(3));
+  const auto shaped = [&](double waist) {
+    return moved(*hard.mesh, [&](const Vector3d& at) -> Vector3d {
+      const double width = 1 - waist * std::exp(-8 * at.z() * at.z());
+      return {width * at.x(), width * at.y(), 2 * at.z()};
+    });
+  };
+  Follower body(hard.mesh->with_positions(shaped(0.5)));
+  for (int k = 0; k < 6; ++k) {
+    const double angle = k * std::numbers::pi / 3 + 0.1;
+    body.network.points.push_back(body.near(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.02));
+  }
+  for (std::int32_t k = 0; k < 6; ++k) body.network.springs.push_back({k, (k + 1) % 6, 0.2, 1});
+  body.come_to_rest();
+  ASSERT_EQ(body.rest.stopped, "converged");
+  const auto lies_at = [&](const surface::TriangleMesh& mesh, const Relaxation& end) {
+    return surface::position(mesh, end.points[0]).z();
+  };
+  ASSERT_LT(std::abs(lies_at(*body.mesh, body.rest)), 0.2);
+  const Relaxation end = body.follow({shaped(0.25), shaped(-0.2), shaped(0.25), shaped(0.5)});
+  ASSERT_EQ(end.stops.size(), 4U);
+  EXPECT_GT(std::abs(lies_at(*body.mesh, end)), 0.5);
+  EXPECT_EQ(end.stops[0].jumps, 0);
+  EXPECT_GT(Follower::jumps_of(end), 0);
+  EXPECT_NE(end.warnings.front().find("the equilibrium was lost"), std::string::npos) << end.warnings.front();
+}
+
+}  // namespace
+}  // namespace supple::embedded
