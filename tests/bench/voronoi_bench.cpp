@@ -333,8 +333,9 @@ void study_accuracy(const Settings& settings, bench::Report& report) {
     };
     std::vector<Choice> choices{{"exact", {}}};
     for (const double error : {1e-4, 1e-3, 1e-2, 1e-1})
-      choices.push_back({"within " + number(100 * error) + " %", {DiagramMethod::bounded, error, false, false}});
-    choices.push_back({"along edges", {DiagramMethod::edges, 0, false, false}});
+      choices.push_back(
+          {"within " + number(100 * error) + " %", {.method = DiagramMethod::bounded, .relative_error = error}});
+    choices.push_back({"along edges", {.method = DiagramMethod::edges}});
     for (const Choice& choice : choices) {
       const Diagram found = diagram(solver, sites, choice.options);
       table.row({name, count(mesh.face_count()), count(wanted), choice.name,
