@@ -164,7 +164,8 @@ bool MovingNetwork::predict(double share) {
   NetworkState ahead(before->mesh(), start_.points);
   ahead.set_cut_loci(start_.cut_loci);
   ahead.move(share * tangent_);
-  auto carried_system = std::move(system_);
+  decltype(system_) carried_system;
+  carried_system.swap(system_);
   const auto carried_elements = elements_;
   place(load, ahead.points(), ahead.cut_loci());
   const numerics::Evaluation there = system_->evaluate(1);

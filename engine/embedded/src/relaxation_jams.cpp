@@ -126,6 +126,7 @@ bool RelaxationRun::move_jammed(const std::vector<bool>& jammed) {
   std::vector<std::int32_t> all;
   for (std::size_t i = 0; i < jammed.size(); ++i)
     if (jammed[i]) all.push_back(static_cast<std::int32_t>(i));
+  groups.reserve(all.size());
   for (const std::int32_t point : all) groups.push_back({point});
   const auto is_jammed = [&](std::int32_t point) { return jammed[static_cast<std::size_t>(point)]; };
   const auto add_pair = [&](std::int32_t a, std::int32_t b) {
