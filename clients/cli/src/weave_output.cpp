@@ -159,8 +159,8 @@ void print_homogenization(const nlohmann::json& answer) {
     return value.is_null() ? std::string("-") : fmt::format("{:.5g}", value.get<double>());
   };
   // Few directions are read, many are plotted.
-  constexpr std::size_t most_lines = 24;
-  if (directions.size() <= most_lines) {
+  constexpr std::size_t max_lines = 24;
+  if (directions.size() <= max_lines) {
     fmt::print("{:>10}  {:>12}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "Poisson", "stopped");
     for (std::size_t i = 0; i < directions.size(); ++i)
       fmt::print("{:>10.5f}  {:>12}  {:>10}  {}{}\n", directions.at(i).get<double>(), cell("youngs_modulus", i),

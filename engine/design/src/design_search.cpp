@@ -33,24 +33,25 @@ constexpr double search_tolerance = 1e-6;
 /// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
-constexpr double least_distance = 0.035;
+constexpr double min_start_distance = 0.035;
 /// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
 /// scale: where profiles jump, squares of a few samples hide that all others agree.
 constexpr double outlier_share = 0.1;
-/// Where an end that outliers led to deviates by less, as they count, few samples are off.
-constexpr double few_outliers = 0.03;
-/// Where their number is left open.
+/// If a search in which outliers count less ends with a smaller deviation than this, only a few samples are off.
+constexpr double deviation_with_few_outliers = 0.03;
+/// The number of starting points, if the request leaves it open.
 constexpr int starts_in_one_space = 24;
-/// Of several starting points, iterations by a few samples; how many of the best ends are refined by all samples, one
-/// for so many starting points and a few at most; and how near each other, as a share of the bounds' widths, ends are
-/// one.
+/// Each of several starting points is first followed for this many iterations with a few samples only.
 constexpr int lead_iterations = 30;
+/// The best of the places where this ends are then refined with all samples: one for this many starting points, and no
+/// more than `max_refined_leads`.
 constexpr int starts_of_a_refined_lead = 4;
-constexpr int most_refined_leads = 4;
+constexpr int max_refined_leads = 4;
+/// Two of these places that are nearer to each other, as a share of the bounds' widths, count as one.
 constexpr double same_lead = 0.01;
 /// Candidates are looked at in orientations that are so far apart at most, rad, unless they were too many.
 constexpr double orientation_spacing = 0.4;
-constexpr int most_orientations = 8;
+constexpr int max_orientations = 8;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
 
@@ -144,7 +145,7 @@ class Search {
                      .max_iterations = std::min(iterations, options_.max_iterations)},
                     outlier);
   }
-  /// By a few samples.
+  /// The same with a few samples only.
   numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations, double outlier) {
     look_coarsely();
     return approach(coarse_, x, iterations, outlier);
@@ -200,7 +201,7 @@ class Search {
     return result;
   }
 
-  int most_starts() const { return options_.starts > 0 ? options_.starts : starts_in_one_space; }
+  int max_starts() const { return options_.starts > 0 ? options_.starts : starts_in_one_space; }
 
   void count(const TargetResiduals& residuals) {
     evaluations_ += residuals.evaluations();
@@ -262,10 +263,10 @@ class Search {
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
     if (execution_->progress) {
       const double share = static_cast<double>(iteration) / options_.max_iterations;
-      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / most_starts()), "optimization");
+      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / max_starts()), "optimization");
     }
     if (!*progress_) return;
-    // Of all deviations in full, whatever the search counts.
+    // All deviations count in full here, even if the search lessens some of them.
     const double norm = deviation(targets, 0, [&](std::size_t t) { return residuals.values(t); });
     if (reported_ && norm >= least_reported_) return;
     reported_ = true;
@@ -316,7 +317,7 @@ class Search {
     if (!bounds_.orientation_is_free()) return {orientation_in(bounds_.held)};
     const double least = orientation_in(bounds_.lower);
     const double range = orientation_in(bounds_.upper) - least;
-    const int count = std::clamp(static_cast<int>(std::ceil(range / orientation_spacing)), 1, most_orientations);
+    const int count = std::clamp(static_cast<int>(std::ceil(range / orientation_spacing)), 1, max_orientations);
     std::vector<double> orientations;
     orientations.reserve(static_cast<std::size_t>(count));
     for (int k = 0; k < count; ++k) orientations.push_back(least + (k + 0.5) * range / count);
@@ -384,7 +385,7 @@ class Search {
 
   /// Where outliers led to an end at which many samples are off, none of them is an outlier: squares count there.
   Lead lead_of(const numerics::LeastSquaresResult& result, double outlier) {
-    if (outlier == 0 || result.norm <= few_outliers) return {result.norm, outlier, result.x};
+    if (outlier == 0 || result.norm <= deviation_with_few_outliers) return {result.norm, outlier, result.x};
     TargetResiduals residuals = search_residuals(coarse_, search_tolerance, 0);
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(result.x, r);
@@ -406,7 +407,7 @@ class Search {
     while (ranking.next < ranking.candidates.size()) {
       const auto& [error, candidate] = ranking.candidates[ranking.next++];
       const Eigen::VectorXd start = candidate_at(candidate);
-      if (!among(taken, start, least_distance)) return std::pair{error, start};
+      if (!among(taken, start, min_start_distance)) return std::pair{error, start};
     }
     return std::nullopt;
   }
@@ -422,7 +423,7 @@ class Search {
     const bool only_one = options_.multi_start == Switch::off;
     std::vector<Lead> leads;
     for (std::size_t turn = 0;; turn = 1 - turn) {
-      if (best_.starts >= most_starts() || (only_one && found_)) break;
+      if (best_.starts >= max_starts() || (only_one && found_)) break;
       if (good() && options_.multi_start != Switch::on) break;
       const auto start = next_start(rankings[turn], taken);
       if (!start || (!std::isfinite(start->first) && (found_ || !leads.empty()))) break;
@@ -447,7 +448,7 @@ class Search {
     std::stable_sort(leads.begin(), leads.end(),
                      [](const Lead& a, const Lead& b) { return a.deviation < b.deviation; });
     const auto most =
-        static_cast<std::size_t>(std::clamp(most_starts() / starts_of_a_refined_lead, 1, most_refined_leads));
+        static_cast<std::size_t>(std::clamp(max_starts() / starts_of_a_refined_lead, 1, max_refined_leads));
     std::vector<Eigen::VectorXd> refined;
     for (const auto& lead : leads) {
       if (good() && options_.multi_start != Switch::on) return;

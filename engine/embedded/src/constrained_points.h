@@ -7,7 +7,7 @@
 
 namespace supple::embedded {
 
-/// Which points of a network can move, and how stiffly their elements hold them, before anything moves.
+/// Tells which points of a network can move, and how stiffly the elements at each point hold it in the first state.
 struct ConstrainedPoints {
   std::vector<bool> held;           ///< for each point whether it is fixed or loose
   std::vector<std::int32_t> loose;  ///< points that no element holds; they stay where they are

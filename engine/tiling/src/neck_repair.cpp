@@ -69,14 +69,11 @@ Eigen::Vector2d nearest_outline_point(const Paths& area, const Eigen::Vector2d& 
   for (const auto& path : area) {
     const Polygon polygon = to_polygon(path);
     for (std::size_t k = 0; k < polygon.size(); ++k) {
-      const Eigen::Vector2d& from = polygon[k];
-      const Eigen::Vector2d way = polygon[(k + 1) % polygon.size()] - from;
-      const double squared = way.squaredNorm();
-      const double t = squared > 0 ? std::clamp((point - from).dot(way) / squared, 0.0, 1.0) : 0;
-      const double distance = (from + t * way - point).norm();
+      const Eigen::Vector2d candidate = nearest_on_segment(point, polygon[k], polygon[(k + 1) % polygon.size()]);
+      const double distance = (candidate - point).norm();
       if (distance >= least) continue;
       least = distance;
-      nearest = from + t * way;
+      nearest = candidate;
     }
   }
   return nearest;

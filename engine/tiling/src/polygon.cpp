@@ -24,11 +24,15 @@ double segment_distance(const Eigen::Vector2d& a, const Eigen::Vector2d& b, cons
 
 }  // namespace
 
-double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+Eigen::Vector2d nearest_on_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const Eigen::Vector2d u = b - a;
   const double squared = u.squaredNorm();
   const double t = squared > 0 ? std::clamp((p - a).dot(u) / squared, 0.0, 1.0) : 0.0;
-  return (p - a - t * u).norm();
+  return a + t * u;
+}
+
+double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return (p - nearest_on_segment(p, a, b)).norm();
 }
 
 double area(const Polygon& polygon) {

@@ -27,6 +27,8 @@ int winding_number(const Polygon& polygon, const Eigen::Vector2d& point);
 /// k + 1. Quadratic in the number of sides.
 std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon);
 
+/// The point of the segment from a to b that is nearest to p, and its distance from p.
+Eigen::Vector2d nearest_on_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
 
 /// Least distance between two outlines that do not cross.

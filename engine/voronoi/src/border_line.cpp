@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector2d;
 
 /// Divisions of a part that bulges much, each of which leaves half of its turn or less.
-constexpr int most_part_divisions = 6;
+constexpr int max_part_divisions = 6;
 
 class LineTracer {
  public:
@@ -103,12 +103,12 @@ void trace_border(BorderCurve& curve, const Vector2d& begin, const Vector2d& end
   std::size_t part = 0;
   for (const auto& [bend, distance] : curve.bends()) {
     curve.lay_part(part, before, bend);
-    tracer.add_part(part++, before, bend, most_part_divisions);
+    tracer.add_part(part++, before, bend, max_part_divisions);
     line.points.push_back({bend, distance, false});
     before = bend;
   }
   if (part > 0) curve.lay_part(part, before, end);
-  tracer.add_part(part, before, end, most_part_divisions);
+  tracer.add_part(part, before, end, max_part_divisions);
   line.lost = curve.is_lost();
 }
 

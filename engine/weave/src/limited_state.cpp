@@ -12,9 +12,9 @@ namespace supple::weave {
 namespace {
 
 /// Minimizations, each followed by a correction of the limits' forces and of the set of closed limits.
-constexpr int most_corrections = 30;
+constexpr int max_corrections = 30;
 /// Newton iterations of one of them. Limits that are near enough to be reached take about five.
-constexpr int most_iterations = 30;
+constexpr int max_correction_iterations = 30;
 
 double relative_to(double error, double energy) {
   return error == 0 ? 0 : error / std::max(std::abs(energy), std::numeric_limits<double>::min());
@@ -49,9 +49,9 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
   rigid.forget();
   numerics::MinimizerOptions minimizer = minimizer_options();
   minimizer.gradient_tolerance = gradient_tolerance;
-  minimizer.max_iterations = std::min(options.max_iterations, most_iterations);
+  minimizer.max_iterations = std::min(options.max_iterations, max_correction_iterations);
   int iterations = 0;
-  for (int k = 0; k < most_corrections; ++k) {
+  for (int k = 0; k < max_corrections; ++k) {
     const numerics::MinimizerResult result =
         numerics::minimize(rigid, minimizer, {execution.cancellation, nullptr, nullptr}, &cholesky);
     iterations += result.iterations;

@@ -63,7 +63,8 @@ struct DesignProblem {
   /// worse than the best of these, and the search takes so many times as long. Empty means the modulus of the model's
   /// data. `corrections`, which are of that modulus, need a single modulus.
   std::vector<Range> moduli{};
-  /// By which the tiling may be turned counterclockwise, rad; the search finds the angle that serves the targets best.
+  /// The angles by which the tiling may be turned counterclockwise, rad. The search finds the one that serves the
+  /// targets best.
   /// Responses have the period pi, so that a range of pi leaves every orientation open.
   Range orientation{0, 0};
   std::optional<double> initial_orientation{};  ///< of `initial`; the middle of the range without it
@@ -127,13 +128,14 @@ struct Design {
   bool reached = false;
   int iterations = 0;  ///< over all starting points
   int starts = 0;      ///< number of starting points that were followed
-  /// The number of strains at which the search evaluated the network. Those of the candidates are not counted.
+  /// The number of strains at which the search evaluated the network. Evaluations for the candidates are not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;
   std::string message;                ///< what the user should know about the result; may be empty
   double residual = 0;                ///< the largest residual of the equilibria
   std::optional<double> model_error;  ///< neural::mean_stress_error
-  /// Of its structure. None for designs that `search_designs` does not answer with first, and if there is no structure.
+  /// What the structure measures. Only the first design in the answer of `search_designs` has it, and only if there is
+  /// a structure.
   std::optional<StructureMeasures> measures{};
 };
 
