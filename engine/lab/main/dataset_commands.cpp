@@ -21,15 +21,19 @@
 #include "supple/lab/dataset_maker.h"
 #include "supple/lab/dataset_options.h"
 #include "supple/lab/dataset_report.h"
+#include "supple/tiling/family.h"
 
 namespace supple::lab {
 namespace {
 
 using microscale::Law;
+using microscale::Refinement;
 using microscale::Switch;
 
 const std::map<std::string, Switch> switches{
     {"automatic", Switch::automatic}, {"on", Switch::on}, {"off", Switch::off}};
+const std::map<std::string, Refinement> refinements{
+    {"off", Refinement::off}, {"estimated", Refinement::estimated}, {"extrapolated", Refinement::extrapolated}};
 const std::map<std::string, tiling::Region> regions{
     {"automatic", tiling::Region::automatic}, {"tile", tiling::Region::tile}, {"cell", tiling::Region::cell}};
 const std::map<std::string, Law> laws{{"neo_hookean", Law::neo_hookean},
@@ -53,6 +57,7 @@ struct MakeArguments {
   std::filesystem::path out;
   int threads = 0;
   bool quiet = false;
+  const CLI::Option* designs = nullptr;  ///< tells whether their number was given
 };
 
 /// "k/n" with 0 <= k < n.
@@ -72,7 +77,8 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command.add_option("--family", options.family, "IH01, IH21, IH22, IH28, IH29, IH50, IH67 or square")->required();
   command.add_option("--out", arguments.out, "The HDF5 file; until it is complete, OUT.partial keeps what is done")
       ->required();
-  command.add_option("--designs", options.designs, "Number of designs, over all shards")->capture_default_str();
+  arguments.designs = command.add_option("--designs", options.designs, "Number of designs, over all shards")
+                          ->capture_default_str();
   command.add_option("--first", options.first, "Index of the first design in the sequence")->capture_default_str();
   command.add_option("--seed", options.seed, "Of the sequence of designs and loads")->capture_default_str();
   command.add_option("--shard", arguments.shard, "k/n: only designs with index mod n = k")->capture_default_str();
@@ -86,6 +92,10 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command.add_option("--part-upper", options.part_upper, "The part's other end: p1,p2,...")->delimiter(',');
   command.add_option("--corners", options.corners, "Begin with the corners of the box (1 or 0)")->capture_default_str();
   command.add_option("--parameters", options.parameters, "One design instead of a sequence: p1,p2,...")->delimiter(',');
+  command
+      .add_option("--list", options.list,
+                  "Designs instead of a sequence: the parameters of one after another, p1,p2,p1,p2,...")
+      ->delimiter(',');
 }
 
 void add_load_options(CLI::App& command, LoadPlanOptions& loads) {
@@ -119,6 +129,9 @@ void add_simulation_options(CLI::App& command, microscale::SimulationOptions& si
   };
   plain("--mesh-size", simulation.mesh.mesh_size, "Length of a triangle's side over the beam width");
   plain("--corner-size", simulation.mesh.corner_size, "Size at re-entrant corners over the size elsewhere");
+  add_choice(command, "--refinement", simulation.refinement, refinements,
+             "Each state once more on a finer mesh: extrapolated takes off what the mesh errs by")
+      ->group(group);
   add_choice(command, "--mesh-region", simulation.mesh.region, regions, "What is meshed at once")->group(group);
   plain("--max-nodes", simulation.mesh.max_nodes, "Largest mesh");
   plain("--tolerance", simulation.tolerance, "Residual of an equilibrium");
@@ -136,6 +149,11 @@ void add_simulation_options(CLI::App& command, microscale::SimulationOptions& si
 void make(MakeArguments& arguments, const StopSignals& signals, bool& interrupted) {
   read_shard(arguments.shard, arguments.options);
   if (!arguments.options.parameters.empty()) arguments.options.designs = 1;
+  if (!arguments.options.list.empty() && arguments.designs->count() == 0) {
+    const std::size_t parameters = tiling::family(arguments.options.family).parameters.size();
+    arguments.options.designs =
+        static_cast<std::int64_t>(arguments.options.list.size() / parameters) - arguments.options.first;
+  }
   set_thread_count(arguments.threads);
   MakeResult result;
   {

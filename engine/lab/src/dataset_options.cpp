@@ -13,6 +13,7 @@ namespace supple::lab {
 namespace {
 
 using microscale::Law;
+using microscale::Refinement;
 using microscale::Switch;
 using tiling::Region;
 
@@ -27,6 +28,9 @@ constexpr std::array<Name<Region>, 3> region_names{
     {{Region::automatic, "automatic"}, {Region::tile, "tile"}, {Region::cell, "cell"}}};
 constexpr std::array<Name<PlanKind>, 3> plan_names{
     {{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}, {PlanKind::rest, "rest"}}};
+constexpr std::array<Name<Refinement>, 3> refinement_names{{{Refinement::off, "off"},
+                                                            {Refinement::estimated, "estimated"},
+                                                            {Refinement::extrapolated, "extrapolated"}}};
 constexpr std::array<Name<Law>, 2> law_names{
     {{Law::neo_hookean, "neo_hookean"}, {Law::incompressible_plane_stress, "incompressible_plane_stress"}}};
 
@@ -144,6 +148,24 @@ void check_part(const DatasetOptions& options, const tiling::Family& family, std
   }
 }
 
+void check_list(const DatasetOptions& options, const tiling::Family& family, std::vector<Error::Detail>& details) {
+  if (options.list.empty()) return;
+  const std::size_t count = family.parameters.size();
+  if (options.list.size() % count != 0) {
+    details.push_back({"list", "the family " + options.family + " has " + std::to_string(count) +
+                                   " parameters, of which " + std::to_string(options.list.size()) +
+                                   " numbers are no multiple"});
+    return;
+  }
+  const auto listed = static_cast<std::int64_t>(options.list.size() / count);
+  if (options.first + options.designs > listed)
+    details.push_back({"designs", "the list has " + std::to_string(listed) + ", but designs from " +
+                                      std::to_string(options.first) + " to " +
+                                      std::to_string(options.first + options.designs - 1) + " are asked for"});
+  if (!options.parameters.empty() || !options.part_lower.empty() || !options.part_upper.empty())
+    details.push_back({"list", "designs are either listed, or one, or those of a part"});
+}
+
 /// Beyond this a point of the sequence has no index of 32 bits left.
 constexpr std::int64_t most_designs = 1'000'000'000;
 
@@ -173,6 +195,7 @@ void check(const DatasetOptions& options) {
   require(options.parameters.empty() || (options.designs == 1 && options.first == 0), "parameters",
           "given parameters are one design: designs must be 1 and first 0");
   check_part(options, family, details);
+  check_list(options, family, details);
   if (!details.empty())
     throw Error("dataset.invalid_option", details.front().where + " " + details.front().message + ".", details);
   check(options.loads);
@@ -185,6 +208,9 @@ dataset::Recipe recipe_of(const DatasetOptions& options) {
     writer.recipe.set("part_lower", options.part_lower);
     writer.recipe.set("part_upper", options.part_upper);
   }
+  if (!options.list.empty()) writer.recipe.set("list", options.list);
+  if (options.simulation.refinement != Refinement::off)
+    writer.field("refinement", options.simulation.refinement, refinement_names);
   // What follows from the family: should its table change, data made before and after are not of one recipe.
   const auto& family = tiling::family(options.family);
   std::vector<double> lower;
@@ -208,6 +234,8 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
     taker.field("part_lower", options.part_lower);
     taker.field("part_upper", options.part_upper);
   }
+  if (recipe.has("list")) taker.field("list", options.list);
+  if (recipe.has("refinement")) taker.field("refinement", options.simulation.refinement, refinement_names);
   options.first = selection.first;
   options.designs = selection.count;
   options.shard = selection.shard;

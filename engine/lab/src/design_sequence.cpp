@@ -37,12 +37,17 @@ std::pair<double, double> range_of(const DatasetOptions& options, const tiling::
 PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) {
   const auto& bounds = tiling::family(options.family).parameters;
   PlannedDesign design{index, options.parameters, {}};
-  const std::int64_t corners = options.corners && options.parameters.empty() ? std::int64_t{1} << bounds.size() : 0;
+  if (!options.list.empty()) {
+    const auto listed = options.list.begin() + index * static_cast<std::int64_t>(bounds.size());
+    design.parameters.assign(listed, listed + static_cast<std::int64_t>(bounds.size()));
+  }
+  const bool chosen = !design.parameters.empty();
+  const std::int64_t corners = options.corners && !chosen ? std::int64_t{1} << bounds.size() : 0;
   const bool corner = index < corners;
   // Corners have a sequence of their own for their loads, so that the other designs are the whole sequence.
   const SobolSequence sequence(corner ? "lab.corners" : "lab.designs", options.seed);
   const auto point = sequence.point(static_cast<std::uint32_t>(corner ? index : index - corners));
-  if (options.parameters.empty()) {
+  if (!chosen) {
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       const auto [lower, upper] = range_of(options, bounds[i], i);
       // A part ends where it says; the family's box is widened, except for its corners.

@@ -44,6 +44,18 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   EXPECT_EQ(back.part_upper, options.part_upper);
 }
 
+TEST(DatasetOptions, ComeBackFromTheRecipeWithAListAndARefinement) {
+  DatasetOptions options = usual();
+  options.list = {0.11, 0.6, 0.15, 0.7};
+  options.designs = 2;
+  options.simulation.refinement = microscale::Refinement::extrapolated;
+  check(options);
+  const DatasetOptions back = options_of(recipe_of(options), selection_of(options));
+  EXPECT_EQ(recipe_of(back), recipe_of(options));
+  EXPECT_EQ(back.list, options.list);
+  EXPECT_EQ(back.simulation.refinement, microscale::Refinement::extrapolated);
+}
+
 TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
   const auto recipe = recipe_of(usual());
   EXPECT_EQ(recipe.numbers("lower_bounds"), (std::vector<double>{0.105, 0.505}));
@@ -51,8 +63,8 @@ TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
   EXPECT_EQ(recipe.number("beam_width"), 0.0641);
 }
 
-TEST(DatasetOptions, WithoutAPartHaveTheRecipeOfDataThatKnewNoParts) {
-  EXPECT_FALSE(recipe_of(usual()).has("part_lower"));
+TEST(DatasetOptions, WithoutLaterOptionsHaveTheRecipeOfDataFromBeforeThem) {
+  for (const auto* setting : {"part_lower", "list", "refinement"}) EXPECT_FALSE(recipe_of(usual()).has(setting));
 }
 
 TEST(DatasetOptions, OfAnotherShardOrLengthHaveTheSameRecipe) {
@@ -73,6 +85,9 @@ TEST(DatasetOptions, OutOfRangeAreRefusedByName) {
       {"shard", [](auto& o) { o.shard = 1; }},
       {"box_margin", [](auto& o) { o.box_margin = 0.6; }},
       {"parameters", [](auto& o) { o.parameters = {0.1}; }},
+      {"list", [](auto& o) { o.list = {0.11, 0.6, 0.15}, o.designs = 1; }},
+      {"designs", [](auto& o) { o.list = {0.11, 0.6}, o.designs = 2; }},
+      {"list", [](auto& o) { o.list = {0.11, 0.6}, o.designs = 1, o.parameters = {0.11, 0.6}; }},
       {"part_upper",
        [](auto& o) {
          o.part_lower = {0.11, 0.5};

@@ -47,6 +47,21 @@ TEST(DesignSequence, FillsTheWidenedBoxEvenly) {
   }
 }
 
+TEST(DesignSequence, GivesListedDesignsTheirLoadsByPlace) {
+  auto options = options_for("IH21");
+  options.corners = false;
+  const auto usual = planned_design(options, 1);
+  options.list = {0.11, 0.6, 0.15, 0.7};
+  options.designs = 2;
+  options.corners = true;
+  EXPECT_EQ(planned_design(options, 0).parameters, (std::vector<double>{0.11, 0.6}));
+  const auto second = planned_design(options, 1);
+  EXPECT_EQ(second.parameters, (std::vector<double>{0.15, 0.7}));
+  ASSERT_EQ(second.paths.size(), usual.paths.size());
+  EXPECT_EQ(second.paths[0].path.direction, usual.paths[0].path.direction);
+  EXPECT_EQ(second.paths[0].stretches, usual.paths[0].stretches);
+}
+
 TEST(DesignSequence, FillsAPartOfTheBoxFromItsCorners) {
   auto options = options_for("IH21");
   options.part_lower = {0.11, 0.49050000000001};

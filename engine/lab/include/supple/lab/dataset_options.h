@@ -32,6 +32,9 @@ struct DatasetOptions {
   bool corners = true;
   /// If not empty, the parameters of one design that is made instead of a sequence.
   std::vector<double> parameters;
+  /// If not empty, designs that are made instead of a sequence: the parameters of one after another. Design i has the
+  /// loads of place i of the sequence. It serves for designs that something else has chosen, such as a search.
+  std::vector<double> list;
   LoadPlanOptions loads{};
   microscale::SimulationOptions simulation{};
 };
@@ -43,7 +46,8 @@ DatasetOptions rest_options();
 /// Throws "dataset.invalid_option", which names each option with its limits, and what tiling::family throws.
 void check(const DatasetOptions& options);
 
-/// All settings that decide the content, with their units. Those of a part are included only if there is one.
+/// All settings that decide the content, with their units. Those of a part, of a list and of a refinement are included
+/// only if there is one, so that data sets from before these options existed have the same recipe.
 dataset::Recipe recipe_of(const DatasetOptions& options);
 /// The reverse of recipe_of. Throws "file.unreadable" if a setting is missing or has an unknown value.
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
