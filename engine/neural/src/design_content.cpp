@@ -39,6 +39,21 @@ Dual activated_with_strains(Activation activation, Dual z) {
   return z;
 }
 
+/// (1, p_i, p_i p_j for i <= j) with derivatives, of parameters with theirs.
+Dual quadratic_terms_of(const Dual& p) {
+  const long n = p.rows();
+  Dual terms = Dual::Zero(1 + n + n * (n + 1) / 2, p.cols());
+  terms(0, 0) = 1;
+  terms.middleRows(1, n) = p;
+  long at = 1 + n;
+  for (long i = 0; i < n; ++i)
+    for (long j = i; j < n; ++j, ++at) {
+      terms.row(at) = p(i, 0) * p.row(j) + p(j, 0) * p.row(i);
+      terms(at, 0) = p(i, 0) * p(j, 0);
+    }
+  return terms;
+}
+
 /// Far outside the bounds of the parameters a stiffness stays a finite number, of no meaning.
 constexpr double largest_log_factor = 20;
 
@@ -158,7 +173,9 @@ DesignContent DesignLayers::evaluate(const Network& network, std::span<const dou
   } else {
     Dual q = p;
     for (std::size_t i = 0; i + 1 < stiffness_.size(); ++i) q = activated(Activation::swish, stiffness_[i](q));
-    const auto skip = scale(stiffness_.back()(q), content);
+    Dual outputs = stiffness_.back()(q);
+    if (network.mesh_correction.size() > 0) outputs += network.mesh_correction * quadratic_terms_of(p.topRows(n));
+    const auto skip = scale(outputs, content);
     content.linear = skip.map;
     content.linear_by.assign(skip.map_by.begin(), skip.map_by.end());
     content.input = first.leftCols<3>() * skip.map + first.rightCols<3>();

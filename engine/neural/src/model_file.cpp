@@ -22,10 +22,13 @@ using files::Hdf5Writer;
 
 constexpr const char* layout_name = "supple model";
 /// The second version has what the first lacks: the form of rest, the layers of the stiffness branch and features of
-/// the tile. Networks that need none of it are written as the first, which older programs read.
-constexpr std::int64_t newest_version = 2;
+/// the tile; the third the correction of the mesh. Networks are written as the first version that has what they need,
+/// so that older programs read them.
+constexpr std::int64_t newest_version = 3;
 
-std::int64_t version_of(const NetworkShape& shape) {
+std::int64_t version_of(const Network& network) {
+  if (network.mesh_correction.size() > 0) return 3;
+  const NetworkShape& shape = network.shape;
   const NetworkShape plain;
   return shape.rest == plain.rest && shape.stiffness_layers == plain.stiffness_layers && shape.features == 0 ? 1 : 2;
 }
@@ -174,7 +177,10 @@ void write_network(Hdf5Writer& file, const Network& network) {
     }
     file.column("network/symmetries", maps, 9);
   }
-  if (version_of(network.shape) > 1) write_extension(file, network.shape, network.geometry);
+  if (version_of(network) > 1) write_extension(file, network.shape, network.geometry);
+  if (network.mesh_correction.size() > 0)
+    file.column("network/mesh_correction", numbers(network.mesh_correction),
+                static_cast<int>(network.mesh_correction.cols()));
   for (const auto& branch : branches) {
     file.group(std::string("network/") + branch.name);
     const auto& layers = network.*branch.layers;
@@ -202,17 +208,20 @@ Network read_network(const Hdf5Reader& file, std::int64_t version) {
   };
   network.lower = vector_of("network/lower");
   network.upper = vector_of("network/upper");
+  using RowMajor = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
+  const auto matrix_of = [&](const std::string& name) {
+    const int columns = file.components(name);
+    const auto values = file.column<double>(name, columns);
+    return Eigen::MatrixXd(
+        Eigen::Map<const RowMajor>(values.data(), static_cast<long>(values.size()) / std::max(columns, 1), columns));
+  };
+  if (version > 2) network.mesh_correction = matrix_of("network/mesh_correction");
   for (const auto& branch : branches) {
     auto& layers = network.*branch.layers;
     const auto members = file.members(std::string("network/") + branch.name);
     for (std::size_t i = 0; i < members.size(); ++i) {
       const auto name = layer_name(branch, i);
-      const int columns = file.components(name + "/weights");
-      const auto weights = file.column<double>(name + "/weights", columns);
-      using RowMajor = Eigen::Matrix<double, -1, -1, Eigen::RowMajor>;
-      layers.push_back(
-          {Eigen::Map<const RowMajor>(weights.data(), static_cast<long>(weights.size()) / columns, columns),
-           vector_of(name + "/bias")});
+      layers.push_back({matrix_of(name + "/weights"), vector_of(name + "/bias")});
     }
   }
   // Files of networks without have no such column.
@@ -288,7 +297,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   {
     Hdf5Writer file(unfinished);
     file.attribute("/", "layout", layout_name);
-    file.attribute("/", "version", version_of(model.network.shape));
+    file.attribute("/", "version", version_of(model.network));
     file.value("id", model.id);
     file.value("family", model.family);
     write_network(file, model.network);

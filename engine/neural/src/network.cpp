@@ -130,6 +130,13 @@ void validate(const Network& network) {
   else
     check_layers(network.stiffness, "stiffness", shape.stiffness_layers, shape.design_inputs(), shape.stiffness_width,
                  6);
+  if (network.mesh_correction.size() > 0) {
+    const long terms = 1L + shape.parameters + shape.parameters * (shape.parameters + 1L) / 2;
+    check(shape.form == EnergyForm::sum_of_squares, "mesh_correction", "needs an energy that is a sum of squares");
+    check(network.mesh_correction.rows() == 6 && network.mesh_correction.cols() == terms, "mesh_correction",
+          "must be a matrix of 6 x " + std::to_string(terms));
+    check(network.mesh_correction.allFinite(), "mesh_correction", "holds a number that is not finite");
+  }
   check(network.symmetries.size() <= most_symmetries, "symmetries", "are more than a lattice has");
   for (const auto& map : network.symmetries) check(map.allFinite(), "symmetries", "hold a number that is not finite");
 }

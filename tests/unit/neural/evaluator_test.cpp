@@ -144,6 +144,49 @@ TEST_P(Evaluations, SymmetriesHoldExactlyAndDerivativesAreThoseOfTheMean) {
   expect_parameter_derivatives(*this);
 }
 
+/// Random numbers in the form of a correction for a network with so many parameters.
+Eigen::MatrixXd random_correction(int parameters, double size) {
+  RandomStream stream("correction", 7);
+  Eigen::MatrixXd correction(6, 1 + parameters + parameters * (parameters + 1) / 2);
+  for (double& entry : correction.reshaped()) entry = stream.uniform(-size, size);
+  return correction;
+}
+
+TEST_P(Evaluations, ACorrectionOfTheMeshIsAPartOfTheNetworkAndOfItsDerivatives) {
+  if (network.shape.form == EnergyForm::softplus) GTEST_SKIP() << "it has no stiffness branch";
+  const Evaluator plain(network);
+  const auto before = plain.evaluate(plain.design(parameters), strains, Order::energy);
+  network.mesh_correction = random_correction(network.shape.parameters, 0.1);
+  const Evaluator evaluator(network);
+  const auto after = evaluator.evaluate(evaluator.design(parameters), strains, Order::energy);
+  EXPECT_GT((after.energy_density - before.energy_density).norm(), 1e-3 * before.energy_density.norm());
+  expect_strain_derivatives(*this);
+  expect_parameter_derivatives(*this);
+}
+
+TEST_P(Evaluations, ACorrectionOfEqualFactorsMultipliesTheEnergy) {
+  if (network.shape.form == EnergyForm::softplus) GTEST_SKIP() << "it has no stiffness branch";
+  const Evaluator plain(network);
+  const auto before = plain.evaluate(plain.design(parameters), strains, Order::stress);
+  network.mesh_correction = random_correction(network.shape.parameters, 0.1);
+  network.mesh_correction.bottomRows(3).setZero();
+  for (const int row : {1, 2}) network.mesh_correction.row(row) = network.mesh_correction.row(0);
+  // Half the logarithm of the factor by hand: a polynomial of degree 2 in parameters from -1 to 1.
+  double half = network.mesh_correction(0, 0);
+  long term = 1;
+  std::vector<double> mapped;
+  for (int k = 0; k < network.shape.parameters; ++k)
+    mapped.push_back(
+        2 * (parameters[static_cast<std::size_t>(k)] - network.lower[k]) / (network.upper[k] - network.lower[k]) - 1);
+  for (const double p : mapped) half += network.mesh_correction(0, term++) * p;
+  for (std::size_t i = 0; i < mapped.size(); ++i)
+    for (std::size_t j = i; j < mapped.size(); ++j) half += network.mesh_correction(0, term++) * mapped[i] * mapped[j];
+  const Evaluator evaluator(network);
+  const auto after = evaluator.evaluate(evaluator.design(parameters), strains, Order::stress);
+  expect_close(after.energy_density, std::exp(2 * half) * before.energy_density, 1e-12, "energy");
+  expect_close(after.stress, std::exp(2 * half) * before.stress, 1e-12, "stress");
+}
+
 TEST_P(Evaluations, EachOrderGivesTheSameNumbersAsHigherOnes) {
   const Evaluator evaluator(network);
   const auto design = evaluator.design(parameters);
@@ -289,6 +332,13 @@ TEST(Network, ALayerThatDoesNotFitIsNamed) {
   network = random_network(shape, 1);
   network.symmetries = {Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity())};
   testing::expect_error("model.invalid_network", [&] { validate(network); });
+  network = random_network(shape, 1);
+  for (const auto& unfit : {Eigen::MatrixXd::Zero(6, 4).eval(), Eigen::MatrixXd::Zero(5, 3).eval(),
+                            Eigen::MatrixXd::Constant(6, 3, std::numeric_limits<double>::infinity()).eval()}) {
+    network.mesh_correction = unfit;
+    const auto wrong = testing::expect_error("model.invalid_network", [&] { validate(network); });
+    EXPECT_NE(std::string(wrong.what()).find("mesh_correction"), std::string::npos) << wrong.what();
+  }
   network = random_network(extended(shape, 12, 2), 1);
   network.geometry.features[3].edge = 5;
   testing::expect_error("model.invalid_network", [&] { validate(network); });

@@ -104,6 +104,13 @@ TEST_F(ModelFile, AModelThatNeedsNothingNewIsWrittenAsOlderProgramsReadIt) {
   EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 2);
 }
 
+TEST_F(ModelFile, ACorrectionOfTheMeshIsReadBack) {
+  model.network.mesh_correction = Eigen::MatrixXd::Random(6, 6);
+  write_model(path, model);
+  EXPECT_EQ(files::Hdf5Reader(path).integer_attribute("/", "version"), 3);
+  EXPECT_EQ(read_model(path).network.mesh_correction, model.network.mesh_correction);
+}
+
 TEST_F(ModelFile, TheSameModelGivesTheSameBytes) {
   write_model(path, model);
   write_model(folder / "again.h5", model);

@@ -83,6 +83,12 @@ struct Network {
   std::vector<Layer> trunk;
   std::vector<Layer> stiffness;  ///< empty for softplus
   TileGeometry geometry;         ///< the tile and `shape.features` features of it; unused if there are none
+  /// Takes off what the mesh of the data errs by: this matrix times (1, p_i, p_i p_j for i <= j), p the mapped
+  /// parameters, is added to the outputs of the stiffness branch. It has 6 rows. The first three, half the logarithm of
+  /// a factor each, multiply the energy by that factor where they are equal and the others zero. Derivatives stay
+  /// exact, because the correction is a part of the network. If it is empty, the network answers as simulations on the
+  /// mesh of its data do.
+  Eigen::MatrixXd mesh_correction;
   /// Maps T of strains e that do not change the family's energies. They belong to the rotations of the structure onto
   /// itself, without the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has
   /// these symmetries exactly. Each map costs one more evaluation. If the list is empty, the energy density is Phi(p,
