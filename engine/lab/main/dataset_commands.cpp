@@ -77,8 +77,8 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command.add_option("--family", options.family, "IH01, IH21, IH22, IH28, IH29, IH50, IH67 or square")->required();
   command.add_option("--out", arguments.out, "The HDF5 file; until it is complete, OUT.partial keeps what is done")
       ->required();
-  arguments.designs = command.add_option("--designs", options.designs, "Number of designs, over all shards")
-                          ->capture_default_str();
+  arguments.designs =
+      command.add_option("--designs", options.designs, "Number of designs, over all shards")->capture_default_str();
   command.add_option("--first", options.first, "Index of the first design in the sequence")->capture_default_str();
   command.add_option("--seed", options.seed, "Of the sequence of designs and loads")->capture_default_str();
   command.add_option("--shard", arguments.shard, "k/n: only designs with index mod n = k")->capture_default_str();
@@ -95,6 +95,8 @@ void add_options(CLI::App& command, MakeArguments& arguments) {
   command
       .add_option("--list", options.list,
                   "Designs instead of a sequence: the parameters of one after another, p1,p2,p1,p2,...")
+      ->delimiter(',');
+  command.add_option("--directions", options.directions, "Direction of the first paths of each listed design, radians")
       ->delimiter(',');
 }
 

@@ -28,9 +28,8 @@ constexpr std::array<Name<Region>, 3> region_names{
     {{Region::automatic, "automatic"}, {Region::tile, "tile"}, {Region::cell, "cell"}}};
 constexpr std::array<Name<PlanKind>, 3> plan_names{
     {{PlanKind::sequence, "sequence"}, {PlanKind::grid, "grid"}, {PlanKind::rest, "rest"}}};
-constexpr std::array<Name<Refinement>, 3> refinement_names{{{Refinement::off, "off"},
-                                                            {Refinement::estimated, "estimated"},
-                                                            {Refinement::extrapolated, "extrapolated"}}};
+constexpr std::array<Name<Refinement>, 3> refinement_names{
+    {{Refinement::off, "off"}, {Refinement::estimated, "estimated"}, {Refinement::extrapolated, "extrapolated"}}};
 constexpr std::array<Name<Law>, 2> law_names{
     {{Law::neo_hookean, "neo_hookean"}, {Law::incompressible_plane_stress, "incompressible_plane_stress"}}};
 
@@ -149,7 +148,10 @@ void check_part(const DatasetOptions& options, const tiling::Family& family, std
 }
 
 void check_list(const DatasetOptions& options, const tiling::Family& family, std::vector<Error::Detail>& details) {
-  if (options.list.empty()) return;
+  if (options.list.empty()) {
+    if (!options.directions.empty()) details.push_back({"directions", "belong to listed designs, and there are none"});
+    return;
+  }
   const std::size_t count = family.parameters.size();
   if (options.list.size() % count != 0) {
     details.push_back({"list", "the family " + options.family + " has " + std::to_string(count) +
@@ -162,6 +164,9 @@ void check_list(const DatasetOptions& options, const tiling::Family& family, std
     details.push_back({"designs", "the list has " + std::to_string(listed) + ", but designs from " +
                                       std::to_string(options.first) + " to " +
                                       std::to_string(options.first + options.designs - 1) + " are asked for"});
+  if (!options.directions.empty() && static_cast<std::int64_t>(options.directions.size()) != listed)
+    details.push_back({"directions", "must be one for each of the " + std::to_string(listed) + " listed designs, got " +
+                                         std::to_string(options.directions.size())});
   if (!options.parameters.empty() || !options.part_lower.empty() || !options.part_upper.empty())
     details.push_back({"list", "designs are either listed, or one, or those of a part"});
 }
@@ -209,6 +214,7 @@ dataset::Recipe recipe_of(const DatasetOptions& options) {
     writer.recipe.set("part_upper", options.part_upper);
   }
   if (!options.list.empty()) writer.recipe.set("list", options.list);
+  if (!options.directions.empty()) writer.recipe.set("directions", options.directions, "rad");
   if (options.simulation.refinement != Refinement::off)
     writer.field("refinement", options.simulation.refinement, refinement_names);
   // What follows from the family: should its table change, data made before and after are not of one recipe.
@@ -235,6 +241,7 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
     taker.field("part_upper", options.part_upper);
   }
   if (recipe.has("list")) taker.field("list", options.list);
+  if (recipe.has("directions")) taker.field("directions", options.directions);
   if (recipe.has("refinement")) taker.field("refinement", options.simulation.refinement, refinement_names);
   options.first = selection.first;
   options.designs = selection.count;

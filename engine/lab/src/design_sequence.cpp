@@ -1,6 +1,7 @@
 #include "supple/lab/design_sequence.h"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "supple/base/random.h"
@@ -56,7 +57,10 @@ PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) 
                                          : lower - margin + point[i] * (upper - lower + 2 * margin));
     }
   }
-  design.paths = plan_loads(options.loads, turns_of(point), design_seed(options.seed, index));
+  auto turns = turns_of(point);
+  if (!options.directions.empty())
+    std::fill_n(turns.begin(), 3, options.directions[static_cast<std::size_t>(index)] / std::numbers::pi);
+  design.paths = plan_loads(options.loads, turns, design_seed(options.seed, index));
   return design;
 }
 

@@ -31,13 +31,14 @@ std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
 
 /// Settings that choose designs and loads, and the bounds that the family had then. All others decide what is
 /// simulated.
-constexpr std::array<std::string_view, 21> choosing{"seed",
+constexpr std::array<std::string_view, 22> choosing{"seed",
                                                     "lower_bounds",
                                                     "upper_bounds",
                                                     "box_margin",
                                                     "corners",
                                                     "parameters",
                                                     "list",
+                                                    "directions",
                                                     "part_lower",
                                                     "part_upper",
                                                     "plan",

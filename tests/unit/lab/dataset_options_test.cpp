@@ -47,12 +47,14 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
 TEST(DatasetOptions, ComeBackFromTheRecipeWithAListAndARefinement) {
   DatasetOptions options = usual();
   options.list = {0.11, 0.6, 0.15, 0.7};
+  options.directions = {0.5, 3};
   options.designs = 2;
   options.simulation.refinement = microscale::Refinement::extrapolated;
   check(options);
   const DatasetOptions back = options_of(recipe_of(options), selection_of(options));
   EXPECT_EQ(recipe_of(back), recipe_of(options));
   EXPECT_EQ(back.list, options.list);
+  EXPECT_EQ(back.directions, options.directions);
   EXPECT_EQ(back.simulation.refinement, microscale::Refinement::extrapolated);
 }
 
@@ -64,7 +66,8 @@ TEST(DatasetOptions, MakeTheRecipeNameBoundsAndBeamWidthOfTheFamily) {
 }
 
 TEST(DatasetOptions, WithoutLaterOptionsHaveTheRecipeOfDataFromBeforeThem) {
-  for (const auto* setting : {"part_lower", "list", "refinement"}) EXPECT_FALSE(recipe_of(usual()).has(setting));
+  for (const auto* setting : {"part_lower", "list", "directions", "refinement"})
+    EXPECT_FALSE(recipe_of(usual()).has(setting));
 }
 
 TEST(DatasetOptions, OfAnotherShardOrLengthHaveTheSameRecipe) {
@@ -85,9 +88,23 @@ TEST(DatasetOptions, OutOfRangeAreRefusedByName) {
       {"shard", [](auto& o) { o.shard = 1; }},
       {"box_margin", [](auto& o) { o.box_margin = 0.6; }},
       {"parameters", [](auto& o) { o.parameters = {0.1}; }},
-      {"list", [](auto& o) { o.list = {0.11, 0.6, 0.15}, o.designs = 1; }},
-      {"designs", [](auto& o) { o.list = {0.11, 0.6}, o.designs = 2; }},
-      {"list", [](auto& o) { o.list = {0.11, 0.6}, o.designs = 1, o.parameters = {0.11, 0.6}; }},
+      {"list",
+       [](auto& o) {
+         o.list = {0.11, 0.6, 0.15}, o.designs = 1;
+       }},
+      {"designs",
+       [](auto& o) {
+         o.list = {0.11, 0.6}, o.designs = 2;
+       }},
+      {"directions",
+       [](auto& o) {
+         o.list = {0.11, 0.6}, o.designs = 1, o.directions = {1, 2};
+       }},
+      {"directions", [](auto& o) { o.directions = {1}; }},
+      {"list",
+       [](auto& o) {
+         o.list = {0.11, 0.6}, o.designs = 1, o.parameters = {0.11, 0.6};
+       }},
       {"part_upper",
        [](auto& o) {
          o.part_lower = {0.11, 0.5};

@@ -60,6 +60,12 @@ TEST(DesignSequence, GivesListedDesignsTheirLoadsByPlace) {
   ASSERT_EQ(second.paths.size(), usual.paths.size());
   EXPECT_EQ(second.paths[0].path.direction, usual.paths[0].path.direction);
   EXPECT_EQ(second.paths[0].stretches, usual.paths[0].stretches);
+  options.directions = {0.25, 3};
+  options.loads.compression_paths = 1;
+  const auto turned = planned_design(options, 1);
+  EXPECT_DOUBLE_EQ(turned.paths[0].path.direction, 3) << "of the first tension";
+  EXPECT_DOUBLE_EQ(turned.paths[2].path.direction, 3) << "of the compression";
+  EXPECT_EQ(turned.paths[0].stretches, usual.paths[0].stretches);
 }
 
 TEST(DesignSequence, FillsAPartOfTheBoxFromItsCorners) {

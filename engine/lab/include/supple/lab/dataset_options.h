@@ -35,6 +35,9 @@ struct DatasetOptions {
   /// If not empty, designs that are made instead of a sequence: the parameters of one after another. Design i has the
   /// loads of place i of the sequence. It serves for designs that something else has chosen, such as a search.
   std::vector<double> list;
+  /// If not empty, the direction of the first path of each kind of each listed design, in radians. It serves where what
+  /// has chosen a design looked at it along one direction.
+  std::vector<double> directions;
   LoadPlanOptions loads{};
   microscale::SimulationOptions simulation{};
 };
