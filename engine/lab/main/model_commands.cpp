@@ -15,6 +15,7 @@
 #include "supple/base/threads.h"
 #include "supple/dataset/merge.h"
 #include "supple/lab/engine_version.h"
+#include "supple/training/mesh_correction.h"
 #include "supple/training/model_calibration.h"
 #include "supple/training/model_card.h"
 #include "supple/training/model_training.h"
@@ -303,9 +304,49 @@ void symmetrize(const ChangeArguments& arguments) {
   print_errors("row split", *model.row_split);
 }
 
+struct CorrectArguments {
+  std::filesystem::path model;
+  DataArguments data;
+  std::filesystem::path reference;
+  std::filesystem::path out;
+};
+
+void correct_mesh(const CorrectArguments& arguments) {
+  training::MeshCorrectionReport report;
+  const auto model = training::with_mesh_correction(neural::read_model(arguments.model), read_data(arguments.data),
+                                                    dataset::read_finished_or_partial(arguments.reference), report);
+  neural::write_model(arguments.out, model);
+  fmt::print("{} holds the model {} without error bars and with a correction of its data's mesh, from {} designs\n",
+             arguments.out.string(), model.id, report.designs);
+  const auto print = [](const char* what, const training::ModulusErrors& errors) {
+    fmt::print(
+        "{}: Young's moduli at rest are {:+.2f} % off in the mean; half are off by more than {:.2f} %, a tenth "
+        "by more than {:.2f} %\n",
+        what, 100 * errors.mean, 100 * errors.median, 100 * errors.quantile90);
+  };
+  print("the mesh", report.mesh);
+  print("corrected", report.corrected);
+}
+
+void add_correct_command(CLI::App& program) {
+  const auto arguments = std::make_shared<CorrectArguments>();
+  CLI::App* command = program.add_subcommand(
+      "correct-mesh", "Take off what the mesh of a model's data errs by; calibrate the model afterwards");
+  command->add_option("--model", arguments->model, "The model")->required();
+  add_data_options(*command, arguments->data);
+  command
+      ->add_option("--reference", arguments->reference,
+                   "The designs of --rest-data at rest on a mesh that errs by much less (dataset rest)")
+      ->required();
+  command->add_option("--out", arguments->out, "The corrected model")->required();
+  command->callback([=] { correct_mesh(*arguments); });
+}
+
 struct CalibrateArguments {
   std::filesystem::path model;
   DataArguments data;
+  std::vector<std::filesystem::path> drawn;
+  std::vector<std::filesystem::path> searched;
   std::filesystem::path out;
   std::filesystem::path plot;
   int threads = 0;
@@ -322,8 +363,11 @@ void print_judged(neural::Quantity quantity, const neural::JudgedBars& judged) {
 
 void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) {
   set_thread_count(arguments.threads);
-  const auto result =
-      training::calibrate(neural::read_model(arguments.model), read_data(arguments.data), signals.cancellation());
+  training::References references;
+  for (const auto& file : arguments.drawn) references.drawn.push_back(dataset::read_finished_or_partial(file));
+  for (const auto& file : arguments.searched) references.searched.push_back(dataset::read_finished_or_partial(file));
+  const auto result = training::calibrate(neural::read_model(arguments.model), read_data(arguments.data),
+                                          signals.cancellation(), references);
   const auto& out = arguments.out.empty() ? arguments.model : arguments.out;
   neural::write_model(out, result.model);
   auto plot = arguments.plot;
@@ -335,6 +379,10 @@ void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) 
              100 * result.model.calibration->level, plot.string());
   for (const auto quantity : neural::all_quantities)
     print_judged(quantity, result.model.calibration->of(quantity).judged);
+  if (references.searched.empty()) return;
+  fmt::print("Of designs that searches have found:\n");
+  for (const auto quantity : neural::all_quantities)
+    print_judged(quantity, result.model.calibration->of(quantity).searched);
 }
 
 void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
@@ -343,6 +391,10 @@ void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
       "calibrate", "Give a model error bars for each of its answers, of the data that it was trained on");
   command->add_option("--model", arguments->model, "The model")->required();
   add_data_options(*command, arguments->data);
+  command->add_option("--reference", arguments->drawn,
+                      "States that judge instead of held-out ones: designs drawn at random, simulated as users do");
+  command->add_option("--searched", arguments->searched,
+                      "States of designs that searches have found, which get bars of their own");
   command->add_option("--out", arguments->out, "The model with error bars; MODEL itself unless given");
   command->add_option("--plot", arguments->plot,
                       "Picture of stated and observed shares, as SVG; OUT-calibration.svg unless given");
@@ -390,6 +442,7 @@ void add_model_commands(CLI::App& program, const StopSignals& signals, bool& int
       "The model with its errors measured anew", symmetrize);
   add_change_command(program, "narrow", "Let a model's bounds end where its data end; calibrate it afterwards",
                      "The model with the narrower bounds", narrow);
+  add_correct_command(program);
   add_calibrate_command(program, signals);
   add_card_command(program);
 }

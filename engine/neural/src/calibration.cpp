@@ -46,10 +46,13 @@ double offset_at(const std::vector<double>& knots, const std::vector<double>& of
   return offsets[i - 1] + share * (offsets[i] - offsets[i - 1]);
 }
 
-double expected_error(const Calibration& calibration, Quantity quantity, const Eigen::VectorXd& features) {
+double expected_error(const Calibration& calibration, Quantity quantity, const Eigen::VectorXd& features,
+                      Origin origin) {
   const auto& scale = calibration.of(quantity);
+  const bool searched = origin == Origin::searched && !scale.searched_knots.empty();
   const double score = scale.coefficients.dot(quadratic_terms(normalized(scale, features)));
-  const double logarithm = score + offset_at(scale.knots, scale.offsets, score);
+  const double logarithm = score + (searched ? offset_at(scale.searched_knots, scale.searched_offsets, score)
+                                             : offset_at(scale.knots, scale.offsets, score));
   if (!(logarithm < std::log(largest_error))) return largest_error;
   return std::max(0.0, std::exp(logarithm) - calibration.floor);
 }

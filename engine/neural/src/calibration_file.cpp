@@ -25,6 +25,14 @@ void for_each_list(Scale& scale, Visit&& visit) {
   visit("stated", scale.judged.stated);
   visit("observed", scale.judged.observed);
 }
+/// What only scales have that know designs that searches have found.
+template <class Scale, class Visit>
+void for_each_searched_list(Scale& scale, Visit&& visit) {
+  visit("searched_knots", scale.searched_knots);
+  visit("searched_offsets", scale.searched_offsets);
+  visit("searched_stated", scale.searched.stated);
+  visit("searched_observed", scale.searched.observed);
+}
 template <class Judged, class Visit>
 void for_each_finding(Judged& judged, Visit&& visit) {
   visit("designs", judged.designs);
@@ -63,8 +71,11 @@ void check(const ErrorScale& scale, Quantity quantity, Eigen::Index features) {
   for (const auto* list : {&scale.least, &scale.greatest, &scale.mean, &scale.deviation})
     finite = finite && list->allFinite();
   require(finite && scale.deviation.minCoeff() > 0, quantity, "a number is not finite, or a deviation not positive");
-  require(!scale.knots.empty() && scale.knots.size() == scale.offsets.size() &&
-              std::is_sorted(scale.knots.begin(), scale.knots.end()),
+  const auto are_knots = [](const std::vector<double>& knots, const std::vector<double>& offsets) {
+    return knots.size() == offsets.size() && std::is_sorted(knots.begin(), knots.end());
+  };
+  require(!scale.knots.empty() && are_knots(scale.knots, scale.offsets) &&
+              are_knots(scale.searched_knots, scale.searched_offsets),
           quantity, "its knots are no increasing list with an offset each");
 }
 
@@ -85,6 +96,11 @@ void write_calibration(files::Hdf5Writer& file, const std::optional<Calibration>
     for_each_list(scale,
                   [&](const char* name, const std::vector<double>& values) { file.column(group + name, values, 0); });
     for_each_finding(scale.judged, [&](const char* name, const auto& value) { file.value(group + name, value); });
+    if (scale.searched_knots.empty()) continue;
+    for_each_searched_list(
+        scale, [&](const char* name, const std::vector<double>& values) { file.column(group + name, values, 0); });
+    for_each_finding(scale.searched,
+                     [&](const char* name, const auto& value) { file.value(group + "searched_" + name, value); });
   }
 }
 
@@ -103,6 +119,11 @@ std::optional<Calibration> read_calibration(const files::Hdf5Reader& file, int p
     for_each_list(
         scale, [&](const char* name, std::vector<double>& values) { values = file.column<double>(group + name, 0); });
     for_each_finding(scale.judged, ReadFinding{file, group});
+    if (file.contains(group + "searched_knots")) {
+      for_each_searched_list(
+          scale, [&](const char* name, std::vector<double>& values) { values = file.column<double>(group + name, 0); });
+      for_each_finding(scale.searched, ReadFinding{file, group + "searched_"});
+    }
     check(
         scale, quantity,
         quantity == Quantity::stress_at_strain ? strain_feature_count(parameters) : uniaxial_feature_count(parameters));

@@ -3,8 +3,11 @@
 namespace supple::neural {
 
 ErrorBars::ErrorBars(const Model& model, const Evaluator& evaluator, const Evaluator::Design& design,
-                     std::span<const double> parameters, bool with_uniaxial)
-    : model_(model), parameters_(parameters.begin(), parameters.end()), rest_stiffness_(design.rest_stiffness()) {
+                     std::span<const double> parameters, bool with_uniaxial, Origin origin)
+    : model_(model),
+      parameters_(parameters.begin(), parameters.end()),
+      origin_(origin),
+      rest_stiffness_(design.rest_stiffness()) {
   if (!model.calibration) return;
   if (!with_uniaxial) {
     features_ = design_features(model.network, parameters, rest_stiffness_);
@@ -34,7 +37,7 @@ bool ErrorBars::in_box(const Eigen::Vector3d& strain, double energy_density) con
 Trust ErrorBars::trust(Quantity quantity, const Eigen::VectorXd& features) const {
   // Of a tangent that is not finite nothing is known.
   if (!features.allFinite()) return {};
-  const double error = expected_error(*model_.calibration, quantity, features);
+  const double error = expected_error(*model_.calibration, quantity, features, origin_);
   return {error <= trusted_error(quantity), error};
 }
 

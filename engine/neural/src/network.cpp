@@ -92,6 +92,11 @@ long Network::weights() const {
   return count;
 }
 
+Network as_trained(Network network) {
+  network.mesh_correction.resize(0, 0);
+  return network;
+}
+
 void validate(const Network& network) {
   const auto& shape = network.shape;
   const auto within = [](int value, int low, int high, const char* name) {

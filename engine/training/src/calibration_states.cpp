@@ -127,45 +127,63 @@ dataset::LoadKind load_of(const ModelData& data, const SampleSource& source) {
   return design.paths[static_cast<std::size_t>(row.path)].kind;
 }
 
-/// For each sampled design its fold, -1 where it trained, -2 where it is left out.
-std::vector<int> folds_of(const Samples& samples, const Split& parts, int most_folds, CalibrationStates& states) {
+/// What keeps a design out of a calibration.
+constexpr int left_out = -2;
+
+/// Deals designs into folds at random; returns their number.
+int deal(std::vector<std::size_t> designs, int most_folds, std::vector<int>& fold) {
+  RandomStream random("folds of a calibration", 1);
+  for (std::size_t i = designs.size(); i > 1; --i)
+    std::swap(designs[i - 1], designs[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+  const int folds = std::min(most_folds, static_cast<int>(designs.size()));
+  for (std::size_t i = 0; i < designs.size(); ++i) fold[designs[i]] = static_cast<int>(i) % folds;
+  return folds;
+}
+
+void require_designs(std::size_t designs) {
+  if (designs < static_cast<std::size_t>(fewest_held_designs))
+    throw Error("training.no_samples",
+                fmt::format("A calibration needs {} designs that training has not seen; there are {}.",
+                            fewest_held_designs, designs));
+}
+
+/// For each sampled design of the data its fold, -1 where it trained. Held-out designs are left out where references
+/// take their place.
+std::vector<int> folds_of(const Samples& samples, const Split& parts, int most_folds, bool has_references,
+                          CalibrationStates& states) {
   std::vector<bool> held_row(static_cast<std::size_t>(samples.rows()), false);
   for (const auto* rows : {&parts.test, &parts.validation})
     for (const int row : *rows) held_row[static_cast<std::size_t>(row)] = true;
-  std::vector<int> fold(samples.designs.size(), -2);
+  std::vector<int> fold(samples.designs.size(), left_out);
   std::vector<std::size_t> held;
   std::vector<std::size_t> trained;
   for (std::size_t d = 0; d < samples.designs.size(); ++d)
     (held_row[static_cast<std::size_t>(samples.designs[d].first)] ? held : trained).push_back(d);
-  if (held.size() < fewest_held_designs)
-    throw Error("training.no_samples",
-                fmt::format("A calibration needs {} designs that training has not seen; there are {}.",
-                            fewest_held_designs, held.size()));
-  RandomStream random("folds of a calibration", 1);
-  for (std::size_t i = held.size() - 1; i > 0; --i)
-    std::swap(held[i], held[static_cast<std::size_t>(random.below(static_cast<int>(i) + 1))]);
-  states.held_designs = static_cast<int>(held.size());
-  states.folds = std::min(most_folds, states.held_designs);
-  for (std::size_t i = 0; i < held.size(); ++i) fold[held[i]] = static_cast<int>(i) % states.folds;
+  if (!has_references) {
+    require_designs(held.size());
+    states.held_designs = static_cast<int>(held.size());
+    states.folds = deal(std::move(held), most_folds, fold);
+  }
   const std::size_t step = std::max<std::size_t>(1, trained.size() / most_trained_designs);
   for (std::size_t i = 0; i < trained.size(); i += step) fold[trained[i]] = -1;
   return fold;
 }
 
-}  // namespace
+/// Data sets of references as data of their own.
+ModelData together(const std::vector<dataset::Dataset>& sets, const ModelData& data) {
+  for (const auto& set : sets) check_same_solid(data, set);
+  return {sets.front(), {sets.begin() + 1, sets.end()}, {}};
+}
 
-CalibrationStates calibration_states(const neural::Model& model, const ModelData& data, int most_folds,
-                                     const CancellationToken& cancellation) {
-  const ModelSamples model_samples = samples_of(model, data);
-  const auto& samples = model_samples.samples;
-  const auto& parts = model_samples.split;
-  CalibrationStates states;
-  const auto fold = folds_of(samples, parts, most_folds, states);
-  const neural::Evaluator evaluator(model.network);
+/// The observations at all samples of some data.
+std::vector<Observations> observations(const neural::Model& model, const neural::Network& network,
+                                       const ModelData& data, const Samples& samples, const std::vector<int>& fold,
+                                       const CancellationToken& cancellation) {
+  const neural::Evaluator evaluator(network);
   std::vector<Observations> found(samples.designs.size());
   parallel_for(static_cast<int>(samples.designs.size()), [&](int index) {
     const auto d = static_cast<std::size_t>(index);
-    if (fold[d] < -1) return;
+    if (fold[d] == left_out) return;
     cancellation.throw_if_requested();
     const auto& sampled = samples.designs[d];
     DesignStates design(model, evaluator, samples, sampled);
@@ -175,12 +193,18 @@ CalibrationStates calibration_states(const neural::Model& model, const ModelData
       design.observe(row, load == dataset::LoadKind::uniaxial, found[d]);
     }
   });
+  return found;
+}
+
+/// Appends what was observed of designs, whose numbers begin with `first_design`.
+void append(const std::vector<Observations>& found, const std::vector<int>& fold, int first_design,
+            CalibrationStates::Quantities& to) {
   for (const auto quantity : neural::all_quantities) {
-    auto& result = states.of[static_cast<std::size_t>(quantity)];
+    const auto q = static_cast<std::size_t>(quantity);
+    auto& result = to[q];
     std::vector<const Observation*> kept;
-    std::size_t held = 0;
     for (std::size_t d = 0; d < found.size(); ++d) {
-      for (const auto& observation : of(found[d], quantity)) {
+      for (const auto& observation : found[d][q]) {
         if (!observation.features.allFinite() || !std::isfinite(observation.error)) continue;
         if (!observation.in_box) {
           if (fold[d] >= 0) result.out_of_box.push_back(observation.relative);
@@ -188,25 +212,72 @@ CalibrationStates calibration_states(const neural::Model& model, const ModelData
         }
         kept.push_back(&observation);
         result.observed.fold.push_back(fold[d]);
-        result.observed.design.push_back(static_cast<int>(d));
+        result.observed.design.push_back(first_design + static_cast<int>(d));
         result.relative.push_back(observation.relative);
-        held += fold[d] >= 0 ? 1U : 0U;
       }
     }
+    if (kept.empty()) continue;
+    const Eigen::Index before = result.observed.error.size();
+    const auto n = static_cast<Eigen::Index>(kept.size());
+    result.observed.features.conservativeResize(before + n, kept.front()->features.size());
+    result.observed.error.conservativeResize(before + n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto& observation = *kept[static_cast<std::size_t>(i)];
+      result.observed.features.row(before + i) = observation.features.transpose();
+      result.observed.error[before + i] = observation.error;
+    }
+  }
+}
+
+void require_states(const CalibrationStates::Quantities& states) {
+  for (const auto quantity : neural::all_quantities) {
+    const auto& folds = states[static_cast<std::size_t>(quantity)].observed.fold;
+    const auto held = static_cast<std::size_t>(std::count_if(folds.begin(), folds.end(), [](int f) { return f >= 0; }));
     if (held < fewest_states)
       throw Error("training.no_samples",
                   fmt::format("A calibration of the {} needs {} states of designs that training has not seen; there "
                               "are {}.",
                               to_string(quantity), fewest_states, held));
-    const auto n = static_cast<Eigen::Index>(kept.size());
-    result.observed.features.resize(n, kept.front()->features.size());
-    result.observed.error.resize(n);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const auto& observation = *kept[static_cast<std::size_t>(i)];
-      result.observed.features.row(i) = observation.features.transpose();
-      result.observed.error[i] = observation.error;
-    }
   }
+}
+
+/// All designs of some references, each of them held out. Returns the number of folds.
+int add_references(const neural::Model& model, const ModelData& data, const std::vector<dataset::Dataset>& sets,
+                   const SampleOptions& options, int most_folds, int first_design, int& designs,
+                   CalibrationStates::Quantities& to, const CancellationToken& cancellation) {
+  const ModelData own = together(sets, data);
+  const Samples samples = read_samples(own, options);
+  require_designs(samples.designs.size());
+  std::vector<std::size_t> all(samples.designs.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::vector<int> fold(samples.designs.size());
+  const int folds = deal(std::move(all), most_folds, fold);
+  designs = static_cast<int>(samples.designs.size());
+  append(observations(model, model.network, own, samples, fold, cancellation), fold, first_design, to);
+  return folds;
+}
+
+}  // namespace
+
+CalibrationStates calibration_states(const neural::Model& model, const ModelData& data, const References& references,
+                                     int most_folds, const CancellationToken& cancellation) {
+  const bool has_references = !references.drawn.empty();
+  const ModelSamples own = samples_of(model, data);
+  const auto& samples = own.samples;
+  CalibrationStates states;
+  const auto fold = folds_of(samples, own.split, most_folds, has_references, states);
+  // The data have the error of their mesh: they are compared with the network that they have taught.
+  append(observations(model, neural::as_trained(model.network), data, samples, fold, cancellation), fold, 0, states.of);
+  const auto designs = static_cast<int>(samples.designs.size());
+  if (has_references)
+    states.folds = add_references(model, data, references.drawn, own.options, most_folds, designs, states.held_designs,
+                                  states.of, cancellation);
+  require_states(states.of);
+  if (references.searched.empty()) return states;
+  states.searched_folds =
+      add_references(model, data, references.searched, own.options, most_folds, designs + states.held_designs,
+                     states.searched_designs, states.searched, cancellation);
+  require_states(states.searched);
   return states;
 }
 

@@ -141,10 +141,56 @@ SharesByLevel calibrate_quantity(const CalibrationStates::Of& states, int folds,
   return levels;
 }
 
+/// The values of some entries.
+Eigen::VectorXd entries(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& places) {
+  return values(places);
+}
+
+/// Offsets for designs that searches have found, by what their errors are over the ratings of a fit without them.
+void calibrate_searched(const CalibrationStates::Of& states, int folds, int designs, neural::Quantity quantity,
+                        const neural::Calibration& calibration, neural::ErrorScale& scale) {
+  const auto n = states.observed.error.size();
+  Eigen::VectorXd ratings(n);
+  Eigen::VectorXd logarithms(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::VectorXd z = neural::normalized(scale, states.observed.features.row(i).transpose());
+    ratings[i] = scale.coefficients.dot(neural::quadratic_terms(z));
+    logarithms[i] = std::log(std::min(states.observed.error[i], neural::largest_error) + calibration.floor);
+  }
+  auto offsets = conformal_offsets(ratings, logarithms, raised(calibration.level, designs), groups_of(designs));
+  scale.searched_knots = std::move(offsets.knots);
+  scale.searched_offsets = std::move(offsets.offsets);
+  std::vector<JudgedState> judged;
+  for (int f = 0; f < folds; ++f) {
+    std::vector<Eigen::Index> own;
+    std::vector<Eigen::Index> others;
+    std::set<int> other_designs;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto state = static_cast<std::size_t>(i);
+      if (states.observed.fold[state] == f) {
+        own.push_back(i);
+      } else {
+        others.push_back(i);
+        other_designs.insert(states.observed.design[state]);
+      }
+    }
+    const auto count = static_cast<int>(other_designs.size());
+    const auto table = conformal_offsets(entries(ratings, others), entries(logarithms, others),
+                                         raised(calibration.level, count), groups_of(count));
+    for (const auto i : own) {
+      const double logarithm = ratings[i] + neural::offset_at(table.knots, table.offsets, ratings[i]);
+      const double bar = std::clamp(std::exp(logarithm) - calibration.floor, 0.0, neural::largest_error);
+      judged.push_back({bar, states.observed.error[i], states.relative[static_cast<std::size_t>(i)]});
+    }
+  }
+  scale.searched = summary(std::move(judged), states.out_of_box, designs, neural::trusted_error(quantity));
+}
+
 }  // namespace
 
-CalibrationResult calibrate(neural::Model model, const ModelData& data, const CancellationToken& cancellation) {
-  const auto states = calibration_states(model, data, most_folds, cancellation);
+CalibrationResult calibrate(neural::Model model, const ModelData& data, const CancellationToken& cancellation,
+                            const References& references) {
+  const auto states = calibration_states(model, data, references, most_folds, cancellation);
   CalibrationResult result;
   neural::Calibration calibration;
   for (const auto quantity : neural::all_quantities) {
@@ -152,6 +198,9 @@ CalibrationResult calibrate(neural::Model model, const ModelData& data, const Ca
     const auto q = static_cast<std::size_t>(quantity);
     result.levels[q] = calibrate_quantity(states.of[q], states.folds, states.held_designs, quantity, calibration,
                                           calibration.scales[q]);
+    if (states.searched_designs > 0)
+      calibrate_searched(states.searched[q], states.searched_folds, states.searched_designs, quantity, calibration,
+                         calibration.scales[q]);
   }
   result.model = std::move(model);
   result.model.calibration = std::move(calibration);

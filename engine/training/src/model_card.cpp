@@ -33,7 +33,7 @@ struct Judged {
 };
 
 std::vector<Judged> judge(const neural::Model& model, const ModelData& data) {
-  const auto [samples, parts] = samples_of(model, data);
+  const auto [samples, parts, chosen] = samples_of(model, data);
   const auto errors = row_errors(model.network, samples, parts.test);
   std::vector<Judged> judged;
   for (std::size_t i = 0; i < errors.rows.size(); ++i) {

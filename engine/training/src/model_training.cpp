@@ -44,6 +44,28 @@ std::string engines_of(const ModelData& data) {
   return text;
 }
 
+/// The coefficients of a polynomial of degree 2 (neural::Network::mesh_correction) in x, where the given ones are those
+/// of the same polynomial in factor * x + shift.
+Eigen::MatrixXd with_shifted_argument(const Eigen::MatrixXd& given, const Eigen::ArrayXd& factor,
+                                      const Eigen::ArrayXd& shift) {
+  if (given.size() == 0) return given;
+  const long n = factor.size();
+  Eigen::MatrixXd coefficients = given;
+  for (long i = 0; i < n; ++i) {
+    coefficients.col(0) += shift[i] * given.col(1 + i);
+    coefficients.col(1 + i) *= factor[i];
+  }
+  long at = 1 + n;
+  for (long i = 0; i < n; ++i)
+    for (long j = i; j < n; ++j, ++at) {
+      coefficients.col(0) += shift[i] * shift[j] * given.col(at);
+      coefficients.col(1 + i) += factor[i] * shift[j] * given.col(at);
+      coefficients.col(1 + j) += factor[j] * shift[i] * given.col(at);
+      coefficients.col(at) *= factor[i] * factor[j];
+    }
+  return coefficients;
+}
+
 /// The same function of the parameters with other bounds: mapped parameters are affine functions of each other.
 neural::Network with_bounds(neural::Network network, const std::vector<double>& lower,
                             const std::vector<double>& upper) {
@@ -60,6 +82,7 @@ neural::Network with_bounds(neural::Network network, const std::vector<double>& 
     bias += weights.leftCols(n) * shift.matrix();
     weights.leftCols(n) = weights.leftCols(n) * factor.matrix().asDiagonal();
   }
+  network.mesh_correction = with_shifted_argument(network.mesh_correction, factor, shift);
   network.lower = new_lower;
   network.upper = new_upper;
   return network;
@@ -214,7 +237,7 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
   const SampleOptions options{number("least_energy"), number("largest_energy")};
   const SplitOptions shares{number("validation_share"), number("test_share"), number("row_test_share"),
                             static_cast<std::int64_t>(number("split_seed"))};
-  ModelSamples made{read_samples(data, options), {}};
+  ModelSamples made{read_samples(data, options), {}, options};
   made.split = split(made.samples, shares);
   // Other designs would be split in another way: some that the model was trained on would then judge it.
   if (static_cast<std::int64_t>(made.split.training.size()) != model.provenance.rows)
@@ -227,7 +250,7 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
 
 neural::Model symmetrized(neural::Model model, const ModelData& data) {
   const auto& family = tiling::family(model.family);
-  const auto [samples, parts] = samples_of(model, data);
+  const auto [samples, parts, chosen] = samples_of(model, data);
   auto& symmetries = model.network.symmetries;
   symmetries.clear();
   // Another network's errors are not this one's.

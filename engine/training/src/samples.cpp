@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -77,13 +78,20 @@ void check_further(const ModelData& data) {
 }
 
 /// Settings on which the stiffness at rest depends.
-constexpr std::array<std::string_view, 8> ruling_rest{"family",    "law",         "youngs_modulus", "poisson_ratio",
-                                                      "mesh_size", "corner_size", "mesh_region",    "beam_width"};
+constexpr std::array<std::string_view, 9> ruling_rest{"family",        "law",        "youngs_modulus",
+                                                      "poisson_ratio", "mesh_size",  "corner_size",
+                                                      "mesh_region",   "refinement", "beam_width"};
 
-dataset::Recipe ruling(const dataset::Recipe& recipe) {
+/// Those of them that choose the mesh.
+constexpr std::array<std::string_view, 4> meshing{"mesh_size", "corner_size", "mesh_region", "refinement"};
+
+dataset::Recipe ruling(const dataset::Recipe& recipe, bool with_mesh = true) {
+  const auto is_among = [](const auto& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   dataset::Recipe kept;
   for (const auto& setting : recipe.settings())
-    if (std::find(ruling_rest.begin(), ruling_rest.end(), setting.name) != ruling_rest.end())
+    if (is_among(ruling_rest, setting.name) && (with_mesh || !is_among(meshing, setting.name)))
       kept.set(setting.name, setting.value, setting.unit);
   return kept;
 }
@@ -149,26 +157,40 @@ Samples read_samples(const ModelData& data, const SampleOptions& options) {
   return samples;
 }
 
+void check_same_solid(const ModelData& data, const dataset::Dataset& other) {
+  const auto differing = dataset::differences(ruling(data.data.recipe, false), ruling(other.recipe, false));
+  if (!differing.empty())
+    throw Error("dataset.different_recipe", "The reference is of another structure: " + differing.front() + ".",
+                {{"reference", differing.front()}});
+}
+
+std::vector<RestStiffness> rest_stiffnesses(const dataset::Dataset& data) {
+  std::vector<RestStiffness> rest;
+  for (const auto& design : data.designs) {
+    const dataset::Row* nearest = nullptr;
+    const auto size = [](const dataset::Row& row) {
+      return Eigen::Map<const Eigen::Vector3d>(row.green_strain.data()).norm();
+    };
+    for (const auto& row : design.rows) {
+      const bool finite =
+          std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
+      if (finite && (!nearest || size(row) < size(*nearest))) nearest = &row;
+    }
+    if (!nearest) continue;
+    const auto& c = nearest->tangent;
+    Eigen::Matrix3d tangent;
+    tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
+    if (Eigen::LLT<Eigen::Matrix3d>(tangent).info() == Eigen::Success) rest.push_back({design.parameters, tangent});
+  }
+  return rest;
+}
+
 std::vector<RestStiffness> read_rest(const ModelData& data) {
   check_rest(data);
   std::vector<RestStiffness> rest;
   for (const auto& set : data.rest) {
-    for (const auto& design : set.designs) {
-      const dataset::Row* nearest = nullptr;
-      const auto size = [](const dataset::Row& row) {
-        return Eigen::Map<const Eigen::Vector3d>(row.green_strain.data()).norm();
-      };
-      for (const auto& row : design.rows) {
-        const bool finite =
-            std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
-        if (finite && (!nearest || size(row) < size(*nearest))) nearest = &row;
-      }
-      if (!nearest) continue;
-      const auto& c = nearest->tangent;
-      Eigen::Matrix3d tangent;
-      tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
-      if (Eigen::LLT<Eigen::Matrix3d>(tangent).info() == Eigen::Success) rest.push_back({design.parameters, tangent});
-    }
+    auto designs = rest_stiffnesses(set);
+    std::move(designs.begin(), designs.end(), std::back_inserter(rest));
   }
   return rest;
 }

@@ -178,6 +178,27 @@ TEST_F(CalibrationFile, ErrorBarsAreReadBack) {
             expected_error(*model.calibration, Quantity::stiffness, features));
 }
 
+TEST_F(CalibrationFile, BarsOfSearchedDesignsAreReadBack) {
+  auto& scale = model.calibration->scales[0];
+  scale.searched_knots = {-1, 1};
+  scale.searched_offsets = {std::log(0.5), std::log(0.7)};
+  scale.searched.designs = 150;
+  scale.searched.observed = {0.89, 0.93};
+  write_model(path, model);
+  const auto back = read_model(path).calibration;
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->scales[0].searched.designs, 150);
+  EXPECT_EQ(back->scales[0].searched.observed, (std::vector<double>{0.89, 0.93}));
+  EXPECT_EQ(back->scales[0].judged.designs, 12);
+  EXPECT_TRUE(back->scales[1].searched_knots.empty());
+  const Eigen::VectorXd features = Eigen::VectorXd::Zero(uniaxial_feature_count(2));
+  EXPECT_NEAR(expected_error(*back, Quantity::stress, features, Origin::searched), std::sqrt(0.35) - 0.0005, 1e-12);
+  EXPECT_NEAR(expected_error(*back, Quantity::stress, features), 0.02, 1e-12);
+  EXPECT_EQ(expected_error(*back, Quantity::stiffness, features, Origin::searched),
+            expected_error(*back, Quantity::stiffness, features))
+      << "without searched designs they have the bars of others";
+}
+
 TEST_F(CalibrationFile, AModelWithoutErrorBarsHasNone) {
   model.calibration.reset();
   write_model(path, model);
@@ -203,6 +224,9 @@ TEST_F(CalibrationFile, ErrorBarsThatDoNotFitTheNetworkAreRefused) {
   refused("knots that decrease");
   model.calibration->scales[0].offsets = {};
   refused("no offset");
+  model.calibration->scales[0].searched_knots = {0, 1};
+  model.calibration->scales[0].searched_offsets = {0};
+  refused("too few offsets of searched designs");
 }
 
 }  // namespace

@@ -40,13 +40,14 @@ neural::Model bent_model() {
   return model;
 }
 
-/// Uniaxial states of the network as if simulated, but for errors of known size: what calibration is to find.
-dataset::Dataset data_with_errors(const neural::Model& model, int designs) {
+/// Uniaxial states of the network as if simulated, but for errors of known size, `times` those above: what calibration
+/// is to find.
+dataset::Dataset data_with_errors(const neural::Model& model, int designs, std::uint64_t seed = 1, double times = 1) {
   dataset::Dataset data;
   data.recipe.set("family", std::string("IH21"));
   data.recipe.set("lower_bounds", std::vector<double>{-1, -1});
   data.recipe.set("upper_bounds", std::vector<double>{1, 1});
-  RandomStream random("data with errors", 1);
+  RandomStream random("data with errors", seed);
   const neural::Evaluator evaluator(model.network);
   for (int d = 0; d < designs; ++d) {
     dataset::Design design;
@@ -61,7 +62,7 @@ dataset::Dataset data_with_errors(const neural::Model& model, int designs) {
       for (std::int32_t k = 0; k < 5; ++k) {
         const auto& state = states[static_cast<std::size_t>(k)];
         // The error is relative to what the network says.
-        const double factor = 1 + spread_at(design.parameters) * random.normal();
+        const double factor = 1 + times * spread_at(design.parameters) * random.normal();
         dataset::Row row;
         row.path = p;
         row.position = k;
@@ -133,6 +134,57 @@ TEST_F(Calibrate, BarsAreAsLongAsTheErrorsAndHoldOnDesignsThatTheyHaveNotSeen) {
   };
   EXPECT_NEAR(median(narrow), 1.645 * 0.004, 0.5 * 1.645 * 0.004);
   EXPECT_NEAR(median(wide), 1.645 * 0.04, 0.5 * 1.645 * 0.04);
+}
+
+/// The bar of the stress at a state of a design.
+double stress_bar(const neural::Model& model, const std::vector<double>& parameters, neural::Origin origin) {
+  const neural::Evaluator evaluator(model.network);
+  const auto design = evaluator.design(parameters);
+  const std::vector<double> strains{0.05};
+  const auto state = neural::uniaxial_path(evaluator, design, 0.7, strains).front();
+  const auto answer = evaluator.evaluate(design, state.strain, neural::Order::tangent);
+  return neural::ErrorBars(model, evaluator, design, parameters, true, origin)
+      .uniaxial(neural::Quantity::stress, neural::UniaxialFrame(0.7), 0.05, state.strain,
+                {answer.energy_density[0], answer.stress.col(0), neural::symmetric_matrix(answer.tangent.col(0))})
+      .error.value();
+}
+
+TEST_F(Calibrate, ReferencesJudgeTheCorrectedNetworkAndTheDataTheOneThatTheyTaught) {
+  // The mesh of the data makes energies a tenth too large.
+  auto corrected = model;
+  corrected.network.mesh_correction.setZero(6, 6);
+  corrected.network.mesh_correction.col(0).head<3>().setConstant(0.5 * std::log(0.9));
+  References references;
+  for (const std::uint64_t seed : {7, 8}) references.drawn.push_back(data_with_errors(corrected, 60, seed, 2));
+  const auto result = calibrate(corrected, data, {}, references).model;
+  const auto& judged = result.calibration->of(neural::Quantity::stress).judged;
+  EXPECT_EQ(judged.designs, 120);
+  EXPECT_NEAR(judged.share, 0.9, 0.03);
+  // Twice the spread of the data's own errors, and nothing of the tenth.
+  EXPECT_NEAR(stress_bar(result, {-0.5, 0}, neural::Origin::given), 1.645 * 0.008, 0.4 * 1.645 * 0.008);
+  EXPECT_NEAR(stress_bar(result, {0.5, 0}, neural::Origin::given), 1.645 * 0.08, 0.4 * 1.645 * 0.08);
+  EXPECT_EQ(stress_bar(result, {0.5, 0}, neural::Origin::searched),
+            stress_bar(result, {0.5, 0}, neural::Origin::given));
+}
+
+TEST_F(Calibrate, DesignsThatSearchesHaveFoundHaveBarsOfTheirOwn) {
+  References references{{data_with_errors(model, 120, 7)}, {data_with_errors(model, 100, 9, 3)}};
+  const auto result = calibrate(model, data, {}, references).model;
+  const auto& scale = result.calibration->of(neural::Quantity::stress);
+  EXPECT_EQ(scale.searched.designs, 100);
+  EXPECT_NEAR(scale.judged.share, 0.9, 0.03);
+  EXPECT_NEAR(scale.searched.share, 0.9, 0.03);
+  for (const std::vector<double>& design : {std::vector{-0.5, 0.1}, std::vector{0.5, 0.1}})
+    EXPECT_NEAR(stress_bar(result, design, neural::Origin::searched),
+                3 * stress_bar(result, design, neural::Origin::given),
+                1.2 * stress_bar(result, design, neural::Origin::given));
+}
+
+TEST_F(Calibrate, ReferencesOfAnotherStructureAreRefused) {
+  References references{{data_with_errors(model, 20, 7)}, {}};
+  references.drawn.front().recipe = {};
+  references.drawn.front().recipe.set("family", std::string("IH22"));
+  testing::expect_error("dataset.different_recipe", [&] { (void)calibrate(model, data, {}, references); });
 }
 
 TEST_F(Calibrate, TheSameDataGiveTheSameBarsAndOtherModelsDataAreRefused) {

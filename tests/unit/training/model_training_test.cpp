@@ -109,6 +109,8 @@ TEST(Narrowed, AModelEndsWhereItsDataEndAndHasTheSameValues) {
   model.network = neural::random_network(shape, 3);
   model.network.lower.setConstant(-1);
   model.network.upper.setConstant(1);
+  model.network.mesh_correction.resize(6, 6);
+  for (long i = 0; i < 36; ++i) model.network.mesh_correction.data()[i] = 0.01 * static_cast<double>(i % 11 - 5);
   model.provenance.options = describe(ModelOptions{});
   model.provenance.rows = static_cast<std::int64_t>(split(read_samples(data)).training.size());
   const neural::Model made = narrowed(model, data);

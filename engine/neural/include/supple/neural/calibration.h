@@ -55,6 +55,18 @@ struct ErrorScale {
   std::vector<double> knots;     ///< values of the polynomial, increasing
   std::vector<double> offsets;   ///< offsets at the knots; linear between them and constant beyond
   JudgedBars judged;
+  /// The same for designs that a search has found. A search prefers designs of which the network says what is wanted,
+  /// whether or not that is true, so that its designs err by more than others that are rated alike. Empty if no such
+  /// designs were simulated; then they have the offsets of others.
+  std::vector<double> searched_knots;
+  std::vector<double> searched_offsets;
+  JudgedBars searched;
+};
+
+/// How a design came to be looked at.
+enum class Origin {
+  given,     ///< somebody named it, or it was drawn at random
+  searched,  ///< a search among the network's answers has found it
 };
 
 /// Error bars of a model: split conformal prediction on designs that training has not seen (training::calibrate).
@@ -80,6 +92,7 @@ double offset_at(const std::vector<double>& knots, const std::vector<double>& of
 
 /// The error below which the stated share of the answers stays, at features as in error_features.h. It is finite and
 /// lies between 0 and largest_error. O(n^2) for n features, which is half a microsecond.
-double expected_error(const Calibration& calibration, Quantity quantity, const Eigen::VectorXd& features);
+double expected_error(const Calibration& calibration, Quantity quantity, const Eigen::VectorXd& features,
+                      Origin origin = Origin::given);
 
 }  // namespace supple::neural

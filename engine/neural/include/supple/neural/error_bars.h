@@ -24,9 +24,9 @@ struct Trust {
 class ErrorBars {
  public:
   /// `with_uniaxial` prepares it for `uniaxial`. This costs one evaluation with the tangent if the model has a
-  /// calibration.
+  /// calibration. `origin` says how the design was chosen, because a search leads to where a network errs.
   ErrorBars(const Model& model, const Evaluator& evaluator, const Evaluator::Design& design,
-            std::span<const double> parameters, bool with_uniaxial);
+            std::span<const double> parameters, bool with_uniaxial, Origin origin = Origin::given);
 
   /// The error bar of a quantity at a uniaxial equilibrium. `given` is d^T E d, `strain` the whole strain there, and
   /// `point` the network's answer. `quantity` must not be stress_at_strain. Takes about 2 microseconds.
@@ -42,6 +42,7 @@ class ErrorBars {
 
   const Model& model_;
   std::vector<double> parameters_;
+  Origin origin_;
   double rest_stiffness_ = 1;
   DesignFeatures features_;  ///< where the model has a calibration
 };

@@ -99,6 +99,10 @@ struct Network {
   long weights() const;
 };
 
+/// The network as its data have taught it, without the correction of their mesh. Whoever compares a network with data
+/// of that mesh compares this one.
+Network as_trained(Network network);
+
 /// Throws "model.invalid_network", which names the layer, unless all sizes fit together and all numbers are finite.
 void validate(const Network& network);
 

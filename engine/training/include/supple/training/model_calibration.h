@@ -21,6 +21,13 @@ struct CalibrationResult {
   std::array<SharesByLevel, neural::all_quantities.size()> levels;
 };
 
+/// States of designs that training has not seen, simulated as whoever verifies a design simulates it: by default
+/// without the error of the data's mesh (`supple-lab dataset make --refinement extrapolated`).
+struct References {
+  std::vector<dataset::Dataset> drawn;     ///< designs that were drawn at random
+  std::vector<dataset::Dataset> searched;  ///< designs that searches have found, along the directions of their targets
+};
+
 /// Makes error bars for a model from the data on which it was trained. The network is asked for each simulated state as
 /// a request would ask: for uniaxial equilibria along the state's direction of the material and its Green strain, each
 /// from rest, and for the stress at the simulated strain. Then, for each quantity,
@@ -39,9 +46,16 @@ struct CalibrationResult {
 /// states where the network finds no equilibrium are left out. Equal input gives equal bars. Takes about 1 ms for each
 /// state.
 ///
-/// Throws what `samples_of` throws, "training.no_samples" if fewer than 4 designs were held out or if a quantity has
+/// If `references` has drawn designs, these are the held-out ones, and the model answers with its correction of the
+/// mesh: the bars then say how far such simulations may be from the model. The designs that the network was trained on
+/// are compared with it as they trained it. If there are searched designs, they get offsets of their own in the same
+/// way, from ratings of a fit that has not seen them.
+///
+/// Throws what `samples_of` throws, "dataset.different_recipe" if references are of another structure or differ among
+/// each other, "training.no_samples" if fewer than 4 designs were held out or if a quantity has
 /// fewer than 50 states of them, and "job.cancelled" if a stop is requested.
-CalibrationResult calibrate(neural::Model model, const ModelData& data, const CancellationToken& cancellation = {});
+CalibrationResult calibrate(neural::Model model, const ModelData& data, const CancellationToken& cancellation = {},
+                            const References& references = {});
 
 /// A picture of a calibration, as SVG. It shows the share of the answers "within x %" that are true, over x, and the
 /// observed shares for stated shares from 50 to 95 %.

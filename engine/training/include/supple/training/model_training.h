@@ -40,6 +40,7 @@ std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& op
 struct ModelSamples {
   Samples samples;
   Split split;
+  SampleOptions options;  ///< which states are samples
 };
 ModelSamples samples_of(const neural::Model& model, const ModelData& data);
 

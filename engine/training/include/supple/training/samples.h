@@ -32,7 +32,14 @@ struct RestStiffness {
   Eigen::Matrix3d tangent;
 };
 
-/// The positive definite tangent next to rest of each design of `data.rest` that has one. Throws
+/// Throws "dataset.different_recipe", which names the settings, unless another data set is of the family and the solid
+/// of `data`; its mesh may be another one.
+void check_same_solid(const ModelData& data, const dataset::Dataset& other);
+
+/// The positive definite tangent next to rest of each design of a data set that has one.
+std::vector<RestStiffness> rest_stiffnesses(const dataset::Dataset& data);
+
+/// The same of all data sets of `data.rest`. Throws
 /// "dataset.different_recipe", which names the settings, if the data are of another family, solid or mesh.
 std::vector<RestStiffness> read_rest(const ModelData& data);
 

@@ -1,0 +1,134 @@
+#include "supple/training/mesh_correction.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "supple/base/error.h"
+#include "supple/neural/calibration.h"
+#include "supple/training/model_errors.h"
+
+namespace supple::training {
+namespace {
+
+constexpr int directions = 12;
+constexpr int folds = 10;
+constexpr int designs_of_a_coefficient = 4;
+
+using Outputs = Eigen::Matrix<double, 6, 1>;
+
+/// What the stiffness branch has for a stiffness; see neural::Network.
+Outputs outputs_of(const Eigen::Matrix3d& stiffness) {
+  const Eigen::Matrix3d l = Eigen::LLT<Eigen::Matrix3d>(stiffness).matrixL();
+  Outputs q;
+  q << std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0), l(2, 0) / l(0, 0), l(2, 1) / l(1, 1);
+  return q;
+}
+
+Eigen::Matrix3d stiffness_of(const Outputs& q) {
+  const Eigen::Array3d d = q.head<3>().array().exp();
+  Eigen::Matrix3d l;
+  l << d[0], 0, 0, q[3] * d[0], d[1], 0, q[4] * d[0], q[5] * d[1], d[2];
+  return l * l.transpose();
+}
+
+/// A design at rest on both meshes.
+struct Pair {
+  Eigen::VectorXd terms;  ///< of its mapped parameters
+  Outputs mesh;
+  Outputs reference;
+};
+
+std::vector<Pair> pairs_of(const neural::Network& network, const std::vector<RestStiffness>& mesh,
+                           const std::vector<RestStiffness>& reference) {
+  std::map<std::vector<double>, const Eigen::Matrix3d*> by_parameters;
+  for (const auto& design : reference) by_parameters[design.parameters] = &design.tangent;
+  std::vector<Pair> pairs;
+  for (const auto& design : mesh) {
+    const auto found = by_parameters.find(design.parameters);
+    if (found == by_parameters.end()) continue;
+    const Eigen::Map<const Eigen::VectorXd> p(design.parameters.data(), static_cast<long>(design.parameters.size()));
+    const Eigen::VectorXd mapped =
+        2 * (p - network.lower).cwiseQuotient(network.upper - network.lower).array().matrix() -
+        Eigen::VectorXd::Ones(p.size());
+    pairs.push_back({neural::quadratic_terms(mapped), outputs_of(design.tangent), outputs_of(*found->second)});
+  }
+  return pairs;
+}
+
+/// The correction by all pairs but those of a fold (negative: by all).
+Eigen::MatrixXd fitted(const std::vector<Pair>& pairs, int without) {
+  std::vector<const Pair*> used;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (static_cast<int>(i % folds) != without) used.push_back(&pairs[i]);
+  const auto n = static_cast<long>(used.size());
+  Eigen::MatrixXd terms(n, pairs.front().terms.size());
+  Eigen::MatrixXd differences(n, 6);
+  for (long i = 0; i < n; ++i) {
+    const Pair& pair = *used[static_cast<std::size_t>(i)];
+    terms.row(i) = pair.terms.transpose();
+    differences.row(i) = (pair.reference - pair.mesh).transpose();
+  }
+  return terms.colPivHouseholderQr().solve(differences).transpose();
+}
+
+/// Young's modulus along a direction of the material.
+double modulus(const Eigen::Matrix3d& compliance, double direction) {
+  const double c = std::cos(direction);
+  const double s = std::sin(direction);
+  const Eigen::Vector3d dyad(c * c, s * s, c * s);
+  return 1 / dyad.dot(compliance * dyad);
+}
+
+void add_errors(const Outputs& outputs, const Outputs& reference, std::vector<double>& errors) {
+  const Eigen::Matrix3d compliance = stiffness_of(outputs).inverse();
+  const Eigen::Matrix3d exact = stiffness_of(reference).inverse();
+  for (int k = 0; k < directions; ++k) {
+    const double direction = k * std::numbers::pi / directions;
+    errors.push_back(modulus(compliance, direction) / modulus(exact, direction) - 1);
+  }
+}
+
+ModulusErrors summary(const std::vector<double>& errors) {
+  const Eigen::Map<const Eigen::VectorXd> all(errors.data(), static_cast<long>(errors.size()));
+  const Eigen::VectorXd sizes = all.cwiseAbs();
+  return {all.mean(), quantile(sizes, 0.5), quantile(sizes, 0.9)};
+}
+
+}  // namespace
+
+neural::Model with_mesh_correction(neural::Model model, const ModelData& data, const dataset::Dataset& reference,
+                                   MeshCorrectionReport& report) {
+  check_same_solid(data, reference);
+  const auto pairs = pairs_of(model.network, read_rest(data), rest_stiffnesses(reference));
+  const auto terms = 1 + model.network.lower.size() * (model.network.lower.size() + 3) / 2;
+  const auto needed = designs_of_a_coefficient * terms;
+  if (static_cast<long>(pairs.size()) < needed)
+    throw Error("training.no_samples",
+                fmt::format("A correction of the mesh needs {} designs at rest on both meshes; there are {}.", needed,
+                            pairs.size()));
+  std::vector<double> before;
+  std::vector<double> after;
+  for (int fold = 0; fold < folds; ++fold) {
+    const Eigen::MatrixXd correction = fitted(pairs, fold);
+    for (std::size_t i = static_cast<std::size_t>(fold); i < pairs.size(); i += folds) {
+      const Pair& pair = pairs[i];
+      add_errors(pair.mesh, pair.reference, before);
+      add_errors(pair.mesh + correction * pair.terms, pair.reference, after);
+    }
+  }
+  report = {static_cast<int>(pairs.size()), summary(before), summary(after)};
+  model.network.mesh_correction = fitted(pairs, -1);
+  neural::validate(model.network);
+  model.calibration.reset();
+  return model;
+}
+
+}  // namespace supple::training
