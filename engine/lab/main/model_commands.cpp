@@ -334,6 +334,8 @@ void add_correct_command(CLI::App& program) {
       "correct-mesh", "Take off what the mesh of a model's data errs by; calibrate the model afterwards");
   command->add_option("--model", arguments->model, "The model")->required();
   add_data_options(*command, arguments->data);
+  command->add_option("--rest-data", arguments->data.rest, "Designs at rest on the mesh of the data (dataset rest)")
+      ->required();
   command
       ->add_option("--reference", arguments->reference,
                    "The designs of --rest-data at rest on a mesh that errs by much less (dataset rest)")
