@@ -42,6 +42,7 @@ struct DesignArguments {
   int max_iterations = 0;
   int starts = 0;
   int candidates = 0;
+  std::string trust;
   std::string multi_start;
   std::string envelope;
   std::string polish;
@@ -182,6 +183,7 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   set_number(accuracy, "starts", arguments.starts);
   set_number(accuracy, "candidates", arguments.candidates);
   if (!accuracy.empty()) request["accuracy"].update(accuracy);
+  if (!arguments.trust.empty()) request["effects"]["trust"] = arguments.trust;
   if (!arguments.multi_start.empty()) request["effects"]["multi_start"] = arguments.multi_start;
   if (!arguments.envelope.empty()) request["effects"]["envelope"] = arguments.envelope;
   if (!arguments.polish.empty()) request["effects"]["polish"] = arguments.polish;
@@ -252,6 +254,8 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
       ->check(CLI::PositiveNumber);
   command.add_option("--candidates", arguments.candidates, "Designs among which they are chosen")
       ->check(CLI::PositiveNumber);
+  command.add_option("--trust", arguments.trust, "Prefer designs of which the model can be trusted (automatic)")
+      ->check(switch_values);
   command.add_option("--multi-start", arguments.multi_start, "Further starting points (automatic)")
       ->check(switch_values);
   command.add_option("--envelope", arguments.envelope, "What the family can do at all (automatic)")

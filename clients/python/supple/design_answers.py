@@ -266,7 +266,7 @@ class DesignResult(Design):
     Attributes:
         tolerance, equilibrium_tolerance: as asked for.
         residual: largest one of the design's equilibria.
-        effects: "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
+        effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
     """
 
     tolerance: float

@@ -258,6 +258,8 @@ class DesignOptions:
         polish_tolerance: polishing ends once the simulated relative deviation is at most this. 0.002.
         polish_rounds: structures that polishing simulates at most, beyond the first. 30.
         polish_seconds: a round that would end later than this is not begun. 120.
+        trust: whether designs of which the model can be trusted come before others that are nearly as near: "automatic",
+            "on" or "off".
         multi_start: further starting points: "automatic", "on" or "off".
         envelope: least and greatest values over all designs that were looked at: "automatic", "on" or "off".
         polish: correcting the design by simulations until they follow the targets: "automatic" where it is verified, "on"
@@ -276,6 +278,7 @@ class DesignOptions:
     polish_tolerance: Optional[float] = None
     polish_rounds: Optional[int] = None
     polish_seconds: Optional[float] = None
+    trust: Optional[str] = None
 
     def to_wire(self) -> Dict[str, Any]:
         accuracy = _given(
@@ -291,7 +294,7 @@ class DesignOptions:
                 "polish_seconds": self.polish_seconds,
             }
         )
-        effects = _given({"multi_start": self.multi_start, "envelope": self.envelope, "polish": self.polish})
+        effects = _given({"trust": self.trust, "multi_start": self.multi_start, "envelope": self.envelope, "polish": self.polish})
         return _given({"accuracy": accuracy or None, "effects": effects or None})
 
 

@@ -63,8 +63,12 @@ std::string message_about(const Design& design, const neural::Model& model, cons
     Eigen::Index worst = 0;
     main.target.deviations(main.achieved).cwiseAbs().maxCoeff(&worst);
     const std::string deviation = percent(design.error.relative_rms) + " (root mean square)";
+    // The mean says nothing about samples at which the model is not trusted.
+    const bool is_trusted = std::all_of(design.profiles.begin(), design.profiles.end(), [](const auto& profile) {
+      return std::all_of(profile.in_range.begin(), profile.in_range.end(), [](auto flag) { return flag != 0; });
+    });
     const auto model_error =
-        main.target.samples.task == Task::poisson ? std::nullopt : neural::mean_stress_error(model);
+        main.target.samples.task == Task::poisson || !is_trusted ? std::nullopt : neural::mean_stress_error(model);
     if (model_error && design.error.relative_rms <= *model_error)
       text << "The closest design of " << model.family << " that was found deviates by " << deviation
            << ", no more than the model errs in the mean (" << percent(*model_error) << "); most ";

@@ -221,7 +221,8 @@ class Search {
     const bool defined = residuals.residuals(x, r);
     count(residuals);
     if (!defined) return std::numeric_limits<double>::infinity();
-    if (found_ && r.norm() >= best_.error.relative_rms) return r.norm();
+    // Its merit is at least its deviation, so that most designs need no error bars.
+    if (found_ && r.norm() >= merit_) return r.norm();
     // What nothing is searched for is told even beyond the limits.
     if (auto beyond = bounds_.free.empty() ? std::string()
                                            : excess(space_, problem_.limits, family_part(residuals.last_parameters()));
@@ -232,6 +233,19 @@ class Search {
       }
       return r.norm();
     }
+    std::vector<ProfileTrust> trusts;
+    const auto origin = bounds_.free.empty() ? neural::Origin::given : neural::Origin::searched;
+    for (std::size_t t = 0; t < targets_.size(); ++t) trusts.push_back(residuals.trust(space_.model, t, origin));
+    const Doubt doubt = options_.trust == Switch::off ? Doubt{} : doubt_about(trusts);
+    const double merit = std::hypot(r.norm(), doubt.size);
+    if (found_ && merit >= merit_) {
+      ++passed_over_;
+      return r.norm();
+    }
+    passed_over_ += found_ && r.norm() > best_.error.relative_rms ? 1 : 0;
+    merit_ = merit;
+    best_.doubt = doubt.size;
+    is_doubtful_ = doubt.has_long_bars;
     found_ = true;
     best_.parameters = family_part(residuals.last_parameters());
     best_.orientation = orientation_in(residuals.last_parameters());
@@ -248,9 +262,8 @@ class Search {
       profile.target.samples.orientation = best_.orientation;
       profile.initial = initial_[t];
       profile.achieved = residuals.values(t);
-      auto trust = residuals.trust(space_.model, t);
-      profile.in_range = std::move(trust.in_range);
-      profile.error_bar = std::move(trust.error_bar);
+      profile.in_range = std::move(trusts[t].in_range);
+      profile.error_bar = std::move(trusts[t].error_bar);
       const Eigen::VectorXd deviations = targets_[t].deviations(profile.achieved).cwiseAbs();
       if (t == 0) best_.error.max = deviations.maxCoeff();
       profile.reached = targets_[t].reached(profile.achieved);
@@ -258,6 +271,32 @@ class Search {
                       std::all_of(profile.reached.begin(), profile.reached.end(), [](auto flag) { return flag != 0; });
     }
     return r.norm();
+  }
+
+  struct Doubt {
+    double size = 0;  ///< Design::doubt
+    /// Whether error bars are too long at a sample. Outside of the ranges of training there are none, and often for any
+    /// design: it would be in vain to look for others.
+    bool has_long_bars = false;
+  };
+  Doubt doubt_about(const std::vector<ProfileTrust>& trusts) const {
+    Doubt doubt;
+    double sum = 0;
+    double weights = 0;
+    for (std::size_t t = 0; t < targets_.size(); ++t) {
+      const ProfileTrust& trust = trusts[t];
+      for (std::size_t i = 0; i < trust.in_range.size(); ++i) {
+        if (trust.in_range[i] != 0) continue;
+        const auto at = static_cast<Eigen::Index>(i);
+        const bool has_bar = trust.error_bar.size() > 0 && std::isfinite(trust.error_bar[at]);
+        doubt.has_long_bars = doubt.has_long_bars || has_bar;
+        const double bar = has_bar ? trust.error_bar[at] / targets_[t].scale : 1;
+        sum += weights_[t] * targets_[t].weights[at] * bar * bar;
+      }
+      weights += weights_[t];
+    }
+    doubt.size = std::sqrt(sum / weights);
+    return doubt;
   }
 
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
@@ -452,7 +491,7 @@ class Search {
     std::vector<Eigen::VectorXd> refined;
     for (const auto& lead : leads) {
       if (good() && options_.multi_start != Switch::on) return;
-      if (found_ && (refined.size() >= most || !(lead.deviation < 2 * best_.error.relative_rms))) return;
+      if (found_ && (refined.size() >= most || !(lead.deviation < 2 * merit_))) return;
       const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, lead.x);
       if (among(refined, all, same_lead)) continue;
       refined.push_back(all);
@@ -469,7 +508,7 @@ class Search {
     });
   }
 
-  bool good() const { return best_.reached && best_.error.relative_rms <= good_share; }
+  bool good() const { return best_.reached && best_.error.relative_rms <= good_share && !is_doubtful_; }
 
   void add_envelope() {
     const bool wanted = options_.envelope == Switch::on || (options_.envelope == Switch::automatic && table_);
@@ -530,6 +569,12 @@ class Search {
     execution_->cost->add_effect(
         "orientation", bounds_.orientation_is_free(),
         bounds_.orientation_is_free() ? "the request leaves a range" : "the request leaves no choice");
+    if (space_.model.calibration)
+      execution_->cost->add_effect("trust", passed_over_ > 0,
+                                   options_.trust == Switch::off ? "the request turns it off"
+                                   : passed_over_ > 0 ? "the model's error bars are long at designs that seemed nearer"
+                                                      : "the nearest design is trusted as much as any",
+                                   passed_over_);
     execution_->cost->add_effect("limits", limits_.are_needed(),
                                  limits_.are_needed() ? "the request has limits" : "the request has none");
     execution_->cost->add_quantity("evaluations", static_cast<double>(evaluations_));
@@ -556,6 +601,9 @@ class Search {
   std::shared_ptr<const Candidates::Table> table_;  ///< its samples are those of the first orientation, then the next
   std::vector<double> orientations_;
   Design best_;
+  double merit_ = 0;  ///< sqrt(d^2 + u^2) of the best design, see DesignOptions::trust
+  bool is_doubtful_ = false;
+  int passed_over_ = 0;  ///< designs that were nearer to the target, but doubtful, or worse for being so
   bool found_ = false;
   bool reported_ = false;
   double least_reported_ = 0;
@@ -594,7 +642,8 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
     try {
       Design design = Search(space, alone, options, materials).run(part.execution(), improvements);
       design.material = i;
-      const bool is_better = !best || design.error.relative_rms < best->error.relative_rms;
+      const auto merit = [](const Design& of) { return std::hypot(of.error.relative_rms, of.doubt); };
+      const bool is_better = !best || merit(design) < merit(*best);
       if (best) add_counts(is_better ? design : *best, is_better ? *best : design);
       if (is_better) best = std::move(design);
     } catch (const Error& error) {

@@ -17,8 +17,8 @@ constexpr int starts_in_each_space = 4;
 constexpr double unknown_model_error = 1;
 
 /// A deviation that is far below the model's own error says nothing about the structure.
-double expected_deviation(double relative_rms, std::optional<double> model_error) {
-  return std::hypot(relative_rms, model_error.value_or(unknown_model_error));
+double expected_deviation(double relative_rms, std::optional<double> model_error, double doubt = 0) {
+  return std::hypot(relative_rms, std::max(model_error.value_or(unknown_model_error), doubt));
 }
 
 }  // namespace
@@ -85,7 +85,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   if (ranking.empty())
     throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
   const auto expected = [](const Design& design) {
-    return expected_deviation(design.error.relative_rms, design.model_error);
+    return expected_deviation(design.error.relative_rms, design.model_error, design.doubt);
   };
   std::stable_sort(ranking.begin(), ranking.end(),
                    [&](const Design& a, const Design& b) { return expected(a) < expected(b); });

@@ -327,6 +327,7 @@ class Polish {
       }
       DesignOptions options;
       options.envelope = Switch::off;
+      options.trust = Switch::off;  // the simulation is to judge
       options.multi_start = i > 0 ? Switch::off : Switch::automatic;
       options.equilibrium_tolerance = model_.search_tolerance();
       try {

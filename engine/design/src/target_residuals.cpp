@@ -160,9 +160,9 @@ Eigen::VectorXd TargetResiduals::corrected_values() const {
   return result + correction_->offset + correction_->slope * away;
 }
 
-ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target) const {
+ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target, neural::Origin origin) const {
   const Eigen::VectorXd parameters = family_part(last_);
-  const neural::ErrorBars bars(model, evaluator_, *design_, span_of(parameters), true);
+  const neural::ErrorBars bars(model, evaluator_, *design_, span_of(parameters), true, origin);
   auto trust = profile_trust(model, bars, samples_, equilibria_, first_[target], model_values(target));
   trust.error_bar *= factor_for(targets_[target].samples.task, chosen_.factor);
   return trust;

@@ -58,7 +58,7 @@ class TargetResiduals : public numerics::ResidualFunction {
   /// The modulus at the last parameters.
   const ModulusChoice::Chosen& chosen() const { return chosen_; }
   /// How far each sample of a target is to be trusted, at the last parameters.
-  ProfileTrust trust(const neural::Model& model, std::size_t target) const;
+  ProfileTrust trust(const neural::Model& model, std::size_t target, neural::Origin origin) const;
   double largest_residual() const;  ///< of the equilibria at the last parameters
   std::int64_t evaluations() const { return equilibria_.evaluations() + derivative_evaluations_; }
   std::int64_t restarts() const { return equilibria_.restarts(); }

@@ -298,6 +298,7 @@ void read_options(Fields& fields, DesignRequest& request) {
   });
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("multi_start", request.options.multi_start, switch_names);
+    effects.choice("trust", request.options.trust, switch_names);
     effects.choice("envelope", request.options.envelope, switch_names);
     effects.choice("polish", request.verification.polish, switch_names);
   });

@@ -82,6 +82,10 @@ struct DesignOptions {
   /// Whether there are further starting points. automatic uses them if there is no `initial`, or if the design found
   /// from `initial` does not reach the target or deviates by more than 0.1 %.
   Switch multi_start = Switch::automatic;
+  /// Whether designs are preferred of which the model can be trusted. automatic and on compare designs by
+  /// sqrt(d^2 + u^2), where d is the deviation by the model and u the doubt about it (Design::doubt), and look for
+  /// others where the nearest is doubtful. off compares them by d alone.
+  Switch trust = Switch::automatic;
   /// Whether the answer has the least and greatest values over the candidates. automatic gives them if candidates were
   /// evaluated anyway.
   Switch envelope = Switch::automatic;
@@ -131,8 +135,12 @@ struct Design {
   /// The number of strains at which the search evaluated the network. Evaluations for the candidates are not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;
-  std::string message;                ///< what the user should know about the result; may be empty
-  double residual = 0;                ///< the largest residual of the equilibria
+  std::string message;  ///< what the user should know about the result; may be empty
+  double residual = 0;  ///< the largest residual of the equilibria
+  /// The root mean square of the error bars of those samples at which the model is not trusted, over the targets'
+  /// scales, with the weights of DesignError::relative_rms; samples without an error bar count 1. 0 where the model is
+  /// trusted everywhere.
+  double doubt = 0;
   std::optional<double> model_error;  ///< neural::mean_stress_error
   /// What the structure measures. Only the first design in the answer of `search_designs` has it, and only if there is
   /// a structure.
@@ -167,8 +175,9 @@ Design find_design(const DesignSpace& space, const DesignProblem& problem, const
 
 /// Finds the best design of each space and ranks them by the deviation that is to be expected of the structure. This is
 /// sqrt(d^2 + m^2), where d is the relative root mean square deviation of the design and m the error of its model,
-/// which is taken for 1 if it is unknown. Problems with `initial` or `fixed` must have one space. Spaces without any
-/// equilibrium are left out, and "design.no_equilibrium" is thrown if none remains.
+/// which is taken for 1 if it is unknown, or the doubt about the design where that is larger. Problems with `initial`
+/// or `fixed` must have one space. Spaces without any equilibrium are left out, and "design.no_equilibrium" is thrown
+/// if none remains.
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,
                                  const DesignOptions& options = {}, const Execution& execution = {},
                                  const OnProgress& progress = {});
