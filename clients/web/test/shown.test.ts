@@ -93,6 +93,15 @@ describe("a verdict", () => {
     expect(judge(searched(0.24), model).sentence).toMatch(/^The closest design of IH22 that was found is 24 %/);
   });
 
+  it("is not certain where the model is not trusted, whatever its mean error", () => {
+    const doubtful = { ...searched(0.0123), inRange: [true, true, false, true, false] };
+    const judged = judge(doubtful, { mean: 0.013, percentile99: 0.05 });
+    expect(judged).toMatchObject({ verdict: "doubtful", words: "Not certain" });
+    expect(judged.sentence).toBe("IH22 is 1.2 % from the target (root mean square); the model is not trusted at 2 of 5 samples: verify it by simulation.");
+    expect(judge({ ...doubtful, ...searched(0.004), inRange: doubtful.inRange }, null).verdict).toBe("doubtful");
+    expect(judge({ ...searched(0.24), inRange: doubtful.inRange }, null).verdict).toBe("out");
+  });
+
   it("takes the error bars where no mean is known, and at least 1 % at every sample", () => {
     expect(judge({ ...searched(0.02), errorBar: [0, 0.02, 0.04, 0.06, 0.08] }, null).verdict).toBe("within");
     expect(judge({ ...searched(0.03), errorBar: null }, null)).toMatchObject({ verdict: "close", sentence: expect.stringMatching(/not known/) });

@@ -43,14 +43,14 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     const label = fresh === "current" ? chip(shown, ofAll(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
     replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label),
       targetList(session, shown), facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
-      ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.verdict !== "within" ? [advice(session, shown)] : []));
+      ...(fresh === "current" && !shown.provisional && !shown.byHand && ["close", "out"].includes(judgement.verdict) ? [advice(session, shown)] : []));
   }
 
   for (const part of [session.shown, session.state, session.activity]) part.watch(show);
   return element;
 }
 
-const WORST_FIRST: readonly Verdict[] = ["out", "close", "within"];
+const WORST_FIRST: readonly Verdict[] = ["out", "doubtful", "close", "within"];
 
 /** Several targets are met as well as the one that is met worst. */
 function ofAll(session: DesignSession, inSight: Shown, judgement: Judgement): Judgement {
@@ -77,7 +77,7 @@ function targetList(session: DesignSession, inSight: Shown): HTMLElement | false
     h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
 }
 
-const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", out: "out of reach" };
+const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", doubtful: "not certain", out: "out of reach" };
 
 function waitingWords(session: DesignSession): string {
   return session.activity.get().kind === "busy" ? "Computing" : "Not computed";
@@ -100,7 +100,7 @@ export function labelOf(shown: Shown, judgement: Judgement): string {
 function chip(shown: Shown, judgement: Judgement): HTMLElement {
   const { verdict } = judgement;
   const isPlain = shown.provisional || shown.byHand;
-  const kind = isPlain ? "plain" : verdict === "within" ? "good" : verdict === "close" ? "close" : "out";
+  const kind = isPlain ? "plain" : verdict === "within" ? "good" : verdict === "out" ? "out" : "close";
   return h("span", { class: `chip ${kind}` }, kind === "good" && icon("check"), labelOf(shown, judgement));
 }
 

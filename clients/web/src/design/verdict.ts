@@ -2,8 +2,11 @@
 import { percent } from "../base/format";
 import type { ModelError, Shown } from "./shown";
 
-/** `within`: nearer to the target than the model to a simulation, or within 1 % at every sample. */
-export type Verdict = "within" | "close" | "out";
+/**
+ * `within`: nearer to the target than the model to a simulation, or within 1 % at every sample. `doubtful`: the same, or close, by a model that is
+ * not trusted at some sample.
+ */
+export type Verdict = "within" | "close" | "doubtful" | "out";
 
 export interface Judgement {
   readonly verdict: Verdict;
@@ -17,9 +20,9 @@ export interface Judgement {
 const CLOSE = 0.05;
 const CLOSE_ERRORS = 3;
 
-const WORDS: Record<Verdict, string> = { within: "Within the model’s error", close: "Close", out: "Out of reach" };
+const WORDS: Record<Verdict, string> = { within: "Within the model’s error", close: "Close", doubtful: "Not certain", out: "Out of reach" };
 
-type Judged = Pick<Shown, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar">;
+type Judged = Pick<Shown, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar" | "inRange">;
 
 /** Root mean square of the error bars over that of the target; null where a sample has none. */
 export function barsOf({ errorBar, target }: Pick<Shown, "errorBar" | "target">): number | null {
@@ -32,11 +35,15 @@ export function barsOf({ errorBar, target }: Pick<Shown, "errorBar" | "target">)
 export function judge(shown: Judged, error: ModelError | null): Judgement {
   const { deviation, found, byHand } = shown;
   const bars = barsOf(shown);
-  const trusted = error?.mean ?? bars;
+  // A mean over all samples that the model was tested on says nothing about those at which it is not trusted.
+  const doubtful = shown.inRange.filter((inside) => !inside).length;
+  const trusted = doubtful > 0 ? null : error?.mean ?? bars;
   const complete = shown.achieved.every((value) => value !== null);
   const allReached = shown.reached.length > 0 && shown.reached.every(Boolean);
-  const verdict = !complete ? "out" : allReached || (trusted !== null && deviation <= trusted) ? "within" : deviation <= Math.max(CLOSE, CLOSE_ERRORS * (trusted ?? 0)) ? "close" : "out";
+  const isWithin = allReached || (trusted !== null && deviation <= trusted);
+  const isClose = isWithin || deviation <= Math.max(CLOSE, CLOSE_ERRORS * (trusted ?? 0));
+  const verdict = !complete || !isClose ? "out" : doubtful > 0 ? "doubtful" : isWithin ? "within" : "close";
   const who = byHand || verdict !== "out" ? found.family : `The closest design of ${found.family} that was found`;
-  const model = error ? `the model itself errs by ${percent(error.mean)} in the mean` : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
+  const model = doubtful > 0 ? `the model is not trusted at ${doubtful} of ${shown.inRange.length} samples: verify it by simulation` : error ? `the model itself errs by ${percent(error.mean)} in the mean` : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
   return { verdict, words: WORDS[verdict], sentence: `${who} is ${percent(deviation)} from the target (root mean square); ${model}.` };
 }
