@@ -89,12 +89,14 @@ def test_every_option_reaches_the_server(program: Program) -> None:
         "--json", "design", "--task", "poisson", "--model", "ih67", "--target", "0,0.1;1,0.3", "--strain", "0.03",
         "--strain-measure", "engineering", "--interpolation", "monotone", "--samples", "6", "--initial", "0.2,0.9",
         "--fixed", "0.2,free", "--tolerance", "1e-5", "--equilibrium-tolerance", "1e-9", "--max-iterations", "7",
-        "--multi-start", "off", "--envelope", "on", "--candidates", "4", "--session", "s", "--deadline", "100"))
+        "--multi-start", "off", "--envelope", "on", "--trust", "off", "--candidates", "4", "--session", "s", "--deadline", "100"))
     main = answer["profile"]
     assert (main["task"], main["strain"], main["strain_measure"], len(main["x"])) == ("poisson", 0.03, "engineering", 6)
     assert answer["parameters"][0] == 0.2 and answer["model"] == "ih67" and answer["starts"] == 1
     assert answer["accuracy"]["tolerance"] == 1e-5 and answer["accuracy"]["equilibrium_tolerance"] == 1e-9
     assert main["envelope"] is not None and answer["iterations"] <= 7
+    (trust,) = [effect for effect in answer["effects"] if effect["name"] == "trust"]
+    assert not trust["ran"] and "turns it off" in trust["why"]
 
 
 def test_regions_come_from_a_file_and_are_drawn_side_by_side(program: Program) -> None:
@@ -221,7 +223,7 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
     assert {effect.name for effect in result.effects} == {
-        "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish"}
+        "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish"}
     assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
 
 

@@ -238,6 +238,26 @@ def test_effects_do_what_the_request_says(designs: Api) -> None:
     assert many["starts"] == FEW["starts"] and effect(many, "multi_start")["ran"] and effect(many, "envelope")["ran"]
     assert len(many["profile"]["envelope"]["lower"]) == request["samples"]
     assert not effect(many, "verification")["ran"] and "does not ask" in effect(many, "verification")["why"]
+    assert "trusted as much as any" in effect(many, "trust")["why"]
+    nearest = designs.ok(DESIGNS, {**request, "effects": {"trust": "off"}})
+    assert not effect(nearest, "trust")["ran"] and "turns it off" in effect(nearest, "trust")["why"]
+
+
+def test_a_trusted_design_comes_before_one_that_is_a_little_nearer(designs: Api) -> None:
+    """A curve of IH01 that stiffens fast, for which the network errs most: the simulated structure was fourteen times as stiff."""
+    request = {"task": "stress_strain", "family": "IH01", "direction": 0.9, "samples": 9, "accuracy": {"candidates": 256},
+               "target": {"control_points": [[0, 0], [0.05, 0.002], [0.1, 0.02], [0.15, 0.08]]}}
+
+    def merit(answer: Dict[str, Any]) -> float:
+        main = answer["profile"]
+        bars = [bar for bar, inside in zip(main["error_bar"], main["in_range"]) if not inside]
+        target = np.array(main["target"])
+        doubt = np.sqrt(np.sum(np.square(np.array(bars, dtype=float))) / np.sum(target**2)) if bars else 0.0
+        return float(np.hypot(answer["error"]["relative_rms"], doubt))
+
+    nearest, trusted = (designs.ok(DESIGNS, {**request, "effects": {"trust": trust}}) for trust in ("off", "automatic"))
+    assert nearest["error"]["relative_rms"] <= trusted["error"]["relative_rms"] * (1 + 1e-6)
+    assert merit(trusted) <= merit(nearest) * (1 + 1e-6)
 
 
 def test_the_iteration_limit_is_said(designs: Api) -> None:
@@ -485,7 +505,7 @@ def test_error_bars_are_unknown_outside_of_the_training(designs: Api) -> None:
 
 def test_the_model_says_what_its_error_bars_are_worth(designs: Api) -> None:
     bars = designs.get("/v1/models/ih67").json()["error_bars"]
-    assert bars["level"] == 0.9
+    assert bars["level"] == 0.9 and bars["judged_by"] in ("fresh", "held_out")
     for quantity in ("stress", "stiffness", "poisson", "stress_at_strain"):
         assert bars[quantity]["designs"] > 20 and 0.88 <= bars[quantity]["share"] <= 0.97
 
@@ -503,7 +523,7 @@ def test_the_contract_names_the_defaults_that_the_server_has(designs: Api) -> No
     spelled = {**{name: value for name, value in accuracy.items() if value is not None}, "candidates": 40, "starts": 16}
     request = {**known_problem(designs, family="IH29"), "accuracy": {}}
     plain, explicit = (designs.ok(DESIGNS, {**request, **more}) for more in (
-        {}, {"accuracy": spelled, "effects": {"multi_start": "automatic", "envelope": "automatic"}, "verify": False,
+        {}, {"accuracy": spelled, "effects": {"multi_start": "automatic", "envelope": "automatic", "trust": "automatic"}, "verify": False,
              "strain_measure": "green"}))
     assert answers(plain) == answers(explicit)
     assert plain["accuracy"]["tolerance"] == accuracy["tolerance"]
@@ -558,7 +578,8 @@ INVALID = [
     ({**GOOD, "accuracy": {"tolerance": 0}}, ["/accuracy/tolerance"]),
     ({**GOOD, "accuracy": {"max_iterations": 0, "starts": 65, "candidates": 5000, "verified_samples": 1}},
      ["/accuracy/max_iterations", "/accuracy/starts", "/accuracy/candidates", "/accuracy/verified_samples"]),
-    ({**GOOD, "effects": {"multi_start": "perhaps", "polish": "maybe"}}, ["/effects/multi_start", "/effects/polish"]),
+    ({**GOOD, "effects": {"multi_start": "perhaps", "polish": "maybe", "trust": True}},
+     ["/effects/multi_start", "/effects/polish", "/effects/trust"]),
     ({**GOOD, "accuracy": {"polish_tolerance": 0, "polish_rounds": 0, "polish_seconds": 0}},
      ["/accuracy/polish_tolerance", "/accuracy/polish_rounds", "/accuracy/polish_seconds"]),
     ({**GOOD, "session": ""}, ["/session"]),

@@ -37,6 +37,21 @@ void print_split(const char* name, const nlohmann::json& split) {
   }
 }
 
+void print_error_bars(const nlohmann::json& bars) {
+  if (bars.is_null()) return;
+  fmt::print("error bars      for {:g} of 100 values, judged by {} designs\n", 100 * bars.at("level").get<double>(),
+             bars.at("judged_by") == "fresh" ? "fresh" : "held-out");
+  const auto print = [](const std::string& name, const nlohmann::json& worth) {
+    fmt::print("  {:<30} median {:.3g}, {:.3g} of 100 within theirs ({} designs, {} values)\n", name,
+               worth.at("median").get<double>(), 100 * worth.at("share").get<double>(),
+               worth.at("designs").get<std::int64_t>(), worth.at("samples").get<std::int64_t>());
+  };
+  for (const char* name : {"stress", "stiffness", "poisson", "stress_at_strain"}) {
+    print(name, bars.at(name));
+    if (bars.at(name).contains("searched")) print(std::string("  found by searches: ") + name, bars.at(name)["searched"]);
+  }
+}
+
 void print_model(const nlohmann::json& model) {
   const auto& parameters = model.at("parameters");
   const auto& strains = model.at("strain_range");
@@ -56,11 +71,13 @@ void print_model(const nlohmann::json& model) {
              strains.at("largest_relative_energy").get<double>());
   print_split("new designs", model.at("errors").at("design_split"));
   print_split("new states", model.at("errors").at("row_split"));
-  fmt::print("network         {}, {}, width {}, layers {} + {} + {}, {} weights\n",
+  print_error_bars(model.at("error_bars"));
+  fmt::print("network         {}, {}, width {}, layers {} + {} + {}, {} weights{}\n",
              network.at("form").get<std::string>(), network.at("activation").get<std::string>(),
              network.at("width").get<int>(), network.at("strain_layers").get<int>(),
              network.at("parameter_layers").get<int>(), network.at("trunk_layers").get<int>(),
-             network.at("weights").get<std::int64_t>());
+             network.at("weights").get<std::int64_t>(),
+             network.at("corrects_mesh").get<bool>() ? ", corrected for the mesh of its data" : "");
   fmt::print("trained         on {} states of {} designs in {:.4g} s, seed {}, engine {}\n",
              origin.at("rows").get<std::int64_t>(), origin.at("designs").get<std::int64_t>(),
              origin.at("training_seconds").get<double>(), origin.at("seed").get<std::int64_t>(),

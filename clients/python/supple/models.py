@@ -61,8 +61,10 @@ class ModelInfo(Shown):
         largest_relative_energy: greatest energy density that it was trained on, over the design's rest stiffness.
         design_split: errors on designs no row of which was trained on; None where they are not known.
         row_split: errors on other rows of designs that were trained on; None where they are not known.
-        error_bars: level and, by quantity, what the error bars of its answers are worth; None where it has none.
-        network: form, activation, width and numbers of layers and weights.
+        error_bars: level, "judged_by" and, by quantity, what the error bars of its answers are worth; None where it has
+            none.
+        network: form, activation, width, numbers of layers and weights, and "corrects_mesh": whether it takes off what
+            the mesh of its data errs by.
         provenance: data set, versions, seed and options: enough to make the model again.
         youngs_modulus, poisson_ratio: of the solid that was simulated; MPa and dimensionless.
         sha256: of the model's file; another one under the same id is another model.

@@ -81,7 +81,7 @@ def test_everything_that_is_given_is_sent() -> None:
                     weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
     also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
     region = Region(target, "heel", "IH21", None, [also], np.array([0.15, 0.65]).tolist(), [None, 0.65])
-    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50)
+    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off")
     document = design(region, options, True, "s", 7.0).document
     assert document == {
         "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
@@ -91,7 +91,7 @@ def test_everything_that_is_given_is_sent() -> None:
         "deadline": 7.0, "accuracy": {"tolerance": 1e-7, "equilibrium_tolerance": 1e-11, "max_iterations": 9, "starts": 3,
                                       "candidates": 32, "verified_samples": 4, "polish_tolerance": 0.01, "polish_rounds": 7,
                                       "polish_seconds": 50},
-        "effects": {"multi_start": "on", "envelope": "off", "polish": "on"}}
+        "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on"}}
     assert design_regions([region] * 2, None, False, None, None).document["regions"][1]["name"] == "heel"
 
 

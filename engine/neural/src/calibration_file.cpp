@@ -86,6 +86,7 @@ void write_calibration(files::Hdf5Writer& file, const std::optional<Calibration>
   file.group("calibration");
   file.value("calibration/level", calibration->level);
   file.value("calibration/floor", calibration->floor);
+  if (calibration->by_fresh_designs) file.value("calibration/by_fresh_designs", std::int64_t{1});
   for (const auto quantity : all_quantities) {
     const auto& scale = calibration->of(quantity);
     const auto group = group_of(quantity);
@@ -109,6 +110,7 @@ std::optional<Calibration> read_calibration(const files::Hdf5Reader& file, int p
   Calibration calibration;
   calibration.level = file.real("calibration/level");
   calibration.floor = file.real("calibration/floor");
+  calibration.by_fresh_designs = file.contains("calibration/by_fresh_designs");
   for (const auto quantity : all_quantities) {
     auto& scale = calibration.scales[static_cast<std::size_t>(quantity)];
     const auto group = group_of(quantity);

@@ -193,6 +193,7 @@ CalibrationResult calibrate(neural::Model model, const ModelData& data, const Ca
   const auto states = calibration_states(model, data, references, most_folds, cancellation);
   CalibrationResult result;
   neural::Calibration calibration;
+  calibration.by_fresh_designs = !references.drawn.empty();
   for (const auto quantity : neural::all_quantities) {
     cancellation.throw_if_requested();
     const auto q = static_cast<std::size_t>(quantity);

@@ -107,9 +107,12 @@ const char* name_of(neural::Quantity quantity) {
 }
 
 std::string error_section(const neural::Model& model) {
-  std::string text =
+  std::string text = fmt::format(
       "## Errors\n\nRelative, in percent: |S - S*| / |S*| of the stress (the energy's gradient) and |psi - "
-      "psi*| / psi* of the energy density, over simulated states of at least 1e-5 MPa.\n\n";
+      "psi*| / psi* of the energy density, over simulated states of at least 1e-5 MPa.{}\n\n",
+      model.network.mesh_correction.size() > 0
+          ? " The network is compared with its data as these have taught it, without its correction of their mesh."
+          : "");
   text += statistics_head;
   if (model.design_split)
     text += statistics_row(fmt::format("{} designs that training has not seen", model.design_split->designs),
@@ -216,31 +219,37 @@ std::string choices_of(const neural::Model& model) {
   return text;
 }
 
+std::string bars_row(const std::string& name, neural::Quantity quantity, const neural::JudgedBars& judged) {
+  const bool plain = quantity == neural::Quantity::poisson;
+  const auto size = [&](double error) {
+    return plain ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
+  };
+  return fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name, judged.designs,
+                     judged.states, 100 * judged.share, size(judged.median_bar), size(neural::trusted_error(quantity)),
+                     judged.beyond, judged.beyond_in_box, judged.beyond_in_range, judged.within,
+                     judged.within - judged.within_in_range);
+}
+
 std::string calibration_section(const neural::Model& model) {
   if (!model.calibration) return {};
-  const double level = 100 * model.calibration->level;
+  const auto& calibration = *model.calibration;
   std::string text = fmt::format(
       "\n## Error bars\n\nEach answer has an error bar, which the simulated value is within in {:.0f} of 100 cases "
-      "(`supple-lab calibrate`; [how](../docs/models.md#error-bars)). Judged on held-out designs, each by bars that "
-      "were "
-      "made without it. \"Beyond\" are states that err by more than 3.57 %, the thesis's worst error of a uniaxial "
-      "stress, or by 0.0357 of Poisson's ratio; `in_range` is false also where the bar is longer than is trusted.\n\n"
+      "(`supple-lab calibrate`; [how](../docs/models.md#error-bars)). Judged on {}, each by bars that were made without "
+      "it. \"Beyond\" are states that err by more than 3.57 %, the thesis's worst error of a uniaxial stress, or by "
+      "0.0357 of Poisson's ratio; `in_range` is false also where the bar is longer than is trusted.\n\n"
       "| | Designs | States | Within their bar | Median bar | Trusted up to | Beyond | of them `in_range` without bars "
-      "| "
-      "with bars | Others | of them not `in_range` with bars "
+      "| with bars | Others | of them not `in_range` with bars "
       "|\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n",
-      level);
-  for (const auto quantity : neural::all_quantities) {
-    const auto& judged = model.calibration->of(quantity).judged;
-    const bool plain = quantity == neural::Quantity::poisson;
-    const auto size = [&](double error) {
-      return plain ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
-    };
-    text += fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name_of(quantity),
-                        judged.designs, judged.states, 100 * judged.share, size(judged.median_bar),
-                        size(neural::trusted_error(quantity)), judged.beyond, judged.beyond_in_box,
-                        judged.beyond_in_range, judged.within, judged.within - judged.within_in_range);
-  }
+      100 * calibration.level,
+      calibration.by_fresh_designs ? "fresh designs, simulated without the error of the data's mesh"
+                                   : "held-out designs");
+  for (const auto quantity : neural::all_quantities)
+    text += bars_row(name_of(quantity), quantity, calibration.of(quantity).judged);
+  for (const auto quantity : neural::all_quantities)
+    if (!calibration.of(quantity).searched_knots.empty())
+      text += bars_row(fmt::format("{}, of designs that searches have found", name_of(quantity)), quantity,
+                       calibration.of(quantity).searched);
   return text + fmt::format("\n![Stated against observed shares]({}-calibration.svg)\n", model.id);
 }
 

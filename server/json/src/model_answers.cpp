@@ -29,6 +29,13 @@ void write_split(JsonWriter& out, std::string_view name, const std::optional<neu
   out.field("designs", split->designs).field("samples", split->samples).end_object();
 }
 
+JsonWriter& write_worth(JsonWriter& out, const neural::JudgedBars& judged) {
+  return out.field("median", judged.median_bar)
+      .field("share", judged.share)
+      .field("designs", judged.designs)
+      .field("samples", judged.states);
+}
+
 void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>& calibration) {
   out.key("error_bars");
   if (!calibration) {
@@ -36,16 +43,16 @@ void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>&
     return;
   }
   out.begin_object().field("level", calibration->level);
+  out.field("judged_by", calibration->by_fresh_designs ? "fresh" : "held_out");
   for (const auto quantity : neural::all_quantities) {
-    const auto& judged = calibration->of(quantity).judged;
-    out.key(neural::to_string(quantity))
-        .begin_object()
-        .field("trusted", neural::trusted_error(quantity))
-        .field("median", judged.median_bar)
-        .field("share", judged.share)
-        .field("designs", judged.designs)
-        .field("samples", judged.states)
-        .end_object();
+    const auto& scale = calibration->of(quantity);
+    out.key(neural::to_string(quantity)).begin_object().field("trusted", neural::trusted_error(quantity));
+    write_worth(out, scale.judged);
+    if (!scale.searched_knots.empty()) {
+      out.key("searched").begin_object();
+      write_worth(out, scale.searched).end_object();
+    }
+    out.end_object();
   }
   out.end_object();
 }
@@ -62,6 +69,7 @@ void write_network(JsonWriter& out, const neural::Network& network) {
       .field("trunk_layers", shape.trunk_layers)
       .field("residuals", shape.outputs())
       .field("weights", network.weights())
+      .field("corrects_mesh", network.mesh_correction.size() > 0)
       .end_object();
 }
 

@@ -185,8 +185,12 @@ TEST_F(CalibrationFile, BarsOfSearchedDesignsAreReadBack) {
   scale.searched.designs = 150;
   scale.searched.observed = {0.89, 0.93};
   write_model(path, model);
+  EXPECT_FALSE(read_model(path).calibration->by_fresh_designs);
+  model.calibration->by_fresh_designs = true;
+  write_model(path, model);
   const auto back = read_model(path).calibration;
   ASSERT_TRUE(back.has_value());
+  EXPECT_TRUE(back->by_fresh_designs);
   EXPECT_EQ(back->scales[0].searched.designs, 150);
   EXPECT_EQ(back->scales[0].searched.observed, (std::vector<double>{0.89, 0.93}));
   EXPECT_EQ(back->scales[0].judged.designs, 12);

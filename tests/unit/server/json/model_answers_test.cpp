@@ -55,9 +55,31 @@ TEST(ModelAnswers, SayWhatErrorBarsAreWorth) {
   model.calibration = test::test_calibration(2);
   const auto bars = json::parse(write_model(model, "abc"))["error_bars"];
   EXPECT_EQ(bars["level"], 0.9);
+  EXPECT_EQ(bars["judged_by"], "held_out");
   EXPECT_EQ(bars["stress"],
             (json{{"trusted", 0.05}, {"median", 0.02}, {"share", 0.91}, {"designs", 12}, {"samples", 480}}));
   EXPECT_EQ(bars["poisson"]["trusted"], 0.1);
+}
+
+TEST(ModelAnswers, SayWhichSimulationsJudgedTheBarsAndWhatThoseOfSearchesAreWorth) {
+  auto model = test::test_model("ih21", 1);
+  EXPECT_FALSE(json::parse(write_model(model, "abc"))["network"]["corrects_mesh"]);
+  model.network.mesh_correction.setZero(6, 6);
+  model.calibration = test::test_calibration(2);
+  model.calibration->by_fresh_designs = true;
+  auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stiffness)];
+  scale.searched_knots = {0};
+  scale.searched_offsets = {0};
+  scale.searched.designs = 150;
+  scale.searched.states = 900;
+  scale.searched.share = 0.89;
+  scale.searched.median_bar = 0.07;
+  const auto answer = json::parse(write_model(model, "abc"));
+  EXPECT_TRUE(answer["network"]["corrects_mesh"]);
+  EXPECT_EQ(answer["error_bars"]["judged_by"], "fresh");
+  EXPECT_EQ(answer["error_bars"]["stiffness"]["searched"],
+            (json{{"median", 0.07}, {"share", 0.89}, {"designs", 150}, {"samples", 900}}));
+  EXPECT_FALSE(answer["error_bars"]["stress"].contains("searched"));
 }
 
 TEST(ModelAnswers, EscapeWhatFilesCallTheirOptions) {

@@ -73,6 +73,9 @@ enum class Origin {
 struct Calibration {
   double level = 0.9;                ///< share of the errors that are below their bar
   double floor = 5e-4;               ///< errors far below this are not distinguished
+  /// Whether fresh designs made and judged the bars, simulated without the error of the data's mesh. Otherwise designs
+  /// of the data did that training had not seen, with that error.
+  bool by_fresh_designs = false;
   std::array<ErrorScale, 4> scales;  ///< one for each of all_quantities, in their order
 
   const ErrorScale& of(Quantity quantity) const { return scales[static_cast<std::size_t>(quantity)]; }
