@@ -31,8 +31,8 @@ make_bars() { # FAMILY MODEL
       --reference "$sets/$family-rest-exact.h5" --out "$model"
   "$lab" calibrate --model "$model" "${data[@]}" --reference "$sets/$family-fresh.h5" "${searched[@]}"
   "$lab" card --model "$model" "${data[@]}" --image "$(basename "${model%.h5}")-errors.svg" --out "${model%.h5}.md"
-  # The card of a model in a folder of its own links to the documents from there.
-  [[ $model != models/fine/* ]] || sed -i 's#](\.\./docs/#](../../docs/#g' "${model%.h5}.md"
+  # The card of a model in a folder of its own links to the documents from there, and has no picture of its errors.
+  [[ $model != models/fine/* ]] || sed -i -e 's#](\.\./docs/#](../../docs/#g' -e '/-errors\.svg)/,+1d' "${model%.h5}.md"
 }
 
 [ $# -gt 0 ] || set -- IH01 IH21 IH22 IH28 IH29 IH50 IH67

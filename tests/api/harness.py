@@ -12,6 +12,7 @@ import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
+import pytest
 import requests
 
 from contract import Contract, ROOT, strict_json
@@ -32,6 +33,19 @@ STOP_SECONDS = 300.0 * SLOWNESS
 """Long: on a busy machine a server is slow, and one that hangs is found all the same."""
 FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:")
 """What sanitizers write, of the server or of a helper process."""
+
+
+def _has_terminals() -> bool:
+    try:
+        for end in os.openpty():
+            os.close(end)
+        return True
+    except OSError:
+        return False
+
+
+needs_terminals = pytest.mark.skipif(not _has_terminals(), reason="this machine has no pseudo-terminals (/dev/pts)")
+"""For tests that show a program a terminal."""
 
 
 def free_port() -> int:

@@ -14,7 +14,7 @@ from typing import Any, Iterator, List, Tuple
 import numpy as np
 import pytest
 
-from harness import Api, CLI, MESHES, free_port
+from harness import Api, CLI, MESHES, free_port, needs_terminals
 from shapes import bumpy_sphere, flat_grid, obj_text, sphere, two_triangles_apart
 from working_time import PATIENCE_SECONDS
 
@@ -414,6 +414,7 @@ def test_ctrl_c_cancels_the_computation_on_the_server(
         assert time.monotonic() < end, "the computation still waits for its turn"
 
 
+@needs_terminals
 def test_a_progress_bar_is_drawn_on_a_terminal(supple: Program, queue_of_jobs: List[str]) -> None:
     process = subprocess.run(["script", "-qec", f"{CLI} job wait {queue_of_jobs[2]}", "/dev/null"], cwd=supple.folder,
                              env={**os.environ, "SUPPLE_SERVER": supple.url}, capture_output=True, timeout=120, check=False)

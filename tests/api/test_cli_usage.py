@@ -10,7 +10,7 @@ from typing import Dict, List, Tuple
 
 import pytest
 
-from harness import CLI
+from harness import CLI, needs_terminals
 
 
 def run(*arguments: str, folder: "Path | None" = None, **environment: str) -> "subprocess.CompletedProcess[str]":
@@ -92,6 +92,7 @@ def test_a_folder_and_a_file_without_permission_are_told_apart(tmp_path: Path) -
         assert "Permission denied" in run("mesh", "add", "locked.obj", folder=tmp_path).stderr
 
 
+@needs_terminals
 def test_colours_are_for_terminals_that_want_them() -> None:
     status, shown = on_a_terminal(["desing"], {})
     assert status == 1 and "\033[1;31msupple:\033[0m" in shown
