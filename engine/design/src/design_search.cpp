@@ -34,6 +34,11 @@ constexpr double search_tolerance = 1e-6;
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
 constexpr double min_start_distance = 0.035;
+/// Where the nearest design is not trusted, so many others are judged by their deviation and doubt, twice.
+constexpr std::size_t most_looks = 32;
+/// The second time around the best one, at these shares of the bounds' widths.
+constexpr double first_look = 0.1;
+constexpr double last_look = 0.01;
 /// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
 /// scale: where profiles jump, squares of a few samples hide that all others agree.
 constexpr double outlier_share = 0.1;
@@ -89,6 +94,7 @@ class Search {
     if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : start_of_request());
     const bool enough = all_fixed || options_.multi_start == Switch::off;
     if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
+    if (found_ && is_doubtful_ && !enough) look_for_trusted();
     if (!found_ && beyond_limits_)
       throw Error("design.beyond_limits",
                   "No design of the family " + space_.model.family +
@@ -237,12 +243,9 @@ class Search {
     const auto origin = bounds_.free.empty() ? neural::Origin::given : neural::Origin::searched;
     for (std::size_t t = 0; t < targets_.size(); ++t) trusts.push_back(residuals.trust(space_.model, t, origin));
     const Doubt doubt = options_.trust == Switch::off ? Doubt{} : doubt_about(trusts);
+    nearest_ = std::min(nearest_, r.norm());
     const double merit = std::hypot(r.norm(), doubt.size);
-    if (found_ && merit >= merit_) {
-      ++passed_over_;
-      return r.norm();
-    }
-    passed_over_ += found_ && r.norm() > best_.error.relative_rms ? 1 : 0;
+    if (found_ && merit >= merit_) return r.norm();
     merit_ = merit;
     best_.doubt = doubt.size;
     is_doubtful_ = doubt.has_long_bars;
@@ -483,6 +486,41 @@ class Search {
     refine_leads(std::move(leads));
   }
 
+  /// Looks for designs that are less near to the target but trusted more, among the candidates and then around the best
+  /// one. Error bars have jumps, where a sample begins to be trusted, so that no derivatives are used.
+  void look_for_trusted() {
+    look_at_candidates();
+    std::vector<Eigen::VectorXd> tried;
+    for (const auto& [error, candidate] : ranking(0).candidates) {
+      if (!(error < merit_) || tried.size() >= most_looks) break;
+      const Eigen::VectorXd all = candidate_at(candidate);
+      if (among(tried, all, min_start_distance)) continue;
+      tried.push_back(all);
+      finish(bounds_.free_part(all), DesignStop::converged);
+    }
+    const Eigen::VectorXd lower = bounds_.free_part(bounds_.lower);
+    const Eigen::VectorXd upper = bounds_.free_part(bounds_.upper);
+    std::size_t looks = 0;
+    for (double step = first_look; step >= last_look; step /= 2) {
+      for (bool gained = true; gained;) {
+        gained = false;
+        for (Eigen::Index k = 0; k < lower.size(); ++k) {
+          for (const double side : {-step, step}) {
+            if (!is_doubtful_ || looks >= most_looks) return;
+            Eigen::VectorXd x = bounds_.free_part(FreeParameters::all_of(best_.parameters, best_.orientation));
+            const double here = x[k];
+            x[k] = std::clamp(here + side * (upper[k] - lower[k]), lower[k], upper[k]);
+            if (x[k] == here) continue;
+            ++looks;
+            const double before = merit_;
+            finish(x, DesignStop::converged);
+            gained = gained || merit_ < before;
+          }
+        }
+      }
+    }
+  }
+
   void refine_leads(std::vector<Lead> leads) {
     std::stable_sort(leads.begin(), leads.end(),
                      [](const Lead& a, const Lead& b) { return a.deviation < b.deviation; });
@@ -569,12 +607,13 @@ class Search {
     execution_->cost->add_effect(
         "orientation", bounds_.orientation_is_free(),
         bounds_.orientation_is_free() ? "the request leaves a range" : "the request leaves no choice");
-    if (space_.model.calibration)
-      execution_->cost->add_effect("trust", passed_over_ > 0,
+    if (space_.model.calibration) {
+      const bool has_chosen = nearest_ < best_.error.relative_rms;
+      execution_->cost->add_effect("trust", has_chosen,
                                    options_.trust == Switch::off ? "the request turns it off"
-                                   : passed_over_ > 0 ? "the model's error bars are long at designs that seemed nearer"
-                                                      : "the nearest design is trusted as much as any",
-                                   passed_over_);
+                                   : has_chosen ? "the model's error bars are long at a design that seems nearer"
+                                                : "the nearest design is trusted as much as any");
+    }
     execution_->cost->add_effect("limits", limits_.are_needed(),
                                  limits_.are_needed() ? "the request has limits" : "the request has none");
     execution_->cost->add_quantity("evaluations", static_cast<double>(evaluations_));
@@ -603,7 +642,7 @@ class Search {
   Design best_;
   double merit_ = 0;  ///< sqrt(d^2 + u^2) of the best design, see DesignOptions::trust
   bool is_doubtful_ = false;
-  int passed_over_ = 0;  ///< designs that were nearer to the target, but doubtful, or worse for being so
+  double nearest_ = std::numeric_limits<double>::infinity();  ///< deviation of the nearest design, trusted or not
   bool found_ = false;
   bool reported_ = false;
   double least_reported_ = 0;

@@ -156,7 +156,6 @@ TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
     };
     EXPECT_FALSE(told(nearest_bill).ran);
     EXPECT_TRUE(told(bill).ran);
-    EXPECT_GT(told(bill).count, 0);
   }
 }
 
