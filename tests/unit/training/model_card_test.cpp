@@ -7,6 +7,7 @@
 #include "sample_data.h"
 #include "supple/training/model_training.h"
 #include "support/random_network.h"
+#include "support/test_calibration.h"
 
 namespace supple::training {
 namespace {
@@ -59,6 +60,37 @@ TEST(ModelCard, SaysHowTheStiffnessAtRestWasLearnedAndFromWhat) {
       << page;
   EXPECT_TRUE(says(page, "Training began with the model other of other data, old.h5 (`--start-foreign`)."));
   EXPECT_TRUE(says(page, "`loss squared`"));
+}
+
+TEST(ModelCard, SaysWhichSimulationsJudgedTheBars) {
+  const auto data = data_of_card();
+  neural::NetworkShape shape;
+  shape.width = 16;
+  shape.parameters = 2;
+  auto model = model_of_card(shape, data, false);
+  model.calibration = test::test_calibration(2);
+  const auto held_out = model_card(model, data, "errors.svg");
+  EXPECT_TRUE(says(held_out, "Judged on held-out designs,")) << held_out;
+  EXPECT_FALSE(says(held_out, "searches have found"));
+  EXPECT_FALSE(says(held_out, "without its correction of their mesh"));
+  model.network.mesh_correction.setConstant(6, 6, 0.01);
+  model.calibration->by_fresh_designs = true;
+  auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::poisson)];
+  scale.searched_knots = {0};
+  scale.searched_offsets = {0};
+  scale.searched.designs = 150;
+  scale.searched.states = 900;
+  scale.searched.share = 0.89;
+  scale.searched.median_bar = 0.07;
+  const auto fresh = model_card(model, data, "errors.svg");
+  EXPECT_TRUE(says(fresh, "Judged on fresh designs, simulated without the error of the data's mesh,")) << fresh;
+  EXPECT_TRUE(says(fresh, "| Poisson's ratio, of designs that searches have found | 150 | 900 | 89.0 % | 0.07 | 0.1 |"));
+  EXPECT_FALSE(says(fresh, "stiffness along a uniaxial load, of designs"));
+  EXPECT_TRUE(says(fresh, "as these have taught it, without its correction of their mesh"));
+  const auto errors_of = [](const std::string& page) {
+    return page.substr(0, page.find("## Error bars")).substr(page.find("## Where they are"));
+  };
+  EXPECT_EQ(errors_of(fresh), errors_of(held_out)) << "the data have the error of their mesh";
 }
 
 TEST(ModelCard, SaysNothingOfChoicesThatWereNotMade) {
