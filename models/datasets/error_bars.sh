@@ -1,7 +1,7 @@
 #!/bin/bash
 # Corrects models for the mesh of their data, and makes their error bars by simulations without its error.
 #
-#   models/datasets/error_bars.sh [FAMILY ...]        all families by default
+#   models/datasets/error_bars.sh [FAMILY ...]        by default all families of which there are such simulations
 #
 # Environment: SUPPLE_LAB, the batch tool (build/release/engine/lab/supple-lab).
 set -euo pipefail
@@ -24,18 +24,23 @@ data_of() {
 }
 
 make_bars() { # FAMILY MODEL
-  local family=$1 model=$2 data searched=()
+  local family=$1 model=$2 data set references=()
   read -ra data <<<"$(data_of "$family")"
-  [ ! -e "$sets/$family-searched.h5" ] || searched=(--searched "$sets/$family-searched.h5")
+  for set in "$sets/$family"-fresh-*.h5; do references+=(--reference "$set"); done
+  [ ! -e "$sets/$family-searched.h5" ] || references+=(--searched "$sets/$family-searched.h5")
   "$lab" correct-mesh --model "$model" "${data[@]}" --rest-data "$sets/$family-rest-mesh.h5" \
       --reference "$sets/$family-rest-exact.h5" --out "$model"
-  "$lab" calibrate --model "$model" "${data[@]}" --reference "$sets/$family-fresh.h5" "${searched[@]}"
+  "$lab" calibrate --model "$model" "${data[@]}" "${references[@]}"
   "$lab" card --model "$model" "${data[@]}" --image "$(basename "${model%.h5}")-errors.svg" --out "${model%.h5}.md"
   # The card of a model in a folder of its own links to the documents from there, and has no picture of its errors.
   [[ $model != models/fine/* ]] || sed -i -e 's#](\.\./docs/#](../../docs/#g' -e '/-errors\.svg)/,+1d' "${model%.h5}.md"
 }
 
-[ $# -gt 0 ] || set -- IH01 IH21 IH22 IH28 IH29 IH50 IH67
+if [ $# = 0 ]; then
+  for family in IH01 IH21 IH22 IH28 IH29 IH50 IH67; do
+    [ ! -e "$sets/$family-rest-exact.h5" ] || set -- "$@" "$family"
+  done
+fi
 for family; do
   make_bars "$family" "models/${family,,}.h5"
   [ ! -e "models/fine/${family,,}.h5" ] || make_bars "$family" "models/fine/${family,,}.h5"
