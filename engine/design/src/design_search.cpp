@@ -34,6 +34,8 @@ constexpr double search_tolerance = 1e-6;
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
 constexpr double min_start_distance = 0.035;
+/// Nine of ten normally distributed errors are smaller than so many of their standard deviations, as of an error bar.
+constexpr double deviations_of_a_bar = 1.645;
 /// Where the nearest design is not trusted, so many others are judged by their deviation and doubt, twice.
 constexpr std::size_t most_looks = 32;
 /// The second time around the best one, at these shares of the bounds' widths.
@@ -242,7 +244,7 @@ class Search {
     std::vector<ProfileTrust> trusts;
     const auto origin = bounds_.free.empty() ? neural::Origin::given : neural::Origin::searched;
     for (std::size_t t = 0; t < targets_.size(); ++t) trusts.push_back(residuals.trust(space_.model, t, origin));
-    const Doubt doubt = options_.trust == Switch::off ? Doubt{} : doubt_about(trusts);
+    const Doubt doubt = weighs_trust() ? doubt_about(trusts) : Doubt{};
     nearest_ = std::min(nearest_, r.norm());
     const double merit = std::hypot(r.norm(), doubt.size);
     if (found_ && merit >= merit_) return r.norm();
@@ -282,6 +284,10 @@ class Search {
     /// design: it would be in vain to look for others.
     bool has_long_bars = false;
   };
+  /// Whoever says where to begin looks for a design near there.
+  bool weighs_trust() const {
+    return options_.trust == Switch::on || (options_.trust == Switch::automatic && !problem_.initial);
+  }
   Doubt doubt_about(const std::vector<ProfileTrust>& trusts) const {
     Doubt doubt;
     double sum = 0;
@@ -293,7 +299,7 @@ class Search {
         const auto at = static_cast<Eigen::Index>(i);
         const bool has_bar = trust.error_bar.size() > 0 && std::isfinite(trust.error_bar[at]);
         doubt.has_long_bars = doubt.has_long_bars || has_bar;
-        const double bar = has_bar ? trust.error_bar[at] / targets_[t].scale : 1;
+        const double bar = has_bar ? trust.error_bar[at] / (deviations_of_a_bar * targets_[t].scale) : 1;
         sum += weights_[t] * targets_[t].weights[at] * bar * bar;
       }
       weights += weights_[t];
@@ -611,6 +617,7 @@ class Search {
       const bool has_chosen = nearest_ < best_.error.relative_rms;
       execution_->cost->add_effect("trust", has_chosen,
                                    options_.trust == Switch::off ? "the request turns it off"
+                                   : !weighs_trust()             ? "the request says where to begin"
                                    : has_chosen ? "the model's error bars are long at a design that seems nearer"
                                                 : "the nearest design is trusted as much as any");
     }

@@ -55,7 +55,10 @@ TEST(HardFreedoms, ModuliOverTwelvePowersOfTen) {
   for (const double factor : {1e-5, 1.0, 3e4}) {
     DesignProblem problem{{shipped.target_of(shipped.at(0.4), Task::stiffness, factor)}, {}, {}};
     problem.moduli = {{1e-6, 1e6}};
-    const auto design = find_design(shipped.space(), problem);
+    // The design that is asked for again is one at which the model is not trusted.
+    DesignOptions options;
+    options.trust = Switch::off;
+    const auto design = find_design(shipped.space(), problem, options);
     EXPECT_LT(design.error.relative_rms, 1e-3) << factor;
     EXPECT_NEAR(std::log(design.youngs_modulus / (26 * factor)), 0, 1.5) << factor;
   }

@@ -148,7 +148,10 @@ TEST_P(HardTargets, StiffnessAtRestAndAtVanishingStrainAreTheSame) {
 TEST_P(HardTargets, StrainsAtTheEdgeOfTheRange) {
   // Uniaxial data end at a stretch of 1.5, a Green strain of 0.625; biaxial ones may go farther.
   const double most = 0.98 * std::min(0.625, loaded_.model.strain_range.largest_principal);
-  const auto design = find({{target_of(middle(), Task::stress_strain, 0.05, most)}, {}, {}});
+  // Some samples are where the energy of this design, which is asked for again, is beyond what the model knows.
+  DesignOptions options;
+  options.trust = Switch::off;
+  const auto design = find({{target_of(middle(), Task::stress_strain, 0.05, most)}, {}, {}}, options);
   EXPECT_LT(design.error.relative_rms, 0.05) << design.message;
 }
 

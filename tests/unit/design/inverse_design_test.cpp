@@ -126,7 +126,7 @@ double doubt_of(const DesignProfile& profile) {
   for (std::size_t i = 0; i < profile.in_range.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     if (profile.in_range[i] == 0)
-      sum += profile.target.weights[at] * std::pow(profile.error_bar[at] / profile.target.scale, 2);
+      sum += profile.target.weights[at] * std::pow(profile.error_bar[at] / 1.645 / profile.target.scale, 2);
   }
   return std::sqrt(sum);
 }
@@ -157,6 +157,20 @@ TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
     EXPECT_FALSE(told(nearest_bill).ran);
     EXPECT_TRUE(told(bill).ran);
   }
+}
+
+TEST(InverseDesign, WeighsTrustWhereARequestSaysWhereToBeginOnlyIfItIsAsked) {
+  TestSpace test(2, 1);
+  const auto start = test.at({0.8, 0.5});
+  const DesignProblem problem{{target_of(test, test.at({0.9, 0.4}), Task::stress_strain)}, vector_of(start), {}};
+  add_growing_bars(test.model, 0.1, 20);
+  const auto search = [&](Switch trust) {
+    DesignOptions options;
+    options.trust = trust;
+    return find_design(test.space(), problem, options);
+  };
+  EXPECT_EQ(search(Switch::automatic).parameters, search(Switch::off).parameters);
+  EXPECT_NE(search(Switch::on).parameters, search(Switch::off).parameters);
 }
 
 TEST(InverseDesign, DoesNotPreferAmongDesignsThatAreTrustedAlike) {

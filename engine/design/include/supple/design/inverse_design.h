@@ -82,9 +82,9 @@ struct DesignOptions {
   /// Whether there are further starting points. automatic uses them if there is no `initial`, or if the design found
   /// from `initial` does not reach the target or deviates by more than 0.1 %.
   Switch multi_start = Switch::automatic;
-  /// Whether designs are preferred of which the model can be trusted. automatic and on compare designs by
-  /// sqrt(d^2 + u^2), where d is the deviation by the model and u the doubt about it (Design::doubt), and look for
-  /// others where the nearest is doubtful. off compares them by d alone.
+  /// Whether designs are preferred of which the model can be trusted. on, and automatic without `initial`, compare
+  /// designs by sqrt(d^2 + u^2), where d is the deviation by the model and u the doubt about it (Design::doubt), and
+  /// look for others where the nearest is doubtful. off compares them by d alone.
   Switch trust = Switch::automatic;
   /// Whether the answer has the least and greatest values over the candidates. automatic gives them if candidates were
   /// evaluated anyway.
@@ -137,9 +137,9 @@ struct Design {
   DesignStop stopped = DesignStop::converged;
   std::string message;  ///< what the user should know about the result; may be empty
   double residual = 0;  ///< the largest residual of the equilibria
-  /// The root mean square of the error bars of those samples at which the model is not trusted, over the targets'
-  /// scales, with the weights of DesignError::relative_rms; samples without an error bar count 1. 0 where the model is
-  /// trusted everywhere.
+  /// The error that is to be expected of those samples at which the model is not trusted: the root mean square of their
+  /// error bars / 1.645, over the targets' scales, with the weights of DesignError::relative_rms; samples without an
+  /// error bar count 1. 0 where the model is trusted everywhere, or where trust is not weighed.
   double doubt = 0;
   std::optional<double> model_error;  ///< neural::mean_stress_error
   /// What the structure measures. Only the first design in the answer of `search_designs` has it, and only if there is
