@@ -11,6 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "canonical_surface.h"
 #include "closed_surface.h"
 #include "fill_here.h"
 #include "gmsh_owner.h"
@@ -197,27 +198,9 @@ std::string fault_of(const TetrahedralMesh& mesh, std::size_t first, const Close
   return {};
 }
 
-}  // namespace
-
-double tetrahedron_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                          const Eigen::Vector3d& d) {
-  return (b - a).dot((c - a).cross(d - a)) / 6;
-}
-
-double TetrahedralMesh::volume() const {
-  double sum = 0;
-  for (const auto& [a, b, c, d] : tetrahedra)
-    sum += tetrahedron_volume(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
-                              nodes[static_cast<std::size_t>(c)], nodes[static_cast<std::size_t>(d)]);
-  return sum;
-}
-
-TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
-                          const FillOptions& options, const Execution& execution) {
-  if (!(options.element_size >= 0) || !(options.grading > 0) || options.max_tetrahedra < 1)
-    throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
-  execution.checkpoint(0, "meshing");
-  if (faces.empty()) throw_not_filled("it has no faces");
+/// Fills a surface where it lies and as it is numbered.
+TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                              const FillOptions& options, const Execution& execution) {
   const ClosedSurface surface(positions, faces);
   const GradedSize size = wanted_size(positions, faces, options);
   double volume = 0;
@@ -228,7 +211,6 @@ TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<
   TetrahedralMesh mesh;
   mesh.nodes.assign(positions.begin(), positions.end());
   mesh.surface_vertices = static_cast<std::int32_t>(positions.size());
-  const StageTimer timer(execution.cost, "meshing");
   const GmshSession session;
   SizeAnswers answers(size, options, execution.cancellation);
   for (std::size_t s = 0; s < surface.solids().size(); ++s) {
@@ -267,6 +249,63 @@ TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<
     if (const std::string fault = fault_of(mesh, first, surface, solid); !fault.empty())
       throw_not_filled(fault + ": " + last_gmsh_error(session));
   }
+  return mesh;
+}
+
+/// The tetrahedra of a surface's own frame in the given one: vertices are where they were given.
+TetrahedralMesh in_given_frame(TetrahedralMesh own, const CanonicalSurface& frame,
+                               std::span<const Eigen::Vector3d> positions) {
+  TetrahedralMesh mesh;
+  mesh.surface_vertices = static_cast<std::int32_t>(positions.size());
+  mesh.nodes.assign(positions.begin(), positions.end());
+  for (std::size_t i = frame.vertices.size(); i < own.nodes.size(); ++i)
+    mesh.nodes.push_back(frame.given(own.nodes[i]));
+  mesh.tetrahedra = std::move(own.tetrahedra);
+  const auto shift = mesh.surface_vertices - own.surface_vertices;
+  for (Tetrahedron& tetrahedron : mesh.tetrahedra)
+    for (std::int32_t& corner : tetrahedron)
+      corner = corner < own.surface_vertices ? frame.vertices[static_cast<std::size_t>(corner)] : corner + shift;
+  return mesh;
+}
+
+bool has_only_positive_tetrahedra(const TetrahedralMesh& mesh) {
+  const auto node = [&](std::int32_t number) { return mesh.nodes[static_cast<std::size_t>(number)]; };
+  return std::ranges::all_of(mesh.tetrahedra, [&](const Tetrahedron& t) {
+    return tetrahedron_volume(node(t[0]), node(t[1]), node(t[2]), node(t[3])) > 0;
+  });
+}
+
+}  // namespace
+
+double tetrahedron_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                          const Eigen::Vector3d& d) {
+  return (b - a).dot((c - a).cross(d - a)) / 6;
+}
+
+double TetrahedralMesh::volume() const {
+  double sum = 0;
+  for (const auto& [a, b, c, d] : tetrahedra)
+    sum += tetrahedron_volume(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)],
+                              nodes[static_cast<std::size_t>(c)], nodes[static_cast<std::size_t>(d)]);
+  return sum;
+}
+
+TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
+                          const FillOptions& options, const Execution& execution) {
+  if (!(options.element_size >= 0) || !(options.grading > 0) || options.max_tetrahedra < 1)
+    throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
+  execution.checkpoint(0, "meshing");
+  if (faces.empty()) throw_not_filled("it has no faces");
+  // Faults are told by the numbers that the caller knows.
+  const ClosedSurface checked(positions, faces);
+  const StageTimer timer(execution.cost, "meshing");
+  const CanonicalSurface own = canonical_surface(positions, faces);
+  FillOptions own_options = options;
+  own_options.element_size /= own.length;
+  TetrahedralMesh mesh =
+      in_given_frame(fill_as_given(own.positions, own.faces, own_options, execution), own, positions);
+  // A tetrahedron as flat as the grid of the own frame may be turned inside out by it.
+  if (!has_only_positive_tetrahedra(mesh)) mesh = fill_as_given(positions, faces, options, execution);
   execution.checkpoint(1, "meshing");
   return mesh;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/base/random.h"
 #include "supple/meshing/tetrahedral_mesh.h"
 #include "support/expect_error.h"
 #include "support/shapes.h"
@@ -148,6 +149,89 @@ TEST(Fill, ASurfaceThatIsTurnedInsideOutGivesTheSameSolid) {
   const TetrahedralMesh mesh = fill(positions, faces);
   expect_keeps_surface(mesh, positions, faces);
   EXPECT_NEAR(mesh.volume(), -enclosed_volume(positions, faces), 1e-12);
+}
+
+/// A surface that is moved, turned, scaled and numbered in another way.
+struct Copy {
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<SurfaceTriangle> faces;
+  std::vector<std::int32_t> number;  ///< of each of the given vertices
+  Eigen::Quaterniond turn;
+  double scale = 1;
+  Eigen::Vector3d shift;
+
+  Eigen::Vector3d at(const Eigen::Vector3d& point) const { return scale * (turn * point) + shift; }
+};
+
+template <class List>
+void shuffle(List& list, RandomStream& random) {
+  for (std::size_t i = list.size(); i > 1; --i)
+    std::swap(list[i - 1], list[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+}
+
+Copy copy_of(const std::vector<Eigen::Vector3d>& positions, const std::vector<SurfaceTriangle>& faces, bool is_moved,
+             RandomStream& random) {
+  Copy copy;
+  const auto number = [&] { return random.normal(); };
+  copy.turn = Eigen::Quaterniond(number(), number(), number(), number()).normalized();
+  copy.scale = std::exp(number());
+  copy.shift = Eigen::Vector3d(number(), number(), number());
+  if (!is_moved) copy = {{}, {}, {}, Eigen::Quaterniond::Identity(), 1, Eigen::Vector3d::Zero()};
+  for (std::size_t i = 0; i < positions.size(); ++i) copy.number.push_back(static_cast<std::int32_t>(i));
+  shuffle(copy.number, random);
+  copy.positions.resize(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    copy.positions[static_cast<std::size_t>(copy.number[i])] = copy.at(positions[i]);
+  for (SurfaceTriangle face : faces) {
+    for (std::int32_t& corner : face) corner = copy.number[static_cast<std::size_t>(corner)];
+    std::ranges::rotate(face, face.begin() + random.below(3));
+    copy.faces.push_back(face);
+  }
+  shuffle(copy.faces, random);
+  return copy;
+}
+
+/// Expects the copy's filling to be that of the surface, moved along.
+void expect_same_filling(const std::vector<Eigen::Vector3d>& positions, const std::vector<SurfaceTriangle>& faces,
+                         const Copy& copy) {
+  const TetrahedralMesh mesh = fill(positions, faces);
+  const TetrahedralMesh other = fill(copy.positions, copy.faces);
+  ASSERT_EQ(other.nodes.size(), mesh.nodes.size());
+  ASSERT_EQ(other.tetrahedra.size(), mesh.tetrahedra.size());
+  double size = 0;
+  for (const auto& position : positions) size = std::max(size, (position - positions.front()).norm());
+  for (std::size_t i = positions.size(); i < mesh.nodes.size(); ++i)
+    EXPECT_LT((other.nodes[i] - copy.at(mesh.nodes[i])).norm(), 1e-8 * copy.scale * size) << "inner node " << i;
+  std::size_t differing = 0;
+  for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::int32_t node = mesh.tetrahedra[t][k];
+      const std::int32_t wanted = node < mesh.surface_vertices ? copy.number[static_cast<std::size_t>(node)] : node;
+      differing += other.tetrahedra[t][k] == wanted ? 0 : 1;
+    }
+  EXPECT_EQ(differing, 0U) << "corners of tetrahedra";
+}
+
+std::vector<Eigen::Vector3d> bent(std::vector<Eigen::Vector3d> positions, double size, RandomStream& random) {
+  for (auto& position : positions)
+    for (double& coordinate : position) coordinate += size * random.normal();
+  return positions;
+}
+
+TEST(Fill, ASurfaceThatIsMovedTurnedScaledAndRenumberedGetsTheSameTetrahedra) {
+  const std::uint64_t seed = 39;
+  RandomStream random("filled copies", seed);
+  for (const TriangleMesh& mesh : {testing::icosphere(2), testing::cube(3), testing::torus(24, 12), testing::genus3(1)})
+    for (int copies = 0; copies < 3; ++copies) {
+      const auto positions = bent(mesh.positions(), 0.02 * mesh.mean_edge_length(), random);
+      expect_same_filling(positions, mesh.faces(), copy_of(positions, mesh.faces(), true, random));
+    }
+}
+
+TEST(Fill, ASymmetricSurfaceThatIsRenumberedGetsTheSameTetrahedra) {
+  RandomStream random("renumbered surfaces", 40);
+  for (const TriangleMesh& mesh : {testing::icosphere(2), testing::cube(3), testing::torus(24, 12)})
+    expect_same_filling(mesh.positions(), mesh.faces(), copy_of(mesh.positions(), mesh.faces(), false, random));
 }
 
 TEST(Fill, ComponentsAreSolidsOfTheirOwnAndCavitiesInsideOfOthers) {

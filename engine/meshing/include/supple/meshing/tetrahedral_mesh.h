@@ -44,6 +44,10 @@ struct FillOptions {
 /// tetrahedron. Vertices that no triangle uses stay nodes that belong to no tetrahedron. Each of several components is
 /// a solid, or a cavity if it lies inside an odd number of others. The orientation of the triangles does not matter, as
 /// long as neighbours agree. The same input gives the same mesh, bit by bit.
+/// A surface that is moved, turned, scaled or numbered in another way gets the same tetrahedra, which follow it: inner
+/// nodes agree to 1e-9 of its size. This needs vertices that can be told apart: a surface with symmetries may get
+/// another one of the fillings that its symmetries lead to when it is turned, but not when it is numbered in another
+/// way.
 ///
 /// If this process has helpers (`helper_processes`), gmsh runs in them: several fillings run at the same time, a stop
 /// request ends one at once, and what `HelperProcesses` throws is thrown. Otherwise the call waits for other users of
