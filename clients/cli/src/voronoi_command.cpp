@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -157,6 +158,12 @@ void print_optimization(const nlohmann::json& answer, bool history) {
              answer.at("accuracy").at("gradient_tolerance").get<double>());
   fmt::print("stopped     {} after {} iterations\n", answer.at("stopped").get<std::string>(),
              answer.at("iterations").get<int>());
+  if (const auto moves = answer.find("site_moves"); moves != answer.end())
+    fmt::print(
+        "site moves  {} tried, {} taken from the energy {:.12g} on; the last of {} passes lowered it by {:.2g} %\n",
+        moves->at("tried").get<std::int64_t>(), moves->at("taken").get<std::int64_t>(),
+        moves->at("energy_before").get<double>(), moves->at("passes").get<int>(),
+        100 * moves->at("last_gain").get<double>());
   if (!history) return;
   fmt::print("{:>4}  {:>16}  {:>12}  {:>12}\n", "step", "energy", "|gradient|", "moved");
   const auto& states = answer.at("history");

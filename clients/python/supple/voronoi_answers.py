@@ -200,6 +200,25 @@ class OptimizationStep(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class SiteMoves(Shown):
+    """Moves of single sites, which are tried where no step for all sites lowers the energy.
+
+    Attributes:
+        passes: passes over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 0.001 of the mean cell size.
+        tried: moves of single sites whose energy was computed.
+        taken: moves that lowered the energy, and were kept.
+        energy_before: energy before the first pass, where no step for all sites lowered it any more.
+        last_gain: fraction of the energy by which the last pass lowered it.
+    """
+
+    passes: int
+    tried: int
+    taken: int
+    energy_before: float
+    last_gain: float
+
+
+@dataclass(frozen=True, repr=False)
 class OptimizedVoronoi(Drawn):
     """Sites at a local minimum of the objectives, and their diagram.
 
@@ -211,7 +230,9 @@ class OptimizedVoronoi(Drawn):
         gradient_norm: at the end, 1 / mesh unit; the bound that was asked for is `gradient_tolerance`.
         iterations: steps taken.
         history: the start and every step.
-        stopped: "converged", "step_too_small" or "iteration_limit".
+        stopped: "converged"; "step_too_small", where neither steps for all sites nor moves of single ones lower the energy
+            by more than a thousandth; or "iteration_limit".
+        site_moves: the moves of single sites; None where steps for all sites sufficed.
     """
 
     diagram: VoronoiDiagram
@@ -223,6 +244,7 @@ class OptimizedVoronoi(Drawn):
     iterations: int
     history: Tuple[OptimizationStep, ...]
     stopped: str
+    site_moves: Optional[SiteMoves]
 
     @property
     def converged(self) -> bool:
@@ -332,6 +354,12 @@ def voronoi_diagram_from_wire(document: Mapping[str, Any]) -> VoronoiDiagram:
     return _diagram(document, document.get("statistics"), document["accuracy"]["relative_error_bound"])
 
 
+def _site_moves(document: Optional[Mapping[str, Any]]) -> Optional[SiteMoves]:
+    if document is None:
+        return None
+    return SiteMoves(document["passes"], document["tried"], document["taken"], document["energy_before"], document["last_gain"])
+
+
 def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi:
     return OptimizedVoronoi(
         diagram=_diagram(document, document["statistics"]["after"], 0.0),
@@ -345,6 +373,7 @@ def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi
             OptimizationStep(s["energy"], s["gradient_norm"], s["step_length"]) for s in document["history"]
         ),
         stopped=document["stopped"],
+        site_moves=_site_moves(document.get("site_moves")),
     )
 
 
