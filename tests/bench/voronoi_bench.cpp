@@ -219,7 +219,7 @@ void study_single_moves(const Settings& settings, bench::Report& report) {
       options.observer = [&](const OptimizationStep&, const Diagram&) { times.push_back(seconds_since(start)); };
       const Optimization found = optimize(solver, random_sites(mesh, sites, seed), options);
       const double seconds = seconds_since(start);
-      const bool moved = found.site_moves.passes > 0;
+      const bool moved = found.site_moves.held_searches > 0;
       const double before = moved ? found.site_moves.energy_before : found.energy;
       std::size_t last = 0;
       while (last + 1 < times.size() && found.history[last + 1].energy >= before) ++last;
@@ -232,9 +232,8 @@ void study_single_moves(const Settings& settings, bench::Report& report) {
   }
   report.heading("Moves of single sites");
   report.text(
-      "Steps for all sites end at kinks and jumps of the energy, where moves of single sites lower it. These are tried "
-      "until a pass over all sites, with the steps that follow it, lowers the energy by no more than a thousandth. "
-      "Before they were tried, the energy where steps end was the answer.");
+      "Steps for all sites end at kinks and jumps of the energy. Then steps are tried without the few sites next to "
+      "one, and moves of single sites. Without these, the energy where steps end is the answer.");
   report.table(table);
 }
 

@@ -201,16 +201,18 @@ class OptimizationStep(Shown):
 
 @dataclass(frozen=True, repr=False)
 class SiteMoves(Shown):
-    """Moves of single sites, which are tried where no step for all sites lowers the energy.
+    """What was tried where no step for all sites lowered the energy.
 
     Attributes:
-        passes: passes over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 0.001 of the mean cell size.
+        held_searches: how often this was so; steps then went on without the sites of far the largest gradients.
+        passes: passes of moves of single sites over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 0.001 of the mean cell size.
         tried: moves of single sites whose energy was computed.
         taken: moves that lowered the energy, and were kept.
-        energy_before: energy before the first pass, where no step for all sites lowered it any more.
+        energy_before: energy where no step for all sites lowered it for the first time.
         last_gain: fraction of the energy by which the last pass lowered it.
     """
 
+    held_searches: int
     passes: int
     tried: int
     taken: int
@@ -232,7 +234,7 @@ class OptimizedVoronoi(Drawn):
         history: the start and every step.
         stopped: "converged"; "step_too_small", where neither steps for all sites nor moves of single ones lower the energy
             by more than a thousandth; or "iteration_limit".
-        site_moves: the moves of single sites; None where steps for all sites sufficed.
+        site_moves: what was tried in between; None where steps for all sites sufficed.
     """
 
     diagram: VoronoiDiagram
@@ -357,7 +359,8 @@ def voronoi_diagram_from_wire(document: Mapping[str, Any]) -> VoronoiDiagram:
 def _site_moves(document: Optional[Mapping[str, Any]]) -> Optional[SiteMoves]:
     if document is None:
         return None
-    return SiteMoves(document["passes"], document["tried"], document["taken"], document["energy_before"], document["last_gain"])
+    names = ("held_searches", "passes", "tried", "taken", "energy_before", "last_gain")
+    return SiteMoves(**{name: document[name] for name in names})
 
 
 def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi:

@@ -133,13 +133,20 @@ DiagramTerms terms_of(const std::shared_ptr<const DiagramFinder>& finder, const 
   return terms;
 }
 
+/// A site is steep where its gradient is so many times the median.
+constexpr double steep = 10;
+constexpr int max_iterations_without_steep_sites = 50;
+/// Where the other sites lower the energy by this fraction, moves of single sites wait.
+constexpr double large_gain_without_steep_sites = 0.02;
+
 /// The search for a minimum: steps for all sites, and moves of single sites where none of these lowers the energy.
 class Search {
  public:
-  Search(const OptimizationOptions& options, numerics::System<SitesState>& system, numerics::MinimizerOptions minimizer,
-         SiteMoves moves, const Execution& execution, Optimization& result)
+  Search(const OptimizationOptions& options, numerics::System<SitesState>& system, std::vector<bool> held,
+         numerics::MinimizerOptions minimizer, SiteMoves moves, const Execution& execution, Optimization& result)
       : options_(options),
         system_(system),
+        held_(std::move(held)),
         minimizer_(std::move(minimizer)),
         moves_(std::move(moves)),
         execution_(execution),
@@ -154,9 +161,15 @@ class Search {
         break;
       }
       const double before = result_.energy;
+      if (result_.site_moves.held_searches++ == 0) result_.site_moves.energy_before = before;
+      const double step_length = minimize_without_steep_sites();
+      if (before - result_.energy > large_gain_without_steep_sites * before) {
+        stop = minimize(step_length);
+        continue;
+      }
       const SiteMovesPass pass = move_single_sites();
-      if (pass.taken == 0) break;
-      stop = minimize(pass.step_length);
+      if (pass.taken == 0 && !(result_.energy < before)) break;
+      stop = minimize(std::hypot(step_length, pass.step_length));
       if (pass.complete && before - result_.energy <= smallest_gain_of_a_pass * before) break;
     }
     result_.stopped = numerics::to_string(stop);
@@ -166,6 +179,7 @@ class Search {
   /// From the present state, to which a pass of moves of single sites has led by a step of this length, if any.
   numerics::MinimizerStop minimize(double step_length) {
     bool is_start = true;
+    if (!result_.history.empty()) ++result_.iterations;
     minimizer_.max_iterations = options_.max_iterations - result_.iterations;
     minimizer_.after_step = [&](const numerics::MinimizerStep& step) {
       result_.history.push_back({step.value, step.gradient_norm, is_start ? step_length : step.step_length});
@@ -180,23 +194,45 @@ class Search {
     return found.stop;
   }
 
+  /// Holds the sites whose gradients are far above most others', and minimizes for the others: at a kink or a jump of
+  /// the energy, a few sites next to it keep all from moving on. Returns the root of the sum of the squared steps.
+  double minimize_without_steep_sites() {
+    const Eigen::VectorXd gradient = system_.full_gradient();
+    std::vector<double> slopes;
+    for (Eigen::Index i = 0; i < gradient.size(); i += 2) slopes.push_back(gradient.segment<2>(i).norm());
+    std::vector<double> sorted = slopes;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    std::vector<bool> held = held_;
+    for (std::size_t i = 0; i < slopes.size(); ++i)
+      if (slopes[i] > steep * *middle) held[2 * i] = held[2 * i + 1] = true;
+    if (held == held_ || std::ranges::find(held, false) == held.end()) return 0;
+    numerics::System<SitesState> others(system_.state(), system_.terms(), numerics::Unknowns(held),
+                                        {.execution = execution_});
+    numerics::MinimizerOptions minimizer = minimizer_;
+    double squares = 0;
+    minimizer.max_iterations = max_iterations_without_steep_sites;
+    minimizer.after_step = [&](const numerics::MinimizerStep& step) { squares += step.step_length * step.step_length; };
+    result_.energy = numerics::minimize(others, minimizer, execution_).value;
+    system_.set_state(others.state());
+    return std::sqrt(squares);
+  }
+
   SiteMovesPass move_single_sites() {
     SitesState state = system_.state();
     const SiteMovesPass pass = moves_.pass(state, execution_);
     if (execution_.cost != nullptr) execution_.cost->add_quantity("site_moves", static_cast<double>(pass.tried));
-    if (++result_.site_moves.passes == 1) result_.site_moves.energy_before = result_.energy;
+    ++result_.site_moves.passes;
     result_.site_moves.tried += pass.tried;
     result_.site_moves.taken += pass.taken;
     result_.site_moves.last_gain = pass.gain;
-    if (pass.taken > 0) {
-      system_.set_state(std::move(state));
-      ++result_.iterations;
-    }
+    if (pass.taken > 0) system_.set_state(std::move(state));
     return pass;
   }
 
   const OptimizationOptions& options_;
   numerics::System<SitesState>& system_;
+  std::vector<bool> held_;  ///< two entries for each site
   numerics::MinimizerOptions minimizer_;
   SiteMoves moves_;
   const Execution& execution_;
@@ -238,7 +274,7 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   // Where corners cross edges of the mesh, their places in space have kinks, along which minima lie.
   if (options.weights.planarity > 0) minimizer.slope_contraction = least_slope;
   SiteMoves moves(std::make_shared<const DiagramFinder>(solver, needs_of(options, false)), terms, held, unit);
-  Search(options, system, std::move(minimizer), std::move(moves), execution, result).run();
+  Search(options, system, held, std::move(minimizer), std::move(moves), execution, result).run();
   SitesState end = system.state();
   finder->find(end, 0, quiet);
   for (const auto& term : terms) {

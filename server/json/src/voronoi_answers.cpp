@@ -207,6 +207,7 @@ void write_optimization_history(JsonWriter& out, const std::vector<voronoi::Opti
 void write_site_moves(JsonWriter& out, const voronoi::SiteMoveTrials& moves) {
   out.key("site_moves")
       .begin_object()
+      .field("held_searches", moves.held_searches)
       .field("passes", moves.passes)
       .field("tried", moves.tried)
       .field("taken", moves.taken)
@@ -245,7 +246,7 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
   out.field("gradient_norm", optimization.gradient_norm).field("iterations", optimization.iterations);
   write_optimization_history(out, optimization.history);
   out.field("stopped", optimization.stopped);
-  if (optimization.site_moves.passes > 0) write_site_moves(out, optimization.site_moves);
+  if (optimization.site_moves.held_searches > 0) write_site_moves(out, optimization.site_moves);
   out.key("statistics").begin_object();
   write_statistics(out, "before", optimization.before);
   write_statistics(out, "after", optimization.after);

@@ -109,7 +109,7 @@ TEST(SingleMoves, DoNotLowerTheEnergyOfAnAnswerThatCallsItselfDone) {
     OptimizationOptions options;
     options.weights = random_weights(random);
     options.edge_length = 0;
-    options.max_iterations = 1000;
+    options.max_iterations = 300;
     const std::vector<SurfacePoint> sites = random_sites(solver.mesh(), 8 + random.below(25), seed);
     // Given, because it would be another one at each start.
     options.edge_length = statistics(solver, diagram(solver, sites)).edge_length.mean;

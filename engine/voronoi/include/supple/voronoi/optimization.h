@@ -53,9 +53,10 @@ struct OptimizationOptions {
   std::function<void(const OptimizationStep& step, const Diagram& diagram)> observer{};
 };
 
-/// Moves of single sites, which are tried where no step for all sites lowers the energy.
+/// What is tried where no step for all sites lowers the energy.
 struct SiteMoveTrials {
-  int passes = 0;          ///< over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 1e-3 cell sizes
+  int held_searches = 0;   ///< how often this was so: steps then went on without the sites of far the largest gradients
+  int passes = 0;          ///< over all free sites, each moved in 8 directions by 5 lengths, 0.3 to 1e-3 cell sizes
   std::int64_t tried = 0;  ///< moves of single sites whose energy was computed
   std::int64_t taken = 0;  ///< moves that lowered the energy, and were kept
   double energy_before = 0;  ///< where no step for all sites lowered it for the first time
@@ -77,17 +78,18 @@ struct Optimization {
   /// "converged": the gradient is within its tolerance; "step_too_small": neither a step nor a pass of moves of single
   /// sites lowers the energy by more than smallest_gain_of_a_pass of it; "iteration_limit".
   std::string stopped;
-  SiteMoveTrials site_moves;  ///< all 0 where steps sufficed
+  SiteMoveTrials site_moves;  ///< all 0 where steps for all sites sufficed
   DiagramStatistics before;
   DiagramStatistics after;
 };
 
 /// Moves the sites to a local minimum of the energy. The diagram is made anew at every state that is tried, so that
 /// cells change their neighbours freely, where most sites are held only round those that move (MovingDiagram); it never
-/// rises in energy from one iteration to the next. Where no step of the search lowers the energy, which has kinks and
-/// jumps, single sites are moved by themselves; a pass over all of them that lowers it counts as one iteration, and the
-/// search goes on from there. A pass takes some hundred diagrams, of which only the surroundings of moved sites are
-/// made anew where sites are few.
+/// rises in energy from one iteration to the next. Where no step for all sites lowers the energy, which has kinks and
+/// jumps, the few sites next to one, whose gradients are far above the others', are held, and steps go on without them.
+/// Where this gains little, single sites are moved by themselves (SiteMoveTrials). Then steps for all sites go on. All
+/// that is tried between two of these counts as one iteration; a pass of moves of single sites takes some hundred
+/// diagrams, of which only the surroundings of moved sites are made anew where sites are few.
 ///
 /// Bills "propagation", "cells", "derivatives", "step", one effect for each term, and the quantity "site_moves". Throws
 /// what `diagram` throws, "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance,
