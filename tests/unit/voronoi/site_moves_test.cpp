@@ -5,11 +5,9 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <set>
 #include <vector>
 
-#include "supple/surface/moving_points.h"
 #include "supple/voronoi/optimization.h"
 #include "support/expect_error.h"
 #include "support/shapes.h"
@@ -66,38 +64,11 @@ TEST(CellEnergies, AddUpToTheEnergyAndChangeOnlyNextToASiteThatMoves) {
   }
 }
 
-/// The energy of an objective where these sites are.
-double energy_at(const GeodesicSolver& solver, OptimizationOptions options,
-                 const std::vector<surface::SurfacePoint>& sites) {
-  options.max_iterations = 0;
-  return optimize(solver, sites, options).energy;
-}
-
-/// The largest fraction by which a move of a single site lowers the energy, of 6 directions for each length.
-double gain_of_single_moves(const GeodesicSolver& solver, const OptimizationOptions& options,
-                            const Optimization& answer, const std::vector<double>& lengths) {
-  double least = answer.energy;
-  const auto count = static_cast<Eigen::Index>(answer.diagram.sites.size());
-  for (Eigen::Index site = 0; site < count; ++site) {
-    for (const double length : lengths) {
-      for (int k = 0; k < 6; ++k) {
-        const double angle = 2 * std::numbers::pi * (k + 0.3) / 6;
-        Eigen::VectorXd step = Eigen::VectorXd::Zero(2 * count);
-        step.segment<2>(2 * site) << length * std::cos(angle), length * std::sin(angle);
-        surface::MovingPoints points(solver.mesh(), answer.diagram.sites);
-        points.move(solver.mesh(), step);
-        least = std::min(least, energy_at(solver, options, points.points()));
-      }
-    }
-  }
-  return 1 - least / answer.energy;
-}
-
-TEST(SiteMoves, OrHeldSitesLowerTheEnergyWhereNoStepForAllSitesDoes) {
+TEST(SiteMoves, OrSearchesWithHeldSitesLowerTheEnergyWhereNoStepForAllSitesDoes) {
   const GeodesicSolver solver(testing::share(testing::torus(24, 12)));
   OptimizationOptions options;
   options.weights.planarity = 1;
-  options.max_iterations = 250;
+  options.max_iterations = 160;
   const Optimization answer = optimize(solver, random_sites(solver.mesh(), 20, 1), options);
   EXPECT_EQ(answer.stopped, "iteration_limit");
   EXPECT_GT(answer.site_moves.held_searches, 0);
