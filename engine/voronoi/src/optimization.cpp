@@ -156,7 +156,7 @@ class Search {
     using Stop = numerics::MinimizerStop;
     Stop stop = minimize(0);
     while (stop == Stop::step_too_small) {
-      if (result_.iterations >= options_.max_iterations) {
+      if (result_.iterations >= options_.max_iterations || result_.site_moves.passes >= max_site_move_passes) {
         stop = Stop::iteration_limit;
         break;
       }

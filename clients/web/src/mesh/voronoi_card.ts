@@ -16,7 +16,7 @@ import { type CellColourBy, type VoronoiView } from "./voronoi_view";
 export const VORONOI_STOPS: Record<VoronoiOptimization["stopped"], string> = {
   converged: "The sites are at rest: the gradient is below the tolerance.",
   step_too_small: "The sites are at rest: neither steps of all sites nor moves of single sites lower the energy by more than a thousandth.",
-  iteration_limit: "The limit of iterations came first: the sites are not at rest yet.",
+  iteration_limit: "The limit of iterations, or of passes over moves of single sites, came first: the sites are not at rest yet.",
 };
 
 const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [

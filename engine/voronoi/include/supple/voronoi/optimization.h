@@ -38,6 +38,9 @@ inline constexpr int most_optimization_iterations = 10'000;
 /// A pass of moves of single sites that lowers the energy by at most this fraction of it is the last one.
 inline constexpr double smallest_gain_of_a_pass = 1e-3;
 
+/// Passes of moves of single sites beyond this are not made, and the search ends as at its limit of iterations.
+inline constexpr int max_site_move_passes = 10;
+
 struct OptimizationOptions {
   ObjectiveWeights weights;
   OptimizationMethod method = OptimizationMethod::automatic;
