@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -157,6 +158,11 @@ void print_optimization(const nlohmann::json& answer, bool history) {
              answer.at("accuracy").at("gradient_tolerance").get<double>());
   fmt::print("stopped     {} after {} iterations\n", answer.at("stopped").get<std::string>(),
              answer.at("iterations").get<int>());
+  if (const auto moves = answer.find("site_moves"); moves != answer.end())
+    fmt::print("site moves  {} tried in {} passes, {} taken; steps for all sites ended {} times, first at {:.9g}\n",
+               moves->at("tried").get<std::int64_t>(), moves->at("passes").get<int>(),
+               moves->at("taken").get<std::int64_t>(), moves->at("held_searches").get<int>(),
+               moves->at("energy_before").get<double>());
   if (!history) return;
   fmt::print("{:>4}  {:>16}  {:>12}  {:>12}\n", "step", "energy", "|gradient|", "moved");
   const auto& states = answer.at("history");

@@ -200,6 +200,27 @@ class OptimizationStep(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class SiteMoves(Shown):
+    """What was tried where no step for all sites lowered the energy.
+
+    Attributes:
+        held_searches: how often this was so; steps then went on without the sites of far the largest gradients.
+        passes: passes of moves of single sites over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 0.001 of the mean cell size.
+        tried: moves of single sites whose energy was computed.
+        taken: moves that lowered the energy, and were kept.
+        energy_before: energy where no step for all sites lowered it for the first time.
+        last_gain: fraction of the energy by which the last pass lowered it.
+    """
+
+    held_searches: int
+    passes: int
+    tried: int
+    taken: int
+    energy_before: float
+    last_gain: float
+
+
+@dataclass(frozen=True, repr=False)
 class OptimizedVoronoi(Drawn):
     """Sites at a local minimum of the objectives, and their diagram.
 
@@ -211,7 +232,9 @@ class OptimizedVoronoi(Drawn):
         gradient_norm: at the end, 1 / mesh unit; the bound that was asked for is `gradient_tolerance`.
         iterations: steps taken.
         history: the start and every step.
-        stopped: "converged", "step_too_small" or "iteration_limit".
+        stopped: "converged"; "step_too_small", where neither steps for all sites nor moves of single ones lower the energy
+            by more than a thousandth; or "iteration_limit".
+        site_moves: what was tried in between; None where steps for all sites sufficed.
     """
 
     diagram: VoronoiDiagram
@@ -223,6 +246,7 @@ class OptimizedVoronoi(Drawn):
     iterations: int
     history: Tuple[OptimizationStep, ...]
     stopped: str
+    site_moves: Optional[SiteMoves]
 
     @property
     def converged(self) -> bool:
@@ -332,6 +356,13 @@ def voronoi_diagram_from_wire(document: Mapping[str, Any]) -> VoronoiDiagram:
     return _diagram(document, document.get("statistics"), document["accuracy"]["relative_error_bound"])
 
 
+def _site_moves(document: Optional[Mapping[str, Any]]) -> Optional[SiteMoves]:
+    if document is None:
+        return None
+    names = ("held_searches", "passes", "tried", "taken", "energy_before", "last_gain")
+    return SiteMoves(**{name: document[name] for name in names})
+
+
 def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi:
     return OptimizedVoronoi(
         diagram=_diagram(document, document["statistics"]["after"], 0.0),
@@ -345,6 +376,7 @@ def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi
             OptimizationStep(s["energy"], s["gradient_norm"], s["step_length"]) for s in document["history"]
         ),
         stopped=document["stopped"],
+        site_moves=_site_moves(document.get("site_moves")),
     )
 
 

@@ -51,6 +51,12 @@ def test_an_optimization_is_asked_for_as_the_contract_says() -> None:
     assert optimization(document).path == "/v1/voronoi-optimizations"
 
 
+def test_moves_of_single_sites_are_read_where_there_were_any() -> None:
+    assert optimized_voronoi_from_wire(OPTIMIZED).site_moves is None
+    moves = {"held_searches": 4, "passes": 2, "tried": 1600, "taken": 3, "energy_before": 5.0, "last_gain": 0.0004}
+    assert optimized_voronoi_from_wire({**OPTIMIZED, "site_moves": moves}).site_moves == supple.SiteMoves(4, 2, 1600, 3, 5.0, 0.0004)
+
+
 def test_files_are_asked_for_by_their_media_types() -> None:
     document = diagram_document(MESH, [0], None, None, False, False, True, None)
     panels = diagram_file(document, "svg", 250)

@@ -93,6 +93,15 @@ void EdgeLengthTerm::add(const SitesState& state, int order, EnergySum& sum) con
   }
 }
 
+void EdgeLengthTerm::add_cell_energies(const SitesState& state, VectorXd& energies) const {
+  const Found& found = *state.found();
+  for (std::size_t i = 0; i < found.measured_edges.size(); ++i) {
+    const double energy = 0.5 * weight() / squared(unit()) * squared(found.edge_lengths[i].distance - length_);
+    for (const std::int32_t site : found.diagram.edges[static_cast<std::size_t>(found.measured_edges[i])].sites)
+      energies[site] += 0.5 * energy;
+  }
+}
+
 std::vector<Vector3d> vertex_positions(const Diagram& diagram, const DiagramCell& cell) {
   std::vector<Vector3d> positions;
   for (const std::int32_t vertex : cell.vertices)
@@ -139,21 +148,49 @@ struct Perimeter {
   double length = 0;
 };
 
+/// A cell's vertices, and their distances from the plane that fits them best.
+struct CellPlane {
+  CellPlane(const Diagram& diagram, const DiagramCell& cell)
+      : positions(vertex_positions(diagram, cell)), perimeter(positions) {
+    if (!(perimeter.length > 0)) return;
+    plane = fit_plane(positions, perimeter.weights);
+    squares = plane.distances.array().square();
+    mean = perimeter.weights.dot(squares);
+  }
+  std::vector<Vector3d> positions;
+  Perimeter perimeter;
+  FittedPlane plane;
+  VectorXd squares;  ///< of the distances
+  double mean = 0;   ///< of the squares, by the perimeter's weights
+};
+
+/// Three points lie in a plane.
+bool may_be_curved(const DiagramCell& cell) { return cell.vertices.size() > 3; }
+
 }  // namespace
+
+void PlanarityTerm::add_cell_energies(const SitesState& state, VectorXd& energies) const {
+  const Diagram& diagram = state.found()->diagram;
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
+    if (may_be_curved(diagram.cells[i]))
+      energies[static_cast<Eigen::Index>(i)] +=
+          0.5 * weight() / squared(unit()) * CellPlane(diagram, diagram.cells[i]).mean;
+}
 
 void PlanarityTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   const Diagram& diagram = found.diagram;
   const double scale = weight() / squared(unit());
   for (const DiagramCell& cell : diagram.cells) {
+    if (!may_be_curved(cell)) continue;
     const auto count = static_cast<Eigen::Index>(cell.vertices.size());
-    if (count < 4) continue;  // three points lie in a plane
-    const std::vector<Vector3d> positions = vertex_positions(diagram, cell);
-    const Perimeter perimeter(positions);
+    const CellPlane fitted(diagram, cell);
+    const std::vector<Vector3d>& positions = fitted.positions;
+    const Perimeter& perimeter = fitted.perimeter;
+    const FittedPlane& plane = fitted.plane;
+    const VectorXd& squares = fitted.squares;
+    const double mean = fitted.mean;
     if (!(perimeter.length > 0)) continue;
-    const FittedPlane plane = fit_plane(positions, perimeter.weights);
-    const VectorXd squares = plane.distances.array().square();
-    const double mean = perimeter.weights.dot(squares);
     sum.value += 0.5 * scale * mean;
     if (order < 1) continue;
     const auto position = [&](Eigen::Index j) -> const Vector3d& {
@@ -194,6 +231,14 @@ void PlanarityTerm::add(const SitesState& state, int order, EnergySum& sum) cons
   }
 }
 
+void RegularityTerm::add_cell_energies(const SitesState& state, VectorXd& energies) const {
+  const Diagram& diagram = state.found()->diagram;
+  for (const DiagramVertex& vertex : diagram.vertices) {
+    const double distance = diagram.points[static_cast<std::size_t>(vertex.point)].distance;
+    for (const std::int32_t site : vertex.sites) energies[site] += 0.5 * weight() / squared(unit()) * squared(distance);
+  }
+}
+
 void RegularityTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   for (std::size_t v = 0; v < found.diagram.vertices.size(); ++v) {
@@ -211,6 +256,12 @@ void RegularityTerm::add(const SitesState& state, int order, EnergySum& sum) con
   }
 }
 
+void CentroidalTerm::add_cell_energies(const SitesState& state, VectorXd& energies) const {
+  const std::vector<CellMoments>& cells = state.found()->diagram.cell_moments;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    energies[static_cast<Eigen::Index>(i)] += 0.5 * weight() / squared(squared(unit())) * cells[i].squared_distance;
+}
+
 void CentroidalTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   const double scale = weight() / squared(squared(unit()));
@@ -226,13 +277,29 @@ void CentroidalTerm::add(const SitesState& state, int order, EnergySum& sum) con
   }
 }
 
+namespace {
+
+double mean_area(const Diagram& diagram) {
+  double total = 0;
+  for (const DiagramCell& cell : diagram.cells) total += cell.area;
+  return total / static_cast<double>(diagram.cells.size());
+}
+
+}  // namespace
+
+void EqualAreaTerm::add_cell_energies(const SitesState& state, VectorXd& energies) const {
+  const Diagram& diagram = state.found()->diagram;
+  const double mean = mean_area(diagram);
+  for (std::size_t i = 0; i < diagram.cells.size(); ++i)
+    energies[static_cast<Eigen::Index>(i)] +=
+        0.5 * weight() / squared(squared(unit())) * squared(diagram.cells[i].area - mean);
+}
+
 void EqualAreaTerm::add(const SitesState& state, int order, EnergySum& sum) const {
   const Found& found = *state.found();
   const Diagram& diagram = found.diagram;
   const double scale = weight() / squared(squared(unit()));
-  double total = 0;
-  for (const DiagramCell& cell : diagram.cells) total += cell.area;
-  const double mean = total / static_cast<double>(diagram.cells.size());
+  const double mean = mean_area(diagram);
   for (const DiagramCell& cell : diagram.cells) sum.value += 0.5 * scale * squared(cell.area - mean);
   if (order < 1) return;
   std::vector<SiteRows> rows(diagram.cells.size(), SiteRows(1));

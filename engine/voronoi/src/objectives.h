@@ -21,6 +21,10 @@ class DiagramTerm : public numerics::Term<SitesState> {
   }
   double largest_step(const SitesState& state, const Eigen::VectorXd& step) const override;
 
+  /// Adds to each cell's entry its share of the energy of the diagram at this state. The shares add up to the energy,
+  /// and those of cells that are neither a moved site's nor next to it, before or after, stay as they are.
+  virtual void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const = 0;
+
  protected:
   double weight() const { return weight_; }
   double unit() const { return unit_; }
@@ -38,6 +42,7 @@ class EdgeLengthTerm : public DiagramTerm {
       : DiagramTerm(std::move(finder), weight, unit), length_(length) {}
   std::string_view name() const override { return "edge_length"; }
   void add(const SitesState& state, int order, numerics::EnergySum& sum) const override;
+  void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const override;
 
  private:
   double length_;
@@ -52,6 +57,7 @@ class PlanarityTerm : public DiagramTerm {
   using DiagramTerm::DiagramTerm;
   std::string_view name() const override { return "planarity"; }
   void add(const SitesState& state, int order, numerics::EnergySum& sum) const override;
+  void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const override;
 };
 
 /// (1/2) sum over cells and their vertices of g(s_i, x_j)^2 (thesis eq. 3.31). Gauss-Newton Hessian.
@@ -60,6 +66,7 @@ class RegularityTerm : public DiagramTerm {
   using DiagramTerm::DiagramTerm;
   std::string_view name() const override { return "regularity"; }
   void add(const SitesState& state, int order, numerics::EnergySum& sum) const override;
+  void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const override;
 };
 
 /// (1/2) sum over cells of the integral of g(s_i, x)^2, least where sites are centroids. Hessian of flat cells that
@@ -69,6 +76,7 @@ class CentroidalTerm : public DiagramTerm {
   using DiagramTerm::DiagramTerm;
   std::string_view name() const override { return "centroidal"; }
   void add(const SitesState& state, int order, numerics::EnergySum& sum) const override;
+  void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const override;
 };
 
 /// (1/2) sum over cells of (A_i - mean)^2. Gauss-Newton Hessian.
@@ -77,6 +85,7 @@ class EqualAreaTerm : public DiagramTerm {
   using DiagramTerm::DiagramTerm;
   std::string_view name() const override { return "equal_area"; }
   void add(const SitesState& state, int order, numerics::EnergySum& sum) const override;
+  void add_cell_energies(const SitesState& state, Eigen::VectorXd& energies) const override;
 };
 
 /// The plane that fits points best: through their centroid, and the distances of the points from it.

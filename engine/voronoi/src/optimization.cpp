@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "objectives.h"
+#include "site_moves.h"
 #include "supple/base/error.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/numerics/system.h"
@@ -106,17 +107,145 @@ DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagra
   return result;
 }
 
+namespace {
+
+/// What the values of these objectives need, and their derivatives too if asked for.
+Needs needs_of(const OptimizationOptions& options, bool derivatives) {
+  const ObjectiveWeights& w = options.weights;
+  return {.edge_lengths = w.edge_length > 0,
+          .motions = derivatives && w.edge_length + w.planarity + w.regularity > 0,
+          .border_pulls = derivatives && w.equal_area > 0,
+          .cell_moments = w.centroidal > 0,
+          .border_deviation = options.border_deviation};
+}
+
+using DiagramTerms = std::vector<std::shared_ptr<DiagramTerm>>;
+
+/// `length` is the one that edge lengths are to have.
+DiagramTerms terms_of(const std::shared_ptr<const DiagramFinder>& finder, const ObjectiveWeights& w, double unit,
+                      double length) {
+  DiagramTerms terms;
+  if (w.edge_length > 0) terms.push_back(std::make_shared<EdgeLengthTerm>(finder, w.edge_length, unit, length));
+  if (w.planarity > 0) terms.push_back(std::make_shared<PlanarityTerm>(finder, w.planarity, unit));
+  if (w.regularity > 0) terms.push_back(std::make_shared<RegularityTerm>(finder, w.regularity, unit));
+  if (w.centroidal > 0) terms.push_back(std::make_shared<CentroidalTerm>(finder, w.centroidal, unit));
+  if (w.equal_area > 0) terms.push_back(std::make_shared<EqualAreaTerm>(finder, w.equal_area, unit));
+  return terms;
+}
+
+/// A site is steep where its gradient is so many times the median.
+constexpr double steep = 10;
+constexpr int max_iterations_without_steep_sites = 50;
+/// Where the other sites lower the energy by this fraction, moves of single sites wait.
+constexpr double large_gain_without_steep_sites = 0.02;
+
+/// The search for a minimum: steps for all sites, and moves of single sites where none of these lowers the energy.
+class Search {
+ public:
+  Search(const OptimizationOptions& options, numerics::System<SitesState>& system, std::vector<bool> held,
+         numerics::MinimizerOptions minimizer, SiteMoves moves, const Execution& execution, Optimization& result)
+      : options_(options),
+        system_(system),
+        held_(std::move(held)),
+        minimizer_(std::move(minimizer)),
+        moves_(std::move(moves)),
+        execution_(execution),
+        result_(result) {}
+
+  void run() {
+    using Stop = numerics::MinimizerStop;
+    Stop stop = minimize(0);
+    while (stop == Stop::step_too_small) {
+      if (result_.iterations >= options_.max_iterations || result_.site_moves.passes >= max_site_move_passes) {
+        stop = Stop::iteration_limit;
+        break;
+      }
+      const double before = result_.energy;
+      if (result_.site_moves.held_searches++ == 0) result_.site_moves.energy_before = before;
+      const double step_length = minimize_without_steep_sites();
+      if (before - result_.energy > large_gain_without_steep_sites * before) {
+        stop = minimize(step_length);
+        continue;
+      }
+      const SiteMovesPass pass = move_single_sites();
+      if (pass.taken == 0 && !(result_.energy < before)) break;
+      stop = minimize(std::hypot(step_length, pass.step_length));
+      if (pass.complete && before - result_.energy <= smallest_gain_of_a_pass * before) break;
+    }
+    result_.stopped = numerics::to_string(stop);
+  }
+
+ private:
+  /// From the present state, to which a pass of moves of single sites has led by a step of this length, if any.
+  numerics::MinimizerStop minimize(double step_length) {
+    bool is_start = true;
+    if (!result_.history.empty()) ++result_.iterations;
+    minimizer_.max_iterations = options_.max_iterations - result_.iterations;
+    minimizer_.after_step = [&](const numerics::MinimizerStep& step) {
+      result_.history.push_back({step.value, step.gradient_norm, is_start ? step_length : step.step_length});
+      is_start = false;
+      if (options_.observer && system_.state().found())
+        options_.observer(result_.history.back(), system_.state().found()->diagram);
+    };
+    const numerics::MinimizerResult found = numerics::minimize(system_, minimizer_, execution_);
+    result_.energy = found.value;
+    result_.gradient_norm = found.gradient_norm;
+    result_.iterations += found.iterations;
+    return found.stop;
+  }
+
+  /// Holds the sites whose gradients are far above most others', and minimizes for the others: at a kink or a jump of
+  /// the energy, a few sites next to it keep all from moving on. Returns the root of the sum of the squared steps.
+  double minimize_without_steep_sites() {
+    const Eigen::VectorXd gradient = system_.full_gradient();
+    std::vector<double> slopes;
+    for (Eigen::Index i = 0; i < gradient.size(); i += 2) slopes.push_back(gradient.segment<2>(i).norm());
+    std::vector<double> sorted = slopes;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    std::vector<bool> held = held_;
+    for (std::size_t i = 0; i < slopes.size(); ++i)
+      if (slopes[i] > steep * *middle) held[2 * i] = held[2 * i + 1] = true;
+    if (held == held_ || std::ranges::find(held, false) == held.end()) return 0;
+    numerics::System<SitesState> others(system_.state(), system_.terms(), numerics::Unknowns(held),
+                                        {.execution = execution_});
+    numerics::MinimizerOptions minimizer = minimizer_;
+    double squares = 0;
+    minimizer.max_iterations = max_iterations_without_steep_sites;
+    minimizer.after_step = [&](const numerics::MinimizerStep& step) { squares += step.step_length * step.step_length; };
+    result_.energy = numerics::minimize(others, minimizer, execution_).value;
+    system_.set_state(others.state());
+    return std::sqrt(squares);
+  }
+
+  SiteMovesPass move_single_sites() {
+    SitesState state = system_.state();
+    const SiteMovesPass pass = moves_.pass(state, execution_);
+    if (execution_.cost != nullptr) execution_.cost->add_quantity("site_moves", static_cast<double>(pass.tried));
+    ++result_.site_moves.passes;
+    result_.site_moves.tried += pass.tried;
+    result_.site_moves.taken += pass.taken;
+    result_.site_moves.last_gain = pass.gain;
+    if (pass.taken > 0) system_.set_state(std::move(state));
+    return pass;
+  }
+
+  const OptimizationOptions& options_;
+  numerics::System<SitesState>& system_;
+  std::vector<bool> held_;  ///< two entries for each site
+  numerics::MinimizerOptions minimizer_;
+  SiteMoves moves_;
+  const Execution& execution_;
+  Optimization& result_;
+};
+
+}  // namespace
+
 Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface::SurfacePoint> sites,
                       const OptimizationOptions& options, const Execution& execution) {
   check(options, sites.size());
   const surface::TriangleMesh& mesh = solver.mesh();
-  const ObjectiveWeights& w = options.weights;
-  const auto finder =
-      std::make_shared<const DiagramFinder>(solver, Needs{.edge_lengths = w.edge_length > 0,
-                                                          .motions = w.edge_length + w.planarity + w.regularity > 0,
-                                                          .border_pulls = w.equal_area > 0,
-                                                          .cell_moments = w.centroidal > 0,
-                                                          .border_deviation = options.border_deviation});
+  const auto finder = std::make_shared<const DiagramFinder>(solver, needs_of(options, true));
   Execution quiet = execution;
   quiet.progress = nullptr;
   Optimization result;
@@ -128,37 +257,24 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   const double unit = std::sqrt(area / static_cast<double>(sites.size()));
   const double length = options.edge_length > 0 ? options.edge_length : result.before.edge_length.mean;
 
-  numerics::System<SitesState>::Terms terms;
-  if (w.edge_length > 0) terms.push_back(std::make_shared<EdgeLengthTerm>(finder, w.edge_length, unit, length));
-  if (w.planarity > 0) terms.push_back(std::make_shared<PlanarityTerm>(finder, w.planarity, unit));
-  if (w.regularity > 0) terms.push_back(std::make_shared<RegularityTerm>(finder, w.regularity, unit));
-  if (w.centroidal > 0) terms.push_back(std::make_shared<CentroidalTerm>(finder, w.centroidal, unit));
-  if (w.equal_area > 0) terms.push_back(std::make_shared<EqualAreaTerm>(finder, w.equal_area, unit));
+  const DiagramTerms terms = terms_of(finder, options.weights, unit, length);
   std::vector<bool> held(2 * sites.size(), false);
   for (const std::int32_t site : options.fixed_sites)
     for (std::size_t k = 0; k < 2; ++k) held[2 * static_cast<std::size_t>(site) + k] = true;
   const SitesState state(mesh, std::move(sites));
-  numerics::System<SitesState> system(state, terms, numerics::Unknowns(held), {.execution = execution});
+  numerics::System<SitesState> system(state, {terms.begin(), terms.end()}, numerics::Unknowns(held),
+                                      {.execution = execution});
   numerics::MinimizerOptions minimizer;
   minimizer.method = takes_gauss_newton(options) ? numerics::MinimizerMethod::newton : numerics::MinimizerMethod::lbfgs;
   const auto count = static_cast<double>(system.state().sites().points().size());
   result.gradient_tolerance = options.tolerance * std::sqrt(count) / unit;
   minimizer.gradient_tolerance = result.gradient_tolerance;
-  minimizer.max_iterations = options.max_iterations;
   minimizer.step_tolerance = 1e-12 * unit;
   minimizer.first_step = unit * unit;
   // Where corners cross edges of the mesh, their places in space have kinks, along which minima lie.
-  if (w.planarity > 0) minimizer.slope_contraction = least_slope;
-  minimizer.after_step = [&](const numerics::MinimizerStep& step) {
-    result.history.push_back({step.value, step.gradient_norm, step.step_length});
-    if (options.observer && system.state().found())
-      options.observer(result.history.back(), system.state().found()->diagram);
-  };
-  const numerics::MinimizerResult found = numerics::minimize(system, minimizer, execution);
-  result.energy = found.value;
-  result.gradient_norm = found.gradient_norm;
-  result.iterations = found.iterations;
-  result.stopped = numerics::to_string(found.stop);
+  if (options.weights.planarity > 0) minimizer.slope_contraction = least_slope;
+  SiteMoves moves(std::make_shared<const DiagramFinder>(solver, needs_of(options, false)), terms, held, unit);
+  Search(options, system, held, std::move(minimizer), std::move(moves), execution, result).run();
   SitesState end = system.state();
   finder->find(end, 0, quiet);
   for (const auto& term : terms) {

@@ -204,6 +204,18 @@ void write_optimization_history(JsonWriter& out, const std::vector<voronoi::Opti
   out.end_array();
 }
 
+void write_site_moves(JsonWriter& out, const voronoi::SiteMoveTrials& moves) {
+  out.key("site_moves")
+      .begin_object()
+      .field("held_searches", moves.held_searches)
+      .field("passes", moves.passes)
+      .field("tried", moves.tried)
+      .field("taken", moves.taken)
+      .field("energy_before", moves.energy_before)
+      .field("last_gain", moves.last_gain)
+      .end_object();
+}
+
 }  // namespace
 
 std::string write_voronoi_diagram(const VoronoiDiagramRequest& request, const surface::TriangleMesh& mesh,
@@ -233,7 +245,9 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
   out.end_array();
   out.field("gradient_norm", optimization.gradient_norm).field("iterations", optimization.iterations);
   write_optimization_history(out, optimization.history);
-  out.field("stopped", optimization.stopped).key("statistics").begin_object();
+  out.field("stopped", optimization.stopped);
+  if (optimization.site_moves.held_searches > 0) write_site_moves(out, optimization.site_moves);
+  out.key("statistics").begin_object();
   write_statistics(out, "before", optimization.before);
   write_statistics(out, "after", optimization.after);
   out.end_object();

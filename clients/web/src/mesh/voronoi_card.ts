@@ -15,8 +15,8 @@ import { type CellColourBy, type VoronoiView } from "./voronoi_view";
 
 export const VORONOI_STOPS: Record<VoronoiOptimization["stopped"], string> = {
   converged: "The sites are at rest: the gradient is below the tolerance.",
-  step_too_small: "The sites are at rest: no step lowers the energy any more.",
-  iteration_limit: "The limit of iterations came first: the sites are not at rest yet.",
+  step_too_small: "The sites are at rest: neither steps of all sites nor moves of single sites lower the energy by more than a thousandth.",
+  iteration_limit: "The limit of iterations, or of passes over moves of single sites, came first: the sites are not at rest yet.",
 };
 
 const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [
@@ -48,9 +48,11 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     const diagram = voronoi.divided.get()?.diagram;
     const optimizing = voronoi.optimizing.get();
     const step = optimizing?.steps.at(-1);
+    const moves = optimizing?.answer?.site_moves;
     return [
       ...(diagram ? [["Cells", diagram.cells.length.toLocaleString("en")], ["Edges", diagram.edges.length.toLocaleString("en")], ["Vertices", diagram.vertices.length.toLocaleString("en")]] as [string, string][] : []),
       ...(step ? [["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", String(step.iteration)]] as [string, string][] : []),
+      ...(moves ? [["Moves of single sites", `${moves.taken.toLocaleString("en")} of ${moves.tried.toLocaleString("en")} taken`]] as [string, string][] : []),
       ...(diagram && (!optimizing || optimizing.answer) ? [["Time", seconds(diagram.cost.seconds)]] as [string, string][] : []),
     ];
   }

@@ -142,6 +142,10 @@ TEST(VoronoiAnswers, TellWhereAnOptimizationEndedAndHowItGotThere) {
   EXPECT_EQ(answer.at("stopped"), "iteration_limit");
   EXPECT_EQ(answer.at("cells").size(), 2U);
   EXPECT_EQ(answer.at("warnings").size(), 1U);
+  EXPECT_FALSE(answer.contains("site_moves"));
+  optimization.site_moves = {4, 2, 1600, 3, 5, 0.25};
+  EXPECT_EQ(json::parse(write_voronoi_optimization(request, small.mesh, optimization, {}, {})).at("site_moves"),
+            json::parse(R"({"held_searches":4,"passes":2,"tried":1600,"taken":3,"energy_before":5,"last_gain":0.25})"));
   optimization.energy = std::numeric_limits<double>::infinity();
   ::supple::testing::expect_error("computation.non_finite",
                                   [&] { write_voronoi_optimization(request, small.mesh, optimization, {}, {}); });

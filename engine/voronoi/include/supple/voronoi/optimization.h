@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -34,6 +35,12 @@ struct OptimizationStep {
 /// Iterations beyond this are refused. Optimizations take dozens to hundreds.
 inline constexpr int most_optimization_iterations = 10'000;
 
+/// A pass of moves of single sites that lowers the energy by at most this fraction of it is the last one.
+inline constexpr double smallest_gain_of_a_pass = 1e-3;
+
+/// Passes of moves of single sites beyond this are not made, and the search ends as at its limit of iterations.
+inline constexpr int max_site_move_passes = 10;
+
 struct OptimizationOptions {
   ObjectiveWeights weights;
   OptimizationMethod method = OptimizationMethod::automatic;
@@ -49,6 +56,16 @@ struct OptimizationOptions {
   std::function<void(const OptimizationStep& step, const Diagram& diagram)> observer{};
 };
 
+/// What is tried where no step for all sites lowers the energy.
+struct SiteMoveTrials {
+  int held_searches = 0;   ///< how often this was so: steps then went on without the sites of far the largest gradients
+  int passes = 0;          ///< over all free sites, each moved in 8 directions by 5 lengths, 0.3 to 1e-3 cell sizes
+  std::int64_t tried = 0;  ///< moves of single sites whose energy was computed
+  std::int64_t taken = 0;  ///< moves that lowered the energy, and were kept
+  double energy_before = 0;  ///< where no step for all sites lowered it for the first time
+  double last_gain = 0;      ///< fraction of the energy by which the last pass lowered it
+};
+
 struct Optimization {
   Diagram diagram;  ///< at the end
   struct Term {
@@ -61,18 +78,25 @@ struct Optimization {
   double gradient_tolerance = 0;
   int iterations = 0;
   std::vector<OptimizationStep> history;
-  std::string stopped;  ///< "converged", "step_too_small" or "iteration_limit"
+  /// "converged": the gradient is within its tolerance; "step_too_small": neither a step nor a pass of moves of single
+  /// sites lowers the energy by more than smallest_gain_of_a_pass of it; "iteration_limit".
+  std::string stopped;
+  SiteMoveTrials site_moves;  ///< all 0 where steps for all sites sufficed
   DiagramStatistics before;
   DiagramStatistics after;
 };
 
 /// Moves the sites to a local minimum of the energy. The diagram is made anew at every state that is tried, so that
 /// cells change their neighbours freely, where most sites are held only round those that move (MovingDiagram); it never
-/// rises in energy from one iteration to the next.
+/// rises in energy from one iteration to the next. Where no step for all sites lowers the energy, which has kinks and
+/// jumps, the few sites next to one, whose gradients are far above the others', are held, and steps go on without them.
+/// Where this gains little, single sites are moved by themselves (SiteMoveTrials). Then steps for all sites go on. All
+/// that is tried between two of these counts as one iteration; a pass of moves of single sites takes some hundred
+/// diagrams, of which only the surroundings of moved sites are made anew where sites are few.
 ///
-/// Bills "propagation", "cells", "derivatives", "step" and one effect for each term. Throws what `diagram` throws,
-/// "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance, border_deviation,
-/// max_iterations, edge_length), "voronoi.fixed_site".
+/// Bills "propagation", "cells", "derivatives", "step", one effect for each term, and the quantity "site_moves". Throws
+/// what `diagram` throws, "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance,
+/// border_deviation, max_iterations, edge_length), "voronoi.fixed_site".
 Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface::SurfacePoint> sites,
                       const OptimizationOptions& options, const Execution& execution = {});
 
