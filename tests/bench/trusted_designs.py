@@ -67,6 +67,7 @@ def page(rows: List[Dict[str, str]]) -> str:
         "Curves are drawn freely: of any height, bent upwards or downwards, in tension or compression, along a random direction. No design of a family follows most of them. A search",
         "that asks only how near the model says a design is ends where the model errs in favour of the target. With [`effects.trust`](../designs.md#how-accurate-it-is) it prefers designs whose error bars",
         "are short. Each design was simulated (`verify`, no polish). *Wrong* are designs whose model is off by more than 10 %. Each search is a row of [designs-trust.csv](designs-trust.csv).", "",
+        "These curves are harder than those by which the bars of searched designs were made, half of which are bent curves of random designs: fewer samples than 90 % are within their bar.", "",
         "| Family | Curves | Trust | Model from the target, median, % | Simulation from the target, median, % | worst, % | Wrong | of them with all samples `in_range` | Samples within their bar | Search, median, s |",
         "|---|--:|---|--:|--:|--:|--:|--:|--:|--:|",
     ]
