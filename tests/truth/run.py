@@ -14,6 +14,7 @@ from __future__ import annotations
 import argparse
 import csv
 import importlib.util
+import math
 import os
 import re
 import sys
@@ -46,10 +47,15 @@ def load(name: str) -> ModuleType:
     return module
 
 
+def shown(number: float) -> str:
+    """Nothing where no case came to the check."""
+    return "" if math.isnan(number) else f"{number:.3g}"
+
+
 def rows_of(result: Result) -> List[Dict[str, str]]:
     return [{"wing": result.wing, "check": name, "about": figures.check.about, "unit": figures.check.unit,
-             "limit": f"{figures.check.limit:.3g}", "cases": str(len(figures.deviations)), "median": f"{figures.median:.3g}",
-             "largest": f"{figures.largest:.3g}", "beyond": str(figures.beyond), "seed": str(result.seed),
+             "limit": f"{figures.check.limit:.3g}", "cases": str(len(figures.deviations)), "median": shown(figures.median),
+             "largest": shown(figures.largest), "beyond": str(figures.beyond), "seed": str(result.seed),
              "worst_case": "" if figures.worst_case is None else str(figures.worst_case)}
             for name, figures in result.figures.items()]
 
