@@ -112,7 +112,7 @@ def main() -> int:
     if asked.server:
         os.environ["SUPPLE_TEST_SERVER"] = str(Path(asked.server).resolve())
     sys.path[:0] = [str(ROOT / "tests" / "api")]
-    from harness import ServerProcess  # pylint: disable=import-outside-toplevel  # it reads the environment
+    from harness import ServerProcess  # it reads the environment
 
     def say(line: str) -> None:
         print(line, flush=True)

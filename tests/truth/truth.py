@@ -162,7 +162,7 @@ def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int,
             case = wing.case(generator(seed, name, index))
             for check, deviation in wing.examine(server, case):
                 result.figures[check].add(index, float(deviation))
-        except Exception as error:  # pylint: disable=broad-except  # whatever ends a case is found
+        except Exception as error:  # whatever ends a case is found
             failure = f"{type(error).__name__}: {error}"
             revive()
         result.figures[ANSWERED].add(index, 1 if failure else 0)
