@@ -15,6 +15,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import run  # noqa: E402
+from _hosts import shell_energies  # noqa: E402
+from _shapes import Renumbering, any_mesh, folded, random_point  # noqa: E402
+from _surface import Surface  # noqa: E402
+from _unfolding import distances  # noqa: E402
 from truth import ALL_EXAMINED_FROM, ANSWERED, Check, Refusal, Result, Server, generator, run_wing  # noqa: E402
 
 
@@ -120,3 +124,57 @@ def test_every_wing_has_what_a_run_asks_for() -> None:
         assert wing.ABOUT.endswith(".") and wing.CHECKS and ANSWERED not in wing.CHECKS
         assert all(isinstance(check, Check) and np.isfinite(check.limit) and check.limit >= 0 for check in wing.CHECKS.values())
         assert wing.case(generator(1, name, 0)) is not None
+
+
+def test_unfolded_lengths_are_those_of_the_plane_on_a_folded_rectangle() -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(5):
+        vertices, faces, flat, _ = folded(rng, tube=False)
+        points = [random_point(rng, faces) for _ in range(5)]
+        surface = Surface(vertices, faces)
+        places = np.array([coordinates @ flat[face] for face, coordinates in (surface.entries(point)[0] for point in points)])
+        found, _ = distances(surface, points, points)
+        assert np.abs(found - np.linalg.norm(places[:, None] - places[None], axis=2)).max() < 1e-13
+
+
+def test_unfolded_lengths_know_no_order_and_no_path_is_shorter() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(8):
+        _, (vertices, faces) = any_mesh(rng)
+        surface, points = Surface(vertices, faces), [random_point(rng, faces) for _ in range(5)]
+        renumbered = Renumbering(rng, surface)
+        found, to_vertices = distances(surface, points, points, to_vertices=True)
+        other, _ = distances(Surface(renumbered.vertices, renumbered.faces), *2 * [[renumbered.point(point) for point in points]])
+        assert np.abs(found - other).max() < 1e-12 and np.abs(found - found.T).max() < 1e-12
+        assert (found[:, :, None] <= found[:, None, :] + found[None] + 1e-12).all(), "a way round is shorter"
+        edges = surface.length
+        assert (np.abs(to_vertices[:, surface.start] - to_vertices[:, surface.end]) <= edges + 1e-12).all()
+
+
+def test_walks_end_as_far_as_they_were_to_go() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(8):
+        vertices, faces, _, _ = folded(rng, tube=True)
+        surface, point = Surface(vertices, faces), random_point(rng, faces, inside=True)
+        length = 0.2 * float(surface.length.min())
+        end = surface.walk(point, float(rng.uniform(0, 6)), length)
+        found, _ = distances(surface, [point], [end])
+        on_boundary = any(surface.twin[3 * face + (int(np.argmin(coordinates)) + 1) % 3] < 0 and coordinates.min() < 1e-9 for face, coordinates in surface.entries(end))
+        assert abs(found[0, 0] - length) < 1e-12 or on_boundary
+
+
+def test_a_cylinder_bends_with_the_energy_of_the_plate() -> None:
+    """A strip of equilateral triangles that is rolled up: D / 2 times its area over the squared radius."""
+    rows, columns, radius = 9, 40, 5.0
+    x = np.array([[j + 0.5 * (i % 2) for j in range(columns)] for i in range(rows)]).ravel()
+    y = np.repeat(np.arange(rows) * 3**0.5 / 2, columns)
+    faces = []
+    for i in range(rows - 1):
+        for j in range(columns - 1):
+            a, b, c, d = i * columns + j, i * columns + j + 1, (i + 1) * columns + j, (i + 1) * columns + j + 1
+            faces += [[a, b, c], [b, d, c]] if i % 2 == 0 else [[a, b, d], [a, d, c]]
+    flat = Surface(np.stack([x, y, 0 * x], axis=1), np.array(faces))
+    rolled = np.stack([radius * np.sin(x / radius), y, radius * np.cos(x / radius)], axis=1)
+    host = {"youngs_modulus": 12.0, "poisson_ratio": 0.0, "thickness": 1.0}
+    plate = 1 / 2 * flat.area / radius**2
+    assert abs(shell_energies(flat, host, rolled)["shell_bending"] / plate - 1) < 0.05

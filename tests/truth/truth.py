@@ -118,7 +118,7 @@ class Figures:
 
     @property
     def worst_case(self) -> Optional[int]:
-        return max(self.deviations, key=lambda index: self.deviations[index], default=None)
+        return max(self.deviations, key=self.deviations.__getitem__) if self.deviations else None
 
     @property
     def beyond(self) -> int:
