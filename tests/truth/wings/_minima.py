@@ -12,7 +12,7 @@ SHARES = (1e-3, 1e-4, 1e-5)
 """How far a point is moved, in units of the diagonal. A place that is lower counts only if the way there is lower as well: beyond a ridge there may be another minimum."""
 
 
-def surroundings(surface: Surface, point: Point, first_angle: float, directions: int = 12) -> List[Point]:
+def surroundings(surface: Surface, point: Point, first_angle: float, directions: int = 8) -> List[Point]:
     """The places that a point is moved to: for each direction those of SHARES."""
     around = 2 * np.pi
     if "vertex" in point:

@@ -64,10 +64,11 @@ def sheet(rng: np.random.Generator, rows: int, columns: int, height: float, hole
     i, j = (at.ravel() for at in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
     vertices = np.stack([i, j, height * rng.normal(size=i.size)], axis=1).astype(float)
     faces = grid_faces(rows, columns, False, False, rng)
-    if hole:
+    if hole:  # a rectangle of the grid's cells, which leaves a ring of them at least
+        low = [int(rng.integers(1, size - 2)) for size in (rows, columns)]
+        high = [int(rng.integers(least + 1, size - 1)) for least, size in zip(low, (rows, columns))]
         middle = vertices[faces][:, :, :2].mean(axis=1)
-        centre = np.array([rows - 1, columns - 1]) / 2 + rng.uniform(-0.3, 0.3, 2)
-        faces = faces[np.abs(middle - centre).max(axis=1) > 0.8]
+        faces = faces[~((middle > low) & (middle < high)).all(axis=1)]
         used = np.unique(faces)
         renumbered = np.full(len(vertices), -1)
         renumbered[used] = np.arange(len(used))

@@ -10,7 +10,9 @@ Point = Dict[str, Any]
 """A face and barycentric coordinates, or a vertex, as requests have them."""
 
 ON_EDGE = 1e-9
-"""A barycentric coordinate below this is zero: the point lies on an edge or at a vertex."""
+"""A point whose barycentric coordinate is below this is near an edge, and is seen from the face beyond it as well."""
+AT_VERTEX = 1e-14
+"""A point with two barycentric coordinates below this lies at a vertex."""
 
 
 class Surface:
@@ -57,23 +59,27 @@ class Surface:
             return [(int(h) // 3, np.eye(3)[int(h) % 3]) for h in around]
         face, coordinates = int(point["face"]), np.asarray(point["barycentric"], dtype=float)
         coordinates = coordinates / coordinates.sum()
-        zero = np.flatnonzero(np.abs(coordinates) < ON_EDGE)
-        if len(zero) == 2:
+        if (np.abs(coordinates) < AT_VERTEX).sum() == 2:
             return self.entries({"vertex": int(self.faces[face, int(np.argmax(coordinates))])})
         found = [(face, coordinates)]
-        if len(zero) == 1:
-            halfedge = 3 * face + (int(zero[0]) + 1) % 3
+        least = int(np.argmin(coordinates))
+        if coordinates[least] < ON_EDGE:
+            halfedge = 3 * face + (least + 1) % 3
             twin = int(self.twin[halfedge])
             if twin >= 0:
+                # The point laid into the plane of the face beyond the edge: there it is outside by as much as it is inside here.
+                along = coordinates[(least + 2) % 3] * self.length[halfedge] + coordinates[least] * self.apex_x[halfedge]
+                out = coordinates[least] * self.apex_y[halfedge]
+                apex = -out / self.apex_y[twin]
+                end = (self.length[twin] - along - apex * self.apex_x[twin]) / self.length[twin]
                 other = np.zeros(3)
-                other[twin % 3] = coordinates[(int(zero[0]) + 2) % 3]
-                other[(twin + 1) % 3] = coordinates[(int(zero[0]) + 1) % 3]
+                other[twin % 3], other[(twin + 1) % 3], other[(twin + 2) % 3] = 1 - end - apex, end, apex
                 found.append((twin // 3, other))
         return found
 
     def at_vertex(self, point: Point) -> Point:
         """The point by its vertex, if it lies at one."""
-        if "vertex" in point or sum(abs(x) < ON_EDGE for x in point["barycentric"]) < 2:
+        if "vertex" in point or sum(abs(x) < AT_VERTEX for x in point["barycentric"]) < 2:
             return point
         return {"vertex": int(self.faces[point["face"], int(np.argmax(point["barycentric"]))])}
 

@@ -11,7 +11,7 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 
-from _surface import Point, Surface
+from _surface import ON_EDGE, Point, Surface
 
 SLACK = 1e-11
 """Share of an edge by which a ray may miss an opening: the path is longer by the square of it only."""
@@ -91,7 +91,7 @@ class _Search:
                 for i in range(3):
                     halfedge = 3 * face + i
                     twin = int(surface.twin[halfedge])
-                    if twin < 0 or coordinates[(i + 2) % 3] < 1e-9:
+                    if twin < 0 or coordinates[(i + 2) % 3] < ON_EDGE:
                         continue
                     x, y = self._in_frame(halfedge, coordinates)
                     found.append((twin, surface.length[halfedge] - x, -y, source, 0.0))
