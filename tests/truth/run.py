@@ -6,7 +6,7 @@
 Runs the wings that are named, or all of them, one after another against one server. A case that is found wrong is repeated with
 `--first K --cases 1` and the same seed. With `--out docs/bench` the tables of these wings are written into truth.csv and truth.md,
 where the rows of other wings and the text between the tables stay as they are. Ends with status 1 if any case is beyond its
-check's limit, or if a check was not examined at all.
+check's limit (of checks that have a share, if more than this share of the cases is), or if a check was not examined at all.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ sys.path[:0] = [str(HERE), str(HERE / "wings")]
 
 from truth import Result, Server, run_wing  # noqa: E402
 
-COLUMNS = ["wing", "check", "about", "unit", "limit", "cases", "median", "largest", "beyond", "seed", "worst_case"]
+COLUMNS = ["wing", "check", "about", "unit", "limit", "share", "cases", "median", "largest", "beyond", "seed", "worst_case"]
 
 
 def wings() -> List[str]:
@@ -54,7 +54,7 @@ def shown(number: float) -> str:
 
 def rows_of(result: Result) -> List[Dict[str, str]]:
     return [{"wing": result.wing, "check": name, "about": figures.check.about, "unit": figures.check.unit,
-             "limit": f"{figures.check.limit:.3g}", "cases": str(len(figures.deviations)), "median": shown(figures.median),
+             "limit": f"{figures.check.limit:.3g}", "share": f"{figures.check.share:.3g}", "cases": str(len(figures.deviations)), "median": shown(figures.median),
              "largest": shown(figures.largest), "beyond": str(figures.beyond), "seed": str(result.seed),
              "worst_case": "" if figures.worst_case is None else str(figures.worst_case)}
             for name, figures in result.figures.items()]
@@ -62,8 +62,9 @@ def rows_of(result: Result) -> List[Dict[str, str]]:
 
 def table(rows: List[Dict[str, str]]) -> str:
     lines = ["| Check | What deviates | Cases | Median | Largest | Limit | Unit | Beyond it |", "|---|---|--:|--:|--:|--:|---|--:|"]
-    lines += [f"| {row['check']} | {row['about']} | {int(row['cases']):,} | {row['median']} | {row['largest']} | {row['limit']} | {row['unit']} | {row['beyond']} |"
-              for row in rows]
+    for row in rows:
+        limit = row["limit"] + (f", but for {float(row['share']):.0%}" if float(row["share"]) else "")
+        lines.append(f"| {row['check']} | {row['about']} | {int(row['cases']):,} | {row['median']} | {row['largest']} | {limit} | {row['unit']} | {row['beyond']} |")
     return "\n".join(lines)
 
 

@@ -91,6 +91,20 @@ def test_a_check_that_no_case_comes_to_is_a_fault_of_a_long_run() -> None:
     assert long.unexamined == ["rough"] and not long.sound
 
 
+def test_a_share_of_the_cases_may_be_beyond_the_limit_and_no_more() -> None:
+    for share, sound in ((0.05, True), (0.04, False)):
+        calls = []
+
+        def examine(server: Server, case: Any) -> Iterator[Tuple[str, float]]:
+            calls.append(case)
+            yield "exact", 1.0 if len(calls) == 7 else 0.0
+
+        wing = wing_of(examine)
+        wing.CHECKS["exact"] = Check("Something", 0, "of something", share)  # type: ignore[attr-defined]
+        result = run_wing("planted", wing, Server("http://127.0.0.1:1"), 1, 0, 20)
+        assert result.sound is sound and len(result.found) == 1
+
+
 def test_a_check_that_the_wing_does_not_name_is_found() -> None:
     assert not result_of(lambda server, case: iter([("unnamed", 0.0)]), cases=1).sound
 

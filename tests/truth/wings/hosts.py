@@ -18,6 +18,8 @@ ABOUT = ("Random networks that pull on shells (balls, tori and sheets, some of w
          "positions, its slope along random motions of all nodes is taken by differences, and the same body is asked about moved and turned, renumbered, of another unit of stiffness, "
          "and with a vertex taken away and back.")
 
+OTHER = 1e-6
+"""Energies of shells that differ by more of their size belong to different equilibria: a sheet that buckles goes to one side or to the other."""
 JUMP = 1e-7
 """Jumps of less than this share of the energy are not seen, by the documents."""
 
@@ -36,6 +38,8 @@ CHECKS = {
     "moved_shell": Check("The energy of the shell that is moved and turned", 1e-9, "of the energy"),
     "moved_solid": Check("The energy of the solid that is moved and turned", 1e-7, "of the energy"),
     "renumbered_shell": Check("The energy of the shell after vertices, faces and their corners are renumbered", 1e-9, "of the energy"),
+    "other_shell": Check("Shells that end in another equilibrium after one of these two", 0, "1 if it does", 0.05),
+    "moved_filling": Check("Nodes of the solid at rest that is moved and turned, or renumbered, from the nearest node of the other filling", 1e-8, "diagonals"),
     "renumbered_solid": Check("The energy of the solid after vertices, faces and their corners are renumbered", 1e-7, "of the energy"),
     "moved_body": Check("Vertices of the solid that is moved and turned, or renumbered", 1e-6, "diagonals"),
     "there_and_back": Check("The energy after a vertex was taken away and back, where no jump is counted", 2 * JUMP, "of the energy"),
@@ -89,8 +93,7 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
     solid = case["host"]["kind"] == "solid"
     if solid:
         nodes, tetrahedra = host_of_vtu(server.file("/v1/embedded-systems", body, "application/x-vtu+xml").decode())
-        at_rest = {**body, "springs": [], "host": {key: value for key, value in case["host"].items() if key != "gravity"}}
-        rest, same = host_of_vtu(server.file("/v1/embedded-systems", at_rest, "application/x-vtu+xml").decode())
+        rest, same = _at_rest(server, body)
         volumes, enclosed = tetrahedron_volumes(rest, tetrahedra), enclosed_volume(surface, surface.vertices)
         yield "filling", np.inf if volumes.min() <= 0 or not np.array_equal(same, tetrahedra) else (volumes.sum() - enclosed) / enclosed
 
@@ -99,7 +102,7 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
         stiffness = case["host"]["youngs_modulus"] * enclosed
     else:
-        nodes = np.array(answer["host"]["vertices"])
+        nodes, rest = np.array(answer["host"]["vertices"]), None
 
         def of_host(at: np.ndarray) -> Dict[str, float]:
             return shell_energies(surface, case["host"], at)
@@ -118,8 +121,14 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
         yield "volume_ratio", answer["host"]["volume_ratio"] - enclosed_volume(surface, nodes) / enclosed_volume(surface, surface.vertices)
     if answer["stopped"] == "converged":
         yield from _at_equilibrium(case, surface, network, answer, energies, nodes, rng)
-        yield from _again(server, mesh, case, surface, answer, rng)
+        yield from _again(server, mesh, case, surface, answer, rest, rng)
     server.delete(f"/v1/meshes/{mesh}")
+
+
+def _at_rest(server: Server, body: Dict[str, Any]) -> Tuple[np.ndarray, np.ndarray]:
+    """The nodes and tetrahedra of a solid on which nothing acts."""
+    still = {**body, "springs": [], "host": {key: value for key, value in body["host"].items() if key != "gravity"}}
+    return host_of_vtu(server.file("/v1/embedded-systems", still, "application/x-vtu+xml").decode())
 
 
 def _terms(answer: Any, own: Dict[str, float], stiffness: float) -> Iterator[Tuple[str, float]]:
@@ -157,7 +166,7 @@ def _at_equilibrium(case: Dict[str, Any], surface: Surface, network: Network, an
     yield "point_minimum", steepest / (network.largest_weight * moved.diagonal)
 
 
-def _again(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, answer: Any, rng: np.random.Generator) -> Iterator[Tuple[str, float]]:
+def _again(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, answer: Any, rest: Any, rng: np.random.Generator) -> Iterator[Tuple[str, float]]:
     """The same body asked about in another way, of which the answer is an equilibrium as well."""
     host = case["host"]
     least = max(sum(abs(term["energy"]) for term in answer["terms"]), 1e-12)
@@ -183,16 +192,32 @@ def _again(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, an
     if case["again"] == "moved":
         new = {**host, "gravity": (turn @ np.array(host["gravity"])).tolist()} if "gravity" in host else host
         another = server.upload(surface.vertices @ turn.T + shift, surface.faces)["id"]
-        other = server.post("/v1/embedded-systems", _body(another, case, host=new))
-        vertices = (np.array(other["host"]["vertices"]) - shift) @ turn
+        asked = _body(another, case, host=new)
+
+        def back(nodes: np.ndarray) -> np.ndarray:
+            return (nodes - shift) @ turn
+
     else:
         renumbered = Renumbering(rng, surface)
         new = {**host, "fixed_vertices": [int(renumbered.vertex[v]) for v in host.get("fixed_vertices", [])]}
         another = server.upload(renumbered.vertices, renumbered.faces)["id"]
-        other = server.post("/v1/embedded-systems", _body(another, case, host=new, points=[renumbered.point(point) for point in case["points"]]))
-        vertices = np.array(other["host"]["vertices"])[renumbered.vertex]
+        asked = _body(another, case, host=new, points=[renumbered.point(point) for point in case["points"]])
+
+        def back(nodes: np.ndarray) -> np.ndarray:
+            return np.concatenate([nodes[renumbered.vertex], nodes[len(renumbered.vertex):]])
+
+    other = server.post("/v1/embedded-systems", asked)
+    vertices = back(np.array(other["host"]["vertices"]))
+    if host["kind"] == "solid":
+        filled = back(_at_rest(server, asked)[0])
+        apart = np.linalg.norm(filled[:, None] - rest[None], axis=2)
+        yield "moved_filling", float(max(apart.min(axis=0).max(), apart.min(axis=1).max())) / surface.diagonal
     server.delete(f"/v1/meshes/{another}")
     if other["stopped"] == "converged":
-        yield f"{case['again']}_{host['kind']}", (other["energy"] - answer["energy"]) / least
+        change = abs(other["energy"] - answer["energy"]) / least
+        if host["kind"] == "shell":
+            yield "other_shell", 1 if change > OTHER else 0
+        if host["kind"] == "solid" or change <= OTHER:
+            yield f"{case['again']}_{host['kind']}", change
         if host["kind"] == "solid" and "fixed_vertices" in host:
             yield "moved_body", float(np.linalg.norm(vertices - np.array(answer["host"]["vertices"]), axis=1).max()) / surface.diagonal
