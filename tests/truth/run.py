@@ -17,6 +17,7 @@ import importlib.util
 import math
 import os
 import re
+import signal
 import sys
 import tempfile
 from pathlib import Path
@@ -118,6 +119,11 @@ def main() -> int:
     def say(line: str) -> None:
         print(line, flush=True)
 
+    def interrupt(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGTERM, interrupt)  # the server is ended, and what was examined is shown
+
     sound = True
     with tempfile.TemporaryDirectory(prefix="supple-truth-") as folder:
         process = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
@@ -140,7 +146,9 @@ def main() -> int:
                     asked.out.mkdir(parents=True, exist_ok=True)
                     write_csv(asked.out / "truth.csv", rows)
                     write_page(asked.out / "truth.md", name, wing.ABOUT, rows)
-                sound = sound and result.sound
+                sound = sound and result.sound and result.cases == asked.cases
+                if result.cases < asked.cases:
+                    break
         finally:
             process.stop()
     return 0 if sound else 1

@@ -105,6 +105,19 @@ def test_a_share_of_the_cases_may_be_beyond_the_limit_and_no_more() -> None:
         assert result.sound is sound and len(result.found) == 1
 
 
+def test_an_interrupted_run_has_the_cases_before() -> None:
+    calls = []
+
+    def examine(server: Server, case: Any) -> Iterator[Tuple[str, float]]:
+        calls.append(case)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        yield "exact", 0
+
+    result = result_of(examine)
+    assert result.cases == 3 and len(result.figures["exact"].deviations) == 3 and len(result.figures[ANSWERED].deviations) == 3
+
+
 def test_a_check_that_the_wing_does_not_name_is_found() -> None:
     assert not result_of(lambda server, case: iter([("unnamed", 0.0)]), cases=1).sound
 

@@ -159,7 +159,7 @@ def generator(seed: int, wing: str, index: int) -> np.random.Generator:
 def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int, cases: int,
              say: Callable[[str], None] = lambda line: None, revive: Callable[[], None] = lambda: None) -> Result:
     """Examines the cases first ... first + cases - 1 of a wing. `say` hears of progress and of what is found; `revive` is called
-    after a case that ended in an exception, where the server may have died."""
+    after a case that ended in an exception, where the server may have died. A run that is interrupted returns the cases before."""
     checks = {**wing.CHECKS, ANSWERED: Check("Cases that ended in a refusal or an exception", 0, "1 if it did")}
     result = Result(name, seed, first, cases, {key: Figures(check) for key, check in checks.items()})
     for index in range(first, first + cases):
@@ -168,6 +168,10 @@ def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int,
             case = wing.case(generator(seed, name, index))
             for check, deviation in wing.examine(server, case):
                 result.figures[check].add(index, float(deviation))
+        except KeyboardInterrupt:
+            result.cases = index - first
+            say(f"  {name}: interrupted after {result.cases} cases")
+            break
         except Exception as error:  # whatever ends a case is found
             failure = f"{type(error).__name__}: {error}"
             revive()
