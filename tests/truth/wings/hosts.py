@@ -40,6 +40,7 @@ CHECKS = {
     "renumbered_shell": Check("The energy of the shell after vertices, faces and their corners are renumbered", 1e-9, "of the energy"),
     "other_shell": Check("Shells that end in another equilibrium after one of these two", 0, "1 if it does", 0.05),
     "moved_filling": Check("Nodes of the solid at rest that is moved and turned, or renumbered, from the nearest node of the other filling", 1e-8, "diagonals"),
+    "moved_tetrahedra": Check("Share of its tetrahedra that the other filling does not have", 0, "1"),
     "renumbered_solid": Check("The energy of the solid after vertices, faces and their corners are renumbered", 1e-7, "of the energy"),
     "moved_body": Check("Vertices of the solid that is moved and turned, or renumbered", 1e-6, "diagonals"),
     "there_and_back": Check("The energy after a vertex was taken away and back, where no jump is counted", 2 * JUMP, "of the energy"),
@@ -93,12 +94,12 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
     solid = case["host"]["kind"] == "solid"
     if solid:
         nodes, tetrahedra = host_of_vtu(server.file("/v1/embedded-systems", body, "application/x-vtu+xml").decode())
-        rest, same = _at_rest(server, body)
-        volumes, enclosed = tetrahedron_volumes(rest, tetrahedra), enclosed_volume(surface, surface.vertices)
-        yield "filling", np.inf if volumes.min() <= 0 or not np.array_equal(same, tetrahedra) else (volumes.sum() - enclosed) / enclosed
+        rest = _at_rest(server, body)
+        volumes, enclosed = tetrahedron_volumes(*rest), enclosed_volume(surface, surface.vertices)
+        yield "filling", np.inf if volumes.min() <= 0 or not np.array_equal(rest[1], tetrahedra) else (volumes.sum() - enclosed) / enclosed
 
         def of_host(at: np.ndarray) -> Dict[str, float]:
-            return solid_energies(rest, tetrahedra, case["host"], at)
+            return solid_energies(*rest, case["host"], at)
 
         stiffness = case["host"]["youngs_modulus"] * enclosed
     else:
@@ -209,9 +210,15 @@ def _again(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, an
     other = server.post("/v1/embedded-systems", asked)
     vertices = back(np.array(other["host"]["vertices"]))
     if host["kind"] == "solid":
-        filled = back(_at_rest(server, asked)[0])
-        apart = np.linalg.norm(filled[:, None] - rest[None], axis=2)
+        filled, others = _at_rest(server, asked)
+        apart = np.linalg.norm(back(filled)[:, None] - rest[0][None], axis=2)
         yield "moved_filling", float(max(apart.min(axis=0).max(), apart.min(axis=1).max())) / surface.diagonal
+        new_index = np.arange(len(filled))
+        if case["again"] == "renumbered":
+            new_index[renumbered.vertex] = np.arange(len(renumbered.vertex))
+        nearest = apart.argmin(axis=1)
+        same = {frozenset(nodes) for nodes in nearest[new_index[others]].tolist()}
+        yield "moved_tetrahedra", 1 - len(same & {frozenset(nodes) for nodes in rest[1].tolist()}) / len(rest[1])
     server.delete(f"/v1/meshes/{another}")
     if other["stopped"] == "converged":
         change = abs(other["energy"] - answer["energy"]) / least
