@@ -122,7 +122,7 @@ def main() -> int:
     def interrupt(number: int, frame: Any) -> None:
         raise KeyboardInterrupt
 
-    signal.signal(signal.SIGTERM, interrupt)  # the server is ended, and what was examined is shown
+    signal.signal(signal.SIGTERM, interrupt)  # the server is ended, and what was examined is shown but not written
 
     sound = True
     with tempfile.TemporaryDirectory(prefix="supple-truth-") as folder:
@@ -142,7 +142,7 @@ def main() -> int:
                 say(table(rows))
                 if result.unexamined:
                     say(f"  no case came to: {', '.join(result.unexamined)}")
-                if asked.out:
+                if asked.out and result.cases == asked.cases:
                     asked.out.mkdir(parents=True, exist_ok=True)
                     write_csv(asked.out / "truth.csv", rows)
                     write_page(asked.out / "truth.md", name, wing.ABOUT, rows)
