@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import csv
+import fcntl
 import importlib.util
 import math
 import os
@@ -144,8 +145,10 @@ def main() -> int:
                     say(f"  no case came to: {', '.join(result.unexamined)}")
                 if asked.out and result.cases == asked.cases:
                     asked.out.mkdir(parents=True, exist_ok=True)
-                    write_csv(asked.out / "truth.csv", rows)
-                    write_page(asked.out / "truth.md", name, wing.ABOUT, rows)
+                    with (Path(tempfile.gettempdir()) / "supple-truth.lock").open("w", encoding="utf-8") as lock:
+                        fcntl.flock(lock, fcntl.LOCK_EX)  # another run may write other wings
+                        write_csv(asked.out / "truth.csv", rows)
+                        write_page(asked.out / "truth.md", name, wing.ABOUT, rows)
                 sound = sound and result.sound and result.cases == asked.cases
                 if result.cases < asked.cases:
                     break
