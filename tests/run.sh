@@ -11,16 +11,17 @@
 #   tests/run.sh --all --minutes    writes how long each part took into CONTRIBUTING.md
 #
 # Ends with status 0 only if every part passed. Environment: SUPPLE_JOBS (number of cores), SUPPLE_FUZZ_SECONDS (60, over
-# all targets), SUPPLE_SKIP_PACKAGES=1 (leave apt alone).
+# all targets), SUPPLE_TRUTH_CASES (1000, for each wing of tests/truth), SUPPLE_SKIP_PACKAGES=1 (leave apt alone).
 set -uo pipefail
 cd "$(dirname "$0")/.." || exit
 
 jobs=${SUPPLE_JOBS:-$(nproc)}
 fuzz_seconds=${SUPPLE_FUZZ_SECONDS:-60}
+truth_cases=${SUPPLE_TRUTH_CASES:-1000}
 python=/usr/bin/python3
 
 declare -A about=(
-  [changes]="the table of what --changed runs, against this tree"
+  [changes]="the table of what --changed runs, against this tree, and that tests/truth can fail"
   [arrows]="includes run only along the house plan's arrows (by reading every file)"
   [format]="clang-format has nothing to change"
   [single_files]="each source file compiles by itself and without a warning (missing includes, names that hide others)"
@@ -43,11 +44,12 @@ declare -A about=(
   [hostile_asan]="hostile requests to a server under the address and undefined-behaviour sanitizers"
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
+  [truth]="random cases of every wing against independent oracles, over HTTP"
 )
-order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible)
+order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible truth)
 usual=(changes arrows format build unit stability python api docs deploy web)
 # Up to half an hour each: before a release, and after a change to what takes requests apart, to deploy/ or to what is installed.
-by_name_only=(single_files hostile_asan image packages reproducible)
+by_name_only=(single_files hostile_asan image packages reproducible truth)
 
 # Of --changed: what a part has to run, where that is not all of it.
 declare -A only
@@ -69,7 +71,7 @@ build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "$
 cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
   'tests/*.h' 'tests/*.cpp'; }
 
-part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes; }
+part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes tests/truth; }
 part_arrows() { "$python" tests/arrows/check_includes.py; }
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
 part_single_files() {
@@ -124,6 +126,7 @@ part_deploy() {
 part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
 part_packages() { deploy/build_packages.sh && "$python" -m pytest -q -p no:cacheprovider tests/release; }
 part_reproducible() { tests/release/reproducible.sh; }
+part_truth() { build_preset release --target supple-server && "$python" tests/truth/run.py --cases "$truth_cases"; }
 part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile; }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.

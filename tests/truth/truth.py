@@ -1,0 +1,187 @@
+"""What the wings of tests/truth stand on: checks, the server that is examined, and the run of a wing."""
+
+from __future__ import annotations
+
+import json
+import math
+import statistics
+import time
+import zlib
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any, Callable, Dict, List, Optional
+
+import numpy as np
+import requests
+
+ANSWERED = "answered"
+"""The check that every wing has: a case that ends in a refusal or an exception deviates by 1."""
+ALL_EXAMINED_FROM = 200
+"""From so many cases on, a check that no case came to is a fault of the suite."""
+SECONDS = 900.0
+"""How long an answer may take: a server that hangs is found, and a busy machine is not."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """What is compared. A deviation is right up to `limit`, which is what the documents promise; `unit` says what it is measured in.
+    `share` of the cases may be beyond it where the documents say that this happens, as at bifurcations."""
+    about: str
+    limit: float
+    unit: str
+    share: float = 0.0
+
+
+class Refusal(Exception):
+    """The server answered with a problem document."""
+
+    def __init__(self, status: int, problem: Any) -> None:
+        code = problem.get("code", "") if isinstance(problem, dict) else ""
+        detail = problem.get("detail", "") if isinstance(problem, dict) else str(problem)
+        super().__init__(f"{status} {code}: {detail}")
+        self.status = status
+        self.problem = problem
+        self.code = str(code)
+
+
+class Server:
+    """Speaks to a running server. Answers are waited for, also where the server makes jobs of the requests."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self._session = requests.Session()
+
+    def _answer(self, method: str, path: str, **more: Any) -> requests.Response:
+        response = self._session.request(method, self.url + path, timeout=SECONDS, **more)
+        if response.status_code == 202:
+            job = response.headers["Location"]
+            while self._session.get(self.url + job, timeout=SECONDS).json()["state"] in ("accepted", "running"):
+                time.sleep(0.02)
+            response = self._session.get(self.url + job + "/result", timeout=SECONDS)
+        if response.status_code >= 400:
+            try:
+                problem = response.json()
+            except ValueError:
+                problem = response.text
+            raise Refusal(response.status_code, problem)
+        return response
+
+    def post(self, path: str, body: Any, content_type: str = "application/json") -> Any:
+        """The JSON answer. A body of another content type is text or bytes."""
+        return self._answer("POST", path, data=_bytes_of(body, content_type), headers={"Content-Type": content_type}).json()
+
+    def file(self, path: str, body: Any, accept: str, content_type: str = "application/json") -> bytes:
+        """The answer as a file of the media type that is asked for."""
+        return self._answer("POST", path, data=_bytes_of(body, content_type), headers={"Content-Type": content_type, "Accept": accept}).content
+
+    def get(self, path: str) -> Any:
+        return self._answer("GET", path).json()
+
+    def delete(self, path: str) -> None:
+        self._answer("DELETE", path)
+
+    def upload(self, vertices: Any, faces: Any) -> Any:
+        """The description of a mesh that is given by arrays: `id` names it in requests."""
+        return self.post("/v1/meshes", {"vertices": np.asarray(vertices, dtype=float).tolist(), "faces": np.asarray(faces, dtype=int).tolist()})
+
+
+def _bytes_of(body: Any, content_type: str) -> bytes:
+    if isinstance(body, bytes):
+        return body
+    return body.encode() if isinstance(body, str) and content_type != "application/json" else json.dumps(body).encode()
+
+
+@dataclass
+class Found:
+    """A deviation beyond the limit of its check, or what ended a case."""
+    check: str
+    index: int
+    deviation: float
+    message: str = ""
+
+
+@dataclass
+class Figures:
+    """The deviations of one check, over the cases that came to it. A case may yield several; its largest counts."""
+    check: Check
+    deviations: Dict[int, float] = field(default_factory=dict)
+
+    def add(self, index: int, deviation: float) -> None:
+        deviation = math.inf if math.isnan(deviation) else abs(deviation)
+        self.deviations[index] = max(deviation, self.deviations.get(index, 0.0))
+
+    @property
+    def median(self) -> float:
+        return statistics.median(self.deviations.values()) if self.deviations else math.nan
+
+    @property
+    def largest(self) -> float:
+        return max(self.deviations.values(), default=math.nan)
+
+    @property
+    def worst_case(self) -> Optional[int]:
+        return max(self.deviations, key=self.deviations.__getitem__) if self.deviations else None
+
+    @property
+    def beyond(self) -> int:
+        return sum(deviation > self.check.limit for deviation in self.deviations.values())
+
+    @property
+    def sound(self) -> bool:
+        return self.beyond <= self.check.share * len(self.deviations)
+
+
+@dataclass
+class Result:
+    """What a wing's cases gave."""
+    wing: str
+    seed: int
+    first: int
+    cases: int
+    figures: Dict[str, Figures]
+    found: List[Found] = field(default_factory=list)
+
+    @property
+    def unexamined(self) -> List[str]:
+        """Checks that no case came to, in a run that is long enough to say so."""
+        return [name for name, figures in self.figures.items() if not figures.deviations] if self.cases >= ALL_EXAMINED_FROM else []
+
+    @property
+    def sound(self) -> bool:
+        return all(figures.sound for figures in self.figures.values()) and not self.unexamined
+
+
+def generator(seed: int, wing: str, index: int) -> np.random.Generator:
+    """The random numbers of one case: they depend on the run's seed, on the wing's name and on the case's index, and on nothing else."""
+    return np.random.default_rng([seed, zlib.crc32(wing.encode()), index])
+
+
+def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int, cases: int,
+             say: Callable[[str], None] = lambda line: None, revive: Callable[[], None] = lambda: None) -> Result:
+    """Examines the cases first ... first + cases - 1 of a wing. `say` hears of progress and of what is found; `revive` is called
+    after a case that ended in an exception, where the server may have died. A run that is interrupted returns the cases before."""
+    checks = {**wing.CHECKS, ANSWERED: Check("Cases that ended in a refusal or an exception", 0, "1 if it did")}
+    result = Result(name, seed, first, cases, {key: Figures(check) for key, check in checks.items()})
+    for index in range(first, first + cases):
+        failure = ""
+        try:
+            case = wing.case(generator(seed, name, index))
+            for check, deviation in wing.examine(server, case):
+                result.figures[check].add(index, float(deviation))
+        except KeyboardInterrupt:
+            result.cases = index - first
+            say(f"  {name}: interrupted after {result.cases} cases")
+            break
+        except Exception as error:  # whatever ends a case is found
+            failure = f"{type(error).__name__}: {error}"
+            revive()
+        result.figures[ANSWERED].add(index, 1 if failure else 0)
+        for check, figures in result.figures.items():
+            deviation = figures.deviations.get(index, 0.0)
+            if deviation > figures.check.limit:
+                result.found.append(Found(check, index, deviation, failure if check == ANSWERED else ""))
+                say(f"  case {index}: {check}: {failure[:300] if check == ANSWERED else f'{deviation:.3g} where {figures.check.limit:.3g} is right'}")
+        done = index - first + 1
+        if cases >= 10 and done % (cases // 10) == 0:
+            say(f"  {name}: {done} of {cases} cases, {len(result.found)} found")
+    return result
