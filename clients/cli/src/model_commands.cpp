@@ -48,7 +48,8 @@ void print_error_bars(const nlohmann::json& bars) {
   };
   for (const char* name : {"stress", "stiffness", "poisson", "stress_at_strain"}) {
     print(name, bars.at(name));
-    if (bars.at(name).contains("searched")) print(std::string("  found by searches: ") + name, bars.at(name)["searched"]);
+    if (bars.at(name).contains("searched"))
+      print(std::string("  found by searches: ") + name, bars.at(name)["searched"]);
   }
 }
 

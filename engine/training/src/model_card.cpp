@@ -235,7 +235,8 @@ std::string calibration_section(const neural::Model& model) {
   const auto& calibration = *model.calibration;
   std::string text = fmt::format(
       "\n## Error bars\n\nEach answer has an error bar, which the simulated value is within in {:.0f} of 100 cases "
-      "(`supple-lab calibrate`; [how](../docs/models.md#error-bars)). Judged on {}, each by bars that were made without "
+      "(`supple-lab calibrate`; [how](../docs/models.md#error-bars)). Judged on {}, each by bars that were made "
+      "without "
       "it. \"Beyond\" are states that err by more than 3.57 %, the thesis's worst error of a uniaxial stress, or by "
       "0.0357 of Poisson's ratio; `in_range` is false also where the bar is longer than is trusted.\n\n"
       "| | Designs | States | Within their bar | Median bar | Trusted up to | Beyond | of them `in_range` without bars "

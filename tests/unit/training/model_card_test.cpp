@@ -84,7 +84,8 @@ TEST(ModelCard, SaysWhichSimulationsJudgedTheBars) {
   scale.searched.median_bar = 0.07;
   const auto fresh = model_card(model, data, "errors.svg");
   EXPECT_TRUE(says(fresh, "Judged on fresh designs, simulated without the error of the data's mesh,")) << fresh;
-  EXPECT_TRUE(says(fresh, "| Poisson's ratio, of designs that searches have found | 150 | 900 | 89.0 % | 0.07 | 0.1 |"));
+  EXPECT_TRUE(
+      says(fresh, "| Poisson's ratio, of designs that searches have found | 150 | 900 | 89.0 % | 0.07 | 0.1 |"));
   EXPECT_FALSE(says(fresh, "stiffness along a uniaxial load, of designs"));
   EXPECT_TRUE(says(fresh, "as these have taught it, without its correction of their mesh"));
   const auto errors_of = [](const std::string& page) {

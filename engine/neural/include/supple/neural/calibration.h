@@ -71,8 +71,8 @@ enum class Origin {
 
 /// Error bars of a model: split conformal prediction on designs that training has not seen (training::calibrate).
 struct Calibration {
-  double level = 0.9;                ///< share of the errors that are below their bar
-  double floor = 5e-4;               ///< errors far below this are not distinguished
+  double level = 0.9;   ///< share of the errors that are below their bar
+  double floor = 5e-4;  ///< errors far below this are not distinguished
   /// Whether fresh designs made and judged the bars, simulated without the error of the data's mesh. Otherwise designs
   /// of the data did that training had not seen, with that error.
   bool by_fresh_designs = false;
