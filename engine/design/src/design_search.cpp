@@ -507,23 +507,21 @@ class Search {
     const Eigen::VectorXd lower = bounds_.free_part(bounds_.lower);
     const Eigen::VectorXd upper = bounds_.free_part(bounds_.upper);
     std::size_t looks = 0;
-    for (double step = first_look; step >= last_look; step /= 2) {
-      for (bool gained = true; gained;) {
-        gained = false;
-        for (Eigen::Index k = 0; k < lower.size(); ++k) {
-          for (const double side : {-step, step}) {
-            if (!is_doubtful_ || looks >= most_looks) return;
-            Eigen::VectorXd x = bounds_.free_part(FreeParameters::all_of(best_.parameters, best_.orientation));
-            const double here = x[k];
-            x[k] = std::clamp(here + side * (upper[k] - lower[k]), lower[k], upper[k]);
-            if (x[k] == here) continue;
-            ++looks;
-            const double before = merit_;
-            finish(x, DesignStop::converged);
-            gained = gained || merit_ < before;
-          }
+    double step = first_look;
+    while (step >= last_look) {
+      const double before = merit_;
+      for (Eigen::Index k = 0; k < lower.size(); ++k) {
+        for (const double side : {-step, step}) {
+          if (!is_doubtful_ || looks >= most_looks) return;
+          Eigen::VectorXd x = bounds_.free_part(FreeParameters::all_of(best_.parameters, best_.orientation));
+          const double here = x[k];
+          x[k] = std::clamp(here + side * (upper[k] - lower[k]), lower[k], upper[k]);
+          if (x[k] == here) continue;
+          ++looks;
+          finish(x, DesignStop::converged);
         }
       }
+      if (!(merit_ < before)) step /= 2;
     }
   }
 

@@ -94,7 +94,7 @@ class Labels {
   std::size_t count() const {
     std::vector<Label> all = labels_;
     std::ranges::sort(all);
-    return static_cast<std::size_t>(std::ranges::unique(all).begin() - all.begin());
+    return static_cast<std::size_t>(std::unique(all.begin(), all.end()) - all.begin());
   }
 
   /// Each label takes those of its neighbours into account, until this tells no more vertices apart.
@@ -207,7 +207,7 @@ CanonicalSurface canonical_surface(std::span<const Eigen::Vector3d> positions, s
   for (const SurfaceTriangle& face : surface.faces) {
     SurfaceTriangle corners{};
     for (std::size_t k = 0; k < 3; ++k) corners[k] = number[static_cast<std::size_t>(face[k])];
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     result.faces.push_back(corners);
   }
   std::ranges::sort(result.faces);

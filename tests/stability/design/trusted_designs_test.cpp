@@ -24,6 +24,7 @@ class TrustedDesigns : public ::testing::Test {
   static microscale::SimulationOptions coarse() {
     microscale::SimulationOptions options;
     options.mesh.mesh_size = 1;
+    options.refinement = microscale::Refinement::extrapolated;
     return options;
   }
   DesignSpace space() const {
