@@ -32,7 +32,7 @@ Label mixed(Label value) {
 
 Label mixed(Label first, Label second) { return mixed(first ^ mixed(second)); }
 
-Label rounded(double length) { return static_cast<Label>(std::llround(length / resolution)); }
+Label on_grid(double length) { return static_cast<Label>(std::llround(length / resolution)); }
 
 std::array<std::int64_t, 3> on_grid(const Eigen::Vector3d& point) {
   return {std::llround(point.x() / grid), std::llround(point.y() / grid), std::llround(point.z() / grid)};
@@ -49,10 +49,10 @@ class Labels {
  public:
   explicit Labels(const Centred& surface) : surface_(surface) {
     labels_.reserve(surface.positions.size());
-    for (const Eigen::Vector3d& at : surface.positions) labels_.push_back(mixed(rounded(at.norm())));
+    for (const Eigen::Vector3d& at : surface.positions) labels_.push_back(mixed(on_grid(at.norm())));
     for (const SurfaceTriangle& face : surface.faces) {
       for (std::size_t k = 0; k < 3; ++k)
-        sides_.push_back(rounded((position(face[k]) - position(face[(k + 1) % 3])).norm()));
+        sides_.push_back(on_grid((position(face[k]) - position(face[(k + 1) % 3])).norm()));
     }
     refine();
   }
@@ -73,7 +73,7 @@ class Labels {
     const auto rank = [&](std::size_t i) {
       const Eigen::Vector3d& at = surface_.positions[i];
       const auto place = on_grid(at);
-      return std::tuple(counts.at(labels_[i]), -static_cast<std::int64_t>(rounded(at.norm())), labels_[i], -place[0],
+      return std::tuple(counts.at(labels_[i]), -static_cast<std::int64_t>(on_grid(at.norm())), labels_[i], -place[0],
                         -place[1], -place[2]);
     };
     for (std::size_t i = 0; i < labels_.size(); ++i) {
