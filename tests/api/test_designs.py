@@ -238,7 +238,7 @@ def test_effects_do_what_the_request_says(designs: Api) -> None:
     assert many["starts"] == FEW["starts"] and effect(many, "multi_start")["ran"] and effect(many, "envelope")["ran"]
     assert len(many["profile"]["envelope"]["lower"]) == request["samples"]
     assert not effect(many, "verification")["ran"] and "does not ask" in effect(many, "verification")["why"]
-    assert "trusted as much as any" in effect(many, "trust")["why"]
+    assert "trusted as much as any" in effect(one, "trust")["why"] and "says where to begin" in effect(many, "trust")["why"]
     nearest = designs.ok(DESIGNS, {**request, "effects": {"trust": "off"}})
     assert not effect(nearest, "trust")["ran"] and "turns it off" in effect(nearest, "trust")["why"]
 
