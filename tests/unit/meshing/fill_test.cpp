@@ -184,7 +184,7 @@ Copy copy_of(const std::vector<Eigen::Vector3d>& positions, const std::vector<Su
     copy.positions[static_cast<std::size_t>(copy.number[i])] = copy.at(positions[i]);
   for (SurfaceTriangle face : faces) {
     for (std::int32_t& corner : face) corner = copy.number[static_cast<std::size_t>(corner)];
-    std::ranges::rotate(face, face.begin() + random.below(3));
+    std::rotate(face.begin(), face.begin() + random.below(3), face.end());
     copy.faces.push_back(face);
   }
   shuffle(copy.faces, random);
