@@ -1,6 +1,7 @@
 // The search for one family's design.
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "design_report.h"
 #include "free_parameters.h"
 #include "modulus_choice.h"
+#include "ranked_candidates.h"
 #include "structure_limits.h"
 #include "supple/base/error.h"
 #include "supple/base/part_of_execution.h"
@@ -24,23 +26,19 @@ namespace {
 constexpr double good_share = 1e-3;
 /// What deviates less is near: the search begins with all samples.
 constexpr double near_share = 0.1;
-/// Samples of each target by which candidates are compared. Not a multiple of two or three: of a structure that looks
-/// the same after a quarter or a sixth of a turn, evenly spread directions would be few different ones.
-constexpr int coarse_samples = 11;
-/// What suffices of a search among those samples, and of equilibria while a search is under way.
+/// What suffices of a search with few samples, and of equilibria while a search is under way.
 constexpr double coarse_tolerance = 1e-4;
 constexpr double search_tolerance = 1e-6;
 /// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
 constexpr double search_margin = 1e-2;
 /// Starting points are at least this far apart, as a share of the bounds' widths.
 constexpr double min_start_distance = 0.035;
-/// Nine of ten normally distributed errors are smaller than so many of their standard deviations, as of an error bar.
-constexpr double deviations_of_a_bar = 1.645;
-/// Where the nearest design is not trusted, so many others are judged by their deviation and doubt, twice.
-constexpr std::size_t most_looks = 32;
-/// The second time around the best one, at these shares of the bounds' widths.
-constexpr double first_look = 0.1;
-constexpr double last_look = 0.01;
+/// If the nearest design is not trusted, up to this many candidates are judged by deviation and doubt together, and
+/// then up to as many designs around the best of them.
+constexpr int max_judged_designs = 32;
+/// Those are at this distance from it at first, and at least at the other one, as shares of the bounds' widths.
+constexpr double first_distance = 0.1;
+constexpr double min_distance = 0.01;
 /// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
 /// scale: where profiles jump, squares of a few samples hide that all others agree.
 constexpr double outlier_share = 0.1;
@@ -56,9 +54,6 @@ constexpr int starts_of_a_refined_lead = 4;
 constexpr int max_refined_leads = 4;
 /// Two of these places that are nearer to each other, as a share of the bounds' widths, count as one.
 constexpr double same_lead = 0.01;
-/// Candidates are looked at in orientations that are so far apart at most, rad, unless they were too many.
-constexpr double orientation_spacing = 0.4;
-constexpr int max_orientations = 8;
 /// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
 constexpr int rounds_from_rest = 3;
 
@@ -75,7 +70,8 @@ class Search {
         bounds_(space, problem),
         materials_(materials),
         moduli_(problem.moduli, space.model.provenance.youngs_modulus),
-        limits_(space, problem.limits) {
+        limits_(space, problem.limits),
+        candidates_({space, options, bounds_, targets_, weights_, moduli_, limits_}) {
     targets_.reserve(problem.targets.size());
     weights_.reserve(problem.targets.size());
     for (const auto& target : problem.targets) {
@@ -110,7 +106,7 @@ class Search {
                       " that was tried can be built and has an equilibrium at every sample of the targets.");
     bill_multi_start();
     add_envelope();
-    best_.message = message_about(best_, space_.model, free_family_parameters()) + message_about_modulus();
+    best_.message = message_about(best_, space_.model, bounds_.free_of_family()) + message_about_modulus();
     best_.model_error = neural::mean_stress_error(space_.model);
     best_.evaluations = evaluations_;
     bill();
@@ -155,8 +151,7 @@ class Search {
   }
   /// The same with a few samples only.
   numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations, double outlier) {
-    look_coarsely();
-    return approach(coarse_, x, iterations, outlier);
+    return approach(candidates_.targets(), x, iterations, outlier);
   }
 
   /// Optimizes by all samples and keeps the result if it is the best. Where strains have several equilibria, the search
@@ -244,7 +239,7 @@ class Search {
     std::vector<ProfileTrust> trusts;
     const auto origin = bounds_.free.empty() ? neural::Origin::given : neural::Origin::searched;
     for (std::size_t t = 0; t < targets_.size(); ++t) trusts.push_back(residuals.trust(space_.model, t, origin));
-    const Doubt doubt = weighs_trust() ? doubt_about(trusts) : Doubt{};
+    const Doubt doubt = weighs_trust() ? doubt_about(targets_, weights_, trusts) : Doubt{};
     nearest_ = std::min(nearest_, r.norm());
     const double merit = std::hypot(r.norm(), doubt.size);
     if (found_ && merit >= merit_) return r.norm();
@@ -278,36 +273,10 @@ class Search {
     return r.norm();
   }
 
-  struct Doubt {
-    double size = 0;  ///< Design::doubt
-    /// Whether error bars are too long at a sample. Outside of the ranges of training there are none, and often for any
-    /// design: it would be in vain to look for others.
-    bool has_long_bars = false;
-  };
   /// Whoever says where to begin looks for a design near there.
   bool weighs_trust() const {
     return options_.trust == Switch::on || (options_.trust == Switch::automatic && !problem_.initial);
   }
-  Doubt doubt_about(const std::vector<ProfileTrust>& trusts) const {
-    Doubt doubt;
-    double sum = 0;
-    double weights = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const ProfileTrust& trust = trusts[t];
-      for (std::size_t i = 0; i < trust.in_range.size(); ++i) {
-        if (trust.in_range[i] != 0) continue;
-        const auto at = static_cast<Eigen::Index>(i);
-        const bool has_bar = trust.error_bar.size() > 0 && std::isfinite(trust.error_bar[at]);
-        doubt.has_long_bars = doubt.has_long_bars || has_bar;
-        const double bar = has_bar ? trust.error_bar[at] / (deviations_of_a_bar * targets_[t].scale) : 1;
-        sum += weights_[t] * targets_[t].weights[at] * bar * bar;
-      }
-      weights += weights_[t];
-    }
-    doubt.size = std::sqrt(sum / weights);
-    return doubt;
-  }
-
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
     if (execution_->progress) {
       const double share = static_cast<double>(iteration) / options_.max_iterations;
@@ -315,106 +284,21 @@ class Search {
     }
     if (!*progress_) return;
     // All deviations count in full here, even if the search lessens some of them.
-    const double norm = deviation(targets, 0, [&](std::size_t t) { return residuals.values(t); });
+    std::vector<Eigen::VectorXd> achieved;
+    for (std::size_t t = 0; t < targets.size(); ++t) achieved.push_back(residuals.values(t));
+    const double norm = relative_deviation(targets, weights_, 0, achieved);
     if (reported_ && norm >= least_reported_) return;
     reported_ = true;
     least_reported_ = norm;
     const Eigen::VectorXd parameters = family_part(residuals.last_parameters());
-    const Eigen::VectorXd values = residuals.values(0);
-    const double largest = targets[0].deviations(values).cwiseAbs().maxCoeff();
+    const double largest = targets[0].deviations(achieved[0]).cwiseAbs().maxCoeff();
     (*progress_)({0,
                   parameters,
                   orientation_in(residuals.last_parameters()),
                   targets[0].samples,
-                  values,
+                  achieved[0],
                   {norm, largest},
                   best_.iterations + iteration});
-  }
-
-  void look_coarsely() {
-    if (!coarse_.empty()) return;
-    for (const auto& target : targets_) coarse_.push_back(coarsened(target, coarse_samples));
-  }
-
-  void look_at_candidates() {
-    if (table_) return;
-    look_coarsely();
-    std::vector<ProfileSamples> profiles;
-    orientations_ = candidate_orientations();
-    profiles.reserve(coarse_.size() * orientations_.size());
-    for (const double orientation : orientations_) {
-      for (const auto& target : coarse_) {
-        profiles.push_back(target.samples);
-        profiles.back().orientation = orientation;
-      }
-    }
-    const auto free = static_cast<int>(free_family_parameters().size());
-    const int count = free == 0 ? 1 : options_.candidates > 0 ? options_.candidates : default_candidates(free);
-    table_ = space_.candidates.table(family_part(bounds_.lower), family_part(bounds_.upper), count, profiles,
-                                     space_.buildable, *execution_);
-  }
-
-  std::vector<Eigen::Index> free_family_parameters() const {
-    auto free = bounds_.free;
-    if (bounds_.orientation_is_free()) free.pop_back();
-    return free;
-  }
-
-  /// In which candidates are looked at: those that are free in the middles of equal parts of their range.
-  std::vector<double> candidate_orientations() const {
-    if (!bounds_.orientation_is_free()) return {orientation_in(bounds_.held)};
-    const double least = orientation_in(bounds_.lower);
-    const double range = orientation_in(bounds_.upper) - least;
-    const int count = std::clamp(static_cast<int>(std::ceil(range / orientation_spacing)), 1, max_orientations);
-    std::vector<double> orientations;
-    orientations.reserve(static_cast<std::size_t>(count));
-    for (int k = 0; k < count; ++k) orientations.push_back(least + (k + 0.5) * range / count);
-    return orientations;
-  }
-
-  /// A candidate: the first ones are those of the first orientation.
-  Eigen::Index candidate_count() const {
-    return table_->parameters.cols() * static_cast<Eigen::Index>(orientations_.size());
-  }
-  Eigen::VectorXd candidate_at(Eigen::Index candidate) const {
-    const Eigen::Index n = table_->parameters.cols();
-    return FreeParameters::all_of(table_->parameters.col(candidate % n),
-                                  orientations_[static_cast<std::size_t>(candidate / n)]);
-  }
-  Eigen::VectorXd candidate_values(Eigen::Index candidate) const {
-    const Eigen::Index n = table_->parameters.cols();
-    const Eigen::Index rows = table_->y.rows() / static_cast<Eigen::Index>(orientations_.size());
-    return table_->y.col(candidate % n).segment(candidate / n * rows, rows);
-  }
-
-  /// The relative root mean square deviation, for `outlier` as in TargetResiduals, where values_of(t) are the profile's
-  /// at the samples of targets[t]; infinite where one of them has no equilibrium.
-  template <class ValuesOf>
-  double deviation(const std::vector<SampledTarget>& targets, double outlier, ValuesOf&& values_of) const {
-    double sum = 0;
-    double weights = 0;
-    for (std::size_t t = 0; t < targets.size(); ++t) {
-      Eigen::VectorXd deviations = targets[t].deviations(values_of(t)) / targets[t].scale;
-      if (outlier > 0)
-        for (double& deviation : deviations) deviation = lessened(deviation, outlier).value;
-      sum += weights_[t] * targets[t].weights.dot(deviations.cwiseAbs2());
-      weights += weights_[t];
-    }
-    return std::isfinite(sum) ? std::sqrt(sum / weights) : std::numeric_limits<double>::infinity();
-  }
-
-  /// With the best modulus, and with what is beyond the limits as searches count it.
-  double candidate_error(Eigen::Index candidate, double outlier) const {
-    Eigen::VectorXd values = candidate_values(candidate);
-    values = scaled(coarse_, values, moduli_.best(coarse_, weights_, values).factor);
-    Eigen::Index at = 0;
-    const double error = deviation(coarse_, outlier, [&](std::size_t t) -> Eigen::VectorXd {
-      const auto begin = at;
-      at += coarse_[t].y.size();
-      return values.segment(begin, coarse_[t].y.size());
-    });
-    if (!limits_.are_needed() || !std::isfinite(error)) return error;
-    return std::hypot(error, limits_.at(family_part(candidate_at(candidate))).norm());
   }
 
   /// A way to judge candidates.
@@ -434,27 +318,21 @@ class Search {
   /// Where outliers led to an end at which many samples are off, none of them is an outlier: squares count there.
   Lead lead_of(const numerics::LeastSquaresResult& result, double outlier) {
     if (outlier == 0 || result.norm <= deviation_with_few_outliers) return {result.norm, outlier, result.x};
-    TargetResiduals residuals = search_residuals(coarse_, search_tolerance, 0);
+    TargetResiduals residuals = search_residuals(candidates_.targets(), search_tolerance, 0);
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(result.x, r);
     count(residuals);
     return {defined ? r.norm() : std::numeric_limits<double>::infinity(), 0, result.x};
   }
 
-  Ranking ranking(double outlier) const {
-    Ranking made;
-    made.outlier = outlier;
-    for (Eigen::Index c = 0; c < candidate_count(); ++c) made.candidates.emplace_back(candidate_error(c, outlier), c);
-    std::sort(made.candidates.begin(), made.candidates.end());
-    return made;
-  }
+  Ranking ranking(double outlier) const { return {outlier, candidates_.ranked(outlier)}; }
 
   /// The best candidate that is not near one of those taken, if there is one: with its error.
   std::optional<std::pair<double, Eigen::VectorXd>> next_start(Ranking& ranking,
                                                                const std::vector<Eigen::VectorXd>& taken) const {
     while (ranking.next < ranking.candidates.size()) {
       const auto& [error, candidate] = ranking.candidates[ranking.next++];
-      const Eigen::VectorXd start = candidate_at(candidate);
+      const Eigen::VectorXd start = candidates_.at(candidate);
       if (!among(taken, start, min_start_distance)) return std::pair{error, start};
     }
     return std::nullopt;
@@ -464,7 +342,7 @@ class Search {
   /// outliers count less and when all deviations count. Where there are many samples, all by a few of them, and then
   /// those by all that promise most.
   void try_candidates() {
-    look_at_candidates();
+    candidates_.evaluate(*execution_);
     std::array rankings{ranking(outlier_share), ranking(0)};
     std::vector<Eigen::VectorXd> taken;
     if (problem_.initial) taken.push_back(start_of_request());
@@ -495,34 +373,48 @@ class Search {
   /// Looks for designs that are less near to the target but trusted more, among the candidates and then around the best
   /// one. Error bars have jumps, where a sample begins to be trusted, so that no derivatives are used.
   void look_for_trusted() {
-    look_at_candidates();
+    const auto begin = std::chrono::steady_clock::now();
+    judge_candidates();
+    judge_around_the_best();
+    trust_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+
+  void judge_candidates() {
+    candidates_.evaluate(*execution_);
     std::vector<Eigen::VectorXd> tried;
-    for (const auto& [error, candidate] : ranking(0).candidates) {
-      if (!(error < merit_) || tried.size() >= most_looks) break;
-      const Eigen::VectorXd all = candidate_at(candidate);
+    for (const auto& [error, candidate] : candidates_.ranked(0)) {
+      if (!(error < merit_) || tried.size() >= max_judged_designs) return;
+      const Eigen::VectorXd all = candidates_.at(candidate);
       if (among(tried, all, min_start_distance)) continue;
       tried.push_back(all);
-      finish(bounds_.free_part(all), DesignStop::converged);
+      judge(bounds_.free_part(all));
     }
+  }
+
+  /// A pattern search, which halves its distance where no neighbour is better.
+  void judge_around_the_best() {
     const Eigen::VectorXd lower = bounds_.free_part(bounds_.lower);
-    const Eigen::VectorXd upper = bounds_.free_part(bounds_.upper);
-    std::size_t looks = 0;
-    double step = first_look;
-    while (step >= last_look) {
+    const Eigen::VectorXd width = bounds_.free_part(bounds_.upper) - lower;
+    const int last = judged_ + max_judged_designs;
+    double distance = first_distance;
+    while (distance >= min_distance) {
       const double before = merit_;
-      for (Eigen::Index k = 0; k < lower.size(); ++k) {
-        for (const double side : {-step, step}) {
-          if (!is_doubtful_ || looks >= most_looks) return;
+      for (Eigen::Index k = 0; k < width.size(); ++k) {
+        for (const double side : {-distance, distance}) {
+          if (!is_doubtful_ || judged_ >= last) return;
           Eigen::VectorXd x = bounds_.free_part(FreeParameters::all_of(best_.parameters, best_.orientation));
           const double here = x[k];
-          x[k] = std::clamp(here + side * (upper[k] - lower[k]), lower[k], upper[k]);
-          if (x[k] == here) continue;
-          ++looks;
-          finish(x, DesignStop::converged);
+          x[k] = std::clamp(here + side * width[k], lower[k], lower[k] + width[k]);
+          if (x[k] != here) judge(x);
         }
       }
-      if (!(merit_ < before)) step /= 2;
+      if (!(merit_ < before)) distance /= 2;
     }
+  }
+
+  void judge(const Eigen::VectorXd& x) {
+    ++judged_;
+    finish(x, DesignStop::trusted);
   }
 
   void refine_leads(std::vector<Lead> leads) {
@@ -553,35 +445,36 @@ class Search {
   bool good() const { return best_.reached && best_.error.relative_rms <= good_share && !is_doubtful_; }
 
   void add_envelope() {
-    const bool wanted = options_.envelope == Switch::on || (options_.envelope == Switch::automatic && table_);
+    const bool wanted =
+        options_.envelope == Switch::on || (options_.envelope == Switch::automatic && candidates_.are_evaluated());
     if (execution_->cost)
       execution_->cost->add_effect("envelope", wanted,
                                    options_.envelope == Switch::on    ? "the request asks for it"
                                    : options_.envelope == Switch::off ? "the request leaves it out"
-                                   : table_                           ? "candidates were evaluated"
+                                   : candidates_.are_evaluated()      ? "candidates were evaluated"
                                                                       : "no candidates were evaluated",
                                    wanted ? 1 : 0);
     if (!wanted) return;
-    look_at_candidates();
+    candidates_.evaluate(*execution_);
     Eigen::Index at = 0;
     for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const auto n = coarse_[t].y.size();
+      const auto n = candidates_.targets()[t].y.size();
       const auto [least, most] = materials_.limits();
-      const Task task = coarse_[t].samples.task;
-      Eigen::MatrixXd y(n, 2 * candidate_count());
-      for (Eigen::Index c = 0; c < candidate_count(); ++c) {
-        const Eigen::VectorXd values = candidate_values(c).segment(at, n);
+      const Task task = candidates_.targets()[t].samples.task;
+      Eigen::MatrixXd y(n, 2 * candidates_.count());
+      for (Eigen::Index c = 0; c < candidates_.count(); ++c) {
+        const Eigen::VectorXd values = candidates_.values(c).segment(at, n);
         y.col(2 * c) = factor_for(task, least) * values;
         y.col(2 * c + 1) = factor_for(task, most) * values;
       }
-      bound_profile(best_.profiles[t], coarse_[t], y);
+      bound_profile(best_.profiles[t], candidates_.targets()[t], y);
       at += n;
     }
   }
 
   void bill_multi_start() {
     if (!execution_->cost) return;
-    const bool ran = table_ != nullptr;
+    const bool ran = candidates_.are_evaluated();
     const char* why = "the request turns it off";
     if (bounds_.free.empty())
       why = "no parameter is free";
@@ -617,7 +510,8 @@ class Search {
                                    options_.trust == Switch::off ? "the request turns it off"
                                    : !weighs_trust()             ? "the request says where to begin"
                                    : has_chosen ? "the model's error bars are long at a design that seems nearer"
-                                                : "the nearest design is trusted as much as any");
+                                                : "the nearest design is trusted as much as any",
+                                   judged_, trust_seconds_);
     }
     execution_->cost->add_effect("limits", limits_.are_needed(),
                                  limits_.are_needed() ? "the request has limits" : "the request has none");
@@ -641,12 +535,12 @@ class Search {
   std::optional<std::string> beyond_limits_;  ///< what was, of the best design beyond the limits
   double least_beyond_ = 0;                   ///< its deviation
   std::vector<Eigen::VectorXd> initial_;      ///< values at the first starting point, of each target
-  std::vector<SampledTarget> coarse_;
-  std::shared_ptr<const Candidates::Table> table_;  ///< its samples are those of the first orientation, then the next
-  std::vector<double> orientations_;
+  RankedCandidates candidates_;
   Design best_;
   double merit_ = 0;  ///< sqrt(d^2 + u^2) of the best design, see DesignOptions::trust
   bool is_doubtful_ = false;
+  int judged_ = 0;            ///< designs that were looked at because the nearest one was not trusted
+  double trust_seconds_ = 0;  ///< that this took
   double nearest_ = std::numeric_limits<double>::infinity();  ///< deviation of the nearest design, trusted or not
   bool found_ = false;
   bool reported_ = false;
@@ -664,7 +558,7 @@ void add_counts(Design& best, const Design& other) {
 
 /// The best design of several materials. Each of them is searched for by itself: a search that may change the material
 /// at every step ends where two materials are equally good, and its starting points are those of the materials that
-/// look best from afar. The first material that reaches the target ends the search.
+/// look best from afar. The first material that reaches the target with a design that is trusted ends the search.
 Design best_of_materials(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
                          const ModulusChoice& materials, const Execution& execution, const OnProgress& progress) {
   std::optional<Design> best;
@@ -694,7 +588,8 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
       if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
       if (!refusal) refusal = error;
     }
-    if (best && best->reached && best->error.relative_rms <= good_share && options.multi_start != Switch::on) break;
+    const bool is_good = best && best->reached && best->error.relative_rms <= good_share && best->doubt == 0;
+    if (is_good && options.multi_start != Switch::on) break;
   }
   if (!best) throw Error(*refusal);
   return *std::move(best);

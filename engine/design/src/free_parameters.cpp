@@ -58,6 +58,12 @@ Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {
   return part;
 }
 
+std::vector<Eigen::Index> FreeParameters::free_of_family() const {
+  auto places = free;
+  if (orientation_is_free()) places.pop_back();
+  return places;
+}
+
 Eigen::VectorXd FreeParameters::all_of(const Eigen::VectorXd& parameters, double orientation) {
   Eigen::VectorXd all(parameters.size() + 1);
   all << parameters, orientation;

@@ -17,6 +17,8 @@ struct FreeParameters {
   Eigen::VectorXd free_part(const Eigen::VectorXd& all) const;
   /// Whether the orientation is free, which is then the last of the free ones.
   bool orientation_is_free() const { return lower[lower.size() - 1] < upper[upper.size() - 1]; }
+  /// The places of the family's parameters that are free.
+  std::vector<Eigen::Index> free_of_family() const;
   /// The parameters with an orientation.
   static Eigen::VectorXd all_of(const Eigen::VectorXd& parameters, double orientation);
 

@@ -31,6 +31,7 @@ bool StructureLimits::any() const {
 
 std::string_view to_string(DesignStop stop) {
   if (stop == DesignStop::no_free_parameters) return "no_free_parameters";
+  if (stop == DesignStop::trusted) return "trusted";
   return numerics::to_string(static_cast<numerics::LeastSquaresStop>(stop));
 }
 

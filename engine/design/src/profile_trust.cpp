@@ -6,6 +6,10 @@
 namespace supple::design {
 namespace {
 
+/// Nine of ten normally distributed errors are smaller than this many of their standard deviations, as nine of ten are
+/// within an error bar.
+constexpr double deviations_in_a_bar = 1.645;
+
 /// What a task's values are to the network's error bars.
 neural::Quantity quantity_of(Task task) {
   switch (task) {
@@ -38,6 +42,27 @@ ProfileTrust profile_trust(const neural::Model& model, const neural::ErrorBars& 
     if (trust.error) result.error_bar[i] = *trust.error * (sample.task == Task::poisson ? 1 : std::abs(values[i]));
   }
   return result;
+}
+
+Doubt doubt_about(const std::vector<SampledTarget>& targets, const std::vector<double>& weights,
+                  const std::vector<ProfileTrust>& trusts) {
+  Doubt doubt;
+  double sum = 0;
+  double total = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const ProfileTrust& trust = trusts[t];
+    for (std::size_t i = 0; i < trust.in_range.size(); ++i) {
+      if (trust.in_range[i] != 0) continue;
+      const auto at = static_cast<Eigen::Index>(i);
+      const bool has_bar = trust.error_bar.size() > 0 && std::isfinite(trust.error_bar[at]);
+      doubt.has_long_bars = doubt.has_long_bars || has_bar;
+      const double error = has_bar ? trust.error_bar[at] / (deviations_in_a_bar * targets[t].scale) : 1;
+      sum += weights[t] * targets[t].weights[at] * error * error;
+    }
+    total += weights[t];
+  }
+  doubt.size = std::sqrt(sum / total);
+  return doubt;
 }
 
 }  // namespace supple::design

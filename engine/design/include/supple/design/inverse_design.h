@@ -97,6 +97,7 @@ enum class DesignStop {
   iteration_limit,     ///< max_iterations
   step_too_small,      ///< steps became shorter than rounding, or led to places without equilibrium or structure
   no_free_parameters,  ///< all are fixed
+  trusted,             ///< this design is trusted more than the nearer one at which the search ended
 };
 std::string_view to_string(DesignStop stop);
 
