@@ -40,7 +40,7 @@ void print_split(const char* name, const nlohmann::json& split) {
 void print_error_bars(const nlohmann::json& bars) {
   if (bars.is_null()) return;
   fmt::print("error bars      for {:g} of 100 values, judged by {} designs\n", 100 * bars.at("level").get<double>(),
-             bars.at("judged_by") == "fresh" ? "fresh" : "held-out");
+             bars.value("judged_by", "held_out") == "fresh" ? "fresh" : "held-out");
   const auto print = [](const std::string& name, const nlohmann::json& worth) {
     fmt::print("  {:<30} median {:.3g}, {:.3g} of 100 within theirs ({} designs, {} values)\n", name,
                worth.at("median").get<double>(), 100 * worth.at("share").get<double>(),
@@ -78,7 +78,7 @@ void print_model(const nlohmann::json& model) {
              network.at("width").get<int>(), network.at("strain_layers").get<int>(),
              network.at("parameter_layers").get<int>(), network.at("trunk_layers").get<int>(),
              network.at("weights").get<std::int64_t>(),
-             network.at("corrects_mesh").get<bool>() ? ", corrected for the mesh of its data" : "");
+             network.value("corrects_mesh", false) ? ", corrected for the mesh of its data" : "");
   fmt::print("trained         on {} states of {} designs in {:.4g} s, seed {}, engine {}\n",
              origin.at("rows").get<std::int64_t>(), origin.at("designs").get<std::int64_t>(),
              origin.at("training_seconds").get<double>(), origin.at("seed").get<std::int64_t>(),

@@ -225,7 +225,7 @@ class Design(Drawn):
         reached: whether all samples of all targets are reached: by the simulation where one got to all of them, by the
             model otherwise. A target out of reach is no exception.
         iterations, starts: of the search in this family.
-        stopped: "converged", "reached", "iteration_limit", "step_too_small" or "no_free_parameters".
+        stopped: "converged", "reached", "iteration_limit", "step_too_small", "no_free_parameters" or "trusted".
         message: what to know about the result; empty where there is nothing.
         polish: what simulation says of it and how it was corrected; None where it was not simulated.
         ranking: the best design of each family that was searched, best first by its simulated deviation, or where it was not

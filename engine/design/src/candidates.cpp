@@ -15,7 +15,7 @@ namespace {
 
 constexpr int candidates_per_parameter = 40;
 /// Tables that are kept for each model.
-constexpr std::size_t most_tables = 32;
+constexpr std::size_t max_tables = 32;
 /// Enough to tell good candidates from bad ones, and what single precision gives everywhere.
 constexpr neural::UniaxialOptions rough{.tolerance = 1e-2, .max_iterations = 12, .max_halvings = 6};
 
@@ -74,7 +74,7 @@ struct Candidates::Content {
   void keep(Key key, std::shared_ptr<const Table> table) {
     const std::lock_guard lock(mutex);
     tables.emplace_front(std::move(key), std::move(table));
-    if (tables.size() > most_tables) tables.pop_back();
+    if (tables.size() > max_tables) tables.pop_back();
   }
 
   neural::SingleEvaluator evaluator;

@@ -13,7 +13,7 @@ namespace {
 
 /// Where their number is left open: the other spaces are chances enough.
 constexpr int starts_in_each_space = 4;
-/// Of a model whose errors nobody measured: any that is known comes first.
+/// The error that is assumed of a model whose errors nobody measured, so that any model with known errors comes first.
 constexpr double unknown_model_error = 1;
 
 /// A deviation that is far below the model's own error says nothing about the structure.

@@ -55,9 +55,9 @@ template <class MisfitAt>
 double least_between(double low, double high, const MisfitAt& misfit_at) {
   if (!(misfit_at(low).slope < 0)) return low;
   if (!(misfit_at(high).slope > 0)) return high;
-  constexpr int most_steps = 60;
+  constexpr int max_steps = 60;
   double factor = 0.5 * (low + high);
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < max_steps; ++step) {
     const Misfit at = misfit_at(factor);
     if (at.slope == 0) return factor;
     (at.slope < 0 ? low : high) = factor;

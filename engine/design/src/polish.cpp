@@ -17,31 +17,32 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Of the trust region, as a share of the bounds' widths: at the start, where it may grow to, and where it ends.
+/// The radius of the trust region as a share of the bounds' widths: at the start, at most, and where the search ends.
 constexpr double first_radius = 0.1;
-constexpr double largest_radius = 0.5;
-/// After probes, which find the slopes of places where the response changes fast: longer steps leave these again.
+constexpr double max_radius = 0.5;
+/// The radius after probes. Probes find the slopes of places where the response changes fast, and longer steps would
+/// leave these places again.
 constexpr double probed_radius = 0.01;
-constexpr double least_radius = 2e-4;
+constexpr double min_radius = 2e-4;
 /// A step that promises to lessen the deviation by a smaller share of itself is not worth a simulation.
-constexpr double least_promise = 0.02;
+constexpr double min_promise = 0.02;
 /// A step is trusted where it lessens the deviation by at least this share of what it promised.
 constexpr double trusted_share = 0.5;
-/// After so many steps in a row that were not accepted, probes are worth their simulations.
+/// If this many steps in a row were not accepted, probes are worth their simulations.
 constexpr int patience = 2;
-/// After probes so many are enough to give up a start.
+/// After probes, a start is given up when this many steps in a row were not accepted.
 constexpr int probed_patience = 4;
-/// Probes change the profile by so many times its deviation, within these lengths (as shares of the widths).
+/// Probes change the profile by this multiple of its deviation, within these lengths (as shares of the widths).
 constexpr double probed_change = 2;
 constexpr double shortest_probe = 1e-3;
 constexpr double longest_probe = 0.05;
 /// Where steps after probes, or all rounds of a turn, did not bring the deviation below this share, others would not.
 constexpr double slow_share = 0.7;
-/// One start has so many rounds at least.
-constexpr int least_rounds = 8;
-/// Where other starts come from: searches from so many random places, of which the best few are taken.
+/// Each start has at least this many rounds.
+constexpr int min_rounds = 8;
+/// Other starts are found by searches from this many random places, and only the best few of these ends are kept.
 constexpr int random_starts = 16;
-constexpr int most_starts = 3;
+constexpr int max_kept_starts = 3;
 /// A start from which the network deviates by more is not worth its simulations.
 constexpr double worst_start = 0.1;
 /// Designs nearer (as a share of the widths) were simulated already; minima nearer are one.
@@ -139,7 +140,7 @@ class Polish {
     }
     if (result_.stopped != PolishStop::deadline && !std::isfinite(best_.deviation))
       result_.stopped = PolishStop::not_simulated;
-    // As they were simulated, without the rounding of shares and back.
+    // These are the parameters that were simulated. Converting them to shares of the widths and back would round them.
     const PolishRound* best = &result_.rounds.front();
     for (const PolishRound& round : result_.rounds)
       if (round.accepted) best = &round;
@@ -206,8 +207,7 @@ class Polish {
       }
       const CorrectedModel::Step step =
           model_.step_within(around_best(descent), descent.radius, execution_.cancellation);
-      const bool promising =
-          descent.radius >= least_radius && step.promised < (1 - least_promise) * descent.best.deviation;
+      const bool promising = descent.radius >= min_radius && step.promised < (1 - min_promise) * descent.best.deviation;
       if (promising && descent.rejected < (descent.probed ? probed_patience : patience)) {
         try_step(descent, step);
         continue;
@@ -226,7 +226,7 @@ class Polish {
   /// Half of all rounds are kept for other starts, unless those of this turn have brought it far.
   bool turn_is_over(const Descent& descent) const {
     const auto spent = static_cast<int>(result_.rounds.size() - descent.first_round);
-    return spent > std::max(least_rounds, options_.max_rounds / 2);
+    return spent > std::max(min_rounds, options_.max_rounds / 2);
   }
 
   void try_step(Descent& descent, const CorrectedModel::Step& step) {
@@ -237,7 +237,7 @@ class Polish {
     if (std::isfinite(known.deviation)) learn(descent, known);
     const double length = moved.cwiseAbs().maxCoeff();
     const bool trusted = less && gained >= trusted_share * (descent.best.deviation - step.promised);
-    descent.radius = trusted ? std::min(largest_radius, std::max(descent.radius, 2 * length)) : length / 2;
+    descent.radius = trusted ? std::min(max_radius, std::max(descent.radius, 2 * length)) : length / 2;
     descent.rejected = less ? 0 : descent.rejected + 1;
     if (less) {
       descent.best = known;
@@ -350,7 +350,7 @@ class Polish {
                      [](const Minimum& a, const Minimum& b) { return a.deviation < b.deviation; });
     std::vector<Eigen::VectorXd> result;
     for (Minimum& minimum : minima)
-      if (minimum.deviation < worst_start && static_cast<int>(result.size()) < most_starts)
+      if (minimum.deviation < worst_start && static_cast<int>(result.size()) < max_kept_starts)
         result.push_back(std::move(minimum.x));
     return result;
   }
@@ -445,7 +445,7 @@ class Polish {
   std::optional<Eigen::VectorXd> surveyed() {
     if (fruitless_ >= survey_patience || known_.empty()) return std::nullopt;
     if (!survey_) survey_.emplace(model_, known_, tried_, execution_.cancellation);
-    return survey_->next(known_, tried_, (1 - least_promise) * best_.deviation);
+    return survey_->next(known_, tried_, (1 - min_promise) * best_.deviation);
   }
 
   /// What is added to the network around a design, everything by shares of the widths.

@@ -15,9 +15,9 @@ namespace {
 constexpr double smoothing = 3e-3;
 
 constexpr int places_per_parameter = 64;
-constexpr int most_places = 256;
+constexpr int max_places = 256;
 /// The most promising of them are moved to where the network deviates least nearby.
-constexpr std::size_t most_settled = 128;
+constexpr std::size_t max_settled = 128;
 /// An error bar holds in nine of ten cases: the network may be off by so many of them.
 constexpr double allowed_bars = 2;
 /// At half this distance from what was simulated (as a share of the widths) half an error bar is left, from it on all.
@@ -63,7 +63,7 @@ Survey::Survey(const CorrectedModel& model, const std::vector<Known>& known, con
                const CancellationToken& cancellation)
     : model_(model) {
   const auto dimension = static_cast<int>(model.width().size());
-  const int wanted = std::min(most_places, places_per_parameter * dimension);
+  const int wanted = std::min(max_places, places_per_parameter * dimension);
   const SobolSequence sequence("polish", 1);
   places_.resize(static_cast<std::size_t>(wanted));
   parallel_for(wanted, [&](int i) {
@@ -84,7 +84,7 @@ void Survey::settle(const CorrectionField& field, const std::vector<Eigen::Vecto
   std::vector<std::pair<double, std::size_t>> order;
   for (std::size_t i = 0; i < places_.size(); ++i) order.emplace_back(least_to_expect(places_[i], field, tried), i);
   std::sort(order.begin(), order.end());
-  if (order.size() > most_settled) order.resize(most_settled);
+  if (order.size() > max_settled) order.resize(max_settled);
   std::vector<Place> settled(order.size());
   parallel_for(static_cast<int>(order.size()), [&](int k) {
     cancellation.throw_if_requested();

@@ -65,7 +65,7 @@ class TargetResiduals : public numerics::ResidualFunction {
 
  private:
   Eigen::VectorXd model_values(std::size_t target) const;
-  /// Of all samples, of the model's modulus.
+  /// The values at all samples, with the modulus of the model.
   Eigen::VectorXd corrected_values() const;
 
   const neural::Evaluator& evaluator_;

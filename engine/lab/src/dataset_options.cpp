@@ -171,8 +171,8 @@ void check_list(const DatasetOptions& options, const tiling::Family& family, std
     details.push_back({"list", "designs are either listed, or one, or those of a part"});
 }
 
-/// Beyond this a point of the sequence has no index of 32 bits left.
-constexpr std::int64_t most_designs = 1'000'000'000;
+/// The index of a point of the sequence has 32 bits. Designs beyond this number are refused.
+constexpr std::int64_t max_designs = 1'000'000'000;
 
 }  // namespace
 
@@ -184,9 +184,9 @@ void check(const DatasetOptions& options) {
   const auto& family = tiling::family(options.family);
   require(options.seed <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()), "seed",
           "must be below 2^63, got " + std::to_string(options.seed));
-  require(options.first >= 0 && options.first <= most_designs, "first",
+  require(options.first >= 0 && options.first <= max_designs, "first",
           "must lie within [0, 1000000000], got " + std::to_string(options.first));
-  require(options.designs >= 1 && options.designs <= most_designs, "designs",
+  require(options.designs >= 1 && options.designs <= max_designs, "designs",
           "must lie within [1, 1000000000], got " + std::to_string(options.designs));
   require(options.shards >= 1, "shards", "must be at least 1, got " + std::to_string(options.shards));
   require(options.shard >= 0 && options.shard < options.shards, "shard",

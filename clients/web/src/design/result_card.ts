@@ -20,6 +20,7 @@ const STOP_WORDS: Record<DesignStop, string> = {
   iteration_limit: "the limit of iterations",
   step_too_small: "steps became too small",
   no_free_parameters: "all parameters are fixed",
+  trusted: "a nearer design is not trusted",
 };
 
 export function resultCard(session: DesignSession, overlays: Overlays): HTMLElement {
@@ -36,7 +37,7 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     if (now === drawn && shown === last) return;
     [drawn, last] = [now, shown];
     element.setAttribute("aria-busy", String(fresh !== "current"));
-    // Of another family or another kind of profile nothing is told beside these sliders.
+    // A design of another family or with another kind of profile would not belong to these sliders.
     if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
     const error = modelError(session.model(shown.found.family), shown);
     const judgement = judge(shown, error);

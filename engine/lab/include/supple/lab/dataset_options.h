@@ -49,8 +49,8 @@ DatasetOptions rest_options();
 /// Throws "dataset.invalid_option", which names each option with its limits, and what tiling::family throws.
 void check(const DatasetOptions& options);
 
-/// All settings that decide the content, with their units. Those of a part, of a list and of a refinement are included
-/// only if there is one, so that data sets from before these options existed have the same recipe.
+/// All settings that decide the content, with their units. A part, a list and a refinement are included only if the
+/// options have them, so that data sets from before these options existed have the same recipe.
 dataset::Recipe recipe_of(const DatasetOptions& options);
 /// The reverse of recipe_of. Throws "file.unreadable" if a setting is missing or has an unknown value.
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
