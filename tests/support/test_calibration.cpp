@@ -18,9 +18,9 @@ neural::Calibration test_calibration(int parameters) {
     scale.mean.setZero(features);
     scale.deviation.setOnes(features);
     scale.coefficients.setZero(1 + features + features * (features + 1) / 2);
-    scale.knots = {0};
-    scale.offsets = {std::log((bar += 0.02) + calibration.floor)};
-    scale.judged = {12, 480, 0.91, bar, {bar, bar}, {0.9, 0.92}, 40, 39, 10, 440, 438, 400};
+    scale.given.knots = {0};
+    scale.given.offsets = {std::log((bar += 0.02) + calibration.floor)};
+    scale.given.judged = {12, 480, 0.91, bar, {bar, bar}, {0.9, 0.92}, 40, 39, 10, 440, 438, 400};
   }
   return calibration;
 }

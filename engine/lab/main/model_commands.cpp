@@ -380,11 +380,11 @@ void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) 
   fmt::print("{} holds the model {} with error bars of {:.0f} %; {} shows them\n", out.string(), result.model.id,
              100 * result.model.calibration->level, plot.string());
   for (const auto quantity : neural::all_quantities)
-    print_judged(quantity, result.model.calibration->of(quantity).judged);
+    print_judged(quantity, result.model.calibration->of(quantity).given.judged);
   if (references.searched.empty()) return;
   fmt::print("Of designs that searches have found:\n");
   for (const auto quantity : neural::all_quantities)
-    print_judged(quantity, result.model.calibration->of(quantity).searched);
+    print_judged(quantity, result.model.calibration->of(quantity).searched.judged);
 }
 
 void add_calibrate_command(CLI::App& program, const StopSignals& signals) {

@@ -37,24 +37,29 @@ Eigen::VectorXd normalized(const ErrorScale& scale, const Eigen::VectorXd& featu
   return (features.cwiseMax(scale.least).cwiseMin(scale.greatest) - scale.mean).cwiseQuotient(scale.deviation);
 }
 
-double offset_at(const std::vector<double>& knots, const std::vector<double>& offsets, double score) {
-  const auto above = std::upper_bound(knots.begin(), knots.end(), score);
+double BarOffsets::at(double rating) const {
+  const auto above = std::upper_bound(knots.begin(), knots.end(), rating);
   if (above == knots.begin()) return offsets.front();
   if (above == knots.end()) return offsets.back();
   const auto i = static_cast<std::size_t>(above - knots.begin());
-  const double share = (score - knots[i - 1]) / (knots[i] - knots[i - 1]);
+  const double share = (rating - knots[i - 1]) / (knots[i] - knots[i - 1]);
   return offsets[i - 1] + share * (offsets[i] - offsets[i - 1]);
+}
+
+double rating(const ErrorScale& scale, const Eigen::VectorXd& features) {
+  return scale.coefficients.dot(quadratic_terms(normalized(scale, features)));
+}
+
+double bar_of(const Calibration& calibration, double logarithm) {
+  if (!(logarithm < std::log(largest_error))) return largest_error;
+  return std::max(0.0, std::exp(logarithm) - calibration.floor);
 }
 
 double expected_error(const Calibration& calibration, Quantity quantity, const Eigen::VectorXd& features,
                       Origin origin) {
   const auto& scale = calibration.of(quantity);
-  const bool searched = origin == Origin::searched && !scale.searched_knots.empty();
-  const double score = scale.coefficients.dot(quadratic_terms(normalized(scale, features)));
-  const double logarithm = score + (searched ? offset_at(scale.searched_knots, scale.searched_offsets, score)
-                                             : offset_at(scale.knots, scale.offsets, score));
-  if (!(logarithm < std::log(largest_error))) return largest_error;
-  return std::max(0.0, std::exp(logarithm) - calibration.floor);
+  const double rated = rating(scale, features);
+  return bar_of(calibration, rated + scale.of(origin).at(rated));
 }
 
 }  // namespace supple::neural

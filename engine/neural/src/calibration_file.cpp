@@ -18,20 +18,12 @@ void for_each_vector(Scale& scale, Visit&& visit) {
   visit("deviation", scale.deviation);
   visit("coefficients", scale.coefficients);
 }
-template <class Scale, class Visit>
-void for_each_list(Scale& scale, Visit&& visit) {
-  visit("knots", scale.knots);
-  visit("offsets", scale.offsets);
-  visit("stated", scale.judged.stated);
-  visit("observed", scale.judged.observed);
-}
-/// What only scales have that know designs that searches have found.
-template <class Scale, class Visit>
-void for_each_searched_list(Scale& scale, Visit&& visit) {
-  visit("searched_knots", scale.searched_knots);
-  visit("searched_offsets", scale.searched_offsets);
-  visit("searched_stated", scale.searched.stated);
-  visit("searched_observed", scale.searched.observed);
+template <class Offsets, class Visit>
+void for_each_list(Offsets& offsets, Visit&& visit) {
+  visit("knots", offsets.knots);
+  visit("offsets", offsets.offsets);
+  visit("stated", offsets.judged.stated);
+  visit("observed", offsets.judged.observed);
 }
 template <class Judged, class Visit>
 void for_each_finding(Judged& judged, Visit&& visit) {
@@ -49,10 +41,27 @@ void for_each_finding(Judged& judged, Visit&& visit) {
 
 struct ReadFinding {
   const files::Hdf5Reader& file;
-  std::string group;
-  void operator()(const char* name, std::int64_t& value) const { value = file.integer(group + name); }
-  void operator()(const char* name, double& value) const { value = file.real(group + name); }
+  std::string prefix;
+  void operator()(const char* name, std::int64_t& value) const { value = file.integer(prefix + name); }
+  void operator()(const char* name, double& value) const { value = file.real(prefix + name); }
 };
+
+/// What the names of the lists and findings for searched designs begin with.
+constexpr const char* of_searched = "searched_";
+
+void write(files::Hdf5Writer& file, const std::string& prefix, const BarOffsets& offsets) {
+  for_each_list(offsets,
+                [&](const char* name, const std::vector<double>& values) { file.column(prefix + name, values, 0); });
+  for_each_finding(offsets.judged, [&](const char* name, const auto& value) { file.value(prefix + name, value); });
+}
+
+BarOffsets read(const files::Hdf5Reader& file, const std::string& prefix) {
+  BarOffsets offsets;
+  for_each_list(offsets,
+                [&](const char* name, std::vector<double>& values) { values = file.column<double>(prefix + name, 0); });
+  for_each_finding(offsets.judged, ReadFinding{file, prefix});
+  return offsets;
+}
 
 std::string group_of(Quantity quantity) { return "calibration/" + std::string(to_string(quantity)) + "/"; }
 
@@ -71,12 +80,11 @@ void check(const ErrorScale& scale, Quantity quantity, Eigen::Index features) {
   for (const auto* list : {&scale.least, &scale.greatest, &scale.mean, &scale.deviation})
     finite = finite && list->allFinite();
   require(finite && scale.deviation.minCoeff() > 0, quantity, "a number is not finite, or a deviation not positive");
-  const auto are_knots = [](const std::vector<double>& knots, const std::vector<double>& offsets) {
-    return knots.size() == offsets.size() && std::is_sorted(knots.begin(), knots.end());
+  const auto are_knots = [](const BarOffsets& offsets) {
+    return offsets.knots.size() == offsets.offsets.size() && std::is_sorted(offsets.knots.begin(), offsets.knots.end());
   };
-  require(!scale.knots.empty() && are_knots(scale.knots, scale.offsets) &&
-              are_knots(scale.searched_knots, scale.searched_offsets),
-          quantity, "its knots are no increasing list with an offset each");
+  require(!scale.given.knots.empty() && are_knots(scale.given) && are_knots(scale.searched), quantity,
+          "its knots are no increasing list with an offset each");
 }
 
 }  // namespace
@@ -94,14 +102,8 @@ void write_calibration(files::Hdf5Writer& file, const std::optional<Calibration>
     for_each_vector(scale, [&](const char* name, const Eigen::VectorXd& values) {
       file.column(group + name, std::vector<double>(values.begin(), values.end()), 0);
     });
-    for_each_list(scale,
-                  [&](const char* name, const std::vector<double>& values) { file.column(group + name, values, 0); });
-    for_each_finding(scale.judged, [&](const char* name, const auto& value) { file.value(group + name, value); });
-    if (scale.searched_knots.empty()) continue;
-    for_each_searched_list(
-        scale, [&](const char* name, const std::vector<double>& values) { file.column(group + name, values, 0); });
-    for_each_finding(scale.searched,
-                     [&](const char* name, const auto& value) { file.value(group + "searched_" + name, value); });
+    write(file, group, scale.given);
+    if (!scale.searched.knots.empty()) write(file, group + of_searched, scale.searched);
   }
 }
 
@@ -118,14 +120,8 @@ std::optional<Calibration> read_calibration(const files::Hdf5Reader& file, int p
       const auto list = file.column<double>(group + name, 0);
       values = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
     });
-    for_each_list(
-        scale, [&](const char* name, std::vector<double>& values) { values = file.column<double>(group + name, 0); });
-    for_each_finding(scale.judged, ReadFinding{file, group});
-    if (file.contains(group + "searched_knots")) {
-      for_each_searched_list(
-          scale, [&](const char* name, std::vector<double>& values) { values = file.column<double>(group + name, 0); });
-      for_each_finding(scale.searched, ReadFinding{file, group + "searched_"});
-    }
+    scale.given = read(file, group);
+    if (file.contains(group + of_searched + "knots")) scale.searched = read(file, group + of_searched);
     check(
         scale, quantity,
         quantity == Quantity::stress_at_strain ? strain_feature_count(parameters) : uniaxial_feature_count(parameters));

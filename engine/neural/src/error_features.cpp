@@ -51,10 +51,7 @@ PathSlopes path_slopes(const UniaxialFrame& frame, const Eigen::Matrix3d& tangen
 
 DesignFeatures design_features(const Network& network, std::span<const double> parameters, double rest_stiffness,
                                const Eigen::Matrix3d& rest_tangent) {
-  const Eigen::Map<const Eigen::VectorXd> p(parameters.data(), static_cast<Eigen::Index>(parameters.size()));
-  const Eigen::VectorXd middle = 0.5 * (network.upper + network.lower);
-  return {2 * (p - middle).cwiseQuotient(network.upper - network.lower), rest_stiffness, rest_tangent,
-          eigenvalues_of(rest_tangent)};
+  return {mapped(network, parameters), rest_stiffness, rest_tangent, eigenvalues_of(rest_tangent)};
 }
 
 Eigen::VectorXd uniaxial_features(const DesignFeatures& design, const UniaxialFrame& frame, double given,

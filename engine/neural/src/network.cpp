@@ -92,6 +92,12 @@ long Network::weights() const {
   return count;
 }
 
+Eigen::VectorXd mapped(const Network& network, std::span<const double> parameters) {
+  const Eigen::Map<const Eigen::VectorXd> p(parameters.data(), static_cast<Eigen::Index>(parameters.size()));
+  const Eigen::VectorXd middle = 0.5 * (network.upper + network.lower);
+  return 2 * (p - middle).cwiseQuotient(network.upper - network.lower);
+}
+
 Network as_trained(Network network) {
   network.mesh_correction.resize(0, 0);
   return network;

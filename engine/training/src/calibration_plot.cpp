@@ -95,7 +95,7 @@ std::string calibration_plot(const CalibrationResult& result) {
     text += x_tick(by_level, tick, fmt::format("{:.0f} %", 100 * tick));
   text += line(by_level.x(0.5), by_level.y(0.5), by_level.x(1), by_level.y(1), wanted);
   for (std::size_t q = 0; q < neural::all_quantities.size(); ++q) {
-    const auto& judged = calibration.scales[q].judged;
+    const auto& judged = calibration.scales[q].given.judged;
     text += curve(by_bar, judged.stated, judged.observed, colours[q]);
     text += curve(by_level, result.levels[q].stated, result.levels[q].observed, colours[q]);
     const double at = 70 + 185 * static_cast<double>(q);

@@ -107,11 +107,12 @@ Eigen::VectorXd ErrorRegression::rate(const Eigen::VectorXd& coefficients, int f
   return held_[static_cast<std::size_t>(fold)].terms.transpose() * coefficients;
 }
 
-Offsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& logarithms, double level, int groups) {
+neural::BarOffsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& logarithms, double level,
+                                     int groups) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(ratings.size()));
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return ratings[a] < ratings[b]; });
-  Offsets result;
+  neural::BarOffsets result;
   const auto n = order.size();
   for (std::size_t g = 0; g < static_cast<std::size_t>(groups); ++g) {
     const auto begin = g * n / static_cast<std::size_t>(groups);

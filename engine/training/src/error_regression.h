@@ -50,10 +50,7 @@ class ErrorRegression {
 
 /// Knots and offsets such that of states like these a share of `level` has log error <= rating + offset: quantiles in
 /// `groups` groups of equal size by rating.
-struct Offsets {
-  std::vector<double> knots;
-  std::vector<double> offsets;
-};
-Offsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& logarithms, double level, int groups);
+neural::BarOffsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& logarithms, double level,
+                                     int groups);
 
 }  // namespace supple::training

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "stiffness_outputs.h"
 #include "supple/base/error.h"
 #include "supple/neural/calibration.h"
 #include "supple/training/model_errors.h"
@@ -22,28 +23,15 @@ constexpr int directions = 12;
 constexpr int folds = 10;
 constexpr int designs_of_a_coefficient = 4;
 
-using Outputs = Eigen::Matrix<double, 6, 1>;
-
-/// What the stiffness branch has for a stiffness; see neural::Network.
-Outputs outputs_of(const Eigen::Matrix3d& stiffness) {
-  const Eigen::Matrix3d l = Eigen::LLT<Eigen::Matrix3d>(stiffness).matrixL();
-  Outputs q;
-  q << std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0), l(2, 0) / l(0, 0), l(2, 1) / l(1, 1);
-  return q;
-}
-
-Eigen::Matrix3d stiffness_of(const Outputs& q) {
-  const Eigen::Array3d d = q.head<3>().array().exp();
-  Eigen::Matrix3d l;
-  l << d[0], 0, 0, q[3] * d[0], d[1], 0, q[4] * d[0], q[5] * d[1], d[2];
-  return l * l.transpose();
+StiffnessOutputs outputs_of_stiffness(const Eigen::Matrix3d& stiffness) {
+  return outputs_of(Eigen::LLT<Eigen::Matrix3d>(stiffness).matrixL());
 }
 
 /// A design at rest on both meshes.
 struct Pair {
   Eigen::VectorXd terms;  ///< of its mapped parameters
-  Outputs mesh;
-  Outputs reference;
+  StiffnessOutputs mesh;
+  StiffnessOutputs reference;
 };
 
 std::vector<Pair> pairs_of(const neural::Network& network, const std::vector<RestStiffness>& mesh,
@@ -54,11 +42,8 @@ std::vector<Pair> pairs_of(const neural::Network& network, const std::vector<Res
   for (const auto& design : mesh) {
     const auto found = by_parameters.find(design.parameters);
     if (found == by_parameters.end()) continue;
-    const Eigen::Map<const Eigen::VectorXd> p(design.parameters.data(), static_cast<long>(design.parameters.size()));
-    const Eigen::VectorXd mapped =
-        2 * (p - network.lower).cwiseQuotient(network.upper - network.lower).array().matrix() -
-        Eigen::VectorXd::Ones(p.size());
-    pairs.push_back({neural::quadratic_terms(mapped), outputs_of(design.tangent), outputs_of(*found->second)});
+    pairs.push_back({neural::quadratic_terms(neural::mapped(network, design.parameters)),
+                     outputs_of_stiffness(design.tangent), outputs_of_stiffness(*found->second)});
   }
   return pairs;
 }
@@ -87,9 +72,13 @@ double modulus(const Eigen::Matrix3d& compliance, double direction) {
   return 1 / dyad.dot(compliance * dyad);
 }
 
-void add_errors(const Outputs& outputs, const Outputs& reference, std::vector<double>& errors) {
-  const Eigen::Matrix3d compliance = stiffness_of(outputs).inverse();
-  const Eigen::Matrix3d exact = stiffness_of(reference).inverse();
+void add_errors(const StiffnessOutputs& outputs, const StiffnessOutputs& reference, std::vector<double>& errors) {
+  const auto compliance_of = [](const StiffnessOutputs& of) -> Eigen::Matrix3d {
+    const Eigen::Matrix3d l = factor_of(of);
+    return (l * l.transpose()).inverse();
+  };
+  const Eigen::Matrix3d compliance = compliance_of(outputs);
+  const Eigen::Matrix3d exact = compliance_of(reference);
   for (int k = 0; k < directions; ++k) {
     const double direction = k * std::numbers::pi / directions;
     errors.push_back(modulus(compliance, direction) / modulus(exact, direction) - 1);

@@ -98,9 +98,7 @@ SharesByLevel calibrate_quantity(const CalibrationStates::Of& states, int folds,
   const ErrorRegression regression(states.observed, folds, calibration.floor, scale);
   scale.coefficients = regression.fit(-1, -1);
   const auto [ratings, logarithms] = rated(regression, -1);
-  auto offsets = conformal_offsets(ratings, logarithms, raised(calibration.level, designs), groups_of(designs));
-  scale.knots = std::move(offsets.knots);
-  scale.offsets = std::move(offsets.offsets);
+  scale.given = conformal_offsets(ratings, logarithms, raised(calibration.level, designs), groups_of(designs));
 
   SharesByLevel levels{{plotted_levels.begin(), plotted_levels.end()}, {}};
   std::vector<double> fine(plotted_levels.size(), 0);
@@ -119,10 +117,7 @@ SharesByLevel calibrate_quantity(const CalibrationStates::Of& states, int folds,
     const auto bars = [&](double level) {
       const auto table = conformal_offsets(of_others.first, of_others.second, raised(level, others), groups_of(others));
       std::vector<double> result;
-      for (const double rating : own) {
-        const double logarithm = rating + neural::offset_at(table.knots, table.offsets, rating);
-        result.push_back(std::clamp(std::exp(logarithm) - calibration.floor, 0.0, neural::largest_error));
-      }
+      for (const double rating : own) result.push_back(neural::bar_of(calibration, rating + table.at(rating)));
       return result;
     };
     const auto stated = bars(calibration.level);
@@ -137,13 +132,8 @@ SharesByLevel calibrate_quantity(const CalibrationStates::Of& states, int folds,
     }
   }
   for (const double count : fine) levels.observed.push_back(count / static_cast<double>(judged.size()));
-  scale.judged = summary(std::move(judged), states.out_of_box, designs, neural::trusted_error(quantity));
+  scale.given.judged = summary(std::move(judged), states.out_of_box, designs, neural::trusted_error(quantity));
   return levels;
-}
-
-/// The values of some entries.
-Eigen::VectorXd entries(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& places) {
-  return values(places);
 }
 
 /// Offsets for designs that searches have found, by what their errors are over the ratings of a fit without them.
@@ -153,13 +143,10 @@ void calibrate_searched(const CalibrationStates::Of& states, int folds, int desi
   Eigen::VectorXd ratings(n);
   Eigen::VectorXd logarithms(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::VectorXd z = neural::normalized(scale, states.observed.features.row(i).transpose());
-    ratings[i] = scale.coefficients.dot(neural::quadratic_terms(z));
+    ratings[i] = neural::rating(scale, states.observed.features.row(i).transpose());
     logarithms[i] = std::log(std::min(states.observed.error[i], neural::largest_error) + calibration.floor);
   }
-  auto offsets = conformal_offsets(ratings, logarithms, raised(calibration.level, designs), groups_of(designs));
-  scale.searched_knots = std::move(offsets.knots);
-  scale.searched_offsets = std::move(offsets.offsets);
+  scale.searched = conformal_offsets(ratings, logarithms, raised(calibration.level, designs), groups_of(designs));
   std::vector<JudgedState> judged;
   for (int f = 0; f < folds; ++f) {
     std::vector<Eigen::Index> own;
@@ -175,15 +162,14 @@ void calibrate_searched(const CalibrationStates::Of& states, int folds, int desi
       }
     }
     const auto count = static_cast<int>(other_designs.size());
-    const auto table = conformal_offsets(entries(ratings, others), entries(logarithms, others),
-                                         raised(calibration.level, count), groups_of(count));
+    const auto table =
+        conformal_offsets(ratings(others), logarithms(others), raised(calibration.level, count), groups_of(count));
     for (const auto i : own) {
-      const double logarithm = ratings[i] + neural::offset_at(table.knots, table.offsets, ratings[i]);
-      const double bar = std::clamp(std::exp(logarithm) - calibration.floor, 0.0, neural::largest_error);
+      const double bar = neural::bar_of(calibration, ratings[i] + table.at(ratings[i]));
       judged.push_back({bar, states.observed.error[i], states.relative[static_cast<std::size_t>(i)]});
     }
   }
-  scale.searched = summary(std::move(judged), states.out_of_box, designs, neural::trusted_error(quantity));
+  scale.searched.judged = summary(std::move(judged), states.out_of_box, designs, neural::trusted_error(quantity));
 }
 
 }  // namespace

@@ -246,11 +246,11 @@ std::string calibration_section(const neural::Model& model) {
       calibration.by_fresh_designs ? "fresh designs, simulated without the error of the data's mesh"
                                    : "held-out designs");
   for (const auto quantity : neural::all_quantities)
-    text += bars_row(name_of(quantity), quantity, calibration.of(quantity).judged);
+    text += bars_row(name_of(quantity), quantity, calibration.of(quantity).given.judged);
   for (const auto quantity : neural::all_quantities)
-    if (!calibration.of(quantity).searched_knots.empty())
+    if (!calibration.of(quantity).searched.knots.empty())
       text += bars_row(fmt::format("{}, of designs that searches have found", name_of(quantity)), quantity,
-                       calibration.of(quantity).searched);
+                       calibration.of(quantity).searched.judged);
   return text + fmt::format("\n![Stated against observed shares]({}-calibration.svg)\n", model.id);
 }
 

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "optimizer.h"
+#include "stiffness_outputs.h"
 #include "supple/base/random.h"
 #include "supple/training/model_errors.h"
 #include "training_batches.h"
@@ -32,13 +33,6 @@ constexpr int report_interval = 1000;
 constexpr std::int64_t measured_at_once = 4096;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
-/// The six outputs that stand for a factor.
-Eigen::Matrix<double, 6, 1> outputs_of(const Eigen::Matrix3d& l) {
-  Eigen::Matrix<double, 6, 1> q;
-  q << std::log(l(0, 0)), std::log(l(1, 1)), std::log(l(2, 2)), l(1, 0) / l(0, 0), l(2, 0) / l(0, 0), l(2, 1) / l(1, 1);
-  return q;
-}
 
 Tensor tensor_of(const Eigen::MatrixXd& columns) {
   auto tensor = torch::empty({columns.cols(), columns.rows()}, torch::kDouble);

@@ -47,10 +47,10 @@ void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>&
   for (const auto quantity : neural::all_quantities) {
     const auto& scale = calibration->of(quantity);
     out.key(neural::to_string(quantity)).begin_object().field("trusted", neural::trusted_error(quantity));
-    write_worth(out, scale.judged);
-    if (!scale.searched_knots.empty()) {
+    write_worth(out, scale.given.judged);
+    if (!scale.searched.knots.empty()) {
       out.key("searched").begin_object();
-      write_worth(out, scale.searched).end_object();
+      write_worth(out, scale.searched.judged).end_object();
     }
     out.end_object();
   }

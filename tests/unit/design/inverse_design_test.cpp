@@ -117,7 +117,7 @@ void add_growing_bars(neural::Model& model, double middle, double factor) {
   model.calibration = test::test_calibration(static_cast<int>(model.network.lower.size()));
   auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stress)];
   scale.coefficients[1] = std::log(factor);
-  scale.offsets = {std::log(middle + model.calibration->floor)};
+  scale.given.offsets = {std::log(middle + model.calibration->floor)};
 }
 
 /// What Design::doubt is said to be, of a design whose target has one weight for all samples.
@@ -189,8 +189,8 @@ TEST(InverseDesign, HasTheBarsOfSearchedDesignsWhereItSearched) {
   DesignProblem problem{{target_of(test, parameters, Task::stress_strain)}, {}, {}};
   test.model.calibration = test::test_calibration(2);
   auto& scale = test.model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stress)];
-  scale.searched_knots = {0};
-  scale.searched_offsets = {std::log(0.04 + test.model.calibration->floor)};
+  scale.searched.knots = {0};
+  scale.searched.offsets = {std::log(0.04 + test.model.calibration->floor)};
   const auto share_of = [&] {
     const auto profile = find_design(test.space(), problem).profiles[0];
     return profile.error_bar.norm() / profile.achieved.norm();

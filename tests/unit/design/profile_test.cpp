@@ -144,7 +144,7 @@ TEST(Profile, HasErrorBarsInTheUnitOfItsValues) {
   EXPECT_NEAR(stiffness.error_bar[0], 0.04 * stiffness.y[0], 1e-12);
   EXPECT_NEAR(ask(Task::poisson, StrainMeasure::green, {0.7}).error_bar[0], 0.06, 1e-12);
   EXPECT_EQ(ask(Task::poisson, StrainMeasure::green, {0.7}).in_range[0], 1);
-  test.model.calibration->scales[2].offsets = {std::log(0.2)};
+  test.model.calibration->scales[2].given.offsets = {std::log(0.2)};
   EXPECT_EQ(ask(Task::poisson, StrainMeasure::green, {0.7}).in_range[0], 0) << "a bar of 0.2 is not trusted";
   EXPECT_EQ(ask(Task::stiffness, StrainMeasure::green, {0.7}).in_range[0], 1);
 }

@@ -51,14 +51,13 @@ TEST(QuadraticTerms, AreOneAllNumbersAndTheirProducts) {
 }
 
 TEST(Offsets, AreLinearBetweenKnotsAndConstantBeyond) {
-  const std::vector<double> knots{-1, 1, 2};
-  const std::vector<double> offsets{0, 4, 2};
-  EXPECT_EQ(offset_at(knots, offsets, -7), 0);
-  EXPECT_EQ(offset_at(knots, offsets, -1), 0);
-  EXPECT_EQ(offset_at(knots, offsets, 0.5), 3);
-  EXPECT_EQ(offset_at(knots, offsets, 1.25), 3.5);
-  EXPECT_EQ(offset_at(knots, offsets, 2), 2);
-  EXPECT_EQ(offset_at(knots, offsets, 9), 2);
+  const BarOffsets offsets{{-1, 1, 2}, {0, 4, 2}, {}};
+  EXPECT_EQ(offsets.at(-7), 0);
+  EXPECT_EQ(offsets.at(-1), 0);
+  EXPECT_EQ(offsets.at(0.5), 3);
+  EXPECT_EQ(offsets.at(1.25), 3.5);
+  EXPECT_EQ(offsets.at(2), 2);
+  EXPECT_EQ(offsets.at(9), 2);
 }
 
 TEST(ExpectedError, HoldsFeaturesWithinWhatWasSeenAndEndsAtTheLargest) {
@@ -97,7 +96,7 @@ TEST(ErrorBars, SayHowFarAnAnswerIsToBeTrusted) {
   EXPECT_NEAR(ask(Quantity::stress).error.value(), 0.02, 1e-12);
   EXPECT_NEAR(ask(Quantity::stiffness).error.value(), 0.04, 1e-12);
   EXPECT_TRUE(ask(Quantity::stress).in_range && ask(Quantity::stiffness).in_range);
-  model.calibration->scales[0].offsets = {std::log(0.06)};
+  model.calibration->scales[0].given.offsets = {std::log(0.06)};
   EXPECT_NEAR(ask(Quantity::stress).error.value(), 0.0595, 1e-12);
   EXPECT_FALSE(ask(Quantity::stress).in_range) << "more than 5 % is not trusted";
   EXPECT_TRUE(ask(Quantity::stiffness).in_range);
@@ -162,17 +161,17 @@ class CalibrationFile : public ::testing::Test {
 TEST_F(CalibrationFile, ErrorBarsAreReadBack) {
   auto& scale = model.calibration->scales[1];
   scale.coefficients.setLinSpaced(-1, 1);
-  scale.knots = {-2, 0.5};
-  scale.offsets = {0.1, 0.2};
+  scale.given.knots = {-2, 0.5};
+  scale.given.offsets = {0.1, 0.2};
   write_model(path, model);
   const auto back = read_model(path).calibration;
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->level, 0.9);
   EXPECT_EQ(back->scales[1].coefficients, scale.coefficients);
-  EXPECT_EQ(back->scales[1].offsets, scale.offsets);
-  EXPECT_EQ(back->scales[3].judged.designs, 12);
-  EXPECT_EQ(back->scales[3].judged.observed, (std::vector<double>{0.9, 0.92}));
-  EXPECT_EQ(back->scales[3].judged.within_in_range, 400);
+  EXPECT_EQ(back->scales[1].given.offsets, scale.given.offsets);
+  EXPECT_EQ(back->scales[3].given.judged.designs, 12);
+  EXPECT_EQ(back->scales[3].given.judged.observed, (std::vector<double>{0.9, 0.92}));
+  EXPECT_EQ(back->scales[3].given.judged.within_in_range, 400);
   const Eigen::VectorXd features = Eigen::VectorXd::Ones(uniaxial_feature_count(2));
   EXPECT_EQ(expected_error(*back, Quantity::stiffness, features),
             expected_error(*model.calibration, Quantity::stiffness, features));
@@ -180,10 +179,10 @@ TEST_F(CalibrationFile, ErrorBarsAreReadBack) {
 
 TEST_F(CalibrationFile, BarsOfSearchedDesignsAreReadBack) {
   auto& scale = model.calibration->scales[0];
-  scale.searched_knots = {-1, 1};
-  scale.searched_offsets = {std::log(0.5), std::log(0.7)};
-  scale.searched.designs = 150;
-  scale.searched.observed = {0.89, 0.93};
+  scale.searched.knots = {-1, 1};
+  scale.searched.offsets = {std::log(0.5), std::log(0.7)};
+  scale.searched.judged.designs = 150;
+  scale.searched.judged.observed = {0.89, 0.93};
   write_model(path, model);
   EXPECT_FALSE(read_model(path).calibration->by_fresh_designs);
   model.calibration->by_fresh_designs = true;
@@ -191,10 +190,10 @@ TEST_F(CalibrationFile, BarsOfSearchedDesignsAreReadBack) {
   const auto back = read_model(path).calibration;
   ASSERT_TRUE(back.has_value());
   EXPECT_TRUE(back->by_fresh_designs);
-  EXPECT_EQ(back->scales[0].searched.designs, 150);
-  EXPECT_EQ(back->scales[0].searched.observed, (std::vector<double>{0.89, 0.93}));
-  EXPECT_EQ(back->scales[0].judged.designs, 12);
-  EXPECT_TRUE(back->scales[1].searched_knots.empty());
+  EXPECT_EQ(back->scales[0].searched.judged.designs, 150);
+  EXPECT_EQ(back->scales[0].searched.judged.observed, (std::vector<double>{0.89, 0.93}));
+  EXPECT_EQ(back->scales[0].given.judged.designs, 12);
+  EXPECT_TRUE(back->scales[1].searched.knots.empty());
   const Eigen::VectorXd features = Eigen::VectorXd::Zero(uniaxial_feature_count(2));
   EXPECT_NEAR(expected_error(*back, Quantity::stress, features, Origin::searched), std::sqrt(0.35) - 0.0005, 1e-12);
   EXPECT_NEAR(expected_error(*back, Quantity::stress, features), 0.02, 1e-12);
@@ -223,13 +222,13 @@ TEST_F(CalibrationFile, ErrorBarsThatDoNotFitTheNetworkAreRefused) {
   refused("no number");
   model.calibration->scales[2].deviation[0] = 0;
   refused("a deviation of zero");
-  model.calibration->scales[0].knots = {1, 0};
-  model.calibration->scales[0].offsets = {1, 0};
+  model.calibration->scales[0].given.knots = {1, 0};
+  model.calibration->scales[0].given.offsets = {1, 0};
   refused("knots that decrease");
-  model.calibration->scales[0].offsets = {};
+  model.calibration->scales[0].given.offsets = {};
   refused("no offset");
-  model.calibration->scales[0].searched_knots = {0, 1};
-  model.calibration->scales[0].searched_offsets = {0};
+  model.calibration->scales[0].searched.knots = {0, 1};
+  model.calibration->scales[0].searched.offsets = {0};
   refused("too few offsets of searched designs");
 }
 

@@ -96,7 +96,7 @@ class Calibrate : public ::testing::Test {
 
 TEST_F(Calibrate, BarsAreAsLongAsTheErrorsAndHoldOnDesignsThatTheyHaveNotSeen) {
   const auto calibrated = calibrate(model, data).model;
-  const auto& judged = calibrated.calibration->of(neural::Quantity::stress).judged;
+  const auto& judged = calibrated.calibration->of(neural::Quantity::stress).given.judged;
   EXPECT_EQ(judged.designs, 100);
   EXPECT_EQ(judged.states, 1000);
   EXPECT_NEAR(judged.share, 0.9, 0.03);
@@ -157,7 +157,7 @@ TEST_F(Calibrate, ReferencesJudgeTheCorrectedNetworkAndTheDataTheOneThatTheyTaug
   References references;
   for (const std::uint64_t seed : {7, 8}) references.drawn.push_back(data_with_errors(corrected, 60, seed, 2));
   const auto result = calibrate(corrected, data, {}, references).model;
-  const auto& judged = result.calibration->of(neural::Quantity::stress).judged;
+  const auto& judged = result.calibration->of(neural::Quantity::stress).given.judged;
   EXPECT_EQ(judged.designs, 120);
   EXPECT_NEAR(judged.share, 0.9, 0.03);
   // Twice the spread of the data's own errors, and nothing of the tenth.
@@ -171,9 +171,9 @@ TEST_F(Calibrate, DesignsThatSearchesHaveFoundHaveBarsOfTheirOwn) {
   References references{{data_with_errors(model, 120, 7)}, {data_with_errors(model, 100, 9, 3)}};
   const auto result = calibrate(model, data, {}, references).model;
   const auto& scale = result.calibration->of(neural::Quantity::stress);
-  EXPECT_EQ(scale.searched.designs, 100);
-  EXPECT_NEAR(scale.judged.share, 0.9, 0.03);
-  EXPECT_NEAR(scale.searched.share, 0.9, 0.03);
+  EXPECT_EQ(scale.searched.judged.designs, 100);
+  EXPECT_NEAR(scale.given.judged.share, 0.9, 0.03);
+  EXPECT_NEAR(scale.searched.judged.share, 0.9, 0.03);
   for (const std::vector<double>& design : {std::vector{-0.5, 0.1}, std::vector{0.5, 0.1}})
     EXPECT_NEAR(stress_bar(result, design, neural::Origin::searched),
                 3 * stress_bar(result, design, neural::Origin::given),
@@ -192,14 +192,14 @@ TEST_F(Calibrate, TheSameDataGiveTheSameBarsAndOtherModelsDataAreRefused) {
   const auto second = calibrate(model, data).model.calibration;
   for (std::size_t q = 0; q < first->scales.size(); ++q) {
     EXPECT_EQ(first->scales[q].coefficients, second->scales[q].coefficients);
-    EXPECT_EQ(first->scales[q].offsets, second->scales[q].offsets);
+    EXPECT_EQ(first->scales[q].given.offsets, second->scales[q].given.offsets);
   }
   testing::expect_error("training.different_data", [&] { (void)calibrate(model, {data_with_errors(model, 120), {}}); });
 }
 
 TEST_F(Calibrate, CountsWhatIsSaidToBeInRangeWithAndWithoutBars) {
   const auto calibrated = calibrate(model, data).model;
-  const auto& judged = calibrated.calibration->of(neural::Quantity::stress).judged;
+  const auto& judged = calibrated.calibration->of(neural::Quantity::stress).given.judged;
   EXPECT_EQ(judged.beyond + judged.within, judged.states);
   EXPECT_EQ(judged.beyond_in_box, judged.beyond) << "nothing lies outside of the ranges of training";
   EXPECT_GT(judged.beyond, 100) << "half of the designs err by 4 % in the root mean square";

@@ -76,12 +76,12 @@ TEST(ModelCard, SaysWhichSimulationsJudgedTheBars) {
   model.network.mesh_correction.setConstant(6, 6, 0.01);
   model.calibration->by_fresh_designs = true;
   auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::poisson)];
-  scale.searched_knots = {0};
-  scale.searched_offsets = {0};
-  scale.searched.designs = 150;
-  scale.searched.states = 900;
-  scale.searched.share = 0.89;
-  scale.searched.median_bar = 0.07;
+  scale.searched.knots = {0};
+  scale.searched.offsets = {0};
+  scale.searched.judged.designs = 150;
+  scale.searched.judged.states = 900;
+  scale.searched.judged.share = 0.89;
+  scale.searched.judged.median_bar = 0.07;
   const auto fresh = model_card(model, data, "errors.svg");
   EXPECT_TRUE(says(fresh, "Judged on fresh designs, simulated without the error of the data's mesh,")) << fresh;
   EXPECT_TRUE(

@@ -68,12 +68,12 @@ TEST(ModelAnswers, SayWhichSimulationsJudgedTheBarsAndWhatThoseOfSearchesAreWort
   model.calibration = test::test_calibration(2);
   model.calibration->by_fresh_designs = true;
   auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stiffness)];
-  scale.searched_knots = {0};
-  scale.searched_offsets = {0};
-  scale.searched.designs = 150;
-  scale.searched.states = 900;
-  scale.searched.share = 0.89;
-  scale.searched.median_bar = 0.07;
+  scale.searched.knots = {0};
+  scale.searched.offsets = {0};
+  scale.searched.judged.designs = 150;
+  scale.searched.judged.states = 900;
+  scale.searched.judged.share = 0.89;
+  scale.searched.judged.median_bar = 0.07;
   const auto answer = json::parse(write_model(model, "abc"));
   EXPECT_TRUE(answer["network"]["corrects_mesh"]);
   EXPECT_EQ(answer["error_bars"]["judged_by"], "fresh");

@@ -44,29 +44,39 @@ struct JudgedBars {
   std::int64_t within_in_range = 0;
 };
 
-/// The size of the errors that is to be expected of one quantity: log(error + floor) is a polynomial of degree 2 in
-/// features of the state. An offset is added, so that the stated share of errors is below the result.
-struct ErrorScale {
-  Eigen::VectorXd least;  ///< features are first clamped to the range that was seen
-  Eigen::VectorXd greatest;
-  Eigen::VectorXd mean;  ///< then they are scaled to mean 0 and deviation 1
-  Eigen::VectorXd deviation;
-  Eigen::VectorXd coefficients;  ///< one for each of quadratic_terms
-  std::vector<double> knots;     ///< values of the polynomial, increasing
-  std::vector<double> offsets;   ///< offsets at the knots; linear between them and constant beyond
+/// What is added to the rating of a state, so that the stated share of the errors of states that are rated alike is
+/// below the result.
+struct BarOffsets {
+  std::vector<double> knots;    ///< ratings, increasing
+  std::vector<double> offsets;  ///< at the knots; linear between them and constant beyond
   JudgedBars judged;
-  /// The same for designs that a search has found. A search prefers designs of which the network says what is wanted,
-  /// whether or not that is true, so that its designs err by more than others that are rated alike. Empty if no such
-  /// designs were simulated; then they have the offsets of others.
-  std::vector<double> searched_knots;
-  std::vector<double> searched_offsets;
-  JudgedBars searched;
+
+  double at(double rating) const;
 };
 
 /// How a design came to be looked at.
 enum class Origin {
   given,     ///< somebody named it, or it was drawn at random
   searched,  ///< a search among the network's answers has found it
+};
+
+/// The size of the errors that is to be expected of one quantity: log(error + floor) is a rating, which is a polynomial
+/// of degree 2 in features of the state, and an offset.
+struct ErrorScale {
+  Eigen::VectorXd least;  ///< features are first clamped to the range that was seen
+  Eigen::VectorXd greatest;
+  Eigen::VectorXd mean;  ///< then they are scaled to mean 0 and deviation 1
+  Eigen::VectorXd deviation;
+  Eigen::VectorXd coefficients;  ///< one for each of quadratic_terms
+  BarOffsets given;              ///< for designs that are given
+  /// For designs that a search has found. A search prefers designs of which the network says what is wanted, whether or
+  /// not that is true, so that its designs err otherwise than others that are rated alike. Empty if no such designs
+  /// were simulated; then they have the offsets of others.
+  BarOffsets searched;
+
+  const BarOffsets& of(Origin origin) const {
+    return origin == Origin::searched && !searched.knots.empty() ? searched : given;
+  }
 };
 
 /// Error bars of a model: split conformal prediction on designs that training has not seen (training::calibrate).
@@ -90,8 +100,11 @@ Eigen::VectorXd quadratic_terms(const Eigen::VectorXd& z);
 /// The features z of a scale: clamped to its limits, and scaled to mean 0 and deviation 1.
 Eigen::VectorXd normalized(const ErrorScale& scale, const Eigen::VectorXd& features);
 
-/// The offset at a value of the polynomial.
-double offset_at(const std::vector<double>& knots, const std::vector<double>& offsets, double score);
+/// The rating of a state with these features.
+double rating(const ErrorScale& scale, const Eigen::VectorXd& features);
+
+/// The error bar of a state whose rating and offset add up to this logarithm, between 0 and largest_error.
+double bar_of(const Calibration& calibration, double logarithm);
 
 /// The error below which the stated share of the answers stays, at features as in error_features.h. It is finite and
 /// lies between 0 and largest_error. O(n^2) for n features, which is half a microsecond.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -98,6 +99,9 @@ struct Network {
   /// Number of weights and biases.
   long weights() const;
 };
+
+/// Parameters, mapped linearly from the network's bounds to [-1, 1].
+Eigen::VectorXd mapped(const Network& network, std::span<const double> parameters);
 
 /// The network as its data have taught it, without the correction of their mesh. Whoever compares a network with data
 /// of that mesh compares this one.
