@@ -10,7 +10,6 @@ A run goes on from the rows of the CSV file; remove it where the search, polish,
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import os
 import platform
@@ -26,6 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import Contract  # noqa: E402
 from harness import ROOT, Api, ServerProcess  # noqa: E402
+from kept_rows import KeptRows  # noqa: E402
 
 STRAINS = [-0.06, -0.03, 0.0, 0.03, 0.06, 0.09, 0.12]
 """Evenly spaced, as a request for so many samples takes them."""
@@ -79,19 +79,6 @@ def one(api: Api, model: Dict[str, Any], number: int) -> Optional[Dict[str, Any]
     return row
 
 
-def read_rows(path: Path) -> List[Dict[str, str]]:
-    if not path.exists():
-        return []
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def written(value: Any) -> Any:
-    if isinstance(value, list):
-        return " ".join(f"{part:.6g}" for part in value)
-    return f"{value:.6g}" if isinstance(value, float) else value
-
-
 def page(rows: List[Dict[str, str]]) -> str:
     """The page of all rows."""
     made = [row for row in rows if row["default"]]
@@ -126,8 +113,7 @@ def main() -> None:
     parser.add_argument("--families", default="", help="separated by commas; all without it")
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
-    table = arguments.output / "designs-polished.csv"
-    rows = read_rows(table)
+    kept = KeptRows(arguments.output / "designs-polished.csv", COLUMNS, lambda row: (row["family"], int(row["number"])))
     with tempfile.TemporaryDirectory() as folder:
         server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
         try:
@@ -138,22 +124,15 @@ def main() -> None:
                 if arguments.families and family not in arguments.families.split(","):
                     continue
                 while done < arguments.designs:
-                    known = next((row for row in rows if row["family"] == family and int(row["number"]) == number), None)
+                    known = next((row for row in kept.rows if row["family"] == family and int(row["number"]) == number), None)
                     if known is None:
-                        made = one(api, model, number)
-                        known = {name: str(written((made or {"family": family, "number": number}).get(name, ""))) for name in COLUMNS}
-                        rows.append(known)
-                        rows.sort(key=lambda row: (row["family"], int(row["number"])))
-                        with table.open("w", encoding="utf-8", newline="") as file:
-                            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-                            writer.writeheader()
-                            writer.writerows(rows)
+                        known = kept.add(one(api, model, number) or {"family": family, "number": number})
                         print(known, flush=True)
                     done += 1 if known["default"] else 0
                     number += 1
         finally:
             server.stop()
-    (arguments.output / "designs-polished.md").write_text(page(rows), encoding="utf-8")
+    (arguments.output / "designs-polished.md").write_text(page(kept.rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,6 @@ the rows of the CSV file; remove it where the search, a model or the simulation 
 from __future__ import annotations
 
 import argparse
-import csv
 import math
 import os
 import platform
@@ -26,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import Contract  # noqa: E402
 from harness import ROOT, Api, ServerProcess  # noqa: E402
-from polished_designs import read_rows, written  # noqa: E402
+from kept_rows import KeptRows  # noqa: E402
 
 COLUMNS = ["family", "number", "trust", "model", "simulated", "error", "in_range", "within", "samples", "seconds"]
 WRONG = 0.1
@@ -89,9 +88,8 @@ def main() -> None:
     parser.add_argument("--families", default="IH01,IH22", help="separated by commas")
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
-    table = arguments.output / "designs-trust.csv"
-    rows = read_rows(table)
-    known = {(row["family"], row["number"], row["trust"]) for row in rows}
+    kept = KeptRows(arguments.output / "designs-trust.csv", COLUMNS, lambda row: (row["family"], int(row["number"]), row["trust"]))
+    known = {(row["family"], row["number"], row["trust"]) for row in kept.rows}
     with tempfile.TemporaryDirectory() as folder:
         server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
         try:
@@ -99,19 +97,11 @@ def main() -> None:
             for number in range(arguments.curves):
                 for family in arguments.families.split(","):
                     for trust in ("off", "automatic"):
-                        if (family, str(number), trust) in known:
-                            continue
-                        made = one(api, family, number, trust)
-                        rows.append({name: str(written(made[name])) for name in COLUMNS})
-                        rows.sort(key=lambda row: (row["family"], int(row["number"]), row["trust"]))
-                        with table.open("w", encoding="utf-8", newline="") as file:
-                            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
-                            writer.writeheader()
-                            writer.writerows(rows)
-                        print(made, flush=True)
+                        if (family, str(number), trust) not in known:
+                            print(kept.add(one(api, family, number, trust)), flush=True)
         finally:
             server.stop()
-    (arguments.output / "designs-trust.md").write_text(page(rows), encoding="utf-8")
+    (arguments.output / "designs-trust.md").write_text(page(kept.rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -356,7 +356,8 @@ struct CalibrateArguments {
 
 void print_judged(neural::Quantity quantity, const neural::JudgedBars& judged) {
   fmt::print(
-      "{}: {:.1f} % of {} states of {} held-out designs within their bar, median {:.2f} %; of {} that err by more than "
+      "{}: {:.1f} % of {} states of {} designs that had no part in it within their bar, median {:.2f} %; of {} that "
+      "err by more than "
       "3.57 %, {} are in range ({} without bars); of {} others, {} are not ({})\n",
       to_string(quantity), 100 * judged.share, judged.states, judged.designs, 100 * judged.median_bar, judged.beyond,
       judged.beyond_in_range, judged.beyond_in_box, judged.within, judged.within - judged.within_in_range,
@@ -390,7 +391,7 @@ void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) 
 void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
   const auto arguments = std::make_shared<CalibrateArguments>();
   CLI::App* command = program.add_subcommand(
-      "calibrate", "Give a model error bars for each of its answers, of the data that it was trained on");
+      "calibrate", "Give a model error bars for each of its answers, by its data or by --reference");
   command->add_option("--model", arguments->model, "The model")->required();
   add_data_options(*command, arguments->data);
   command->add_option("--reference", arguments->drawn,

@@ -132,6 +132,7 @@ double doubt_of(const DesignProfile& profile) {
 }
 
 TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
+  int not_ends = 0;
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     TestSpace test(2, seed);
     const DesignProblem problem{{target_of(test, test.at({0.9, 0.4}), Task::stress_strain)}, {}, {}};
@@ -155,8 +156,14 @@ TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
       return *std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return effect.name == "trust"; });
     };
     EXPECT_FALSE(told(nearest_bill).ran);
+    EXPECT_EQ(told(nearest_bill).count, 0);
     EXPECT_TRUE(told(bill).ran);
+    EXPECT_GT(told(bill).count, 0);
+    EXPECT_GT(told(bill).seconds, 0);
+    EXPECT_NE(nearest.stopped, DesignStop::trusted);
+    not_ends += trusted.stopped == DesignStop::trusted ? 1 : 0;
   }
+  EXPECT_GT(not_ends, 0) << "the search ended elsewhere";
 }
 
 TEST(InverseDesign, WeighsTrustWhereARequestSaysWhereToBeginOnlyIfItIsAsked) {

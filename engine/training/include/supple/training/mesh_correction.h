@@ -28,7 +28,7 @@ struct MeshCorrectionReport {
 /// stiffnesses in the stiffness branch, the logarithms and quotients of a Cholesky factor, are fitted by polynomials of
 /// degree 2 in the parameters, least squares. What is soft at rest is bending, where coarse meshes err most. Under load
 /// the network adds nonlinear residuals to those of the linear strain, so that the correction fades where beams are
-/// stretched, as the error of the mesh does (docs/notes/models.md has both, measured).
+/// stretched, as the error of the mesh does (docs/notes/models.md has the figures).
 ///
 /// The error bars of the model are removed, because they are those of the network without the correction. Throws
 /// "dataset.different_recipe" if the data are of another family, solid or mesh than they should be, and
