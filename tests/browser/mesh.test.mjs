@@ -157,6 +157,7 @@ describe("the mesh page", () => {
     await repair.waitFor();
     await picture(page, "mesh-cracked");
     const id = await page.getByLabel("Meshes on the server").inputValue();
+    assert.ok(id, "the list names the mesh that is shown");
     for (const again of [false, true]) {
       if (again) {
         await page.getByLabel("Meshes on the server").selectOption(id);

@@ -67,6 +67,8 @@ export class MeshSession {
   private history = new History<readonly SurfacePoint[]>([]);
   private readonly requests = new Latest();
   private unanswered = false;
+  /** How many meshes were asked for: the answer to an earlier question comes too late. */
+  private asked = 0;
 
   constructor(
     private readonly client: Client,
@@ -99,19 +101,19 @@ export class MeshSession {
     if (!loaded) return Promise.resolve();
     this.forgetRefused();
     const words = nameOf(loaded.info.id) ?? "the mesh";
-    return this.attempt(`Repairing ${words}`, async () => {
+    return this.attempt(`Repairing ${words}`, async (isWanted) => {
       const content = await this.contentOf(loaded.info);
-      await this.showUploaded(await this.post(content, ["automatic"]), words);
+      await this.showUploaded(await this.post(content, ["automatic"]), words, isWanted);
     });
   }
 
   private send(content: Blob, words: string): Promise<void> {
-    return this.attempt(`Uploading ${words}`, async () => {
+    return this.attempt(`Uploading ${words}`, async (isWanted) => {
       const response = await this.post(content, this.repairs.get()).catch((error: unknown) => {
-        this.offerRepairs(content, words, error);
+        if (isWanted()) this.offerRepairs(content, words, error);
         throw error;
       });
-      await this.showUploaded(response, words);
+      await this.showUploaded(response, words, isWanted);
     });
   }
 
@@ -119,11 +121,11 @@ export class MeshSession {
     return this.client.send("POST", uploadPath(repairs), content, { headers: { "Content-Type": "application/octet-stream" } });
   }
 
-  private async showUploaded(response: Response, words: string): Promise<void> {
+  private async showUploaded(response: Response, words: string, isWanted: () => boolean): Promise<void> {
     const info = await readJson<Mesh>(response);
     keepName(info.id, words);
-    await this.show(info);
-    this.forgetRefused();
+    await this.show(info, isWanted);
+    if (isWanted()) this.forgetRefused();
     void this.list();
   }
 
@@ -149,9 +151,9 @@ export class MeshSession {
 
   open(id: string, points: readonly SurfacePoint[] = []): Promise<void> {
     this.forgetRefused();
-    return this.attempt("Loading the mesh", async () => {
+    return this.attempt("Loading the mesh", async (isWanted) => {
       const info = await this.client.get<Mesh>(`/v1/meshes/${id}`);
-      await this.show(info, points.filter((point) => isOn(info, point)));
+      await this.show(info, isWanted, points.filter((point) => isOn(info, point)));
     });
   }
 
@@ -209,6 +211,7 @@ export class MeshSession {
   }
 
   cancel(): void {
+    ++this.asked;
     this.requests.cancel();
     this.activity.set({ kind: "idle" });
   }
@@ -222,19 +225,25 @@ export class MeshSession {
     return "vertex" in point ? vertexPosition(data, point.vertex) : facePosition(data, point.face, point.barycentric);
   }
 
-  private async attempt(words: string, act: () => Promise<void>): Promise<void> {
+  private async attempt(words: string, act: (isWanted: () => boolean) => Promise<void>): Promise<void> {
+    const question = ++this.asked;
+    const isWanted = () => question === this.asked;
     this.requests.cancel();
     this.activity.set({ kind: "busy", words, progress: null });
     try {
-      await act();
-      this.activity.set({ kind: "idle" });
+      await act(isWanted);
+      if (isWanted()) this.activity.set({ kind: "idle" });
     } catch (error) {
-      this.activity.set({ kind: "failed", sentence: explain(error) });
+      if (isWanted()) this.activity.set({ kind: "failed", sentence: explain(error) });
     }
   }
 
-  private async show(info: Mesh, points: readonly SurfacePoint[] = []): Promise<void> {
+  /** The list names what is shown before the server's list is read again. */
+  private async show(info: Mesh, isWanted: () => boolean, points: readonly SurfacePoint[] = []): Promise<void> {
     const data = parsePly(await this.contentOf(info));
+    if (!isWanted()) return;
+    const known = this.known.get();
+    if (!known.some((mesh) => mesh.id === info.id)) this.known.set([info, ...known]);
     this.points.set([]);
     this.finding.set(NOTHING);
     this.mesh.set({ info, data });
