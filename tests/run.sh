@@ -44,7 +44,7 @@ declare -A about=(
   [hostile_asan]="hostile requests to a server under the address and undefined-behaviour sanitizers"
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
-  [truth]="random cases of every wing against independent oracles, over HTTP"
+  [truth]="faults that are planted are found; random cases of every wing against independent oracles, over HTTP"
 )
 order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible truth)
 usual=(changes arrows format build unit stability python api docs deploy web)
@@ -71,7 +71,7 @@ build_preset() { configure_preset "$1" && cmake --build "build/$1" -j "$jobs" "$
 cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*.cpp' 'clients/cli/*.h' 'clients/cli/*.cpp' \
   'tests/*.h' 'tests/*.cpp'; }
 
-part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes tests/truth; }
+part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes tests/truth/test_truth.py; }
 part_arrows() { "$python" tests/arrows/check_includes.py; }
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
 part_single_files() {
@@ -126,7 +126,11 @@ part_deploy() {
 part_image() { build_preset release --target supple make_test_model && deploy/build_image.sh --test; }
 part_packages() { deploy/build_packages.sh && "$python" -m pytest -q -p no:cacheprovider tests/release; }
 part_reproducible() { tests/release/reproducible.sh; }
-part_truth() { build_preset release --target supple-server && "$python" tests/truth/run.py --cases "$truth_cases"; }
+# That the wings find faults which are planted comes first: figures of wings that find nothing say nothing.
+part_truth() {
+  build_preset release --target supple-server && "$python" -m pytest -q -p no:cacheprovider tests/truth/test_planted_faults.py &&
+    "$python" tests/truth/run.py --cases "$truth_cases"
+}
 part_hostile() { build_preset release --target supple-server make_test_model && run_python hostile; }
 signal_background() { [ -z "$tidy_process" ] || kill "-$1" -- "-$tidy_process" 2>/dev/null || true; }
 # The benchmarks join the optimized build, so that its rooms are not compiled twice.

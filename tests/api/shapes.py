@@ -42,6 +42,16 @@ def sphere(subdivisions: int) -> Mesh:
     return points, faces
 
 
+def torus(around: int, across: int) -> Mesh:
+    """A torus of radii 1 and 0.4, cut into `around` rings of 2 `across` triangles."""
+    i, j = (axis.ravel() for axis in np.meshgrid(np.arange(around), np.arange(across), indexing="ij"))
+    u, v = 2 * np.pi * i / around, 2 * np.pi * j / across
+    vertices = np.stack([(1 + 0.4 * np.cos(v)) * np.cos(u), (1 + 0.4 * np.cos(v)) * np.sin(u), 0.4 * np.sin(v)], axis=1)
+    number = lambda ring, place: ring % around * across + place % across  # noqa: E731
+    a, b, c, d = number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)
+    return vertices, np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
 def bumpy_sphere(subdivisions: int, seed: int = 1) -> Mesh:
     """A sphere with waves: many saddles, so that exact geodesics have something to do."""
     vertices, faces = sphere(subdivisions)

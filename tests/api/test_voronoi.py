@@ -13,7 +13,7 @@ import pytest
 
 from contract import Contract
 from harness import Api, ServerProcess, pointers, problem_code
-from shapes import bumpy_sphere, exported_ring, flat_grid, sphere, two_triangles_apart
+from shapes import bumpy_sphere, exported_ring, flat_grid, sphere, torus, two_triangles_apart
 from working_time import WorkingTime
 from test_jobs import events, start_job
 
@@ -371,6 +371,16 @@ def test_sites_move_to_the_centres_of_their_cells(api: Api, sphere_mesh: str) ->
     assert after["area"]["deviation"] < before["area"]["deviation"]
     again = api.ok(DIAGRAMS, {"mesh": sphere_mesh, "sites": answer["sites"]})
     assert [cell["area"] for cell in again["cells"]] == pytest.approx([cell["area"] for cell in answer["cells"]], rel=1e-9)
+
+
+def test_sites_that_no_common_step_moves_are_moved_one_by_one(api: Api, sphere_mesh: str) -> None:
+    answer = api.ok(OPTIMIZATIONS, optimization(api.upload(*torus(24, 12)), sites={"count": 20, "seed": 1}, objectives={"planarity": 1},
+                                                accuracy={"tolerance": 1e-6}, max_iterations=160))
+    moves = answer["site_moves"]
+    assert answer["energy"] < 0.5 * moves["energy_before"] < 0.5 * answer["history"][0]["energy"]
+    assert moves["held_searches"] >= 1 and moves["taken"] <= moves["tried"] and moves["tried"] % 8 == 0
+    # Where steps for all sites suffice, nothing of this is tried, and nothing is told.
+    assert "site_moves" not in api.ok(OPTIMIZATIONS, optimization(sphere_mesh, objectives={"equal_area": 1}))
 
 
 def test_fixed_sites_stay_and_every_objective_has_its_term(api: Api, sphere_mesh: str) -> None:

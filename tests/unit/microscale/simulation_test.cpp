@@ -151,8 +151,8 @@ TEST(Simulator, TangentsOfSoftCellsAreDerivativesOfTheStressToo) {
   options.mesh.corner_size = 0.25;
   options.contact = Switch::off;
   options.tolerance = 1e-12;
-  Simulator simulator(tiling::make_structure(tiling::family("IH50"), {0.15345997607757192, 0.32818359283570625}),
-                      options);
+  const std::vector<double> parameters{0.15345997607757192, 0.32818359283570625};
+  Simulator simulator(tiling::make_structure(tiling::family("IH50"), parameters), options);
   const Eigen::Vector3d first(-0.0175, -0.0167, -0.0095), strain(-0.0346, -0.033, -0.0186);
   const Eigen::Vector3d change(3e-6, 0, 0);
   const State state = simulator.run(GreenStrainLoad{{first, strain}}).states.at(1);
