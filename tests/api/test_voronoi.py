@@ -374,11 +374,11 @@ def test_sites_move_to_the_centres_of_their_cells(api: Api, sphere_mesh: str) ->
 
 
 def test_sites_that_no_common_step_moves_are_moved_one_by_one(api: Api, sphere_mesh: str) -> None:
-    answer = api.ok(OPTIMIZATIONS, optimization(api.upload(*torus(24, 12)), sites={"count": 20, "seed": 1}, objectives={"planarity": 1},
+    answer = api.ok(OPTIMIZATIONS, optimization(api.upload(*torus(24, 12)), sites={"count": 20, "seed": 3}, objectives={"planarity": 1},
                                                 accuracy={"tolerance": 1e-6}, max_iterations=160))
     moves = answer["site_moves"]
     assert answer["energy"] < 0.5 * moves["energy_before"] < 0.5 * answer["history"][0]["energy"]
-    assert moves["held_searches"] >= 1 and moves["taken"] <= moves["tried"] and moves["tried"] % 8 == 0
+    assert moves["held_searches"] >= 1 and 1 <= moves["taken"] <= moves["tried"] and 0 < moves["last_gain"] < 1
     # Where steps for all sites suffice, nothing of this is tried, and nothing is told.
     assert "site_moves" not in api.ok(OPTIMIZATIONS, optimization(sphere_mesh, objectives={"equal_area": 1}))
 
