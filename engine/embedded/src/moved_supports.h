@@ -32,10 +32,14 @@ class MovedSupports {
   std::size_t stops() const { return stops_.size() - 1; }
   /// The load that steps go to from now on: not beyond the next whole number.
   void announce(double load) { announced_ = load; }
+  double announced() const { return announced_; }
   double load() const { return load_; }
   /// Back to where the load step began.
   void restart_step() { set_state(start_); }
   numerics::System<NetworkState>& system() { return system_; }
+  /// Tells whether states are tried that are no part of the path.
+  void set_on_trial(bool on_trial) { on_trial_ = on_trial; }
+  bool is_on_trial() const { return on_trial_; }
 
   // What numerics::PathScene asks for.
   numerics::Objective& objective() { return system_; }
@@ -94,6 +98,7 @@ class MovedSupports {
   Eigen::VectorXd tangent_;   ///< of all degrees of freedom at its start, for all of the announced change
   bool has_factors_ = false;  ///< whether `cholesky_` was factorized at the start of the load step
   bool at_kink_ = false;
+  bool on_trial_ = false;
   double predicted_energy_ = 0;    ///< that of the last prediction
   double predicted_decrease_ = 0;  ///< of the energy from there, by the factors that are known
 };

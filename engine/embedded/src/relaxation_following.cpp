@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -21,6 +22,9 @@ constexpr double same_equilibrium = 1e-7;
 constexpr double near_equilibrium = 1e-2;
 /// A load step of so few iterations lets the next one be twice as long.
 constexpr int quick_surface_iterations = 6;
+/// From a tangent, Newton's method finds the same equilibrium within so many iterations. After more of them it may have
+/// found another one.
+constexpr int iterations_beyond_doubt = 10;
 /// The same for vertices of a host that are moved. Shorter steps help where elements are about to be turned inside out,
 /// and not where an equilibrium is lost.
 constexpr double shortest_support_step = 1.0 / 8;
@@ -143,7 +147,7 @@ RelaxationRun::Stop RelaxationRun::move_supports(Stop start, const Execution& ex
   numerics::PathOptions options;
   options.minimizer = minimizer_options();
   options.minimizer.after_step = [&](const numerics::MinimizerStep& step) {
-    if (step.step_length > 0) tell(step, system.state());
+    if (step.step_length > 0 && !scene.is_on_trial()) tell(step, system.state());
   };
   options.max_iterations = std::min(options_.max_iterations, iterations_of_support_step);
   options.smallest_step = shortest_support_step;
@@ -191,13 +195,17 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
       continue;
     }
     const SupportPath::Snapshot before = path.snapshot();
+    const double energy_before = scene.objective().evaluate(0).value;
     const bool failed = at_kink || path.step(target - scene.load()) == SupportPath::Progress::failed;
     if (failed) {
       const bool blocked = at_kink || path.stopped() == numerics::PathStop::step_too_small;
       scene.set_at_kink(blocked);
       if (!go_on_without_equilibrium(path, scene, target, blocked ? longest : shortest_support_step)) break;
     }
-    const bool is_lost = scene.has_jumped(path.result().value);
+    const double energy = path.result().value;
+    const bool is_doubtful = !failed && path.result().iterations > iterations_beyond_doubt;
+    const bool is_lost = scene.has_jumped(energy) ||
+                         (is_doubtful && comes_back_elsewhere(path, scene, before.state.load, energy_before));
     const double made = scene.load() - before.state.load;
     if (is_lost && made > shortest_support_step) {
       path.restore(before);
@@ -214,6 +222,20 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
     }
   }
   return counts;
+}
+
+bool RelaxationRun::comes_back_elsewhere(SupportPath& path, MovedSupports& scene, double load, double energy) {
+  const SupportPath::Snapshot there = path.snapshot();
+  const double announced = scene.announced();
+  scene.set_on_trial(true);
+  scene.announce(load);
+  scene.begin_step();
+  const bool is_found = scene.predict(1) && path.settle();
+  const double back = path.result().value;
+  scene.set_on_trial(false);
+  scene.announce(announced);
+  path.restore(there);
+  return is_found && std::abs(back - energy) > same_equilibrium * std::max(std::abs(energy), std::abs(back));
 }
 
 bool RelaxationRun::go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target, double longest) {

@@ -86,6 +86,9 @@ class RelaxationRun {
   /// `start` is why the search for the present state stopped.
   FollowCounts follow_supports(SupportPath& path, MovedSupports& scene, double target, Stop start,
                                const Execution& execution);
+  /// Whether the way back from the equilibrium at hand leads to another one than that at an earlier load, which has
+  /// this energy.
+  static bool comes_back_elsewhere(SupportPath& path, MovedSupports& scene, double load, double energy);
   /// Where no load step finds an equilibrium although no element is turned inside out, the best state after one of at
   /// most this length is taken. Returns false where there is none.
   bool go_on_without_equilibrium(SupportPath& path, MovedSupports& scene, double target, double longest);
