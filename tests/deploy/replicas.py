@@ -15,6 +15,7 @@ Exit status 1 where something was lost, doubled or wrong. Needs Debian's package
 from __future__ import annotations
 
 import argparse
+import csv
 import http.client
 import json
 import random
@@ -37,8 +38,8 @@ from shapes import sphere  # noqa: E402
 from soak import without_bill  # noqa: E402
 
 SERVERS = 3
-DRAIN = 2
-"""Seconds that a server which ends answers on: longer than the load balancer takes to notice."""
+DRAIN = 4
+"""Seconds that a server which ends answers on: longer than the load balancer takes to notice, also on a busy machine."""
 CLIENTS = 6
 KINDS = 24
 """Different jobs, whose right results are known."""
@@ -54,6 +55,9 @@ class Balancer:
             example = f"127.0.0.1:{8081 + number}"
             assert example in text
             text = text.replace(example, f"127.0.0.1:{port}")
+        self.servers = len(servers)
+        self.statistics = free_port()
+        text += f"\nlisten statistics\n    mode http\n    bind 127.0.0.1:{self.statistics}\n    stats enable\n    stats uri /\n"
         file = folder / "haproxy.cfg"
         file.write_text(text)
         self.log = (folder / "haproxy.log").open("wb")
@@ -69,6 +73,17 @@ class Balancer:
                 pass
             time.sleep(0.05)
         raise RuntimeError("the load balancer does not answer")
+
+    def wait_until_it_sends_to_all(self) -> None:
+        """Until every server has passed the balancer's checks, which takes longer on a busy machine."""
+        end = time.monotonic() + 60
+        while time.monotonic() < end:
+            rows = csv.DictReader(ask(self.statistics, "GET", "/;csv")[1].decode().removeprefix("# ").splitlines())
+            up = sum(row["svname"] not in ("FRONTEND", "BACKEND") and row["status"].startswith("UP") for row in rows)
+            if up == self.servers:
+                return
+            time.sleep(0.05)
+        raise RuntimeError("the load balancer does not take all servers back")
 
     def close(self) -> None:
         self._process.terminate()
@@ -286,13 +301,14 @@ class Trial:
         self.counts["jobs that ended with the right result"] = 0
         ended = threading.Event()
         clients = [threading.Thread(target=self.ask_once, args=(n, requests // CLIENTS, ended)) for n in range(CLIENTS)]
+        self.balancer.wait_until_it_sends_to_all()
         for client in clients:
             client.start()
         for server in self.replicas.servers:
             if server.terminate() != 0:
                 self.fault("SIGTERM: another exit status than 0")
             server.start()
-            time.sleep(1.5)  # the load balancer sends it requests again
+            self.balancer.wait_until_it_sends_to_all()
         ended.set()
         for client in clients:
             client.join()
