@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -13,10 +14,22 @@ namespace {
 /// changes the stress by less than a thousandth of the mesh's error.
 constexpr double loosest_tolerance = 1e-6;
 
-/// Newton steps with one factorization. They have converged once the square of a step, measured by the energy, is this
-/// share of the first one's: what it still changes is added to first order.
-constexpr int max_steps_of_a_factorization = 4;
-constexpr double converged_share = 1e-3;
+/// How many Newton steps are made with one factorization at most, and when they have converged: once the square of a
+/// step, measured by the energy, is this share of the first one's. What that step still changes is added to first
+/// order.
+struct Steps {
+  int max_number;
+  double converged_share;
+};
+constexpr Steps for_stresses{4, 1e-3};
+/// Near a bifurcation the tangent changes so fast from state to state that it needs the state more exactly.
+constexpr Steps for_tangents{10, 1e-6};
+
+/// The response to strains is improved until what it still adds to the tangent is this share of it, in at most so many
+/// rounds with the factorization of another state. After them the present state's own factorization is cheaper.
+constexpr double unfelt_share = 1e-7;
+constexpr int max_response_rounds = 10;
+constexpr double smallest_positive = std::numeric_limits<double>::min();  ///< in place of 0 as a divisor
 
 SimulationOptions options_for(const SimulationOptions& options) {
   SimulationOptions fine = options;
@@ -77,12 +90,41 @@ class Linearized {
     return step;
   }
 
-  /// d2 E / dF2 at the system's present state, whose Hessian was evaluated: the response is that of the first state,
-  /// which errs by the square of its change.
-  Eigen::Matrix4d condensed_here() const {
-    const Eigen::Matrix4d coupled = system_.border().transpose() * response_;
-    const Eigen::MatrixXd stretched = system_.core().selfadjointView<Eigen::Lower>() * response_;
-    return system_.corner() + coupled + coupled.transpose() + response_.transpose() * stretched;
+  /// d2 E / dF2 at the state of the factorization.
+  const Eigen::Matrix4d& condensed() const { return condensed_; }
+  /// d2 E / dF2 at the system's present state, whose Hessian was evaluated. The response is found by conjugate
+  /// gradients, which begin with the response of the first state and are preconditioned by its factorization. None
+  /// where they do not converge.
+  std::optional<Eigen::Matrix4d> condensed_here() const {
+    const auto stiffness = system_.core().selfadjointView<Eigen::Lower>();
+    const Eigen::MatrixXd& border = system_.border();
+    Eigen::MatrixXd response = response_;
+    Eigen::MatrixXd stretched = stiffness * response;
+    Eigen::MatrixXd residual = -border - stretched;
+    Eigen::MatrixXd step;
+    Eigen::Array4d remaining_before;
+    for (int round = 0;; ++round) {
+      // Of a response that errs by d this sum is too large by d^T K d, which the residual's work measures.
+      const Eigen::Matrix4d coupled = border.transpose() * response;
+      const Eigen::Matrix4d condensed =
+          system_.corner() + coupled + coupled.transpose() + response.transpose() * stretched;
+      const Eigen::MatrixXd improvement = cholesky_.solve_core(residual);
+      const Eigen::Array4d remaining = residual.cwiseProduct(improvement).colwise().sum().transpose().array();
+      if (remaining.sum() <= unfelt_share * condensed.norm()) return condensed;
+      if (round == max_response_rounds || !remaining.allFinite()) return std::nullopt;
+      if (round == 0)
+        step = improvement;
+      else
+        step = improvement + step * (remaining / remaining_before.max(smallest_positive)).matrix().asDiagonal();
+      remaining_before = remaining;
+      const Eigen::MatrixXd stretched_step = stiffness * step;
+      const Eigen::Array4d curvature = step.cwiseProduct(stretched_step).colwise().sum().transpose().array();
+      if ((curvature < 0).any()) return std::nullopt;
+      const Eigen::Vector4d length = (remaining / curvature.max(smallest_positive)).matrix();
+      response += step * length.asDiagonal();
+      stretched += stretched_step * length.asDiagonal();
+      residual -= stretched_step * length.asDiagonal();
+    }
   }
 
  private:
@@ -142,9 +184,10 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
   const auto linearized = Linearized::at(system, cholesky);
   if (!linearized) return std::nullopt;
   Step step = linearized->step();
+  const Steps& steps = options_.tangents ? for_tangents : for_stresses;
   const double first = step.decrease;
   double before = first;
-  for (int k = 0; k < max_steps_of_a_factorization; ++k) {
+  for (int k = 0; k < steps.max_number; ++k) {
     Eigen::VectorXd change(step.core.size() + step.free.size());
     change << step.core, step.free;
     const CellState from = system.state();
@@ -155,7 +198,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
     system.evaluate(1);
     if (!std::isfinite(system.energy())) return std::nullopt;
     step = linearized->step();
-    if (step.decrease <= converged_share * first || step.forces <= model_.elastic().force_rounding()) {
+    if (step.decrease <= steps.converged_share * first || step.forces <= model_.elastic().force_rounding()) {
       PatchResponse response;
       response.deformation_gradient =
           model_.coordinates().deformation_gradient(system.state().x) +
@@ -164,7 +207,13 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
       response.energy = system.energy() - step.decrease / 2;
       if (options_.tangents) {
         system.evaluate(2);
-        response.condensed = linearized->condensed_here();
+        std::optional<Eigen::Matrix4d> condensed = linearized->condensed_here();
+        if (!condensed) {
+          const auto here = Linearized::at(system, cholesky);
+          if (!here) return std::nullopt;
+          condensed = here->condensed();
+        }
+        response.condensed = *condensed;
       }
       return response;
     }

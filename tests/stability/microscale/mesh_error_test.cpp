@@ -1,4 +1,9 @@
 // Simulations that say their mesh's error where the coarse and the fine mesh have little in common.
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
 #include "simulation_case.h"
 #include "supple/microscale/accurate_simulation.h"
 #include "support/drawn_meshes.h"
@@ -75,6 +80,52 @@ TEST(MeshErrorCases, NearBucklingTheErrorOfEitherBranchIsSaid) {
     EXPECT_LT(jump, state.mesh_error->stress) << "stretch " << load.stretches[k];
   }
   EXPECT_GT(largest_jump, 0.01) << "no state lies between the two meshes' buckling";
+}
+
+/// How far the stress between neighbouring strains is from the integral of the tangents by Simpson's rule, over the
+/// error of the stress that is said. None where a state is missing, touches itself or is on another branch.
+std::optional<double> broken_derivative(RandomStream& random) {
+  constexpr double length = 2e-3;
+  const Design design = draw_design(random);
+  const double direction = random.uniform(0, std::numbers::pi);
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(direction).toRotationMatrix();
+  const Eigen::Vector2d stretches(1 - random.uniform(0.04, 0.12), 1 + random.uniform(-0.06, 0.1));
+  const Eigen::Matrix2d strain =
+      turn * (0.5 * (stretches.cwiseAbs2().array() - 1)).matrix().asDiagonal() * turn.transpose();
+  const Eigen::Vector3d from(strain(0, 0), strain(1, 1), strain(0, 1));
+  Eigen::Vector3d step(random.normal(), random.normal(), random.normal());
+  step *= length / norm_of(step);
+  SimulationOptions options = accurate_options();
+  options.tolerance = 1e-9;
+  const GreenStrainLoad load{{0.5 * from, from, from + 0.5 * step, from + step}};
+  const SimulationResult result = Simulator(design.structure, options).run(load);
+  if (result.states.size() != 4) return std::nullopt;
+  const State* states = &result.states[1];
+  for (int k = 0; k < 3; ++k) {
+    const bool smooth = states[k].stopped == Stop::converged && states[k].stable && states[k].contacts == 0 &&
+                        states[k].branch == states[0].branch && states[k].mesh_error;
+    if (!smooth) return std::nullopt;
+  }
+  const Eigen::Vector3d change(step[0], step[1], 2 * step[2]);
+  // At a bifurcation between the states the tangent jumps, and no rule integrates it.
+  if ((states[2].tangent - states[0].tangent).norm() > 0.5 * states[1].tangent.norm()) return std::nullopt;
+  const Eigen::Vector3d integral = (states[0].tangent + 4 * states[1].tangent + states[2].tangent) * change / 6;
+  return norm_of(states[2].stress - states[0].stress - integral) / states[1].mesh_error->stress;
+}
+
+// Hard: past a bifurcation the response of the nodes changes so fast from the coarse mesh's state to the fine one's
+// that a tangent with the response of either alone is off by up to 40 %.
+TEST(MeshErrorCases, PastABifurcationTangentsAreTheDerivativesOfTheStress) {
+  int compared = 0;
+  for (int k = 20; k < 34; ++k) {
+    SCOPED_TRACE(k);
+    RandomStream random("derivatives past bifurcations", k);
+    const std::optional<double> broken = broken_derivative(random);
+    if (!broken) continue;
+    ++compared;
+    EXPECT_LT(*broken, 0.1);
+  }
+  EXPECT_GT(compared, 10);
 }
 
 // Hard: without a load there is nothing that an error could be relative to.

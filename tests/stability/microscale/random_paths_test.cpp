@@ -7,34 +7,12 @@
 
 #include "simulation_case.h"
 #include "supple/base/error.h"
-#include "supple/base/random.h"
 
 namespace supple::microscale {
 namespace {
 
 constexpr int seed = 1;
 constexpr int states_of_a_path = 4;
-
-struct Design {
-  std::string family;
-  std::vector<double> parameters;
-  tiling::Structure structure;
-};
-
-/// Parameters that the family refuses are drawn again.
-Design draw_design(RandomStream& random) {
-  const auto& all = tiling::families();
-  const tiling::Family& family = all[random.below(static_cast<int>(all.size()))];
-  for (;;) {
-    std::vector<double> parameters;
-    for (const tiling::Parameter& p : family.parameters) parameters.push_back(random.uniform(p.lower, p.upper));
-    try {
-      return {family.id, parameters, tiling::make_structure(family, parameters)};
-    } catch (const Error&) {
-      continue;
-    }
-  }
-}
 
 /// Uniaxial to a stretch from 0.7 to 1.5, or biaxial to two from 0.9 to 1.2, in equal steps from rest.
 Load draw_load(RandomStream& random) {

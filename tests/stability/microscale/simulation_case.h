@@ -10,11 +10,35 @@
 #include <vector>
 
 #include "contact_outline.h"
+#include "supple/base/error.h"
+#include "supple/base/random.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/family.h"
 #include "supple/tiling/structure.h"
 
 namespace supple::microscale {
+
+/// A random design of a random family.
+struct Design {
+  std::string family;
+  std::vector<double> parameters;
+  tiling::Structure structure;
+};
+
+/// Parameters that the family refuses are drawn again.
+inline Design draw_design(RandomStream& random) {
+  const auto& all = tiling::families();
+  const tiling::Family& family = all[random.below(static_cast<int>(all.size()))];
+  for (;;) {
+    std::vector<double> parameters;
+    for (const tiling::Parameter& p : family.parameters) parameters.push_back(random.uniform(p.lower, p.upper));
+    try {
+      return {family.id, parameters, tiling::make_structure(family, parameters)};
+    } catch (const Error&) {
+      continue;
+    }
+  }
+}
 
 /// A mesh a little coarser than that of the data sets.
 inline SimulationOptions hard_case_options(double mesh_size = 0.5) {
