@@ -20,7 +20,7 @@ constexpr double same_direction = 1 - 1e-9;
 /// tenth of a new factorization.
 constexpr double reuse_contraction = 0.25;
 
-/// Buckling beams curve the energy some 1e8 times less than their elements do, relative to the mean diagonal entry: the
+/// Buckling beams curve the energy some 1e8 times less than their elements do, relative to the matrix's scale: the
 /// search for a regularization begins well below, and steps that leave an unstable state may be lengthened this often.
 constexpr double first_regularization = 1e-10;
 constexpr double longest_expansion = 64;
@@ -46,7 +46,7 @@ numerics::PathOptions path_options(const SimulationOptions& simulation) {
   options.largest_step = simulation.max_load_step;
   options.smallest_step = smallest_load_step;
   options.leave_unstable = simulation.buckling != Switch::off;
-  // Beams bend so much more softly than elements deform that a curvature of 1e-13 of the mean diagonal entry may be
+  // Beams bend so much more softly than elements deform that a curvature of 1e-13 of the matrix's scale may be
   // theirs: with a tolerance, paths of IH29 ended where they can be followed.
   options.zero_curvature = 0;
   return options;

@@ -46,7 +46,7 @@ RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh) : coord
   auto matrix = std::make_shared<numerics::BorderedMatrix>();
   entries.assemble(coordinates_.nodes, *matrix);
   const numerics::Hessian laplacian = std::shared_ptr<const numerics::BorderedMatrix>(matrix);
-  laplacian_.factorize(laplacian, relative_shift * numerics::diagonal_scale(laplacian));
+  laplacian_.factorize(laplacian, relative_shift * numerics::matrix_scale(laplacian));
 }
 
 void RotationRetraction::add_gradients(const Triangle& triangle, const Eigen::VectorXd& x, Gradients& sum) {

@@ -153,20 +153,21 @@ void ShiftedCholesky::order_quickly() { implementation_->sparse.search_orderings
 
 void ShiftedCholesky::bill_to(CostLedger* cost) { implementation_->cost = cost; }
 
-double diagonal_scale(const Hessian& hessian) {
-  double sum = 0;
+double matrix_scale(const Hessian& hessian) {
+  double squares = 0;
   Eigen::Index n = 0;
   if (const auto* dense = std::get_if<Eigen::MatrixXd>(&hessian)) {
     n = dense->rows();
-    sum = dense->diagonal().cwiseAbs().sum();
+    squares = dense->squaredNorm();
   } else if (const auto* sparse = std::get_if<SparseMatrix>(&hessian)) {
     n = sparse->rows();
-    sum = Eigen::VectorXd(sparse->diagonal()).cwiseAbs().sum();
+    squares = sparse->squaredNorm();
   } else if (const auto* bordered = std::get_if<std::shared_ptr<const BorderedMatrix>>(&hessian)) {
-    n = (*bordered)->core.rows();
-    sum = Eigen::VectorXd((*bordered)->core.diagonal()).cwiseAbs().sum();
+    const SparseMatrix& core = (*bordered)->core;
+    n = core.rows();
+    squares = 2 * core.squaredNorm() - Eigen::VectorXd(core.diagonal()).squaredNorm();
   }
-  return n > 0 && sum > 0 ? sum / static_cast<double>(n) : 1.0;
+  return n > 0 && squares > 0 ? std::sqrt(squares / static_cast<double>(n)) : 1.0;
 }
 
 }  // namespace supple::numerics

@@ -34,7 +34,7 @@ class NewtonDirection : public DescentDirection {
       if (d.allFinite() && at.gradient.dot(d) < 0) return d;
       return {};
     }
-    scale_ = diagonal_scale(at.hessian);
+    scale_ = matrix_scale(at.hessian);
     convex_ = false;
     std::optional<Hessian> nearby;
     for (; relative_ <= options_.max_regularization; raise()) {

@@ -9,7 +9,7 @@
 namespace supple::numerics {
 namespace {
 
-/// Shifts to try, relative to the mean diagonal entry, from the least on: a small one separates the modes best.
+/// Shifts to try, relative to the matrix's scale, from the least on: a small one separates the modes best.
 constexpr double first_shift = 1e-9;
 constexpr double shift_growth = 4;
 constexpr double last_shift = 1e3;
@@ -22,7 +22,7 @@ constexpr double ritz_tolerance = 1e-6;
 constexpr double symmetric_ways = 1e-9;
 
 double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, const CancellationToken& cancellation) {
-  const double scale = diagonal_scale(hessian);
+  const double scale = matrix_scale(hessian);
   double shift = first_shift * scale;
   while (!cholesky.factorize(hessian, shift) && shift < last_shift * scale) {
     cancellation.throw_if_requested();

@@ -13,6 +13,13 @@ namespace {
 /// Less than this times as much regularization as in the last step is less; the scale of the Hessian varies a little.
 constexpr double regularization_fell = 0.5;
 
+/// Share of what a creeping step promised that counts at the next one.
+constexpr double fading_promise = 0.5;
+
+/// A kink at which the state already is may let the next step find its way. After so many of them in succession none
+/// does.
+constexpr int max_steps_in_place = 3;
+
 struct LineSearch {
   bool accepted = false;   ///< the objective's trial state is the one accepted
   Eigen::VectorXd step{};  ///< that was travelled
@@ -38,6 +45,8 @@ class Minimization {
       if (result_.gradient_norm <= options_.gradient_tolerance) return finish(MinimizerStop::converged);
       if (near_saddle()) return finish(MinimizerStop::saddle);
       if (result_.iterations >= options_.max_iterations) return finish(MinimizerStop::iteration_limit);
+      if (creeping_ >= options_.max_creeping_steps || in_place_ >= max_steps_in_place)
+        return finish(MinimizerStop::step_too_small);
       report_progress();
       if (!iterate()) return finish(MinimizerStop::step_too_small);
     }
@@ -61,14 +70,15 @@ class Minimization {
       const double slope = d.size() > 0 ? at_.gradient.dot(d) : 0;
       LineSearch search;
       if (slope < 0) search = raises_slope() ? wolfe_search(d, slope) : line_search(d, slope);
-      if (!search.whole) {
-        if (const auto distance = objective_.snap()) {
+      const double before = at_.value;
+      const auto distance = search.whole ? std::nullopt : objective_.snap();
+      if (distance || search.accepted) {
+        if (distance) {
           take_snap(*distance);
-          return true;
+        } else {
+          take_step(search);
         }
-      }
-      if (search.accepted) {
-        take_step(search);
+        count_creeping(before, slope);
         return true;
       }
       if (direction_->order() >= 2 && !has_hessian()) {
@@ -78,6 +88,16 @@ class Minimization {
       }
       if (d.size() == 0 || !direction_->retry()) return false;
     }
+  }
+
+  /// After a step from a state of this value and slope.
+  void count_creeping(double value, double slope) {
+    // Regularized steps promise less: for a while those count that crept before them.
+    promise_ = std::max(creeping_ > 0 ? fading_promise * promise_ : 0, -slope);
+    const double least_decrease = options_.creeping_share * promise_;
+    const bool is_measurable = least_decrease > options_.value_rounding * std::abs(value);
+    creeping_ = is_measurable && value - at_.value < least_decrease ? creeping_ + 1 : 0;
+    if (creeping_ > options_.creeping_steps_without_regularization) direction_->retry();
   }
 
   /// Whether |g| has fallen by the contraction asked for while the regularization could not.
@@ -211,14 +231,17 @@ class Minimization {
     }
     objective_.accept();
     ++result_.iterations;
+    in_place_ = 0;
     record(length);
   }
 
   void take_snap(double distance) {
+    const double before = at_.value;
     at_ = evaluate(direction_->order());
     direction_->forget();
     objective_.accept();
     ++result_.iterations;
+    in_place_ = distance > 0 || at_.value < before ? 0 : in_place_ + 1;
     record(distance);
   }
 
@@ -250,6 +273,9 @@ class Minimization {
   double start_norm_ = 0;
   double last_regularization_ = 0;
   double indefinite_since_ = 0;  ///< |g| of the last state to which a step with less regularization led, or none
+  int creeping_ = 0;             ///< steps in succession that creep
+  double promise_ = 0;           ///< what counts of their |g . d|
+  int in_place_ = 0;             ///< steps in succession that neither moved the state nor lowered the value
   double progress_ = 0;
   MinimizerResult result_;
 };

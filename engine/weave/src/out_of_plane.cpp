@@ -6,7 +6,7 @@
 namespace supple::weave {
 namespace {
 
-/// A curvature above minus this share of the mean diagonal entry is no instability: strands that lie loose have none.
+/// A curvature above minus this share of the matrix's scale is no instability: strands that lie loose have none.
 constexpr double least_instability = 1e-9;
 
 }  // namespace
@@ -56,7 +56,7 @@ std::optional<Eigen::VectorXd> out_of_plane_mode(const RodModel& spatial, const 
   const numerics::Evaluation at = objective.evaluate(2);
   numerics::ShiftedCholesky cholesky;
   cholesky.stop_with(execution.cancellation);
-  const double scale = numerics::diagonal_scale(at.hessian);
+  const double scale = numerics::matrix_scale(at.hessian);
   if (cholesky.factorize(at.hessian, least_instability * scale)) return std::nullopt;
   const numerics::Mode mode =
       numerics::least_stable_mode(at.hessian, objective.dimension(), cholesky, execution.cancellation);

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "supple/base/random.h"
 #include "supple/numerics/system.h"
 #include "test_functions.h"
 
@@ -15,6 +16,30 @@ SparseMatrix chain_hessian(int n) {
   sum.clear(n, 2);
   SpringChain().add(VectorState{Eigen::VectorXd::Zero(n)}, 2, sum);
   return sum.hessian.matrix(n);
+}
+
+TEST(MatrixScale, DoesNotDependOnTheFramesOfPartsOfTheUnknowns) {
+  const int n = 40;
+  RandomStream random("frames of pairs", 1);
+  Eigen::MatrixXd dense(n, n);
+  for (double& entry : dense.reshaped()) entry = random.normal();
+  dense = (dense + dense.transpose()).eval();
+  const double scale = matrix_scale(dense);
+  EXPECT_NEAR(scale, std::sqrt(dense.rowwise().squaredNorm().mean()), 1e-12 * scale);
+  Eigen::MatrixXd frames = Eigen::MatrixXd::Zero(n, n);
+  for (int i = 0; i < n; i += 2) {
+    const double angle = random.uniform(0, 6);
+    frames.block<2, 2>(i, i) << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  }
+  const Eigen::MatrixXd turned = frames.transpose() * dense * frames;
+  EXPECT_GT(std::abs(turned.diagonal().cwiseAbs().mean() - dense.diagonal().cwiseAbs().mean()), 1e-3);
+  auto bordered = std::make_shared<BorderedMatrix>();
+  const SparseMatrix sparse = turned.sparseView(1, 1e-30);
+  bordered->core = sparse.triangularView<Eigen::Lower>();
+  for (const Hessian& same :
+       {Hessian(turned), Hessian(sparse), Hessian(std::shared_ptr<const BorderedMatrix>(bordered))})
+    EXPECT_NEAR(matrix_scale(same), scale, 1e-12 * scale);
+  EXPECT_EQ(matrix_scale(Eigen::MatrixXd::Zero(3, 3)), 1);
 }
 
 class ShiftedCholeskyOfSize : public ::testing::TestWithParam<int> {};

@@ -164,7 +164,7 @@ TEST(EquilibriumPath, StaysWhereNoStepAlongTheModeIsAllowed) {
 
 TEST(EquilibriumPath, CallsRoundingOfACurvatureStable) {
   PitchforkScene scene;
-  // The curvature along x is -1e-14, the mean diagonal entry 1/2.
+  // The curvature along x is -1e-14, the scale of the matrix about 1.
   scene.pitchfork.load = 1e-14;
   scene.pitchfork.x = {0, 1e-14};
   Path path(scene, {}, {});

@@ -54,7 +54,9 @@ class ShiftedCholesky {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The mean of the absolute diagonal entries, which is the scale of a shift; 1 for a zero diagonal.
-double diagonal_scale(const Hessian& hessian);
+/// The root of the mean square of the rows' norms, which is the scale of a shift; 1 for zero. It is the same for each
+/// orthonormal frame in which parts of the unknowns are written, so that the regularization does not depend on the
+/// frames. Of a bordered matrix it is that of the core. O(entries).
+double matrix_scale(const Hessian& hessian);
 
 }  // namespace supple::numerics

@@ -36,7 +36,7 @@ struct PathOptions {
   /// Steps along an unstable mode, in the scene's unit: the first step, and how often it is doubled.
   double first_mode_step = 1e-3;
   int mode_doublings = 10;
-  /// A curvature above minus this share of the mean diagonal entry of the Hessian is rounding and no reason to leave.
+  /// A curvature above minus this share of the Hessian's scale (matrix_scale) is rounding and no reason to leave.
   double zero_curvature = 1e-13;
 };
 
@@ -196,6 +196,8 @@ class EquilibriumPath {
   };
   const Counts& counts() const { return counts_; }
   Counts take_counts() { return std::exchange(counts_, {}); }
+  /// What was made on trial is not counted.
+  void set_counts(const Counts& counts) { counts_ = counts; }
   void set_branches_left(int branches) { counts_.branches_left = branches; }
 
  private:
@@ -244,7 +246,7 @@ class EquilibriumPath {
     const Evaluation evaluation = objective.evaluate(2);
     const Mode mode =
         least_stable_mode(evaluation.hessian, objective.dimension(), scene_.cholesky(), execution_.cancellation);
-    stable_ = mode.curvature >= -options_.zero_curvature * diagonal_scale(evaluation.hessian);
+    stable_ = mode.curvature >= -options_.zero_curvature * matrix_scale(evaluation.hessian);
     return !stable_ && move_along(scene_.expand(mode.direction));
   }
 

@@ -41,9 +41,9 @@ struct MinimizerOptions {
   double longest_backtrack = 0.5;
   int max_backtracks = 50;
 
-  /// Newton: (H + lambda I) d = -g with lambda = regularization * mean |H_ii|. It starts at 0, grows by `raise` from
-  /// `first_regularization` where the factorization fails or no step is found, falls by `lower` after a whole step, and
-  /// is 0 again below `first_regularization`. Above `max_regularization` the search for a step ends.
+  /// Newton: (H + lambda I) d = -g with lambda = regularization * matrix_scale(H). It starts at 0, grows by `raise`
+  /// from `first_regularization` where the factorization fails or no step is found, falls by `lower` after a whole
+  /// step, and is 0 again below `first_regularization`. Above `max_regularization` the search for a step ends.
   double first_regularization = 1e-6;
   double raise = 10;
   double lower = 0.1;
@@ -54,6 +54,15 @@ struct MinimizerOptions {
   /// Newton: if a step brought |g| to this share or less, the next direction uses the same factorization again
   /// (Shamanskii 1967), so that only gradients are evaluated. 0 means a factorization in every iteration.
   double reuse_contraction = 0;
+
+  /// A step creeps if it lowers the value by less than this share of what the slope at its start promises, |g . d|, or
+  /// of half of what counted at the step before if that crept too. One such step is the price of a kink; many in
+  /// succession go to and fro across one. 0 means that no step creeps.
+  double creeping_share = 0;
+  /// After so many steps in succession that creep, each further one is regularized more than the one before (Newton),
+  /// and after so many the search ends with step_too_small.
+  int creeping_steps_without_regularization = 5;
+  int max_creeping_steps = 30;
 
   /// Newton: if |g| falls to this share while no step needs less regularization than the one before, the search is on
   /// its way to a saddle. A step along the direction of negative curvature leaves the saddle sooner, so the search
