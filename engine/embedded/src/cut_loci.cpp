@@ -164,6 +164,11 @@ std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, Network
       return {};
     }
     const Eigen::VectorXd way = -conditions.slopes.completeOrthogonalDecomposition().solve(conditions.excess);
+    // Paths whose lengths hardly change would be equal far away, if at all.
+    if (!(way.norm() <= conditions.shortest)) {
+      state.set_cut_loci({});
+      return {};
+    }
     Eigen::VectorXd step = Eigen::VectorXd::Zero(state.dimension());
     for (const std::int32_t point : conditions.points)
       step.segment<2>(2 * point) = way.segment<2>(conditions.row_of(point));

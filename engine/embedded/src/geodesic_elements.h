@@ -173,6 +173,9 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   /// Of one free point: states that have it at a vertex near by where it rests.
   std::vector<Kink> kinks_of(std::size_t point, const NetworkState& current,
                              const std::vector<NetworkState>& tried) const;
+  /// The state with those points at a vertex where paths bend which only rounding keeps from there: none of their
+  /// directions is right beyond it. From there they leave by the steepest descent. None where there is no such point.
+  std::optional<Kink> points_put_at_vertices(const NetworkState& current) const;
   /// Whether a point would rest at the vertex with all others where they are.
   bool rests_at(const NetworkState& state, std::size_t point, std::int32_t vertex) const;
 

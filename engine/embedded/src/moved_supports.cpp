@@ -24,6 +24,16 @@ constexpr double tolerances_of_rounding = 100;
 constexpr double surprising_support_decrease = 10;
 constexpr double support_decrease_of_rounding = 1e-9;
 
+/// Of all nodes, then of all points.
+Eigen::VectorXd positions_of(const NetworkState& state) {
+  const Eigen::Index nodes = state.nodes().size();
+  Eigen::VectorXd positions(nodes + 3 * static_cast<Eigen::Index>(state.points().size()));
+  positions.head(nodes) = state.nodes();
+  for (std::size_t i = 0; i < state.points().size(); ++i)
+    positions.segment<3>(nodes + 3 * static_cast<Eigen::Index>(i)) = surface::position(state.mesh(), state.points()[i]);
+  return positions;
+}
+
 }  // namespace
 
 MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const HostModel& host, double gradient_tolerance)
@@ -110,7 +120,7 @@ void MovedSupports::begin_step() {
   Eigen::VectorXd unbalanced = -system_.full_gradient();
   if (!has_factors_) {
     if (const auto convex = system_.convex_hessian()) {
-      const double scale = numerics::diagonal_scale(*convex);
+      const double scale = numerics::matrix_scale(*convex);
       for (double shift = 0; !has_factors_ && shift <= 1; shift = std::max(least_shift, 10 * shift))
         has_factors_ = cholesky_.factorize(*convex, shift * scale);
     }
@@ -207,6 +217,7 @@ bool MovedSupports::carry_rigidly() {
 }
 
 void MovedSupports::note_prediction() {
+  prediction_ = positions_of(std::as_const(system_).state());
   const numerics::Evaluation there = system_.evaluate(2);
   predicted_energy_ = there.value;
   predicted_decrease_ = has_factors_ ? 0.5 * there.gradient.dot(cholesky_.solve(there.gradient)) : 0;
@@ -234,6 +245,12 @@ bool MovedSupports::has_jumped(double energy) const {
   const double decrease = predicted_energy_ - energy;
   return decrease >
          surprising_support_decrease * predicted_decrease_ + support_decrease_of_rounding * std::abs(predicted_energy_);
+}
+
+double MovedSupports::missed_share() const {
+  const double way = (prediction_ - positions_of(start_.network)).norm();
+  const double missed = (positions_of(std::as_const(system_).state()) - prediction_).norm();
+  return missed > 0 ? missed / way : 0;
 }
 
 bool MovedSupports::finish(const numerics::MinimizerResult& result) {

@@ -69,6 +69,9 @@ class MovedSupports {
   /// Whether the equilibrium that was found after the last prediction, with this energy, is another one than that at
   /// the start of the load step: the energy fell by much more than the prediction was off.
   bool has_jumped(double energy) const;
+  /// How far the present state is from the last prediction, over how far the prediction is from the start of the load
+  /// step: of all positions of nodes and points together. O(points + nodes).
+  double missed_share() const;
 
  private:
   bool go(const State& from, const Eigen::VectorXd& step, double load);
@@ -99,6 +102,7 @@ class MovedSupports {
   bool has_factors_ = false;  ///< whether `cholesky_` was factorized at the start of the load step
   bool at_kink_ = false;
   bool on_trial_ = false;
+  Eigen::VectorXd prediction_;     ///< positions of nodes and points
   double predicted_energy_ = 0;    ///< that of the last prediction
   double predicted_decrease_ = 0;  ///< of the energy from there, by the factors that are known
 };

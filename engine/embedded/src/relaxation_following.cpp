@@ -22,9 +22,9 @@ constexpr double same_equilibrium = 1e-7;
 constexpr double near_equilibrium = 1e-2;
 /// A load step of so few iterations lets the next one be twice as long.
 constexpr int quick_surface_iterations = 6;
-/// From a tangent, Newton's method finds the same equilibrium within so many iterations. After more of them it may have
-/// found another one.
-constexpr int iterations_beyond_doubt = 10;
+/// From a tangent, Newton's method finds the same equilibrium unless it is farther from the prediction than this share
+/// of the way that was predicted. Then it may have found another one.
+constexpr double doubtful_miss = 0.4;
 /// The same for vertices of a host that are moved. Shorter steps help where elements are about to be turned inside out,
 /// and not where an equilibrium is lost.
 constexpr double shortest_support_step = 1.0 / 8;
@@ -203,7 +203,7 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
       if (!go_on_without_equilibrium(path, scene, target, blocked ? longest : shortest_support_step)) break;
     }
     const double energy = path.result().value;
-    const bool is_doubtful = !failed && path.result().iterations > iterations_beyond_doubt;
+    const bool is_doubtful = !failed && scene.missed_share() > doubtful_miss;
     const bool is_lost = scene.has_jumped(energy) ||
                          (is_doubtful && comes_back_elsewhere(path, scene, before.state.load, energy_before));
     const double made = scene.load() - before.state.load;
@@ -226,6 +226,7 @@ RelaxationRun::FollowCounts RelaxationRun::follow_supports(SupportPath& path, Mo
 
 bool RelaxationRun::comes_back_elsewhere(SupportPath& path, MovedSupports& scene, double load, double energy) {
   const SupportPath::Snapshot there = path.snapshot();
+  const SupportPath::Counts counts = path.counts();
   const double announced = scene.announced();
   scene.set_on_trial(true);
   scene.announce(load);
@@ -235,6 +236,7 @@ bool RelaxationRun::comes_back_elsewhere(SupportPath& path, MovedSupports& scene
   scene.set_on_trial(false);
   scene.announce(announced);
   path.restore(there);
+  path.set_counts(counts);
   return is_found && std::abs(back - energy) > same_equilibrium * std::max(std::abs(energy), std::abs(back));
 }
 

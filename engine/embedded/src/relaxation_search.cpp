@@ -20,6 +20,11 @@ constexpr double longest_expansion = 64;
 /// weaker, the tolerance is this.
 constexpr double host_rounding = 1e-14;
 
+/// Energies of a host of small strains are known to this share.
+constexpr double host_value_rounding = 1e-12;
+/// A step that lowers the energy by less than this share of what its slope promises goes to and fro across a kink.
+constexpr double creeping_share = 1e-3;
+
 numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
   switch (method) {
     case RelaxationMethod::newton:
@@ -65,6 +70,8 @@ numerics::MinimizerOptions RelaxationRun::minimizer_options() const {
   options.step_tolerance = shortest_step * diagonal;
   options.max_backtracks = max_backtracks_of_a_step;
   options.longest_expansion = longest_expansion;
+  options.creeping_share = creeping_share;
+  if (host_.gives_way()) options.value_rounding = host_value_rounding;
   // The length of a first step without curvature: that of a point which all others leave alone.
   if (const double stiffness = std::max(points_.largest_stiffness, host_.stiffness()); stiffness > 0)
     options.first_step = 1 / stiffness;

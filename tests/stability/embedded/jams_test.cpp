@@ -1,5 +1,7 @@
 // Springs that push across their cut loci can hold up a whole network. What the search then calls its end is compared
 // with what holding them and moving the others reaches.
+#include <iostream>
+
 #include "random_springs.h"
 
 namespace supple::embedded {
@@ -42,6 +44,23 @@ TEST(Jams, HoldingWhatJamsLowersNoEnergyAtTheEnd) {
 // Hard: without holding its ends a spring that pushes keeps this network above what the others could reach.
 TEST(Jams, ANetworkThatOneSpringHoldsUpGetsOn) {
   expect_no_jam(24, {.points = 20, .to_nearest = true, .shortest = 0.8, .longest = 1.6, .fixed = 4});
+}
+
+// Hard: steps that go to and fro across a ridge gain as little each time, until the limit of iterations.
+TEST(Jams, RidgesAreLeftOrNamed) {
+  int unfinished = 0;
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    RandomStream random("ridges", seed);
+    const bool is_torus = seed % 2 == 0;
+    NetworkCase hard(is_torus ? testing::torus(9, 5) : testing::icosphere(1));
+    draw_network(hard, {.points = 14, .shortest = 0.6, .longest = 1.3, .fixed = 2}, random);
+    const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
+    if (relaxed.stopped != "converged" && relaxed.stopped != "cut_locus") {
+      ++unfinished;
+      std::cout << "seed " << seed << " " << relaxed.stopped << "\n";
+    }
+  }
+  EXPECT_LE(unfinished, 2);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // The answer does not depend on how points and faces are numbered.
+#include <algorithm>
+#include <memory>
 #include <numeric>
 
 #include "random_springs.h"
@@ -28,6 +30,29 @@ Network renumbered(const Network& network, const std::vector<std::int32_t>& numb
   return other;
 }
 
+/// The same network on the mesh whose faces are numbered in another order and begin at another corner.
+std::unique_ptr<NetworkCase> with_other_faces(const NetworkCase& hard, RandomStream& random) {
+  const std::vector<std::int32_t> face = shuffled(static_cast<std::size_t>(hard.mesh->face_count()), random);
+  std::vector<surface::Triangle> faces(face.size());
+  std::vector<int> turns(face.size());
+  for (std::size_t f = 0; f < face.size(); ++f) {
+    surface::Triangle corners = hard.mesh->faces()[static_cast<std::int32_t>(f)];
+    turns[f] = random.below(3);
+    std::rotate(corners.begin(), corners.begin() + turns[f], corners.end());
+    faces[static_cast<std::size_t>(face[f])] = corners;
+  }
+  auto same = std::make_unique<NetworkCase>(surface::TriangleMesh::build(hard.mesh->positions(), std::move(faces)));
+  same->network = hard.network;
+  for (surface::SurfacePoint& point : same->network.points) {
+    const auto f = static_cast<std::size_t>(index(point.face));
+    Eigen::Vector3d turned;
+    for (int k = 0; k < 3; ++k) turned[k] = point.barycentric[(k + turns[f]) % 3];
+    point.face = FaceId{face[f]};
+    point.barycentric = turned;
+  }
+  return same;
+}
+
 // Hard: springs that push have many equilibria, and rounding differs with the order of sums.
 TEST(Order, OfPointsAndFacesDoesNotChangeTheAnswer) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -40,16 +65,25 @@ TEST(Order, OfPointsAndFacesDoesNotChangeTheAnswer) {
     const Network other = renumbered(hard.network, shuffled(hard.network.points.size(), random));
     EXPECT_NEAR(relax(hard.solver, other, hard.options).energy, relaxed.energy, 1e-9 * relaxed.energy);
 
-    const std::vector<std::int32_t> face = shuffled(static_cast<std::size_t>(hard.mesh->face_count()), random);
-    std::vector<surface::Triangle> faces(face.size());
-    for (std::size_t f = 0; f < face.size(); ++f)
-      faces[static_cast<std::size_t>(face[f])] = hard.mesh->faces()[static_cast<std::int32_t>(f)];
-    NetworkCase same(surface::TriangleMesh::build(hard.mesh->positions(), std::move(faces)));
-    same.network = hard.network;
-    for (surface::SurfacePoint& point : same.network.points)
-      point.face = FaceId{face[static_cast<std::size_t>(index(point.face))]};
-    EXPECT_NEAR(relax(same.solver, same.network, same.options).energy, relaxed.energy, 1e-9 * relaxed.energy);
+    const auto same = with_other_faces(hard, random);
+    EXPECT_NEAR(relax(same->solver, same->network, same->options).energy, relaxed.energy, 1e-9 * relaxed.energy);
   }
+}
+
+// Hard: far from rest the Hessian is indefinite, and what is added to its diagonal decides which equilibrium is found.
+// It must not depend on the frames of the faces, which begin at their first corners.
+TEST(Order, OfCornersDoesNotChooseAmongEquilibria) {
+  int others = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    RandomStream random("order of corners", seed);
+    NetworkCase hard(testing::torus(9, 5));
+    draw_network(hard, {.points = 12, .shortest = 0.6, .longest = 1.3, .fixed = 2}, random);
+    const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
+    const auto same = with_other_faces(hard, random);
+    const double energy = relax(same->solver, same->network, same->options).energy;
+    others += std::abs(energy - relaxed.energy) > 1e-6 * relaxed.energy;
+  }
+  EXPECT_LE(others, 1);
 }
 
 }  // namespace
