@@ -27,7 +27,7 @@ const DESIGNS: Source = {
   keeps: (row, family) => row.family === (family ?? "IH01"),
 };
 const SIMULATIONS: Source = {
-  text: simulations, caption: "A simulated profile, by the size of its mesh",
+  text: simulations, caption: "A simulated profile that is not extrapolated, by the size of its mesh",
   columns: [["task", "Profile"], ["mesh_size", "Mesh size"], ["error_median", "Median error (%)"], ["error_worst", "Worst (%)"], ["seconds", "Time (s)"]],
   keeps: (row, family) => row.family === (family ?? "IH01"),
 };
