@@ -17,6 +17,7 @@ import requests
 
 from contract import Contract, ROOT, strict_json
 from shapes import obj_text
+from working_time import PATIENCE_SECONDS
 
 BUILD = Path(os.environ.get("SUPPLE_BUILD", ROOT / "build" / "release"))
 SERVER = Path(os.environ.get("SUPPLE_TEST_SERVER", BUILD / "server" / "supple-server"))
@@ -142,7 +143,7 @@ class ServerProcess:
     def metrics(self) -> Dict[str, float]:
         """Every sample of /metrics by its full name, labels included."""
         samples: Dict[str, float] = {}
-        for line in requests.get(self.url + "/metrics", timeout=60).text.splitlines():
+        for line in requests.get(self.url + "/metrics", timeout=PATIENCE_SECONDS).text.splitlines():
             if line and not line.startswith("#"):
                 name, value = line.rsplit(" ", 1)
                 samples[name] = float(value)
@@ -190,7 +191,8 @@ class Api:
             self.session.headers["Authorization"] = f"Bearer {key}"
 
     def call(self, method: str, path: str, *, document: Any = None, body: Optional[bytes] = None,
-             headers: Optional[Dict[str, str]] = None, faulty: bool = False, timeout: float = 60) -> requests.Response:
+             headers: Optional[Dict[str, str]] = None, faulty: bool = False,
+             timeout: float = PATIENCE_SECONDS) -> requests.Response:
         """Sends a request. `faulty` says that it breaks the contract on purpose; the response never may."""
         sent = dict(headers or {})
         if document is not None:

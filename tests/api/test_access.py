@@ -18,6 +18,7 @@ import requests
 from contract import Contract, ROOT
 from harness import CLI, MESHES, SERVER, Api, ServerProcess, free_port, keys_command, problem_code
 from shapes import bumpy_sphere, flat_grid
+from working_time import PATIENCE_SECONDS
 from test_designs import long_request as long_design, quick_request as quick_design
 from test_jobs import start_job as start_named_job
 
@@ -51,7 +52,7 @@ def seen_by(server: ServerProcess) -> Iterator[None]:
     yield
     while looks_at_keys(server) == before:
         assert time.monotonic() < end
-        requests.get(f"{server.url}/v1/meshes", timeout=60)
+        requests.get(f"{server.url}/v1/meshes", timeout=PATIENCE_SECONDS)
         time.sleep(0.02)
 
 
@@ -579,8 +580,8 @@ def test_the_page_itself_needs_no_key(new_server: NewServer, tmp_path: Path) -> 
     add_key(tmp_path / "data", "x", "read")
     server = new_server("--web", str(web))
     for path in ("/", "/index.html", "/assets/page-1234.js"):
-        assert requests.get(server.url + path, timeout=60).status_code == 200
-    assert requests.get(server.url + "/v1/meshes", timeout=60).status_code == 401
+        assert requests.get(server.url + path, timeout=PATIENCE_SECONDS).status_code == 200
+    assert requests.get(server.url + "/v1/meshes", timeout=PATIENCE_SECONDS).status_code == 401
 
 
 # --- the log ---------------------------------------------------------------------------------------------------------

@@ -274,7 +274,7 @@ def test_the_design_found_is_verified_by_simulation(designs: Api) -> None:
     y = profile(designs, "stress_strain", x.tolist(), "IH29", direction=0.0)["y"]
     request = {"task": "stress_strain", "family": "IH29", "target": spline(x, y), "samples": 3, "verify": True,
                "accuracy": {**FEW, "verified_samples": 2}}
-    answer = designs.ok(DESIGNS, request, timeout=300)
+    answer = designs.ok(DESIGNS, request)
     verified = answer["profile"]["verified"]
     assert verified["x"] == pytest.approx([0.01, 0.03]) and effect(answer, "verification")["ran"]
     assert verified["model"] == pytest.approx([answer["profile"]["achieved"][i] for i in (0, 2)], rel=1e-8)
@@ -305,7 +305,7 @@ def in_background(api: Api, document: Dict[str, Any]) -> "tuple[threading.Thread
     """Sends a request that is answered at once, by a thread."""
     received: List[requests.Response] = []
     thread = threading.Thread(target=lambda: received.append(
-        requests.post(api.server.url + DESIGNS, json=document, timeout=120)))
+        requests.post(api.server.url + DESIGNS, json=document, timeout=PATIENCE_SECONDS)))
     thread.start()
     comes_true(api.busy, "the computation starts")
     return thread, received

@@ -11,7 +11,7 @@ import requests
 
 from harness import Api, ServerProcess, problem_code
 from shapes import bumpy_sphere
-from working_time import WorkingTime, comes_true, ends_within
+from working_time import PATIENCE_SECONDS, WorkingTime, comes_true, ends_within
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
@@ -37,7 +37,7 @@ def start_job(api: Api, path: str, request: Dict[str, Any]) -> str:
 
 def events(api: Api, job: str) -> Iterator[Tuple[str, Dict[str, Any]]]:
     """(event, job) of each server-sent event until the stream ends."""
-    with requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=60) as stream:
+    with requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=PATIENCE_SECONDS) as stream:
         assert stream.headers["Content-Type"].startswith("text/event-stream")
         name, data = "", ""
         for line in stream.iter_lines(decode_unicode=True):
@@ -157,7 +157,7 @@ def test_a_client_that_hangs_up_cancels_its_computation(api: Api, large_mesh: st
 
 def test_a_client_that_hangs_up_leaves_a_job_running(api: Api, large_mesh: str) -> None:
     job = start_job(api, FIELDS, long_request(large_mesh))
-    stream = requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=60)
+    stream = requests.get(f"{api.server.url}/v1/jobs/{job}/events", stream=True, timeout=PATIENCE_SECONDS)
     next(stream.iter_lines())
     stream.close()
     assert api.wait_for_job(job)["state"] == "successful"

@@ -14,6 +14,7 @@ import requests
 
 from contract import Contract
 from harness import Api, ServerProcess, make_model, pointers, problem_code
+from working_time import PATIENCE_SECONDS
 from test_jobs import start_job
 
 MODEL = "/v1/models/ih21"
@@ -183,7 +184,7 @@ def test_the_most_strains_that_a_request_may_have_are_answered(api: Api) -> None
     strains = np.random.default_rng(5).uniform(-0.05, 0.05, (100_000, 3)).round(6).tolist()
     body = json.dumps(evaluation(strains)).encode()
     # Too large for the schema's validator to be quick: its form is that of the small answers.
-    response = requests.post(api.server.url + EVALUATIONS, body, headers={"Content-Type": "application/json"}, timeout=60)
+    response = requests.post(api.server.url + EVALUATIONS, body, headers={"Content-Type": "application/json"}, timeout=PATIENCE_SECONDS)
     assert response.status_code == 200, response.text[:500]
     answer = response.json()
     assert len(answer["stress"]) == len(answer["in_range"]) == 100_000
@@ -231,7 +232,7 @@ def test_a_deadline_ends_an_evaluation(api: Api) -> None:
     strains = [[0.01, 0, 0]] * 100_000
     designs = [[0.12, 0.6], [0.15, 0.7]] * 50_000
     response = requests.post(api.server.url + EVALUATIONS, json=evaluation(strains, designs, derivatives=2, deadline=0.01),
-                             timeout=60)
+                             timeout=PATIENCE_SECONDS)
     assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
 
 

@@ -17,6 +17,7 @@ import supple
 from contract import Contract
 from harness import CLI, Api, ServerProcess, pointers, problem_code, slow_relaxation
 from shapes import bumpy_sphere, flat_grid, obj_text
+from working_time import PATIENCE_SECONDS
 
 # On the grid of side 1 in the plane z = 0: above the middle of a face, beyond a corner, and on a vertex.
 ABOVE = {"position": [0.3, 0.1, 0.25]}
@@ -176,7 +177,7 @@ def test_the_search_of_a_large_mesh_waits_for_its_turn_and_its_deadline(new_serv
     large, small = api.upload(*flat_grid(110)), api.upload(*flat_grid(4))
     respond_async = {"Prefer": "respond-async"}
     late = {"mesh": small, "sources": [{"vertex": 0}], "deadline": 0.5}
-    computing = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+    computing = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE_SECONDS)
     body = json.dumps(slow_relaxation(api.upload(*bumpy_sphere(3)), 100_000))
     computing.request("POST", "/v1/embedded-systems", body, {"Content-Type": "application/json"})
     end = time.monotonic() + 60

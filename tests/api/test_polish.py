@@ -39,7 +39,7 @@ def tight(problem: Dict[str, Any], **more: Any) -> Dict[str, Any]:
 
 
 def test_a_verified_design_is_corrected_until_its_simulation_meets_the_target(designs: Api, problem: Dict[str, Any]) -> None:
-    answer = designs.ok(DESIGNS, {**tight(problem), "verify": True}, timeout=300)
+    answer = designs.ok(DESIGNS, {**tight(problem), "verify": True})
     polish, verified = answer["polish"], answer["profile"]["verified"]
     assert polish["stopped"] == "reached" and polish["target_error"] <= 2e-4 < polish["rounds"][0]["target_error"]
     assert effect(answer, "polish")["ran"] and effect(answer, "polish")["count"] == len(polish["rounds"]) - 1
@@ -67,7 +67,7 @@ def deviation(api: Api, parameters: List[float], direction: float, target: List[
     """By how much an owner's simulation of a design misses its target: relative, root mean square."""
     stretches = np.sqrt(1 + 2 * np.array(STRAINS)).tolist()
     load = {"uniaxial": {"direction": direction, "stretches": stretches, "frame": "material"}}
-    answer = api.ok("/v1/simulations", {"family": "IH67", "parameters": parameters, "load": load, "accuracy": accuracy}, timeout=300)
+    answer = api.ok("/v1/simulations", {"family": "IH67", "parameters": parameters, "load": load, "accuracy": accuracy})
     c, s = np.cos(direction), np.sin(direction)
     stress = np.array([state["stress"] for state in answer["states"]]) @ [c * c, s * s, 2 * c * s]
     return float(np.linalg.norm(stress - target) / np.linalg.norm(target))
@@ -77,8 +77,8 @@ def test_a_polished_design_does_in_a_default_simulation_what_was_asked_of_it(des
     direction = 0.8
     problem = {"task": "stress_strain", "family": "IH67", "direction": direction, "samples": len(STRAINS), "verify": True}
     aim = {"target": spline(STRAINS, [-0.01, 0.01, 0.02]), "fixed": [0.22, 0.85]}
-    known = designs.ok(DESIGNS, {**problem, **aim}, timeout=300)["profile"]["verified"]["y"]
-    answer = designs.ok(DESIGNS, {**tight(problem, polish_tolerance=2e-3), "target": spline(STRAINS, known)}, timeout=300)
+    known = designs.ok(DESIGNS, {**problem, **aim})["profile"]["verified"]["y"]
+    answer = designs.ok(DESIGNS, {**tight(problem, polish_tolerance=2e-3), "target": spline(STRAINS, known)})
     assert answer["polish"]["target_error"] <= 2e-3
     target = answer["profile"]["verified"]["target"]
     assert deviation(designs, answer["parameters"], direction, target) < 0.005
@@ -90,14 +90,13 @@ def test_polish_off_leaves_the_design_as_the_network_found_it(designs: Api, prob
     plain = designs.ok(DESIGNS, problem)
     assert plain["polish"] is None and plain["profile"]["verified"] is None
     assert not effect(plain, "polish")["ran"] and plain["ranking"][0]["simulated_error"] is None
-    answer = designs.ok(DESIGNS, {**problem, "verify": True, "effects": {"polish": "off"}}, timeout=300)
+    answer = designs.ok(DESIGNS, {**problem, "verify": True, "effects": {"polish": "off"}})
     assert answer["parameters"] == plain["parameters"] and len(answer["polish"]["rounds"]) == 1
     assert not effect(answer, "polish")["ran"] and effect(answer, "polish")["why"] == "the request turns it off"
 
 
 def test_polish_on_verifies_without_being_asked_to(designs: Api, problem: Dict[str, Any]) -> None:
-    answer = designs.ok(DESIGNS, {**problem, "effects": {"polish": "on"}, "accuracy": {**FEW, "polish_tolerance": 0.4}},
-                        timeout=300)
+    answer = designs.ok(DESIGNS, {**problem, "effects": {"polish": "on"}, "accuracy": {**FEW, "polish_tolerance": 0.4}})
     assert answer["polish"]["stopped"] == "reached" and len(answer["polish"]["rounds"]) == 1
     assert not effect(answer, "polish")["ran"] and "within the tolerance" in effect(answer, "polish")["why"]
     assert effect(answer, "verification")["ran"]
@@ -108,13 +107,13 @@ def test_polish_on_verifies_without_being_asked_to(designs: Api, problem: Dict[s
 def test_polish_keeps_to_its_limits(designs: Api, problem: Dict[str, Any], limit: Dict[str, Any], stopped: str, rounds: int) -> None:
     points = [[x, y * (3 if x > 0.03 else 1)] for x, y in problem["target"]["control_points"]]
     out_of_reach = {**tight(problem, **limit), "target": {**problem["target"], "control_points": points}, "verify": True}
-    polish = designs.ok(DESIGNS, out_of_reach, timeout=300)["polish"]
+    polish = designs.ok(DESIGNS, out_of_reach)["polish"]
     assert (polish["stopped"], len(polish["rounds"])) == (stopped, rounds) and polish["target_error"] > 0.01
 
 
 def test_further_targets_are_simulated_too(designs: Api, problem: Dict[str, Any]) -> None:
     also = {"task": "stiffness", "strain": 0.02, "target": spline([0, 1.5], [0.3, 0.3]), "samples": 2, "weight": 0.5}
-    answer = designs.ok(DESIGNS, {**problem, "also": [also], "verify": True, "effects": {"polish": "off"}}, timeout=300)
+    answer = designs.ok(DESIGNS, {**problem, "also": [also], "verify": True, "effects": {"polish": "off"}})
     other = answer["also"][0]["verified"]
     assert len(other["y"]) == 2 and other["target"] == pytest.approx([0.3, 0.3])
     together = np.sqrt((answer["profile"]["verified"]["target_error"] ** 2 + 0.5 * other["target_error"] ** 2) / 1.5)
@@ -125,7 +124,7 @@ def test_all_families_are_ranked_by_their_simulations(designs: Api) -> None:
     y = simulated(designs, "IH29", [0.15])
     request = {"task": "stress_strain", "target": spline(STRAINS, y), "samples": 3, "verify": True,
                "accuracy": {**FEW, "polish_rounds": 1}}
-    answer = designs.ok(DESIGNS, request, timeout=300)
+    answer = designs.ok(DESIGNS, request)
     errors = [entry["simulated_error"] for entry in answer["ranking"]]
     assert errors == sorted(errors) and len(errors) == 2, "both families of this server"
     assert answer["family"] == answer["ranking"][0]["family"]
@@ -146,10 +145,10 @@ def test_a_deadline_within_a_round_gives_the_best_so_far(designs: Api, problem: 
             "accuracy": {**FEW, "verified_samples": 200, "polish_tolerance": 1e-4}, "verify": True}
     # The search comes first, and before its end nothing is known: it takes as long as the machine needs. A round takes ten times as long.
     start = time.monotonic()
-    designs.ok(DESIGNS, {**slow, "verify": False}, timeout=120)
+    designs.ok(DESIGNS, {**slow, "verify": False})
     slow["deadline"] = 2 * (time.monotonic() - start) + 1
     start = time.monotonic()
-    answer = designs.ok(DESIGNS, slow, timeout=240)
+    answer = designs.ok(DESIGNS, slow)
     assert time.monotonic() - start < slow["deadline"] + 17
     assert answer["polish"]["stopped"] == "deadline"
     last = answer["polish"]["rounds"][-1]

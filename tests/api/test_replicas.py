@@ -86,7 +86,7 @@ def test_a_job_is_seen_followed_and_read_at_all_servers(apis: List[Api]) -> None
     assert two.get(f"/v1/jobs/{job}").status_code == 200
     assert finished(two, job)["state"] == "successful"
     assert two.get(f"/v1/jobs/{job}/result").content == one.get(f"/v1/jobs/{job}/result").content
-    events = requests.get(f"{two.server.url}/v1/jobs/{job}/events", timeout=60).text
+    events = requests.get(f"{two.server.url}/v1/jobs/{job}/events", timeout=LONG).text
     assert "event: finished" in events
     assert job in [entry["id"] for entry in two.get("/v1/jobs?limit=1000").json()["jobs"]]
     assert two.delete(f"/v1/jobs/{job}").status_code == 204
@@ -117,7 +117,7 @@ def test_a_job_of_a_server_that_is_killed_ends_at_another_one(apis: List[Api], r
     end = time.monotonic() + LONG
     while one.get(f"/v1/jobs/{running}").json()["state"] != "running" and time.monotonic() < end:
         time.sleep(0.02)
-    where = [api for api in apis if 'supple_jobs{state="running"} 1' in requests.get(api.server.url + "/metrics", timeout=60).text]
+    where = [api for api in apis if 'supple_jobs{state="running"} 1' in requests.get(api.server.url + "/metrics", timeout=LONG).text]
     victim = where[0] if where else one
     other = two if victim is one else one
     victim.server.kill()

@@ -14,6 +14,7 @@ import requests
 from contract import Contract
 from harness import Api, ServerProcess, problem_code
 from shapes import bumpy_sphere, flat_grid, sphere
+from working_time import PATIENCE_SECONDS
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
@@ -87,7 +88,7 @@ def test_kill_9_during_uploads_leaves_only_whole_meshes(new_server: NewServer, c
     def upload_all() -> None:
         for body in bodies:
             try:
-                response = requests.post(server.url + "/v1/meshes", body, headers={"Content-Type": "application/json"}, timeout=60)
+                response = requests.post(server.url + "/v1/meshes", body, headers={"Content-Type": "application/json"}, timeout=PATIENCE_SECONDS)
                 acknowledged.append(response.json()["id"])
             except requests.RequestException:
                 return
@@ -114,7 +115,7 @@ def test_sigterm_lets_a_request_finish_and_refuses_new_ones(new_server: NewServe
     body = json.dumps({"mesh": large, "sources": [{"vertex": 0}]})
 
     def compute() -> None:
-        answers.append(requests.post(server.url + FIELDS, body, headers={"Content-Type": "application/json"}, timeout=120))
+        answers.append(requests.post(server.url + FIELDS, body, headers={"Content-Type": "application/json"}, timeout=PATIENCE_SECONDS))
 
     thread = threading.Thread(target=compute)
     thread.start()

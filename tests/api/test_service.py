@@ -112,7 +112,7 @@ def test_an_id_of_another_form_is_no_mesh(api: Api, path: str) -> None:
 
 def test_head_answers_like_get_without_the_body(api: Api, grid_mesh: str) -> None:
     for path in ("/healthz", f"/v1/meshes/{grid_mesh}"):
-        response = requests.head(api.server.url + path, timeout=60)
+        response = requests.head(api.server.url + path, timeout=PATIENCE_SECONDS)
         assert response.status_code == 200 and response.content == b""
 
 

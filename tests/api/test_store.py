@@ -62,7 +62,7 @@ def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, 
     assert api.get(f"/v1/jobs/{job}/result").status_code == 507
     assert [entry["id"] for entry in api.get("/v1/jobs?state=failed").json()["jobs"]] == [job]
     assert api.get("/v1/jobs?state=accepted").json()["jobs"] == []
-    events = api.get(f"/v1/jobs/{job}/events", timeout=60).text
+    events = api.get(f"/v1/jobs/{job}/events").text
     assert events.startswith("event: finished\n") and events.count("event:") == 1
     assert job in server.log_text()
     ballast.unlink()

@@ -15,6 +15,7 @@ import requests
 from contract import ROOT
 from harness import CLI, ServerProcess, free_port
 from shapes import flat_grid
+from working_time import PATIENCE_SECONDS
 from test_access import add_key
 
 NGINX = shutil.which("nginx", path=os.environ.get("PATH", "") + ":/usr/sbin")
@@ -75,7 +76,7 @@ class Proxy:
         headers = dict(more.pop("headers", {}))
         if key:
             headers["Authorization"] = f"Bearer {key}"
-        return requests.request(method, self.url + path, headers=headers, verify=str(self.certificate), timeout=60, **more)
+        return requests.request(method, self.url + path, headers=headers, verify=str(self.certificate), timeout=PATIENCE_SECONDS, **more)
 
     def stop(self) -> None:
         self._process.terminate()
@@ -129,7 +130,7 @@ def test_a_browser_signs_in_through_it_and_its_cookie_stays_with_tls(proxied: An
 
 def test_without_tls_it_only_says_where_to_go(proxied: Any) -> None:
     proxy, _ = proxied
-    answer = requests.get(f"http://localhost:{proxy.plain_port}/v1/meshes", timeout=60, allow_redirects=False)
+    answer = requests.get(f"http://localhost:{proxy.plain_port}/v1/meshes", timeout=PATIENCE_SECONDS, allow_redirects=False)
     assert answer.status_code == 301 and answer.headers["Location"].startswith("https://localhost/v1/meshes")
 
 

@@ -11,6 +11,7 @@ import pytest
 import requests
 
 from harness import SERVER, ServerProcess
+from working_time import PATIENCE_SECONDS
 
 INDEX = "<!doctype html><title>Supple</title>"
 SCRIPT = "export const answer = 42;\n"
@@ -48,7 +49,7 @@ def server(new_server: Callable[..., ServerProcess], folder: Path) -> ServerProc
     ("/assets/data.bin", "application/octet-stream", bytes(range(256))),
 ])
 def test_a_file_is_sent_with_its_type(server: ServerProcess, path: str, media_type: str, content: "bytes | None") -> None:
-    response = requests.get(server.url + path, timeout=60)
+    response = requests.get(server.url + path, timeout=PATIENCE_SECONDS)
     assert (response.status_code, response.headers["Content-Type"]) == (200, media_type)
     assert content is None or response.content == content
     assert response.headers["X-Content-Type-Options"] == "nosniff"
@@ -58,24 +59,24 @@ def test_a_file_is_sent_with_its_type(server: ServerProcess, path: str, media_ty
 
 
 def test_files_whose_names_change_with_them_are_kept_and_others_asked_for_again(server: ServerProcess) -> None:
-    assert "immutable" in requests.get(server.url + "/assets/index-4f2a.js", timeout=60).headers["Cache-Control"]
+    assert "immutable" in requests.get(server.url + "/assets/index-4f2a.js", timeout=PATIENCE_SECONDS).headers["Cache-Control"]
     for path in ("/", "/index.html", "/favicon.svg"):
-        assert requests.get(server.url + path, timeout=60).headers["Cache-Control"] == "no-cache"
+        assert requests.get(server.url + path, timeout=PATIENCE_SECONDS).headers["Cache-Control"] == "no-cache"
 
 
 def test_a_copy_that_is_current_is_not_sent_again(server: ServerProcess) -> None:
     for path in ("/", "/assets/index-4f2a.js"):
-        first = requests.get(server.url + path, timeout=60)
-        again = requests.get(server.url + path, headers={"If-None-Match": first.headers["ETag"]}, timeout=60)
+        first = requests.get(server.url + path, timeout=PATIENCE_SECONDS)
+        again = requests.get(server.url + path, headers={"If-None-Match": first.headers["ETag"]}, timeout=PATIENCE_SECONDS)
         assert (again.status_code, again.content) == (304, b"")
         assert again.headers["ETag"] == first.headers["ETag"]
         assert again.headers["Cache-Control"] == first.headers["Cache-Control"]
-        other = requests.get(server.url + path, headers={"If-None-Match": '"other"'}, timeout=60)
+        other = requests.get(server.url + path, headers={"If-None-Match": '"other"'}, timeout=PATIENCE_SECONDS)
         assert (other.status_code, other.content) == (200, first.content)
 
 
 def test_head_has_the_headers_and_no_body(server: ServerProcess) -> None:
-    response = requests.head(server.url + "/", timeout=60)
+    response = requests.head(server.url + "/", timeout=PATIENCE_SECONDS)
     assert (response.status_code, response.content) == (200, b"")
     assert response.headers["ETag"]
 
@@ -86,7 +87,7 @@ def test_head_has_the_headers_and_no_body(server: ServerProcess) -> None:
     "/.hidden", "/.git/config", "/%7Bmesh%7D", "/anything", "/assets", "/assets/", "/INDEX.HTML", "/v1/nothing",
 ])
 def test_no_path_leads_out_of_the_folder_and_unknown_ones_are_problems(server: ServerProcess, target: str) -> None:
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=60)
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE_SECONDS)
     connection.request("GET", target)  # as it is: nothing normalizes it on the way
     response = connection.getresponse()
     body = response.read()
@@ -96,13 +97,13 @@ def test_no_path_leads_out_of_the_folder_and_unknown_ones_are_problems(server: S
 
 
 def test_the_endpoints_stay_where_they_are(server: ServerProcess) -> None:
-    assert requests.get(server.url + "/healthz", timeout=60).json()["status"] == "ok"
-    assert requests.get(server.url + "/v1/families", timeout=60).status_code == 200
-    assert requests.post(server.url + "/", timeout=60).status_code == 405
+    assert requests.get(server.url + "/healthz", timeout=PATIENCE_SECONDS).json()["status"] == "ok"
+    assert requests.get(server.url + "/v1/families", timeout=PATIENCE_SECONDS).status_code == 200
+    assert requests.post(server.url + "/", timeout=PATIENCE_SECONDS).status_code == 405
 
 
 def test_without_a_folder_there_is_nothing_at_the_root(new_server: Callable[..., ServerProcess]) -> None:
-    response = requests.get(new_server().url + "/", timeout=60)
+    response = requests.get(new_server().url + "/", timeout=PATIENCE_SECONDS)
     assert (response.status_code, response.json()["code"]) == (404, "http.not_found")
 
 
