@@ -288,6 +288,7 @@ describe("limits", () => {
       await design.choose("Beam width");
       // A slider by hand: what the search says of a design is also said of it.
       const [cell, parameter] = [number(await design.fact("Cell size")), Number(await page.locator(".parameters .number").first().inputValue())];
+      const structureAsked = page.waitForRequest((request) => request.url().endsWith("/v1/structures") && request.postDataJSON().parameters[0] === parameter - 0.05);
       await page.locator(".parameters .number").first().fill(String(parameter - 0.05));
       await page.keyboard.press("Enter");
       await until(async () => (await page.locator(".result .chip").textContent()) === "Set by hand", "word of it");
@@ -297,8 +298,9 @@ describe("limits", () => {
       assert.notEqual(number(await design.fact("Cell size")), cell);
       const measured = [await design.fact("Cell size"), byHand];
       // The search measures the same structure alike.
+      const { parameters } = (await structureAsked).postDataJSON();
       const answer = await fetch(`${server.url}/v1/designs`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({
-        beam_width: Number(await design.value("Beam width, mm")), task: "stress_strain", family: await design.family(), fixed: [parameter - 0.05], initial: [parameter - 0.05], target: { control_points: [[0, 0], [0.1, 0.01]] },
+        beam_width: Number(await design.value("Beam width, mm")), task: "stress_strain", family: await design.family(), fixed: parameters, initial: parameters, target: { control_points: [[0, 0], [0.1, 0.01]] },
       }) });
       const { structure } = await answer.json();
       assert.deepEqual([number(measured[0]), number(measured[1])], [structure.cell_size, structure.density].map((value) => Number(value.toPrecision(3))));

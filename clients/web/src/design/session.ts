@@ -14,6 +14,7 @@ import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound,
 import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type TargetCurve, targetOnProfile } from "./targets";
+import { firstModels, surestOf } from "./verdict";
 
 /** Seconds that a search may take before it becomes a job whose progress is shown. */
 const IMMEDIATE_SECONDS = 0.4;
@@ -372,9 +373,13 @@ export class DesignSession {
 
   /** The profile of any design, of some kind. Null where it cannot be had. */
   async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">, made: Made): Promise<Curve | null> {
+    const answer = await this.answeredProfile(found, kind, made);
+    return answer && { x: answer.x, y: answer.y };
+  }
+
+  private async answeredProfile(found: Found, kind: ProfileKind & Pick<DesignState, "points">, made: Made): Promise<Profile | null> {
     try {
-      const answer = await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found, made));
-      return { x: answer.x, y: answer.y };
+      return await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found, made));
     } catch {
       return null; // the main request meets the same fault and tells of it
     }
@@ -479,20 +484,29 @@ export class DesignSession {
     return state.family === ANY || this.model(state.family) !== undefined;
   }
 
-  /** Before anyone has drawn anything: a target that some design reaches, and a search that starts elsewhere. */
+  /**
+   * Before anyone has drawn anything: a target that some design reaches, and a search that starts elsewhere. Of two families it is the one
+   * whose model is surest there, so that the first verdict is not that the model is not trusted.
+   */
   private async firstState(): Promise<DesignState> {
-    const model = this.modelled[0];
-    const at = (share: number): Found => ({
-      family: model.family,
-      parameters: model.parameters.lower.map((lower, k) => lower + share * (model.parameters.upper[k] - lower)),
+    const models = firstModels(this.modelled);
+    const at = ({ family, parameters }: Model, share: number): Found => ({
+      family,
+      parameters: parameters.lower.map((lower, k) => lower + share * (parameters.upper[k] - lower)),
     });
-    return { ...DEFAULT_STATE, ...(await this.curveOf(DEFAULT_STATE, at(0.7))), found: at(0.3), fixed: model.parameters.lower.map(() => false) };
+    const profiles = await Promise.all(models.map((model) => this.answeredProfile(at(model, 0.7), DEFAULT_STATE, DEFAULT_STATE.made)));
+    const surest = surestOf(profiles);
+    const found = at(models[surest], 0.3);
+    return { ...DEFAULT_STATE, ...this.targetOn(profiles[surest], DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
   }
 
   /** The target that a design would meet; null where its profile is not to be had. */
   private async curveOf(state: DesignState, found: Found | null): Promise<TargetCurve | null> {
-    const curve = found && (await this.profile(found, { ...state, points: [] }, state.made));
-    return curve && targetOnProfile(state.task, curve.x, curve.y, this.pointCount(state.task), state.interpolation);
+    return this.targetOn(found && (await this.profile(found, { ...state, points: [] }, state.made)), state);
+  }
+
+  private targetOn(curve: Curve | null, { task, interpolation }: DesignState): TargetCurve | null {
+    return curve && targetOnProfile(task, curve.x, curve.y, this.pointCount(task), interpolation);
   }
 
   private pointCount(task: DesignState["task"]): number {

@@ -1,5 +1,6 @@
 // How close a design comes, in words that keep in mind how far its model can be trusted.
 import { percent } from "../base/format";
+import type { Model, Profile } from "../contract/types";
 import type { ModelError, Shown } from "./shown";
 
 /**
@@ -23,6 +24,31 @@ const CLOSE_ERRORS = 3;
 const WORDS: Record<Verdict, string> = { within: "Within the model’s error", close: "Close", doubtful: "Not certain", out: "Out of reach" };
 
 type Judged = Pick<Shown, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar" | "inRange">;
+
+/**
+ * Of the families whose models these are, those that a first target is looked for in: the first, and of the others the one whose model
+ * describes its error bars of the stress as the shortest. Two, because nothing is shown until both have answered.
+ */
+export function firstModels(models: readonly Model[]): readonly Model[] {
+  const bar = ({ error_bars }: Model): number => error_bars?.stress.median ?? Infinity;
+  const [first, ...others] = models;
+  return others.length === 0 ? models : [first, others.reduce((best, model) => (bar(model) < bar(best) ? model : best))];
+}
+
+/** What a design does, which may become a target; null where it is not to be had. */
+export type Offered = Pick<Profile, "y" | "error_bar" | "in_range"> | null;
+
+/**
+ * Index of the profile of which its model is surest: every sample is in range, and the error bars are the least share of the values. A
+ * model without error bars comes after all that have them. The first where no profile is in range.
+ */
+export function surestOf(profiles: readonly Offered[]): number {
+  const bars = profiles.map((profile) => {
+    if (!profile || profile.y.length === 0 || profile.y.includes(null) || !profile.in_range.every(Boolean)) return null;
+    return barsOf({ errorBar: profile.error_bar, target: profile.y as number[] }) ?? Infinity;
+  });
+  return bars.reduce<number>((best, share, k) => (share !== null && (bars[best] === null || share < bars[best]) ? k : best), 0);
+}
 
 /** Root mean square of the error bars over that of the target; null where a sample has none. */
 export function barsOf({ errorBar, target }: Pick<Shown, "errorBar" | "target">): number | null {
