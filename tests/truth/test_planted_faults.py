@@ -102,6 +102,7 @@ FAULTS = [
     ("weaves", HOMOGENIZATIONS, shift("poisson_ratio", 0, by=1e-5), "definitions"),
     ("weaves", "/v1/weave-deformations", scale("energy_density", 1 + 1e-5), "two families"),
     ("weaves", "/v1/weave-deformations", scale("nominal_stress", 1.01), "two families"),
+    ("weaves", "/v1/weave-simulations", states(lambda state: state.update(energy=state["energy"] * (1 + 0.03 * state["share"]))), "work"),
     ("weaves", "/v1/weave-toolpaths", less_filament, "printed lengths"),
     ("parts", PARTS, thinner, "parted at the neck"),
     ("parts", PARTS, wider, "whole at the neck"),
@@ -112,6 +113,10 @@ FAULTS = [
     ("designs", DESIGNS, shift("profile", "target", 1, by=1e-2), "target"),
     ("designs", DESIGNS, shift("profile", "achieved", 1, by=1e-2), "profile"),
     ("designs", PROFILES, shift("y", 1, by=1e-2), "equilibrium"),
+    ("designs", DESIGNS, shift("profile", "error_bar", 1, by=1e-3), "bars"),
+    ("designs", PROFILES, shift("error_bar", 1, by=1e-3), "bars"),
+    ("designs", PROFILES, lambda answer: answer.update(in_range=[True] * len(answer["in_range"])), "in range"),
+    ("designs", PROFILES, lambda answer: answer.update(error_bar=[bar and 10 * bar for bar in answer["error_bar"]]), "in range"),
     ("designs", DESIGNS, lambda answer: answer.update(reached=not answer["reached"]), "reached"),
 ]
 

@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import run  # noqa: E402
 from _hosts import shell_energies  # noqa: E402
+from _networks import Network  # noqa: E402
 from _shapes import Renumbering, any_mesh, folded, random_point  # noqa: E402
 from _surface import Surface  # noqa: E402
 from _unfolding import distances  # noqa: E402
@@ -176,6 +177,51 @@ def test_unfolded_lengths_know_no_order_and_no_path_is_shorter() -> None:
         assert (found[:, :, None] <= found[:, None, :] + found[None] + 1e-12).all(), "a way round is shorter"
         edges = surface.length
         assert (np.abs(to_vertices[:, surface.start] - to_vertices[:, surface.end]) <= edges + 1e-12).all()
+
+
+def near_vertex(rng: np.random.Generator, faces: Any) -> Any:
+    """A point of a random face that is 1e-12 to 1e-1 from a corner of it, and as near or nearer to one of the edges there."""
+    corner, turn, near = int(rng.integers(3)), int(rng.integers(1, 3)), 10 ** rng.uniform(-12, -1)
+    coordinates = np.zeros(3)
+    coordinates[(corner + turn) % 3], coordinates[(corner - turn) % 3] = near, near * rng.choice([0, 1, 10 ** rng.uniform(-10, 0)])
+    coordinates[corner] = 1 - coordinates.sum()
+    return {"face": int(rng.integers(len(faces))), "barycentric": coordinates.tolist()}
+
+
+def test_unfolded_lengths_are_the_same_in_both_senses_but_beside_vertices() -> None:
+    rng = np.random.default_rng(4)
+    beside = 0
+    for _ in range(25):
+        _, (vertices, faces) = any_mesh(rng)
+        surface, others = Surface(vertices, faces), [random_point(rng, faces, inside=True) for _ in range(5)]
+        points = [near_vertex(rng, faces) for _ in range(12)]
+        compared = [point for point in points if not surface.beside_vertex(point)]
+        beside += len(points) - len(compared)
+        there, back = distances(surface, compared, others)[0], distances(surface, others, compared)[0]
+        assert np.abs(there - back.T).max(initial=0) < 1e-12 * surface.diagonal
+        for point in points:  # what takes their place is found from there and at most as far away as they are
+            place = surface.nearest_vertex(point)
+            assert not surface.beside_vertex(place) and np.linalg.norm(surface.position(place) - surface.position(point)) < 3e-6 * surface.length.max()
+    assert 25 < beside < 275
+
+
+def test_lengths_of_networks_are_compared_but_for_ends_beside_vertices() -> None:
+    networks = run.load("networks")
+    rng = np.random.default_rng(5)
+    _, (vertices, faces) = any_mesh(rng)
+    surface = Surface(vertices, faces)
+    points = [random_point(rng, faces, inside=True) for _ in range(3)] + [{"face": 0, "barycentric": [1 - 2e-9, 1e-9, 1e-9]}]
+    springs = [{"between": [0, 1], "rest_length": 1}, {"between": [1, 2], "rest_length": 1}, {"between": [2, 3], "rest_length": 1}]
+    network, own = Network(springs, [], None, np.zeros((1, 1))), distances(surface, points, points)[0]
+    lengths = [own[0, 1], own[1, 2], own[3, 2] + 0.1]
+
+    def deviation() -> float:
+        ((name, found),) = networks._lengths("length", surface, network, {"points": points, "springs": [{"length": length} for length in lengths]}, own)
+        return found
+
+    assert deviation() == 0
+    lengths[1] += 1e-9
+    assert deviation() > networks.CHECKS["length"].limit
 
 
 def test_walks_end_as_far_as_they_were_to_go() -> None:

@@ -13,6 +13,9 @@ ON_EDGE = 1e-9
 """A point whose barycentric coordinate is below this is near an edge, and is seen from the face beyond it as well."""
 AT_VERTEX = 1e-14
 """A point with two barycentric coordinates below this lies at a vertex."""
+BESIDE_VERTEX = 1e-6
+"""A point with two barycentric coordinates below this, which does not lie at the vertex, is so near to it that it would have to be seen from
+all faces around: rays that are sent from two of them lose digits, and some paths are not found. Own lengths from there are too long."""
 
 
 class Surface:
@@ -82,6 +85,14 @@ class Surface:
         if "vertex" in point or sum(abs(x) < AT_VERTEX for x in point["barycentric"]) < 2:
             return point
         return {"vertex": int(self.faces[point["face"], int(np.argmax(point["barycentric"]))])}
+
+    def beside_vertex(self, point: Point) -> bool:
+        """Whether own lengths from this point are not to be compared with anything."""
+        return "vertex" not in self.at_vertex(point) and sum(abs(x) < BESIDE_VERTEX for x in point["barycentric"]) == 2
+
+    def nearest_vertex(self, point: Point) -> Point:
+        """The point, or the vertex that it lies beside: lengths from there are right to the way between them."""
+        return {"vertex": int(self.faces[point["face"], int(np.argmax(point["barycentric"]))])} if self.beside_vertex(point) else self.at_vertex(point)
 
     def position(self, point: Point) -> np.ndarray:
         if "vertex" in point:

@@ -21,9 +21,10 @@ CHECKS = {
     "reached": Check("samples and designs that are called reached or not against the rule", 0, "count"),
     "ranking": Check("the answer beside the first of the ranking, and the ranking's order", 1e-12, "plain difference"),
     "profile": Check("the profile of the design that is answered, beside a request for it", 1e-6, "of its largest value"),
-    "bars": Check("error bars of the design that is answered, beside a request for its profile, where the model has none of its own for searches", 1e-6, "of the largest value"),
+    "bars": Check("error bars of a design all of whose parameters are given, beside those of its profile and of the model's uniaxial loads; of a design that was found, beside its profile, "
+                  "where the model has none of its own for searches", 1e-6, "of the largest value"),
     "equilibrium": Check("profile beside own equilibria of the model's stresses", 1e-6, "of its largest value"),
-    "in range": Check("samples in range whose bar is null or longer than the limit", 0, "count"),
+    "in range": Check("samples in range whose bar is null or longer than the model says it trusts, or of parameters beyond the bounds that it names", 0, "count"),
     "turned": Check("profile of a turned design beside that of the straight one along a turned direction", 1e-6, "of its largest value"),
     "stiffer": Check("profile and bars over Young's modulus, Poisson's ratio as it is", 1e-9, "of the largest value"),
     "materials": Check("deviation of a list of materials beyond that of its best, unless it reaches the target", 1e-6, "plain difference"),
@@ -33,7 +34,8 @@ CHECKS = {
 }
 
 KINDS = (("search", 0.5), ("profile", 0.26), ("rules", 0.14), ("materials", 0.1))
-LONGEST_BAR = {"stress_strain": 0.05, "stiffness": 0.1, "poisson": 0.1}
+QUANTITIES = {"stress_strain": "stress", "stiffness": "stiffness", "poisson": "poisson"}
+"""What the model's description calls the values of each task."""
 DATA_MODULUS = 26.0
 """Young's modulus of the models' data, in MPa."""
 
@@ -186,7 +188,7 @@ def _search(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
         clear = np.abs(beyond / scale - 0.01) > 1e-9
         yield "reached", float(np.sum(clear & ((beyond <= 0.01 * scale) != np.array(profile["reached"]))))
         all_reached = all_reached and all(profile["reached"])
-        yield from _ranged(problem["task"], profile["achieved"], profile["error_bar"], profile["in_range"])
+        yield from _ranged(_description(server, drawn), answer["parameters"], problem["task"], profile["achieved"], profile["error_bar"], profile["in_range"])
     yield "deviation", answer["error"]["relative_rms"] - np.sqrt(squares / weights)
     yield "reached", float(all_reached != answer["reached"])
     first = answer["ranking"][0]
@@ -198,12 +200,25 @@ def _search(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
         yield "best modulus", _better_modulus(drawn, answer)
 
 
-def _ranged(task: str, values: Any, bars: Any, in_range: Any) -> Iterator[Tuple[str, float]]:
+def _description(server: Server, drawn: Dict[str, Any]) -> Dict[str, Any]:
+    """What the model of the family that is asked about says of itself; the answer that is tested is not asked which one it is of."""
+    (model,) = [model for model in server.get("/v1/models")["models"] if model["family"] == drawn["family"]]
+    assert isinstance(model, dict)
+    return model
+
+
+def _within(model: Dict[str, Any], parameters: Any) -> bool:
+    least, most = (np.array(model["parameters"][end]) for end in ("lower", "upper"))
+    return bool(np.all(np.abs(np.array(parameters) - (least + most) / 2) <= (most - least) / 2 * (1 + 1e-9)))
+
+
+def _ranged(model: Dict[str, Any], parameters: Any, task: str, values: Any, bars: Any, in_range: Any) -> Iterator[Tuple[str, float]]:
+    within, trusted = _within(model, parameters), model["error_bars"][QUANTITIES[task]]["trusted"]
     wrong = 0
     for value, bar, inside in zip(values, bars, in_range):
         if inside:
-            longest = LONGEST_BAR[task] * (abs(value) if task != "poisson" else 1)
-            wrong += bar is None or bar > longest * (1 + 1e-9) + 1e-12
+            longest = trusted * (abs(value) if task != "poisson" else 1)
+            wrong += not within or bar is None or bar > longest * (1 + 1e-9) + 1e-12
     yield "in range", float(wrong)
 
 
@@ -217,14 +232,8 @@ def _asked_again(server: Server, drawn: Dict[str, Any], answer: Dict[str, Any], 
         again = server.post("/v1/profiles", {**_profile_body(problem, answer, profile["x"]), "orientation": answer["orientation"],
                                              "material": {"youngs_modulus": answer["material"]["youngs_modulus"]}})
         yield "profile", _apart(again["y"], profile["achieved"])
-        if not _has_bars_of_searches(server, answer["model"]):
+        if "searched" not in _description(server, drawn)["error_bars"][QUANTITIES[problem["task"]]]:
             yield "bars", _apart(again["error_bar"], profile["error_bar"])
-
-
-def _has_bars_of_searches(server: Server, model: str) -> bool:
-    """Such a model's bars are others for a design that a search has found than for one that is given."""
-    bars = server.get(f"/v1/models/{model}")["error_bars"]
-    return bars is not None and any("searched" in bars[name] for name in ("stress", "stiffness", "poisson"))
 
 
 def _apart(one: Any, other: Any) -> float:
@@ -278,12 +287,38 @@ def _places(problem: Dict[str, Any]) -> List[float]:
 def _profile(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
     problem = drawn["targets"][0]
     design = {"family": drawn["family"], "parameters": parameters_at(server, drawn["family"], drawn["shares"])}
+    model = _description(server, drawn)
     answer = server.post("/v1/profiles", _profile_body(problem, design, _places(problem)))
-    if answer["error_bar"] is not None:
-        yield from _ranged(problem["task"], answer["y"], answer["error_bar"], answer["in_range"])
-    own = _own_profile(server, answer["model"], design["parameters"], problem, answer["x"])
+    yield from _ranged(model, design["parameters"], problem["task"], answer["y"], answer["error_bar"], answer["in_range"])
+    yield from _given(server, model, design, problem)
+    own = _own_profile(server, model["id"], design["parameters"], problem, answer["x"])
     if own is not None and all(value is not None for value in answer["y"]):
         yield "equilibrium", _apart(answer["y"], own)
+
+
+def _given(server: Server, model: Dict[str, Any], design: Dict[str, Any], problem: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
+    """The bars of a design of which nothing is searched for, asked for in three ways. Designs beyond the model's bounds are refused."""
+    if not _within(model, design["parameters"]):
+        return
+    told = server.post("/v1/designs", {**problem, "family": design["family"], "initial": design["parameters"], "fixed": design["parameters"]})["profile"]
+    asked = server.post("/v1/profiles", _profile_body(problem, design, told["x"]))
+    yield "bars", _apart(told["error_bar"], asked["error_bar"])
+    if problem["task"] == "stress_strain":
+        yield "bars", _apart(asked["error_bar"], _uniaxial_bars(server, model["id"], design["parameters"], problem, told["x"]))
+
+
+def _uniaxial_bars(server: Server, model: str, parameters: List[float], problem: Dict[str, Any], x: Any) -> List[Optional[float]]:
+    """Of the stress at each strain, by two paths from rest."""
+    found: Dict[float, Optional[float]] = {}
+    for sense in (-1, 1):
+        strains = sorted((strain for strain in x if strain * sense > 0 or (strain == 0 and sense > 0)), key=abs)
+        if strains:
+            stretches = [1 + strain if problem["strain_measure"] == "engineering" else float(np.sqrt(1 + 2 * strain)) for strain in strains]
+            states = server.post(f"/v1/models/{model}/uniaxial", {"parameters": parameters, "direction": problem["direction"], "stretches": stretches})["states"]
+            for strain, stretch, state in zip(strains, stretches, states):
+                bar = state["error_bar"]
+                found[strain] = None if bar is None else bar * (stretch if problem["strain_measure"] == "engineering" else 1)
+    return [found[strain] for strain in x]
 
 
 def _own_profile(server: Server, model: str, parameters: List[float], problem: Dict[str, Any], x: Any) -> Optional[List[float]]:

@@ -43,6 +43,8 @@ KINDS = (("straight", 0.12), ("families", 0.12), ("shear", 0.08), ("scales", 0.1
          ("sheet", 0.04), ("print", 0.08))
 SHEAR_ERRORS = {2: 0.335, 4: 0.115, 8: 0.035}
 """What the contract says for numbers of segments: 33, 11 and 3 %, rounded up."""
+SHEET_STATES = 24
+"""States of a sheet on its way. With few of them the work of a sheet that turns stiff late is not what Simpson's rule makes of the reactions."""
 TRIES = 4
 """Prints that a case holds ready: crossings that are too close to each other cannot be printed."""
 
@@ -303,7 +305,7 @@ def _sheet(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]
         supports = [{"at": {"box": [(low - 0.1 * size).tolist(), [high[0] + 0.1 * size[0], low[1] + cut]]}},
                     {"at": {"box": [[low[0] - 0.1 * size[0], high[1] - cut], (high + 0.1 * size).tolist()]},
                      "displacement": [drawn["move"][0] * size[1], abs(drawn["move"][1]) * size[1], 0]}]
-        answers.append(server.post("/v1/weave-simulations", {"weave": scaled, "supports": supports, "states": 6, "deformed": "none",
+        answers.append(server.post("/v1/weave-simulations", {"weave": scaled, "supports": supports, "states": SHEET_STATES, "deformed": "none",
                                                              "effects": {"out_of_plane": "off"}}))
     one, two = answers
     states = [state for state in one["states"] if state["stopped"] == "converged"]
