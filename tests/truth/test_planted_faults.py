@@ -72,6 +72,12 @@ def shift(*keys: Any, by: float) -> Callable[[Dict[str, Any]], None]:
     return change
 
 
+def other_bars_where_searches_have_their_own(answer: Any) -> None:
+    """Of the models whose bars are others for a design that was found than for one that is given, so that the two are not to be compared."""
+    if answer["family"] in ("IH01", "IH22", "IH28", "IH50", "IH67"):
+        shift("profile", "error_bar", 1, by=1e-3)(answer)
+
+
 def thinner(checks: Dict[str, Any]) -> None:
     if checks["checks"]["smallest_neck"] is not None:
         checks["checks"]["smallest_neck"] *= 0.97
@@ -113,7 +119,7 @@ FAULTS = [
     ("designs", DESIGNS, shift("profile", "target", 1, by=1e-2), "target"),
     ("designs", DESIGNS, shift("profile", "achieved", 1, by=1e-2), "profile"),
     ("designs", PROFILES, shift("y", 1, by=1e-2), "equilibrium"),
-    ("designs", DESIGNS, shift("profile", "error_bar", 1, by=1e-3), "bars"),
+    ("designs", DESIGNS, other_bars_where_searches_have_their_own, "bars"),
     ("designs", PROFILES, shift("error_bar", 1, by=1e-3), "bars"),
     ("designs", PROFILES, lambda answer: answer.update(in_range=[True] * len(answer["in_range"])), "in range"),
     ("designs", PROFILES, lambda answer: answer.update(error_bar=[bar and 10 * bar for bar in answer["error_bar"]]), "in range"),
