@@ -111,14 +111,7 @@ std::vector<Polygon> outlines_of_union(std::span<const Polygon> polygons) {
 }
 
 std::vector<Face> faces_of_union(std::span<const Polygon> polygons, double smallest_width) {
-  ClipperLib::PolyTree tree;
-  unite(to_paths(polygons), tree);
-  std::vector<Face> faces;
-  add_faces(tree, faces);
-  // Of a part that is too narrow to remain, no hole does.
-  for (Face& face : faces) std::erase_if(face, [&](Polygon& polygon) { return !remains(polygon, smallest_width); });
-  std::erase_if(faces, [](const Face& face) { return face.empty() || area(face[0]) < 0; });
-  return faces;
+  return faces_without_slivers(to_paths(polygons), smallest_width);
 }
 
 std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes) {

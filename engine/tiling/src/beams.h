@@ -36,7 +36,8 @@ std::vector<Polygon> holes_between(std::span<const Polygon> solid, double smalle
 /// counterclockwise, without their holes.
 std::vector<Polygon> outlines_of_union(std::span<const Polygon> polygons);
 
-/// The union of counterclockwise polygons as connected parts with holes, cleaned like the holes of `holes_between`.
+/// The union of counterclockwise polygons as connected parts with holes, without pieces narrower than `smallest_width`
+/// (mm) and sides shorter than it (see `faces_without_slivers`).
 std::vector<Face> faces_of_union(std::span<const Polygon> polygons, double smallest_width);
 
 /// What of the polygon lies outside the holes, which may cross its outline but not each other.

@@ -13,6 +13,8 @@ namespace {
 constexpr double straightness = 1e-7;
 /// Round joints are polygons whose sides are so near to the arc, as a fraction of its radius.
 constexpr double arc_tolerance = 2e-3;
+/// Each time that short sides become points fewer of them are left, mostly none after the first.
+constexpr int max_unions = 16;
 
 /// Drops vertices on the line through their neighbours, tips of spikes of no width among them.
 void drop_straight(Polygon& polygon) {
@@ -52,6 +54,27 @@ void simplify(Polygon& polygon, double smallest_side) {
     polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(next));
   }
   drop_straight(polygon);
+}
+
+bool is_narrow(const Polygon& polygon, double smallest_width) {
+  return polygon.size() < 3 || 2 * std::abs(area(polygon)) <= smallest_width * perimeter(polygon);
+}
+
+std::vector<Face> faces_of(const ClipperLib::Paths& paths, ClipperLib::PolyFillType fill) {
+  ClipperLib::Clipper clipper;
+  clipper.AddPaths(paths, ClipperLib::ptSubject, true);
+  ClipperLib::PolyTree tree;
+  clipper.Execute(ClipperLib::ctUnion, tree, fill, fill);
+  std::vector<Face> faces;
+  add_faces(tree, faces);
+  return faces;
+}
+
+/// Of a part whose outline is too narrow to remain, no hole does.
+void drop_narrow(std::vector<Face>& faces, double smallest_width) {
+  for (Face& face : faces)
+    std::erase_if(face, [&](const Polygon& polygon) { return is_narrow(polygon, smallest_width); });
+  std::erase_if(faces, [](const Face& face) { return face.empty() || area(face[0]) < 0; });
 }
 
 }  // namespace
@@ -119,9 +142,33 @@ void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {
   }
 }
 
+std::vector<Face> faces_without_slivers(const ClipperLib::Paths& paths, double smallest_width) {
+  std::vector<Face> faces = faces_of(paths, ClipperLib::pftNonZero);
+  for (int unions = 1; unions < max_unions; ++unions) {
+    bool moved = false;
+    for (Face& face : faces) {
+      for (Polygon& polygon : face) {
+        const std::size_t corners = polygon.size();
+        simplify(polygon, smallest_width);
+        moved = moved || (polygon.size() != corners && !is_narrow(polygon, smallest_width));
+      }
+    }
+    drop_narrow(faces, smallest_width);
+    if (!moved) return faces;
+    ClipperLib::Paths simplified;
+    for (const Face& face : faces) {
+      for (const Polygon& polygon : face) simplified.push_back(to_path(polygon));
+    }
+    // Where an outline has crossed itself, it runs around the wrong way what is not solid.
+    faces = faces_of(simplified, ClipperLib::pftPositive);
+  }
+  drop_narrow(faces, smallest_width);
+  return faces;
+}
+
 bool remains(Polygon& polygon, double smallest_width) {
   simplify(polygon, smallest_width);
-  return polygon.size() > 2 && 2 * std::abs(area(polygon)) > smallest_width * perimeter(polygon);
+  return !is_narrow(polygon, smallest_width);
 }
 
 }  // namespace supple::tiling

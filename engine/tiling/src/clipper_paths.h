@@ -30,6 +30,13 @@ ClipperLib::Paths widened_line(const ClipperLib::Path& line, double half_width);
 /// its holes.
 void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces);
 
+/// The union of areas whose paths wind around what is solid, as connected parts with holes, without slivers: polygons
+/// narrower than `smallest_width` (mm) are left out, and sides shorter than it become points. Where they do, outlines
+/// that run close to each other may cross. Therefore the union is taken again until no side is that short; in the rare
+/// case that this never ends, short sides remain after a few times. No outline of the result crosses itself or another
+/// one by more than rounding. O(n log n) for few crossings among n sides, besides O(m^2) for a polygon of m sides.
+std::vector<Face> faces_without_slivers(const ClipperLib::Paths& paths, double smallest_width);
+
 /// Whether a polygon remains as a hole or an outline after it was simplified: sides shorter than `smallest_width` (mm)
 /// became points, and vertices on the line through their neighbours were dropped. Twice the area over the perimeter is
 /// the width of a long strip and half that of a square.

@@ -246,18 +246,6 @@ std::vector<std::size_t> lost_solids(const PartDesign& design, const Paths& outl
   return lost;
 }
 
-std::vector<SolidFace> cleaned_faces(const Paths& paths, double smallest) {
-  ClipperLib::Clipper clipper;
-  clipper.AddPaths(paths, ClipperLib::ptSubject, true);
-  ClipperLib::PolyTree tree;
-  clipper.Execute(ClipperLib::ctUnion, tree, ClipperLib::pftNonZero, ClipperLib::pftNonZero);
-  std::vector<SolidFace> faces;
-  add_faces(tree, faces);
-  for (SolidFace& face : faces) std::erase_if(face, [&](Polygon& polygon) { return !remains(polygon, smallest); });
-  std::erase_if(faces, [](const SolidFace& face) { return face.empty() || area(face[0]) < 0; });
-  return faces;
-}
-
 /// Widens the necks of the part's only face to the wall, or cuts them, and measures the narrowest place that is left.
 void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double shortest_side) {
   if (wall <= 0) {
@@ -277,7 +265,7 @@ void repair_necks(Part& part, const Paths& outline, double wall, double beam_wid
     solid.insert(solid.end(), repair.added.begin(), repair.added.end());
     solid = operation(ClipperLib::ctDifference, operation(ClipperLib::ctUnion, solid, {}), repair.removed);
     if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-    auto faces = cleaned_faces(solid, shortest_side);
+    auto faces = faces_without_slivers(solid, shortest_side);
     keep_largest(faces, part);
     places = narrow_places(part.faces[0], repairs.limit(), beam_width);
   }
@@ -330,7 +318,7 @@ Part make_part_here(const PartDesign& design) {
   solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
   if (design.smallest_wall > 0 && has_touching_corners(solid)) solid = joined_corners(solid, outline);
   if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-  auto faces = cleaned_faces(solid, smallest_part_side * finest);
+  auto faces = faces_without_slivers(solid, smallest_part_side * finest);
   keep_largest(faces, part);
   if (part.faces.empty()) {
     throw Error("tiling.part",

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "beams.h"
 #include "designs.h"
 #include "polygon.h"
 #include "supple/base/error.h"
@@ -42,6 +45,35 @@ bool is_inside(const Part& part, const Eigen::Vector2d& point) {
     for (const Polygon& polygon : face) winding += winding_number(polygon, point);
   }
   return winding > 0;
+}
+
+/// How far (mm) the polygons cross themselves or each other: the least distance of a corner, from the other side, over
+/// the two sides that cross the farthest.
+double depth_of_crossings(const SolidFace& face) {
+  struct Side {
+    Eigen::Vector2d a, b;
+    double left, right;
+  };
+  std::vector<Side> sides;
+  for (const Polygon& polygon : face) {
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Eigen::Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+      sides.push_back({a, b, std::min(a.x(), b.x()), std::max(a.x(), b.x())});
+    }
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& s, const Side& t) { return s.left < t.left; });
+  double depth = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const auto& [a, b, left, right] = sides[i];
+    for (std::size_t j = i + 1; j < sides.size() && sides[j].left <= right; ++j) {
+      const Eigen::Vector2d &c = sides[j].a, &d = sides[j].b;
+      if (a == c || a == d || b == c || b == d) continue;
+      if (cross(b - a, c - a) * cross(b - a, d - a) >= 0 || cross(d - c, a - c) * cross(d - c, b - c) >= 0) continue;
+      depth = std::max(depth, std::min({distance_to_segment(a, c, d), distance_to_segment(b, c, d),
+                                        distance_to_segment(c, a, b), distance_to_segment(d, a, b)}));
+    }
+  }
+  return depth;
 }
 
 class PartsOfEveryFamily : public ::testing::TestWithParam<const char*> {};
@@ -201,6 +233,66 @@ TEST(Part, LeavesOutNarrowWallsAndCrumbs) {
   const Part raw = make_part(design);
   EXPECT_EQ(raw.trimmed_area, 0);
   EXPECT_GE(raw.solid_area + raw.crumb_area, part.solid_area + part.crumb_area);
+}
+
+/// Corners on the line through their neighbours are dropped up to 1e-7 mm from it.
+constexpr double deepest_crossing = 2e-7;
+
+TEST(Part, HasNoOutlineThatCrossesItselfWhereShortSidesBecamePoints) {
+  // The drawing of the part whose outline crossed itself by 3 um, and which no mesh filled.
+  PartDesign found;
+  found.outline = {{{12.662092816130562, 2.0320829813959547},
+                    {-2.9438794421038263, 8.259937856403983},
+                    {-6.470497074632795, 8.98214167413578},
+                    {-10.968061483270503, -8.424495401873184},
+                    {-14.260764522290087, -12.33947318851749}}};
+  const Family& ih67 = family("IH67");
+  const auto at = [&ih67](std::size_t k, double share) {
+    const auto& [lower, upper, preset] = ih67.parameters[k];
+    return lower + (upper - lower) * share;
+  };
+  found.filling = {make_structure(ih67, std::vector<double>{at(0, 0.21188769302463983), at(1, 0.919558030456365)}),
+                   0.7188697084666945, 2.075383161753832};
+  found.smallest_wall = 0.2539707556467072;
+  const Part part = make_part(found);
+  EXPECT_LE(depth_of_crossings(part.faces[0]), deepest_crossing);
+  EXPECT_NEAR(volume_of_closed_stl(part_stl(part)), part.solid_area, 1e-3 * part.solid_area);
+
+  // Its neighbours, whose short sides lie elsewhere by some micrometres.
+  RandomStream random("neighbours of a part", 1);
+  for (int k = 0; k < 100; ++k) {
+    PartDesign design = found;
+    const double reach = std::pow(10, random.uniform(-5, -2));
+    for (Eigen::Vector2d& p : design.outline[0])
+      p += reach * Eigen::Vector2d(random.uniform(-1, 1), random.uniform(-1, 1));
+    ASSERT_LE(depth_of_crossings(make_part(design).faces[0]), deepest_crossing) << "neighbour " << k;
+  }
+}
+
+TEST(Part, HasFacesThatDoNotCrossHoweverManyOfTheirSidesBecomePoints) {
+  // Rings of random teeth whose sides are about as long as those that become points.
+  RandomStream random("rings of short sides", 1);
+  for (int k = 0; k < 200; ++k) {
+    std::vector<Polygon> rings(3);
+    for (Polygon& ring : rings) {
+      const Eigen::Vector2d middle(random.uniform(), random.uniform());
+      const int corners = 40 + random.below(100);
+      for (int corner = 0; corner < corners; ++corner) {
+        const double angle = 2 * std::numbers::pi * corner / corners;
+        ring.emplace_back(middle + random.uniform(0.4, 0.7) * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      }
+    }
+    const double shortest = std::pow(10, random.uniform(-3, -0.7));
+    const std::vector<Face> faces = faces_of_union(rings, shortest);
+    ASSERT_FALSE(faces.empty());
+    std::vector<Polygon> all;
+    for (const Face& face : faces) all.insert(all.end(), face.begin(), face.end());
+    ASSERT_LE(depth_of_crossings(all), deepest_crossing) << "rings " << k;
+    for (const Polygon& polygon : all) {
+      for (std::size_t i = 0; i < polygon.size(); ++i)
+        ASSERT_GE((polygon[(i + 1) % polygon.size()] - polygon[i]).norm(), shortest * (1 - 1e-6)) << "rings " << k;
+    }
+  }
 }
 
 TEST(Part, IsWrittenInEveryFormatWithItsSize) {
