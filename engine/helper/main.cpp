@@ -11,5 +11,6 @@ int main(int argc, char** argv) {
   supple::HelperTasks tasks = supple::meshing::helper_tasks();
   tasks.merge(supple::numerics::helper_tasks());
   tasks.merge(supple::tiling::helper_tasks());
+  supple::meshing::prepare_helper();
   return supple::serve_as_helper(argc, argv, tasks);
 }

@@ -1,8 +1,12 @@
 // A helper process whose tasks do what helpers must not: spin for ever, crash, ask for too much memory.
 
+#include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "supple/base/error.h"
@@ -21,6 +25,15 @@ int main(int argc, char** argv) {
     return {};
   };
   tasks["leave"] = [](std::string_view) -> std::string { std::_Exit(3); };
+  tasks["leave without a word"] = [](std::string_view) -> std::string { std::_Exit(0); };
+  tasks["remember"] = [](std::string_view request) {
+    // What tasks leave behind: a count, and addresses of memory that depend on what was freed before.
+    static std::vector<std::string> before;
+    before.emplace_back(request);
+    const auto here = std::make_unique<std::array<char, 100>>();
+    before.resize(before.size() + request.size() % 7);
+    return std::to_string(before.size()) + " " + std::to_string(reinterpret_cast<std::uintptr_t>(here->data()));
+  };
   tasks["refuse"] = [](std::string_view) -> std::string {
     throw supple::Error("tiling.meshing_failed", "No mesh.", {{"parameters", "are odd"}, {"size", "is even"}});
   };

@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -76,7 +77,7 @@ class SpawnSettings {
     ::posix_spawn_file_actions_addclosefrom_np(&actions_, helper_lifeline + 1);
     ::posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    // A group of its own: what ends the server from a terminal lets its computations finish.
+    // A group of its own, with its children: what ends the server from a terminal lets its computations finish.
     sigset_t none;
     ::sigemptyset(&none);
     ::posix_spawnattr_setsigmask(&attributes_, &none);
@@ -131,25 +132,21 @@ class HelperProcesses::Process {
     return ::poll(&entry, 1, 0) == 0;
   }
 
-  /// Kills it where it still runs, and says how it ended.
+  /// Kills it where it still runs, with its child, and says how it ended.
   std::string end() {
     if (id_ <= 0) return {};
     int status = 0;
-    ::kill(id_, SIGKILL);
+    ::kill(-id_, SIGKILL);
     while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
-    id_ = 0;
-    return ending_of(status);
+    return ended_with(status);
   }
   /// How it ended by itself: its channel has closed.
   std::string ending() {
     int status = 0;
     for (int look = 0; look < 200; ++look) {
       const auto ended = ::waitpid(id_, &status, WNOHANG);
-      if (ended == id_) {
-        id_ = 0;
-        return ending_of(status);
-      }
+      if (ended == id_) return ended_with(status);
       std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_between_looks));
     }
     return end();
@@ -191,6 +188,13 @@ class HelperProcesses::Process {
   [[noreturn]] static void fail(const char* what) {
     throw std::system_error(errno, std::system_category(), std::string("a helper process: ") + what);
   }
+  /// Its child is killed with it, and has become a child of this process.
+  std::string ended_with(int status) {
+    while (::waitpid(-id_, nullptr, 0) > 0 || errno == EINTR) {
+    }
+    id_ = 0;
+    return ending_of(status);
+  }
   void wait(short events, const CancellationToken& token) const {
     token.throw_if_requested();
     pollfd entry{channel_.get(), events, 0};
@@ -209,6 +213,7 @@ HelperProcesses::HelperProcesses(HelperOptions options)
           options.processes = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
         return std::move(options);
       }()) {
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
   idle_.push_back(std::make_unique<Process>(options_));
 }
 

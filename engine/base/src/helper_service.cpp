@@ -1,7 +1,9 @@
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -17,6 +19,11 @@
 
 namespace supple {
 namespace {
+
+/// The status of a child that has answered its request, with which no library ends its process.
+constexpr int answered = 86;
+/// That of this process where it cannot start a child.
+constexpr int no_child = 71;
 
 /// The pipe's other end closes with the process that started this one, however it ends; the signal that tells of it
 /// ends this one, whatever it is at. A signal at that process' end (PR_SET_PDEATHSIG) would come when its thread ends.
@@ -84,6 +91,48 @@ void limit_address_space([[maybe_unused]] std::uint64_t memory) {
 #endif
 }
 
+/// Waits until a request begins to arrive, and leaves it where it is. False where the channel has closed.
+bool request_comes() {
+  char first = 0;
+  while (true) {
+    const auto got = ::recv(helper_channel, &first, 1, MSG_PEEK);
+    if (got >= 0 || errno != EINTR) return got > 0;
+  }
+}
+
+/// The work of a child: it answers one request and ends, whether the channel is still open or not. It ends with its
+/// parent, too.
+[[noreturn]] void serve_one(pid_t parent, const HelperTasks& tasks) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(0);  // it had gone before
+  std::array<char, sizeof(std::uint64_t)> head{};
+  if (!receive(head.data(), head.size())) ::_exit(answered);
+  std::string request(ByteReader({head.data(), head.size()}).size(), '\0');
+  if (!receive(request.data(), request.size())) ::_exit(answered);
+  const std::string bytes = answer(request, tasks);
+  if (send(ByteWriter().size(bytes.size()).take())) send(bytes);
+  // What libraries would still do at the end of a process takes time, and nobody needs it.
+  ::_exit(answered);
+}
+
+int status_of(pid_t child) {
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return status;
+}
+
+/// Ends this process as the child has ended, so that who started it sees how.
+[[noreturn]] void end_like(int status) {
+  if (WIFSIGNALED(status)) {
+    const rlimit no_core{0, 0};  // the child has left its own
+    ::setrlimit(RLIMIT_CORE, &no_core);
+    std::signal(WTERMSIG(status), SIG_DFL);
+    std::raise(WTERMSIG(status));
+  }
+  ::_exit(WEXITSTATUS(status));
+}
+
 }  // namespace
 
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
@@ -93,14 +142,16 @@ int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);
   limit_address_space(std::strtoull(argv[1], nullptr, 10));
-  while (true) {
-    std::array<char, sizeof(std::uint64_t)> head{};
-    if (!receive(head.data(), head.size())) return 0;
-    std::string request(ByteReader({head.data(), head.size()}).size(), '\0');
-    if (!receive(request.data(), request.size())) return 0;
-    const std::string bytes = answer(request, tasks);
-    if (!send(ByteWriter().size(bytes.size()).take()) || !send(bytes)) return 0;
+  // This process does not even read requests: whatever it did would show in the addresses of its children's memory.
+  const pid_t self = ::getpid();
+  while (request_comes()) {
+    const pid_t child = ::fork();
+    if (child < 0) return no_child;
+    if (child == 0) serve_one(self, tasks);
+    const int status = status_of(child);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != answered) end_like(status);
   }
+  return 0;
 }
 
 }  // namespace supple

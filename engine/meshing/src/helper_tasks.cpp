@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "fill_here.h"
+#include "gmsh_owner.h"
 #include "supple/base/byte_codec.h"
 
 namespace supple::meshing {
@@ -76,5 +77,7 @@ HelperTasks helper_tasks() {
   tasks.emplace(fill_task, filled);
   return tasks;
 }
+
+void prepare_helper() { const GmshSession session; }
 
 }  // namespace supple::meshing

@@ -1,6 +1,7 @@
 #include "supple/base/helper_processes.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -32,6 +33,16 @@ TEST(HelperProcesses, AnswerWithTheBytesOfTheTask) {
   EXPECT_EQ(helpers.process_ids().size(), 1U) << "it is kept for the next task";
 }
 
+TEST(HelperProcesses, AnswerWhateverTheyHaveAnsweredBefore) {
+  HelperProcesses helpers(options_of(1));
+  const std::string first = helpers.run("remember", "abc", {});
+  for (const std::string& other : {std::string(), std::string(5, 'x'), std::string(3'000'001, '\7')}) {
+    helpers.run("remember", other, {});
+    helpers.run("echo", other, {});
+    EXPECT_EQ(helpers.run("remember", "abc", {}), first) << "after " << other.size() << " bytes";
+  }
+}
+
 TEST(HelperProcesses, PassErrorsOnWithCodeAndDetails) {
   HelperProcesses helpers(options_of());
   const auto error = expect_error("tiling.meshing_failed", [&] { helpers.run("refuse", "", {}); });
@@ -53,6 +64,7 @@ TEST(HelperProcesses, AreKilledOnceAStopIsRequestedAndReplaced) {
   expect_error("job.deadline_exceeded", [&] { helpers.run("spin", "", execution); });
   stopper.join();
   EXPECT_FALSE(runs(process));
+  EXPECT_FALSE(runs(-process)) << "nothing is left of its group, in which its child was";
   ASSERT_EQ(helpers.process_ids().size(), 1U);
   EXPECT_NE(helpers.process_ids()[0], process);
   EXPECT_EQ(helpers.run("echo", "again", {}), "again");
@@ -64,6 +76,8 @@ TEST(HelperProcesses, MayCrashWithoutHarmToThisOne) {
   EXPECT_NE(std::string(crash.what()).find("crash ended with signal 11"), std::string::npos) << crash.what();
   const auto leave = expect_error("server.helper_ended", [&] { helpers.run("leave", "", {}); });
   EXPECT_NE(std::string(leave.what()).find("leave ended with status 3"), std::string::npos) << leave.what();
+  const auto silent = expect_error("server.helper_ended", [&] { helpers.run("leave without a word", "", {}); });
+  EXPECT_NE(std::string(silent.what()).find("ended with status 0"), std::string::npos) << silent.what();
   EXPECT_EQ(helpers.run("echo", "again", {}), "again");
 }
 
@@ -98,6 +112,7 @@ TEST(HelperProcesses, WaitForEachOtherBeyondTheirNumberAndStopWaitingWhenAsked) 
 
 TEST(HelperProcesses, EndWithTheProcessThatStartedThem) {
   // A child starts a helper, leaves it spinning and is killed; the pipe tells which process the helper is.
+  ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
   const pid_t child = ::fork();
@@ -119,17 +134,9 @@ TEST(HelperProcesses, EndWithTheProcessThatStartedThem) {
   ASSERT_TRUE(runs(helper));
   ASSERT_EQ(::kill(child, SIGKILL), 0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
-  // Whoever inherits it may leave it a zombie: it runs no more where its state says so.
-  const auto ended = [helper] {
-    const std::string file = "/proc/" + std::to_string(helper) + "/stat";
-    std::FILE* const stat = std::fopen(file.c_str(), "r");
-    if (!stat) return true;
-    char state = '?';
-    const int read = std::fscanf(stat, "%*d (%*[^)]) %c", &state);
-    std::fclose(stat);
-    return read != 1 || state == 'Z' || state == 'X';
-  };
-  for (int look = 0; look < 500 && !ended(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  // This process inherits the helper and its child, which are one group.
+  const auto ended = [helper] { return ::waitpid(-helper, nullptr, WNOHANG) < 0 && errno == ECHILD; };
+  for (int look = 0; look < 6000 && !ended(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(ended());
   ::close(ends[0]);
   ::close(ends[1]);

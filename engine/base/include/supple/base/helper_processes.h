@@ -23,10 +23,15 @@ struct HelperOptions {
 /// Processes that run what cannot be stopped within this process: libraries that do not look for stop requests, such as
 /// mesh generators and polygon clippers, and that could take the whole process down with them.
 ///
-/// A task consists of a name and bytes, and its answer of bytes. Processes are kept between tasks, so that a small task
-/// takes only a tenth of a millisecond longer than in this process. If no process is free, another one is started, up
-/// to the limit. Beyond the limit callers wait. A process whose task is stopped is killed. All of them end with the
+/// A task consists of a name and bytes, and its answer of bytes, which depend on these and not on earlier tasks: each
+/// task has a child of its own of a process that runs none itself. Some libraries order things by their addresses in
+/// memory, which would tell of what was done before. Processes are kept between tasks, so that a small task takes only
+/// one or two milliseconds longer than in this process. If no process is free, another one is started, up to the limit.
+/// Beyond the limit callers wait. A process whose task is stopped is killed with its child. All of them end with the
 /// process that started them, however that ends. Members may be called from any thread.
+///
+/// This process becomes the one that waits for orphans among its descendants (PR_SET_CHILD_SUBREAPER), so that nothing
+/// is left of a helper that was killed.
 class HelperProcesses {
  public:
   /// Starts the first process. Throws std::runtime_error if the program cannot be started.
@@ -41,7 +46,7 @@ class HelperProcesses {
   /// milliseconds after a stop is requested it throws what the token throws, and the process is gone.
   std::string run(std::string_view task, std::string_view request, const Execution& execution);
 
-  /// The numbers of running and of waiting processes.
+  /// The numbers of running and of waiting processes, each of which leads a group of itself and its child.
   std::vector<int> process_ids() const;
 
  private:
@@ -68,7 +73,8 @@ std::string program_beside_this_one(const std::string& name);
 using HelperTask = std::function<std::string(std::string_view request)>;
 using HelperTasks = std::map<std::string, HelperTask, std::less<>>;
 
-/// The main function of a helper. It answers requests until the process that started it is gone.
+/// The main function of a helper. It answers requests until the process that started it is gone, each in a child that
+/// begins as this process is now: what all tasks need may be done before. This process must have one thread.
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks);
 
 }  // namespace supple
