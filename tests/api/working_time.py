@@ -30,12 +30,13 @@ def processes(pid: int) -> List[int]:
 
 
 def cpu_seconds(pid: int) -> Dict[int, float]:
-    """CPU seconds by process, of this one and of all that it has started and that have not ended."""
+    """CPU seconds by process, of this one and of all that it has started and that have not ended. Those of a process that has ended are with the one
+    that waited for it: sums over all of them never fall, while those of one process may rise by what another one has used."""
     used = {}
     for process in processes(pid):
         try:
             fields = Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
-            used[process] = (int(fields[11]) + int(fields[12])) / TICKS
+            used[process] = sum(map(int, fields[11:15])) / TICKS
         except OSError:
             pass  # it has just ended
     return used
@@ -52,11 +53,11 @@ class WorkingTime:
 
     def __init__(self, pid: int) -> None:
         self.pid = pid
-        self.before = cpu_seconds(pid)
+        self.before = sum(cpu_seconds(pid).values())
         self.begin = time.monotonic()
 
     def seconds(self) -> float:
-        return sum(max(0.0, used - self.before.get(process, 0)) for process, used in cpu_seconds(self.pid).items())
+        return max(0.0, sum(cpu_seconds(self.pid).values()) - self.before)
 
     def check(self, seconds: float, what: str) -> None:
         """Fails where the server has worked for as long, or where nothing has come of much patience."""

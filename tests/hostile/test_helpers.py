@@ -42,19 +42,20 @@ def get_in_background(server: ServerProcess, path: str) -> "tuple[threading.Thre
     return thread, answers
 
 
-def busy_helper(server: ServerProcess) -> int:
-    """The helper that computes."""
+def at_work(server: ServerProcess) -> List[int]:
+    """A helper, then its child, which computes."""
     for _ in range(200):
         for helper in helpers_of(server):
-            if cpu_within(helper, 0.05) > 0.02:
-                return helper
+            both = processes(helper)
+            if len(both) > 1 and cpu_within(helper, 0.05) > 0.02:
+                return both
     raise AssertionError("no helper is at work")
 
 
 def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: ServerProcess) -> None:
     connection = sent_request(server, named("solid_of_many_cells", {}, None))
     try:
-        busy_helper(server)
+        at_work(server)
         assert api.post("/v1/structures", CELL).status_code == 200
     finally:
         connection.close()
@@ -63,11 +64,29 @@ def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: Serv
 @pytest.mark.skipif(SANITIZED, reason="the address sanitizer takes the signal for a finding")
 def test_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
     thread, answers = get_in_background(server, SOLID)
-    os.kill(busy_helper(server), signal.SIGSEGV)
+    os.kill(at_work(server)[0], signal.SIGSEGV)
     thread.join(120)
     assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
     assert "tiling/stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
     api.contract.check_response("GET", SOLID, 500, answers[0].headers, answers[0].content)
+    assert api.post("/v1/structures", CELL).status_code == 200
+
+
+@pytest.mark.skipif(SANITIZED, reason="the address sanitizer takes the signal for a finding")
+def test_the_child_of_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
+    thread, answers = get_in_background(server, SOLID)
+    os.kill(at_work(server)[1], signal.SIGSEGV)
+    thread.join(120)
+    assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
+    assert "signal 11" in answers[0].json()["detail"]
+    assert api.post("/v1/structures", CELL).status_code == 200
+
+
+def test_nothing_is_left_of_a_helper_whose_request_nobody_waits_for(server: ServerProcess, api: Api) -> None:
+    connection = sent_request(server, named("solid_of_many_cells", {}, None))
+    both = at_work(server)
+    connection.close()
+    comes_true(lambda: not any(Path(f"/proc/{process}").exists() for process in both), "the helper and its child are gone")
     assert api.post("/v1/structures", CELL).status_code == 200
 
 
@@ -108,7 +127,7 @@ def test_the_server_ends_when_told_to_whatever_it_computes(new_server: Callable[
 def test_helpers_end_with_a_server_that_is_killed(new_server: Callable[..., ServerProcess]) -> None:
     server = new_server()
     connection = sent_request(server, named("solid_of_many_cells", {}, None))
-    helper = busy_helper(server)
+    both = at_work(server)
     server.kill()
     connection.close()
-    comes_true(lambda: not runs(helper), "the helper ends")
+    comes_true(lambda: not any(runs(process) for process in both), "the helper and its child end")

@@ -20,8 +20,10 @@
 namespace supple {
 namespace {
 
-/// The status of a child that has answered its request, with which no library ends its process.
+/// The status of a child that has answered its request, and of one that the channel's end had no request for. No
+/// library ends its process with them.
 constexpr int answered = 86;
+constexpr int hung_up = 87;
 /// That of this process where it cannot start a child.
 constexpr int no_child = 71;
 
@@ -91,24 +93,14 @@ void limit_address_space([[maybe_unused]] std::uint64_t memory) {
 #endif
 }
 
-/// Waits until a request begins to arrive, and leaves it where it is. False where the channel has closed.
-bool request_comes() {
-  char first = 0;
-  while (true) {
-    const auto got = ::recv(helper_channel, &first, 1, MSG_PEEK);
-    if (got >= 0 || errno != EINTR) return got > 0;
-  }
-}
-
-/// The work of a child: it answers one request and ends, whether the channel is still open or not. It ends with its
-/// parent, too.
+/// The work of a child: it waits for a request, answers it and ends. It ends with its parent, too.
 [[noreturn]] void serve_one(pid_t parent, const HelperTasks& tasks) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(0);  // it had gone before
   std::array<char, sizeof(std::uint64_t)> head{};
-  if (!receive(head.data(), head.size())) ::_exit(answered);
+  if (!receive(head.data(), head.size())) ::_exit(hung_up);
   std::string request(ByteReader({head.data(), head.size()}).size(), '\0');
-  if (!receive(request.data(), request.size())) ::_exit(answered);
+  if (!receive(request.data(), request.size())) ::_exit(hung_up);
   const std::string bytes = answer(request, tasks);
   if (send(ByteWriter().size(bytes.size()).take())) send(bytes);
   // What libraries would still do at the end of a process takes time, and nobody needs it.
@@ -142,16 +134,18 @@ int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);
   limit_address_space(std::strtoull(argv[1], nullptr, 10));
-  // This process does not even read requests: whatever it did would show in the addresses of its children's memory.
+  // This process does not even read requests: whatever it did would show in the addresses of its children's memory. The
+  // next child is there before its request comes, which therefore does not wait for the fork.
   const pid_t self = ::getpid();
-  while (request_comes()) {
+  while (true) {
     const pid_t child = ::fork();
     if (child < 0) return no_child;
     if (child == 0) serve_one(self, tasks);
     const int status = status_of(child);
-    if (!WIFEXITED(status) || WEXITSTATUS(status) != answered) end_like(status);
+    if (!WIFEXITED(status)) end_like(status);
+    if (WEXITSTATUS(status) == hung_up) return 0;
+    if (WEXITSTATUS(status) != answered) end_like(status);
   }
-  return 0;
 }
 
 }  // namespace supple
