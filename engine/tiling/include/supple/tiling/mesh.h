@@ -67,14 +67,15 @@ struct MeshOptions {
 
 /// Meshes one cell. When it is meshed by tiles, every tile of a kind has the same mesh, so that the symmetries that map
 /// tiles to other tiles hold exactly. When it is meshed by cells, the parallelogram of the shortest translations is cut
-/// where the cuts leave the best angles and lengths. Equal input gives equal meshes.
+/// where the cuts leave the best angles and lengths.
 ///
 /// Throws "tiling.mesh_option" (which names an option out of range), "tiling.meshing_failed" (with gmsh's message),
 /// "tiling.mesh_not_periodic" (sides of tiles do not match) and "tiling.mesh_too_large" (with the limit and an
 /// estimate). Several threads may call it. If this process has helpers (`helper_processes`), the mesh is made in one of
 /// them: a stop request ends it at once, and what `HelperProcesses` throws is thrown. Otherwise calls wait for each
-/// other, because gmsh has one owner, and a stop request is noticed when gmsh has ended. Both ways give the same mesh,
-/// bit by bit.
+/// other, because gmsh has one owner, and a stop request is noticed when gmsh has ended. Equal input gives equal meshes
+/// in helpers, bit by bit. Of a few structures, such as ones with triangles of equal size by symmetry, this process
+/// makes other meshes, which depend on the addresses of its memory and thus on what it did before.
 PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {},
                             const Execution& execution = {});
 
