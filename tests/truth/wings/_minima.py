@@ -8,7 +8,7 @@ import numpy as np
 
 from _surface import Point, Surface
 
-SHARES = (1e-3, 1e-4, 1e-5)
+SHARES = (1e-3, 1e-5, 1e-6)
 """How far a point is moved, in units of the diagonal. A place that is lower counts only if the way there is lower as well: beyond a ridge there may be another minimum."""
 
 
