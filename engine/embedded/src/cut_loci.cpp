@@ -176,17 +176,29 @@ std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, Network
   }
 }
 
-void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
-                      const std::vector<TangentGeodesic>& shortest) {
-  const auto is_longer = [&](const EqualPaths& own) {
-    const double least = shortest[own.path].distance;
-    return std::abs(own.geodesics.front().distance - least) > almost_equal * least;
-  };
+namespace {
+
+template <class Chosen>
+void let_go_of(NetworkState& state, std::vector<EqualPaths>& equal, const Chosen& chosen) {
   std::vector<CutLocus> loci = state.cut_loci();
   std::erase_if(
-      loci, [&](const CutLocus& locus) { return is_longer(*std::ranges::find(equal, locus.path, &EqualPaths::path)); });
-  std::erase_if(equal, is_longer);
+      loci, [&](const CutLocus& locus) { return chosen(*std::ranges::find(equal, locus.path, &EqualPaths::path)); });
+  std::erase_if(equal, chosen);
   state.set_cut_loci(std::move(loci));
+}
+
+}  // namespace
+
+void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
+                      const std::vector<TangentGeodesic>& shortest) {
+  let_go_of(state, equal, [&](const EqualPaths& own) {
+    const double least = shortest[own.path].distance;
+    return std::abs(own.geodesics.front().distance - least) > almost_equal * least;
+  });
+}
+
+void let_go_of_pulling(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& pulls) {
+  let_go_of(state, equal, [&](const EqualPaths& own) { return !(pulls[own.path] < 0); });
 }
 
 namespace {

@@ -29,6 +29,11 @@ std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, Network
 void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
                       const std::vector<surface::TangentGeodesic>& shortest);
 
+/// Lets go of cut loci of paths that do not push: at rest a path may be shorter than at the cut locus that its ends
+/// were pushed across, and has a ridge there and no valley. `pulls` are the energy's derivatives by the lengths of all
+/// paths.
+void let_go_of_pulling(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& pulls);
+
 /// Which share of its force each of the shortest paths has: of all with a sum of 1 those that leave the least gradient,
 /// and none below 0. `gradient` is that of an energy by all tangent coordinates in which the first path of each has all
 /// of it, `pulls` the energy's derivatives by the lengths. Paths without a share are let go, in the state too.

@@ -143,7 +143,10 @@ void GeodesicElements::share_out(NetworkState& state, FoundPaths& found, std::ve
   sum.clear(state.dimension(), 1);
   add_on_rigid_host(state, 1, {}, sum);
   if (!std::isfinite(sum.value)) return;
-  share_forces(state, equal, sum.gradient, pulls_at(found), held_);
+  const std::vector<double> pulls = pulls_at(found);
+  let_go_of_pulling(state, equal, pulls);
+  if (equal.empty()) return;
+  share_forces(state, equal, sum.gradient, pulls, held_);
   found.equal = std::move(equal);
 }
 

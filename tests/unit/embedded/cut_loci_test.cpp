@@ -122,6 +122,29 @@ CutLocus of_first_path(const TriangleMesh& mesh, const SurfacePoint& to) {
   return {.path = 0, .from = 0, .to = 1, .sides = {-side, side}};
 }
 
+TEST(CutLoci, AreLetGoWhereTheirPathsPull) {
+  const SquareTube tube;
+  for (const double rest : {1.0, 4.0}) {
+    Network network = PushedPoint{.rest = rest}.network(tube);
+    network.points[1] = tube.at(2.43, 0.8);
+    NetworkState state(tube.mesh, network.points);
+    state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
+    const std::vector<bool> held{true, false, true};
+    numerics::System<NetworkState> system(
+        std::move(state), {std::make_shared<GeodesicElements>(tube.solver, network, held, GeodesicElementsOptions{})},
+        numerics::Unknowns(std::vector<bool>{true, true, false, false, true, true}));
+    const numerics::Evaluation here = system.evaluate(1);
+    EXPECT_EQ(system.state().cut_loci().size(), rest > 2.5 ? 1U : 0U);
+    // The ridge is left to one of its sides: the gradient is that of one path, across.
+    const double across = std::abs(here.gradient.dot(around(tube.mesh, system.state().points()[1])));
+    if (rest > 2.5) {
+      EXPECT_LT(across, 1e-9);
+    } else {
+      EXPECT_GT(across, 1);
+    }
+  }
+}
+
 TEST(CutLoci, KeepTheirPathsAndHaveTheDerivativesAlongThem) {
   const SquareTube tube;
   const PushedPoint scene{.off = 0.1};
