@@ -27,7 +27,7 @@ constexpr Steps for_tangents{10, 1e-6};
 
 /// The response to strains is improved until what it still adds to the tangent is this share of it, in at most so many
 /// rounds with the factorization of another state. After them the present state's own factorization is cheaper.
-constexpr double unfelt_share = 1e-7;
+constexpr double unfelt_share = 1e-5;
 constexpr int max_response_rounds = 10;
 constexpr double smallest_positive = std::numeric_limits<double>::min();  ///< in place of 0 as a divisor
 
@@ -103,15 +103,11 @@ class Linearized {
     Eigen::MatrixXd residual = -border - stretched;
     Eigen::MatrixXd step;
     Eigen::Array4d remaining_before;
-    for (int round = 0;; ++round) {
-      // Of a response that errs by d this sum is too large by d^T K d, which the residual's work measures.
-      const Eigen::Matrix4d coupled = border.transpose() * response;
-      const Eigen::Matrix4d condensed =
-          system_.corner() + coupled + coupled.transpose() + response.transpose() * stretched;
+    for (int round = 0; round < max_response_rounds; ++round) {
       const Eigen::MatrixXd improvement = cholesky_.solve_core(residual);
+      // What a response that errs by d adds to the tangent is d^T K d, which the residual's work measures.
       const Eigen::Array4d remaining = residual.cwiseProduct(improvement).colwise().sum().transpose().array();
-      if (remaining.sum() <= unfelt_share * condensed.norm()) return condensed;
-      if (round == max_response_rounds || !remaining.allFinite()) return std::nullopt;
+      if (!remaining.allFinite()) return std::nullopt;
       if (round == 0)
         step = improvement;
       else
@@ -121,10 +117,20 @@ class Linearized {
       const Eigen::Array4d curvature = step.cwiseProduct(stretched_step).colwise().sum().transpose().array();
       if ((curvature < 0).any()) return std::nullopt;
       const Eigen::Vector4d length = (remaining / curvature.max(smallest_positive)).matrix();
+      const Eigen::Array4d residual_before = residual.colwise().squaredNorm().transpose().array();
       response += step * length.asDiagonal();
       stretched += stretched_step * length.asDiagonal();
       residual -= stretched_step * length.asDiagonal();
+      const Eigen::Matrix4d coupled = border.transpose() * response;
+      const Eigen::Matrix4d condensed =
+          system_.corner() + coupled + coupled.transpose() + response.transpose() * stretched;
+      // To know what remains now takes another solution with the factorization. The squares of the residuals fall
+      // about as fast.
+      const Eigen::Array4d fall =
+          residual.colwise().squaredNorm().transpose().array() / residual_before.max(smallest_positive);
+      if ((remaining * fall).sum() <= unfelt_share * condensed.norm()) return condensed;
     }
+    return std::nullopt;
   }
 
  private:
