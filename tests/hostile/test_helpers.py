@@ -62,23 +62,14 @@ def test_a_mesh_does_not_wait_for_one_that_takes_a_minute(api: Api, server: Serv
 
 
 @pytest.mark.skipif(SANITIZED, reason="the address sanitizer takes the signal for a finding")
-def test_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
+@pytest.mark.parametrize("process", [0, 1], ids=["helper", "child"])
+def test_a_process_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api, process: int) -> None:
     thread, answers = get_in_background(server, SOLID)
-    os.kill(at_work(server)[0], signal.SIGSEGV)
+    os.kill(at_work(server)[process], signal.SIGSEGV)
     thread.join(120)
     assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
     assert "tiling/stl" in answers[0].json()["detail"] and "signal 11" in answers[0].json()["detail"]
     api.contract.check_response("GET", SOLID, 500, answers[0].headers, answers[0].content)
-    assert api.post("/v1/structures", CELL).status_code == 200
-
-
-@pytest.mark.skipif(SANITIZED, reason="the address sanitizer takes the signal for a finding")
-def test_the_child_of_a_helper_that_crashes_is_a_problem_of_its_request_alone(server: ServerProcess, api: Api) -> None:
-    thread, answers = get_in_background(server, SOLID)
-    os.kill(at_work(server)[1], signal.SIGSEGV)
-    thread.join(120)
-    assert answers and (answers[0].status_code, problem_code(answers[0])) == (500, "server.helper_ended")
-    assert "signal 11" in answers[0].json()["detail"]
     assert api.post("/v1/structures", CELL).status_code == 200
 
 

@@ -29,10 +29,10 @@ extern char** environ;
 namespace supple {
 namespace {
 
-/// A token wakes nobody: it is looked at so often, which a stop waits for.
+/// A cancelled token wakes nobody, so it is looked at so often. A stop waits that long at most.
 constexpr int milliseconds_between_looks = 10;
-/// Processes that are kept without a task. More are ended, for each holds its libraries' memory.
-constexpr std::size_t most_idle = 2;
+/// Processes that are kept for later requests. Others are ended, for each holds the memory of its libraries.
+constexpr std::size_t max_idle_processes = 2;
 constexpr std::size_t part_of_message = 1 << 16;
 
 /// A file descriptor that is closed.
@@ -252,7 +252,7 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
 void HelperProcesses::release(std::unique_ptr<Process> process) {
   const std::lock_guard lock(mutex_);
   busy_.erase(process.get());
-  if (idle_.size() < most_idle) idle_.push_back(std::move(process));
+  if (idle_.size() < max_idle_processes) idle_.push_back(std::move(process));
   wake_.notify_one();
 }
 
@@ -274,7 +274,7 @@ std::string HelperProcesses::run(std::string_view task, std::string_view request
       }
       const std::lock_guard lock(helpers.mutex_);
       helpers.busy_.erase(old);
-      if (next && helpers.idle_.size() < most_idle) helpers.idle_.push_back(std::move(next));
+      if (next && helpers.idle_.size() < max_idle_processes) helpers.idle_.push_back(std::move(next));
       helpers.wake_.notify_one();
     }
   } const replacement{*this, process};

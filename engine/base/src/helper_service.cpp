@@ -20,15 +20,14 @@
 namespace supple {
 namespace {
 
-/// The status of a child that has answered its request, and of one that the channel's end had no request for. No
-/// library ends its process with them.
-constexpr int answered = 86;
-constexpr int hung_up = 87;
-/// That of this process where it cannot start a child.
-constexpr int no_child = 71;
+// Exit statuses. They are numbers that no library ends its process with.
+constexpr int answered = 86;  ///< of a child that has answered its request
+constexpr int hung_up = 87;   ///< of a child whose channel was closed before a request came
+constexpr int no_child = 71;  ///< of this process where it cannot start a child
 
-/// The pipe's other end closes with the process that started this one, however it ends; the signal that tells of it
-/// ends this one, whatever it is at. A signal at that process' end (PR_SET_PDEATHSIG) would come when its thread ends.
+/// Ends this process with the one that started it. The other end of the pipe closes however that process ends, and the
+/// signal that tells of it ends this one in the midst of any work. PR_SET_PDEATHSIG would send the signal as soon as
+/// the thread ends that started this process.
 void end_with_parent() {
   std::signal(SIGIO, SIG_DFL);
   ::fcntl(helper_lifeline, F_SETOWN, ::getpid());

@@ -7,7 +7,7 @@
 namespace supple::embedded {
 namespace {
 
-// Of the picture, in px.
+// Sizes in the picture, in px.
 constexpr double diagram_width = 640;
 constexpr double panel_height = 200;
 constexpr double left_edge = 84;
@@ -17,8 +17,8 @@ constexpr double panel_gap = 46;
 constexpr double bottom_edge = 46;
 constexpr double mark_radius = 2.5;
 
-constexpr std::size_t most_marks = 200;  // of a curve; a longer one is a line alone
-constexpr int most_labels = 8;           // of an axis
+constexpr std::size_t max_marks = 200;  // a curve of more points is drawn as a line without marks
+constexpr int max_labels = 8;           // along an axis
 
 /// The decades of a logarithmic axis.
 struct Decades {
@@ -47,7 +47,7 @@ Decades decades_of(const std::vector<RelaxationStep>& history, double Relaxation
 /// A step between labels of an axis so that there are not too many of them: 1, 2 or 5 times a power of ten.
 int label_step(int range) {
   int step = 1;
-  for (int k = 0; step * most_labels < range; ++k) step = k % 3 == 1 ? step / 2 * 5 : step * 2;
+  for (int k = 0; step * max_labels < range; ++k) step = k % 3 == 1 ? step / 2 * 5 : step * 2;
   return step;
 }
 
@@ -118,7 +118,7 @@ class ConvergenceDiagram {
       pen_down = has_logarithm(magnitude);
     }
     svg_ << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"1.5\" d=\"" << path.str() << "\"/>\n";
-    if (history_.size() <= most_marks) svg_ << "<g fill=\"" << colour << "\">\n" << marks.str() << "</g>\n";
+    if (history_.size() <= max_marks) svg_ << "<g fill=\"" << colour << "\">\n" << marks.str() << "</g>\n";
   }
 
   const std::vector<RelaxationStep>& history_;

@@ -22,11 +22,11 @@ constexpr std::array side_distances{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
 /// where they were found over their length, which is what crossing other edges may change.
 constexpr double same_gradient = 1e-6;
 constexpr double bend = 1;
-/// Equal but for rounding: relative to the length.
+/// Lengths that differ by less than this share are equal but for rounding.
 constexpr double equal_lengths = 1e-14;
-/// Farther from equal after all attempts, a path is not kept.
+/// A path whose lengths still differ by more than this share after the last adjustment is not kept.
 constexpr double almost_equal = 1e-11;
-constexpr int most_adjustments = 12;
+constexpr int max_adjustments = 12;
 
 Vector4d free_part(const Vector4d& change, const CutLocus& locus, const std::vector<bool>& held) {
   Vector4d part = change;
@@ -157,7 +157,7 @@ std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, Network
     const Conditions conditions = conditions_of(state.cut_loci(), equal, context.held);
     if (conditions.excess.size() == 0) return equal;
     const double worst = conditions.excess.cwiseAbs().maxCoeff();
-    const bool last = adjustment == most_adjustments;
+    const bool last = adjustment == max_adjustments;
     if (worst <= (last ? almost_equal : equal_lengths) * conditions.shortest) return equal;
     if (last) {
       state.set_cut_loci({});
@@ -214,13 +214,13 @@ class LeastSum {
   }
 
   std::vector<Eigen::VectorXd> shares() {
-    for (int sweep = 0; sweep < most_sweeps && exchange_all() > smallest_exchange; ++sweep) continue;
+    for (int sweep = 0; sweep < max_sweeps && exchange_all() > smallest_exchange; ++sweep) continue;
     if (const auto exact = on_support()) return *exact;
     return shares_;
   }
 
  private:
-  static constexpr int most_sweeps = 500;
+  static constexpr int max_sweeps = 500;
   static constexpr double smallest_exchange = 1e-10;
 
   /// Moves shares between any two columns of a set, as much as is best. Returns the largest that was moved.

@@ -34,9 +34,10 @@ void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
 /// paths.
 void let_go_of_pulling(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& pulls);
 
-/// Which share of its force each of the shortest paths has: of all with a sum of 1 those that leave the least gradient,
-/// and none below 0. `gradient` is that of an energy by all tangent coordinates in which the first path of each has all
-/// of it, `pulls` the energy's derivatives by the lengths. Paths without a share are let go, in the state too.
+/// Divides the force at each cut locus among its shortest paths, so that the least gradient is left. Shares are at
+/// least 0, and their sum is 1. `gradient` holds the energy's derivatives by all tangent coordinates when the first
+/// path of each cut locus has the whole force, `pulls` the energy's derivatives by the lengths. Paths without a share
+/// are let go, in the state too.
 void share_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
                   const std::vector<double>& pulls, const std::vector<bool>& held);
 

@@ -68,7 +68,7 @@ class TriangleEnergy {
   /// Sides (0, 1), (1, 2), (2, 0).
   TriangleEnergy(const std::array<double, 3>& rest_lengths, const MembraneMaterial& material);
 
-  /// By the three lengths; an infinite value where they are of no triangle.
+  /// The energy and its derivatives by the three lengths. It is infinite where no triangle has such sides.
   struct Value {
     double energy = 0;
     Eigen::Vector3d first = Eigen::Vector3d::Zero();

@@ -12,7 +12,7 @@ namespace {
 constexpr double lost_volume = 1e-12;     ///< of the volume at the start
 constexpr double root_tolerance = 1e-12;  ///< relative
 /// Halvings of an interval before its lower end is taken for the root.
-constexpr int most_halvings = 1100;
+constexpr int max_halvings = 1100;
 /// Beyond this, in lengths of the step, nobody looks.
 constexpr double farthest = 1e100;
 
@@ -48,7 +48,7 @@ struct Cubic {
 
 /// Where the cubic, monotone between `low` and `high`, loses its value.
 double halve(const Cubic& cubic, double low, double high) {
-  for (int k = 0; k < most_halvings && high - low > root_tolerance * high; ++k) {
+  for (int k = 0; k < max_halvings && high - low > root_tolerance * high; ++k) {
     const double middle = low + 0.5 * (high - low);
     (cubic(middle) > lost_volume ? low : high) = middle;
   }

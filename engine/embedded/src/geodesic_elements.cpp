@@ -15,7 +15,7 @@ namespace {
 /// Paths whose derivatives by the host's nodes one task works out.
 constexpr std::size_t paths_of_a_task = 4;
 /// What was found for so many states is kept for others to come.
-constexpr std::size_t most_kept_paths = 8;
+constexpr std::size_t max_kept_paths = 8;
 /// Diagonals of the mesh that a point goes at most in one step.
 constexpr double longest_way = 4;
 
@@ -172,7 +172,7 @@ std::shared_ptr<FoundPaths> GeodesicElements::unused_paths() {
     if (paths.use_count() == 1) return paths;
   auto paths = std::make_shared<FoundPaths>();
   paths->geodesics.resize(paths_.size());
-  if (kept_paths_.size() < most_kept_paths) kept_paths_.push_back(paths);
+  if (kept_paths_.size() < max_kept_paths) kept_paths_.push_back(paths);
   return paths;
 }
 

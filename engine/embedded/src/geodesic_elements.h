@@ -20,7 +20,7 @@ namespace supple::embedded {
 
 struct GeodesicElementsOptions {
   bool kept_strips = true;
-  /// Of thesis eq. 3.12, as a fraction of an edge; 0 leaves the mollifier out.
+  /// Length of the mollifier (thesis eq. 3.12) as a fraction of an edge; 0 leaves it out.
   double mollifier_length = 0;
   /// Whether points that cross a cut locus are put there, on hosts that do not give way.
   bool cut_loci = true;
@@ -124,18 +124,19 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   /// The energy's derivatives by the lengths of all paths.
   std::vector<double> pulls_at(const FoundPaths& found) const;
   struct Crossed {
-    double surprise;  ///< energy by which the step did
-    double share;     ///< of the step, to the cut locus
+    double surprise;  ///< how much more energy the step left than was foretold
+    double share;     ///< of the step, up to the cut locus
     CutLocus locus;   ///< as it is there, in the coordinates before the step
   };
-  /// Of a path that pushes, whether another one has become shorter on the way between two states.
+  /// Where another path has become shorter on the way between two states than this one, which pushes; nothing where
+  /// none has.
   std::optional<Crossed> cut_locus_crossed(std::size_t path, double pull, const NetworkState& current,
                                            const NetworkState& there) const;
   struct CrossedOnWay {
     Crossed crossed;
-    Eigen::VectorXd step;  ///< that did
+    Eigen::VectorXd step;  ///< that crossed it
   };
-  /// Of each path the nearest, the most surprising first.
+  /// The nearest cut locus that each path crossed, the most surprising first.
   std::vector<CrossedOnWay> cut_loci_on_ways(const NetworkState& current, const std::vector<NetworkState>& tried) const;
   /// States near by that have one more path at a cut locus, which a step crossed.
   std::vector<Kink> cut_loci_crossed(const NetworkState& current, const std::vector<NetworkState>& tried) const;
@@ -170,7 +171,7 @@ class GeodesicElements : public numerics::Term<NetworkState> {
   double stiffness_at(std::size_t point) const;
   /// Moves points one after the other, each from `starts`, to where its own elements pull it with the others held.
   void settle(NetworkState& state, const std::vector<std::size_t>& points, const NetworkState& starts) const;
-  /// Of one free point: states that have it at a vertex near by where it rests.
+  /// States that have one free point at a vertex near by where it rests.
   std::vector<Kink> kinks_of(std::size_t point, const NetworkState& current,
                              const std::vector<NetworkState>& tried) const;
   /// The state with those points at a vertex where paths bend which only rounding keeps from there: none of their

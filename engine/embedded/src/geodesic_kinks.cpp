@@ -20,19 +20,20 @@ constexpr double point_rounding = 1e-13;
 /// The direction of a vertex is known to a share of its distance. Nearer to it than this, in mean edges, a step that is
 /// to pass it on one side may pass it on the other.
 constexpr double beside_vertex = 1e-9;
-/// Points whose springs exceed what was foretold by less than this share of the worst point's are not in the way; nor
-/// are more than so many worth the time.
+/// A point is in the way where the energy of its springs exceeds what was foretold by at least this share of the worst
+/// point's excess. More points than the limit are not worth the time.
 constexpr double share_of_surprise = 0.02;
-constexpr std::size_t most_surprised = 64;
-constexpr std::size_t most_trials = 8;
+constexpr std::size_t max_surprised_points = 64;
+/// After this many shortened steps no kinks are looked for.
+constexpr std::size_t max_tried_steps = 8;
 /// A point by itself is brought near its minimum, no farther: the others move on.
-constexpr int most_local_iterations = 12;
+constexpr int max_local_iterations = 12;
 constexpr double local_tolerance = 1e-8;
-/// Paths at cut loci that a step crossed and that are tried.
-constexpr std::size_t most_crossed = 4;
+/// So many of the cut loci that a step crossed are tried.
+constexpr std::size_t max_crossed_loci = 4;
 /// Paths are the same where their gradients differ by less than this.
 constexpr double same_path = 1e-4;
-/// Of a step, until it is known where it crossed one.
+/// A step is halved so often to find where it crossed a cut locus.
 constexpr int halvings = 50;
 /// A path is shorter than the one that it was by more than this share, and not by rounding.
 constexpr double shorter = 1e-10;
@@ -61,7 +62,7 @@ bool GeodesicElements::rests_at(const NetworkState& state, std::size_t point, st
 
 namespace {
 
-/// By how much an element's energy after a step exceeds what its derivatives before foretold.
+/// The excess of an element's energy after a step over what its derivatives before the step foretold.
 template <class Element>
 double excess_of(const Element& before, double after, const Eigen::VectorXd& all_steps) {
   auto step = before.gradient;
@@ -93,7 +94,7 @@ std::vector<std::size_t> GeodesicElements::surprised(const NetworkState& current
   for (std::size_t i = 0; i < excess.size(); ++i)
     if (!held_[i] && excess[i] > share_of_surprise * most) points.push_back(i);
   std::ranges::stable_sort(points, std::ranges::greater(), [&](std::size_t i) { return excess[i]; });
-  if (points.size() > most_surprised) points.resize(most_surprised);
+  if (points.size() > max_surprised_points) points.resize(max_surprised_points);
   return points;
 }
 
@@ -139,7 +140,7 @@ void GeodesicElements::settle(NetworkState& state, const std::vector<std::size_t
     // A triangle may be of no area with the others where they are: then there is nothing to settle from.
     if (!std::isfinite(system.evaluate(0).value)) continue;
     numerics::MinimizerOptions few;
-    few.max_iterations = most_local_iterations;
+    few.max_iterations = max_local_iterations;
     few.gradient_tolerance = local_tolerance * stiffness_at(i) * state.mesh().mean_edge_length();
     numerics::minimize(system, few);
     state.place(i, system.state().points().front());
@@ -271,7 +272,7 @@ std::vector<GeodesicElements::Kink> GeodesicElements::cut_loci_crossed(const Net
         in_place->state.move(Eigen::VectorXd::Zero(current.dimension()));
       }
       add_to(in_place->state, crossed.locus);
-    } else if (kinks.size() < most_crossed) {
+    } else if (kinks.size() < max_crossed_loci) {
       const Eigen::VectorXd way = crossed.share * step;
       Kink& kink =
           kinks.emplace_back(Kink{current, -1 - static_cast<std::int64_t>(crossed.locus.path), way.norm(), false});
@@ -312,7 +313,7 @@ std::vector<GeodesicElements::Kink> GeodesicElements::kinks(const NetworkState& 
     return kinks;
   }
   // After so many trials the way down is no longer blocked by a few points.
-  if (tried.size() > most_trials) return kinks;
+  if (tried.size() > max_tried_steps) return kinks;
   const NetworkState& whole = tried.front();
   const std::vector<std::size_t> points = surprised(current, whole);
   if (points.empty()) return kinks;

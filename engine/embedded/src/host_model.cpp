@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Fixed vertices count as lying on one line where they span less of an area than this share of their squared extent.
-constexpr double least_area_share = 1e-6;
+constexpr double min_area_share = 1e-6;
 
 void require_positive(Faults& faults, const std::string& where, double value) {
   faults.require(std::isfinite(value) && value > 0, where, "is " + std::to_string(value) + ", but must be positive");
@@ -227,7 +227,7 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
       low = low.cwiseMin(place(i));
       high = high.cwiseMax(place(i));
     }
-    const double least = least_area_share * (high - low).squaredNorm();
+    const double least = min_area_share * (high - low).squaredNorm();
     const std::size_t first = best([&](std::size_t) { return 1.0; });
     const std::size_t second = best([&](std::size_t i) {
       return (place(i) - place(first)).squaredNorm() > least ? (place(i) - place(first)).norm() : 0;

@@ -28,10 +28,9 @@ class HostModel {
   /// Coordinates at rest, three for each node: first the mesh's vertices, then those inside.
   const Eigen::VectorXd& nodes() const { return nodes_; }
   const std::vector<std::shared_ptr<numerics::Term<NetworkState>>>& terms() const { return terms_; }
-  /// Of each coordinate of a node.
+  /// Whether each coordinate of a node is held.
   const std::vector<bool>& held() const { return held_; }
-  /// By how much energies bend over motions of single nodes, energy per squared mesh unit: what rounding is relative
-  /// to.
+  /// The stiffness against motions of single nodes, energy per squared mesh unit. Rounding is relative to it.
   double stiffness() const { return stiffness_; }
   /// Nodes that are held to some directions, so that parts which nothing fixes cannot move as a whole. No force is
   /// needed for that.

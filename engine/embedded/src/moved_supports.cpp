@@ -11,10 +11,12 @@
 namespace supple::embedded {
 namespace {
 
-/// Of a load step, for the difference of gradients: rounding and curvature spoil it about as much.
+/// The share of a load step over which gradients are subtracted. Rounding and curvature spoil this difference about as
+/// much.
 constexpr double share_for_tangent = 1e-6;
-/// Shifts that the convex matrix gets where it cannot be factorized without, in mean entries of its diagonal.
-constexpr double least_shift = 1e-8;
+/// The smallest shift that the convex matrix gets where it cannot be factorized without one, in mean entries of its
+/// diagonal.
+constexpr double min_shift = 1e-8;
 /// Supports go the way of one rigid body if they are off it by less than this, in diagonals of the host.
 constexpr double rigid_rounding = 1e-12;
 /// A host that moved as a whole is at its equilibrium but for rounding if the gradient is at most so many tolerances.
@@ -24,7 +26,7 @@ constexpr double tolerances_of_rounding = 100;
 constexpr double surprising_support_decrease = 10;
 constexpr double support_decrease_of_rounding = 1e-9;
 
-/// Of all nodes, then of all points.
+/// The positions of all nodes, then those of all points.
 Eigen::VectorXd positions_of(const NetworkState& state) {
   const Eigen::Index nodes = state.nodes().size();
   Eigen::VectorXd positions(nodes + 3 * static_cast<Eigen::Index>(state.points().size()));
@@ -121,7 +123,7 @@ void MovedSupports::begin_step() {
   if (!has_factors_) {
     if (const auto convex = system_.convex_hessian()) {
       const double scale = numerics::matrix_scale(*convex);
-      for (double shift = 0; !has_factors_ && shift <= 1; shift = std::max(least_shift, 10 * shift))
+      for (double shift = 0; !has_factors_ && shift <= 1; shift = std::max(min_shift, 10 * shift))
         has_factors_ = cholesky_.factorize(*convex, shift * scale);
     }
   }

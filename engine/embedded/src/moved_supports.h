@@ -86,7 +86,7 @@ class MovedSupports {
   /// has the lower energy. Returns false if neither is valid.
   bool go_lower(const Eigen::VectorXd& step, double load);
   void note_prediction();
-  /// By which all degrees of freedom differ at a load from a state, as far as they are those of moved vertices.
+  /// The change of all degrees of freedom from a state to a load that moved vertices prescribe; 0 for all others.
   Eigen::VectorXd way_of_supports(const NetworkState& from, double load) const;
 
   numerics::System<NetworkState>& system_;

@@ -12,8 +12,8 @@
 namespace supple::embedded {
 namespace {
 
-/// By how much the surface moves for the difference of gradients, in diagonals: rounding and curvature spoil it about
-/// as much.
+/// How far the surface moves for a difference of gradients, in diagonals. Rounding and curvature spoil it about as
+/// much.
 constexpr double small_surface_motion = 1e-7;
 /// A load step is beyond doubt where the energy falls as the Hessian at its start predicts, but for this share of the
 /// energy.

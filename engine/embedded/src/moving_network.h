@@ -63,9 +63,9 @@ class MovingNetwork {
   /// Whether the energy of the equilibrium that was found after the last prediction differs from what the Hessian at
   /// the start of the load step predicts. If not, it is the same equilibrium.
   bool is_doubtful(double energy) const;
-  /// By which share of the energy the equilibrium that is found from the present one, when the surface goes back to
-  /// where it was at the start of the load step, differs from the one that was there: where it does, an equilibrium was
-  /// lost on the way. The present state stays. Costs a minimization.
+  /// Moves the surface back to where it was at the start of the load step and relaxes from the present equilibrium.
+  /// Returns the share of the energy by which the result differs from the equilibrium that was there. Where it differs,
+  /// an equilibrium was lost on the way. The present state stays. Costs a minimization.
   double loss_on_way_back(const numerics::MinimizerOptions& options);
 
  private:

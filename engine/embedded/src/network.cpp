@@ -77,8 +77,8 @@ void check_springs(const surface::TriangleMesh& mesh, const Network& network, Fa
   faults.throw_if_any("network.spring");
 }
 
-/// The least height of a triangle at rest, as a share of its longest side.
-constexpr double least_height = 1e-6;
+/// The smallest height of a triangle at rest, as a share of its longest side.
+constexpr double min_height = 1e-6;
 
 void check_triangles(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
   Faults faults;
@@ -95,7 +95,7 @@ void check_triangles(const surface::TriangleMesh& mesh, const Network& network, 
     // Heron's formula; a negative product is of no triangle.
     const double longest = std::max({a, b, c});
     const double product = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c);
-    if (!(product > 0 && std::sqrt(product) / 2 >= least_height * longest * longest))
+    if (!(product > 0 && std::sqrt(product) / 2 >= min_height * longest * longest))
       faults.add(where, "has rest lengths of a triangle without area");
   }
   faults.throw_if_any("network.triangle");

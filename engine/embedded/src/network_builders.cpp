@@ -22,7 +22,7 @@ using surface::TriangleMesh;
 /// Tries round a point before it counts as surrounded (Bridson 2007).
 constexpr int tries_round_a_point = 30;
 /// The densest points at least r apart in the plane have this much area each, in r^2.
-constexpr double least_area_of_a_point = std::numbers::sqrt3 / 2;
+constexpr double min_area_of_a_point = std::numbers::sqrt3 / 2;
 /// Places for each point at which its cell is looked for.
 constexpr double samples_of_a_point = 64;
 
@@ -150,7 +150,7 @@ std::vector<SurfacePoint> poisson_disk_points(const surface::GeodesicSolver& sol
   const TriangleMesh& mesh = solver.mesh();
   double area = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) area += face_area(mesh, f);
-  const double most = area / (least_area_of_a_point * radius * radius);
+  const double most = area / (min_area_of_a_point * radius * radius);
   if (most > static_cast<double>(most_points))
     throw Error("network.radius", "The radius is so small that too many points fit.",
                 {{"points/radius", "leaves room for about " + std::to_string(std::llround(std::min(most, 1e15))) +

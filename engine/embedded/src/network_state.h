@@ -40,8 +40,8 @@ struct EqualPaths {
   std::size_t path = 0;
   std::vector<surface::TangentGeodesic> geodesics{};
   Eigen::VectorXd shares{};  ///< of the path's force, one for each; their sum is 1
-  /// Of the length, with these shares. Where one share is 1, that path holds the ends by itself, and the others are let
-  /// go.
+  /// Derivatives of the length with these shares. Where one share is 1, that path holds the ends by itself, and the
+  /// others are let go.
   LengthDerivatives length{};
   std::vector<Eigen::Vector4d> across{};  ///< unit changes of the ends that lead away from the cut locus
 };
@@ -84,7 +84,7 @@ class NetworkState {
 
   /// The surface as it is now.
   const surface::TriangleMesh& mesh() const { return surface_ ? surface_->mesh() : *mesh_; }
-  /// Of a surface that gives way; null on a rigid one.
+  /// The solver on a surface that gives way; null on a rigid one.
   const std::shared_ptr<const surface::GeodesicSolver>& surface() const { return surface_; }
   const std::vector<surface::SurfacePoint>& points() const { return points_.points(); }
   bool on_tip(std::size_t point) const { return points_.on_tip(point); }

@@ -74,7 +74,7 @@ class RelaxationRun {
   Stop follow(const MovingHost& host, const Execution& execution);
   /// `step` is the length of the next load step.
   FollowCounts follow_surface(SurfacePath& path, MovingNetwork& scene, double target, double& step);
-  /// Those of a search that nobody is told of.
+  /// Options of a search whose progress nobody is told.
   numerics::MinimizerOptions quiet_options() const;
   /// Leaves a jam at the present position of the surface. Returns why the search stopped; `jumps` counts a loss of
   /// energy.

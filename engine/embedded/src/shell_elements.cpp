@@ -249,7 +249,7 @@ void ShellHinges::add(const NetworkState& state, int order, numerics::EnergySum&
   using Share = NodesShare<4>;
   const auto evaluate = [&](std::size_t i, Share& share) {
     const Hinge& hinge = hinges_[i];
-    // What of the curvature is surely convex needs no second derivatives of the angle.
+    // The part of the curvature that is surely convex needs no second derivatives of the angle.
     const HingeAngle at = hinge_angle(corners_at(state, hinge.nodes), sum.convex ? std::min(order, 1) : order);
     // An angle is known up to whole turns: the way from the angle at rest is the shorter one.
     const double change = std::remainder(at.angle - hinge.rest_angle, 2 * std::numbers::pi);

@@ -17,7 +17,7 @@
 namespace supple::embedded {
 namespace {
 
-/// Of the way to an inversion that a step may go.
+/// The share of the way to an inversion that a step may go.
 constexpr double inversion_safety = 0.9;
 
 /// Elements that are one task.
@@ -151,7 +151,7 @@ SolidElements::SolidElements(const meshing::TetrahedralMesh& rest, const SolidHo
   }
 }
 
-// By displacements: differences of places lose the digits of small strains.
+// Displacements are subtracted, since differences of positions lose the digits of small strains.
 Eigen::Matrix3d SolidElements::displacement_gradient(const Element& element, const NetworkState& state) const {
   const auto displacement = [&](std::int32_t node) -> Eigen::Vector3d {
     return state.nodes().segment<3>(3 * static_cast<Eigen::Index>(node)) -

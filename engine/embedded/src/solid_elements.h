@@ -39,7 +39,7 @@ class SolidElements : public numerics::Term<NetworkState> {
   double largest_step(const NetworkState& state, const Eigen::VectorXd& step) const override;
   void bill(CostLedger& cost, double seconds) const override;
 
-  /// Of all tetrahedra at a state.
+  /// The volume of all tetrahedra at a state.
   double volume(const NetworkState& state) const;
   /// The least J of all tetrahedra at a state: 1 at rest.
   double least_volume_ratio(const NetworkState& state) const;

@@ -485,8 +485,9 @@ export class DesignSession {
   }
 
   /**
-   * Before anyone has drawn anything: a target that some design reaches, and a search that starts elsewhere. Of two families it is the one
-   * whose model is surest there, so that the first verdict is not that the model is not trusted.
+   * What the page shows before anyone has drawn anything: the target is the profile of some design, and the search starts from another
+   * one. Two families are asked, and the one whose model is surest is taken, so that the first verdict does not say that the model is not
+   * trusted.
    */
   private async firstState(): Promise<DesignState> {
     const models = firstModels(this.modelled);
@@ -500,7 +501,7 @@ export class DesignSession {
     return { ...DEFAULT_STATE, ...this.targetOn(profiles[surest], DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
   }
 
-  /** The target that a design would meet; null where its profile is not to be had. */
+  /** The target that a design would meet; null where the server does not answer with its profile. */
   private async curveOf(state: DesignState, found: Found | null): Promise<TargetCurve | null> {
     return this.targetOn(found && (await this.profile(found, { ...state, points: [] }, state.made)), state);
   }

@@ -26,8 +26,8 @@ const WORDS: Record<Verdict, string> = { within: "Within the model’s error", c
 type Judged = Pick<Shown, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar" | "inRange">;
 
 /**
- * Of the families whose models these are, those that a first target is looked for in: the first, and of the others the one whose model
- * describes its error bars of the stress as the shortest. Two, because nothing is shown until both have answered.
+ * The two models among which the first target is chosen: the first one, and among the others the one with the shortest error bars of the
+ * stress. There are only two, because the page shows nothing until both have answered.
  */
 export function firstModels(models: readonly Model[]): readonly Model[] {
   const bar = ({ error_bars }: Model): number => error_bars?.stress.median ?? Infinity;
@@ -35,12 +35,12 @@ export function firstModels(models: readonly Model[]): readonly Model[] {
   return others.length === 0 ? models : [first, others.reduce((best, model) => (bar(model) < bar(best) ? model : best))];
 }
 
-/** What a design does, which may become a target; null where it is not to be had. */
+/** The profile of a design, which may become a target; null where the server did not answer. */
 export type Offered = Pick<Profile, "y" | "error_bar" | "in_range"> | null;
 
 /**
- * Index of the profile of which its model is surest: every sample is in range, and the error bars are the least share of the values. A
- * model without error bars comes after all that have them. The first where no profile is in range.
+ * Index of the profile that has every sample in range and the shortest error bars relative to its values. A profile without error bars
+ * comes after all that have them. The answer is 0 where no profile is in range.
  */
 export function surestOf(profiles: readonly Offered[]): number {
   const bars = profiles.map((profile) => {
