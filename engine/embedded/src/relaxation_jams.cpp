@@ -14,9 +14,6 @@
 namespace supple::embedded {
 namespace {
 
-/// How often points at cut loci are held and released. On a host that gives way this is done once: its nodes are pushed
-/// across cut loci, too, and cannot be kept there.
-constexpr int max_jam_rounds = 10;
 /// Iterations of one search with some points held.
 constexpr int max_held_iterations = 50;
 /// A round that lowers the energy by less than this share is the last one: steps to and fro across a valley gain as
@@ -88,13 +85,15 @@ std::vector<Eigen::VectorXd> directions_all_around(Eigen::Index size, std::uint6
 
 /// The ends of paths that push and are at their cut loci can jam all others: a step that is good for these is none for
 /// them. So they are held while the others come to rest, then the others while they do, and then all are free again.
-/// This is repeated while it lowers the energy. Where it does not, they are moved by themselves.
+/// This is repeated while it lowers the energy and iterations are left. Where it does not, they are moved by
+/// themselves. On a host that gives way it is done once: its nodes are pushed across cut loci, too, and cannot be kept
+/// there.
 RelaxationRun::Stop RelaxationRun::leave_jam(bool mollified, const Execution& execution) {
   auto stop = Stop::step_too_small;
   if (!state_.found()) return stop;
-  const int rounds = host_.gives_way() ? 1 : max_jam_rounds;
   const int all_iterations = iteration_limit_;
-  for (int round = 0; round < rounds && stop == Stop::step_too_small; ++round) {
+  bool goes_on = true;
+  while (goes_on && stop == Stop::step_too_small) {
     const std::vector<bool> jammed = jammed_points();
     if (std::ranges::none_of(jammed, std::identity())) break;
     const double before = result_.energy;
@@ -111,7 +110,7 @@ RelaxationRun::Stop RelaxationRun::leave_jam(bool mollified, const Execution& ex
     // Distances that are not mollified say nothing about an energy that is.
     const bool has_moved = !mollified && !has_gained() && move_jammed(jammed);
     stop = minimize(mollified, execution);
-    if (!has_moved && !has_gained()) break;
+    goes_on = !host_.gives_way() && (has_moved || has_gained());
   }
   return stop;
 }
