@@ -181,15 +181,24 @@ bool MovingNetwork::is_doubtful(double energy) const {
   return std::abs(decrease - predicted_decrease_) > doubtful_decrease * std::abs(energy) + energy_rounding();
 }
 
-// Where an equilibrium was lost on the way, the one that was found instead is followed back past that place.
+// Where an equilibrium was lost on the way, the one that was found instead is followed back past that place. This is
+// done as a load step is: points that are only carried back may come to the equilibrium that was lost.
 double MovingNetwork::loss_on_way_back(const numerics::MinimizerOptions& options) {
   const State here = state();
-  const double scale = std::max(std::abs(start_energy_), std::abs(system_->evaluate(0).value));
-  place(start_.load, here.points, here.cut_loci);
+  const State from = start_;
+  const double energy_from = start_energy_;
+  const double announced = announced_;
+  announce(from.load);
+  begin_step();
+  const double scale = std::max(std::abs(energy_from), std::abs(start_energy_));
+  if (!predict(1)) place(from.load, here.points, here.cut_loci);
   const numerics::MinimizerResult back =
       numerics::minimize(*system_, options, {execution_.cancellation, nullptr, nullptr}, &cholesky_);
   place(here.load, here.points, here.cut_loci);
-  const double difference = std::abs(back.value - start_energy_) - energy_rounding();
+  start_ = from;
+  start_energy_ = energy_from;
+  announced_ = announced;
+  const double difference = std::abs(back.value - energy_from) - energy_rounding();
   return difference > 0 ? difference / scale : 0;
 }
 
