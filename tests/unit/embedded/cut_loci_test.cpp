@@ -122,17 +122,22 @@ CutLocus of_first_path(const TriangleMesh& mesh, const SurfacePoint& to) {
   return {.path = 0, .from = 0, .to = 1, .sides = {-side, side}};
 }
 
+/// A network whose free point is put beside the cut locus of the first path, at which that path is to be kept.
+numerics::System<NetworkState> with_kept_path(const SquareTube& tube, Network& network) {
+  network.points[1] = tube.at(2.43, 0.8);
+  NetworkState state(tube.mesh, network.points);
+  state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
+  const std::vector<bool> held{true, false, true};
+  return {std::move(state),
+          {std::make_shared<GeodesicElements>(tube.solver, network, held, GeodesicElementsOptions{})},
+          numerics::Unknowns(std::vector<bool>{true, true, false, false, true, true})};
+}
+
 TEST(CutLoci, AreLetGoWhereTheirPathsPull) {
   const SquareTube tube;
   for (const double rest : {1.0, 4.0}) {
     Network network = PushedPoint{.rest = rest}.network(tube);
-    network.points[1] = tube.at(2.43, 0.8);
-    NetworkState state(tube.mesh, network.points);
-    state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
-    const std::vector<bool> held{true, false, true};
-    numerics::System<NetworkState> system(
-        std::move(state), {std::make_shared<GeodesicElements>(tube.solver, network, held, GeodesicElementsOptions{})},
-        numerics::Unknowns(std::vector<bool>{true, true, false, false, true, true}));
+    auto system = with_kept_path(tube, network);
     const numerics::Evaluation here = system.evaluate(1);
     EXPECT_EQ(system.state().cut_loci().size(), rest > 2.5 ? 1U : 0U);
     // The ridge is left to one of its sides: the gradient is that of one path, across.
@@ -149,16 +154,10 @@ TEST(CutLoci, KeepTheirPathsAndHaveTheDerivativesAlongThem) {
   const SquareTube tube;
   const PushedPoint scene{.off = 0.1};
   Network network = scene.network(tube);
-  network.points[1] = tube.at(2.43, 0.8);
-  NetworkState state(tube.mesh, network.points);
-  state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
-  const std::vector<bool> held{true, false, true};
-  numerics::System<NetworkState> system(
-      std::move(state), {std::make_shared<GeodesicElements>(tube.solver, network, held, GeodesicElementsOptions{})},
-      numerics::Unknowns(std::vector<bool>{true, true, false, false, true, true}));
+  auto system = with_kept_path(tube, network);
   const numerics::Evaluation here = system.evaluate(2);
   const SurfacePoint& at = system.state().points()[1];
-  // As near as can be, straight across to the line where the lengths are equal.
+  // The point went straight across, to the nearest place of the line on which both paths are equally long.
   const double z = surface::position(tube.mesh, at).z();
   EXPECT_LT((surface::position(tube.mesh, at) - Vector3d(0.5, 1, z)).norm(), 1e-12);
   EXPECT_NEAR(z, 0.8, 0.002);
