@@ -100,7 +100,7 @@ MemoryBudget::Reservation& MemoryBudget::Reservation::operator=(Reservation&& ot
 
 void MemoryBudget::Reservation::add(std::int64_t bytes, const std::string& what) {
   if (!budget_ || bytes <= 0) return;
-  if (bytes_ + bytes > budget_->each_) refuse_one(budget_->each_, bytes_ + bytes, what);
+  budget_->check_one(bytes_ + bytes, what);
   if (const auto resident = budget_->too_many_resident(); resident > 0) refuse_process(resident, what);
   std::int64_t all = 0;
   {
@@ -118,6 +118,10 @@ void MemoryBudget::Reservation::release() noexcept {
   const std::lock_guard lock(budget_->mutex_);
   budget_->note_release(bytes_);
   budget_->reserved_ -= std::exchange(bytes_, 0);
+}
+
+void MemoryBudget::check_one(std::int64_t bytes, const std::string& what) const {
+  if (bytes > each_) refuse_one(each_, bytes, what);
 }
 
 std::int64_t MemoryBudget::used() const {

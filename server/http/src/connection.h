@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "arriving_bodies.h"
 #include "chunked_body.h"
+#include "input_buffer.h"
 #include "request_head.h"
 #include "supple/budget/memory.h"
 #include "supple/http/router.h"
@@ -19,6 +21,8 @@ class Connection {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t max_head_bytes = 64 * 1024;
+  /// How long what a client still sends is discarded.
+  static constexpr std::chrono::seconds linger_time{2};
 
   /// Finds the route of a head, fills `request` with all but the body, and decides whether the body may be read. What
   /// it throws refuses the request.
@@ -30,7 +34,9 @@ class Connection {
     Clock::duration request{};  ///< from the first byte to the end of the body
   };
 
-  Connection(int socket, std::string client, budget::MemoryBudget* memory, const Patience& patience);
+  /// `memory` is what bodies are reserved from, or null; `bodies` outlives this.
+  Connection(int socket, std::string client, budget::MemoryBudget* memory, ArrivingBodies& bodies,
+             const Patience& patience);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -43,15 +49,22 @@ class Connection {
   };
   /// Reads what has arrived.
   Arrival advance(const Admit& admit);
-  /// The deadline has passed: refused where a request has begun, closed otherwise.
+  /// The deadline has passed: refused where the request has begun to arrive, closed otherwise.
   Arrival expire();
   /// Refuses a request that has arrived.
   void refuse(std::exception_ptr reason) { refusal_ = std::move(reason); }
   /// The request has been answered; the next one may come.
   void begin_next();
-  /// Nothing further is answered: what the client still sends is read and discarded until `deadline`, so that closing
-  /// does not destroy the answer on its way.
-  void linger(Clock::duration most);
+  /// What is left of an answer is sent as the client takes it, until `deadline`; until then no request is read.
+  void send_later(std::string rest, Clock::duration most, bool is_last);
+  enum class Sent { waiting, all, failed };
+  /// Sends what the client takes now.
+  Sent send_more();
+  /// Whether nothing is answered after what is being sent.
+  bool sends_last() const { return is_last_; }
+  /// Nothing further is answered: what the client still sends is read and discarded for a while, so that closing does
+  /// not destroy the answer on its way.
+  void linger();
   /// Discards what has arrived. False once the client has closed its end.
   bool discard() const;
 
@@ -63,6 +76,7 @@ class Connection {
   /// Whether no byte of a request has arrived.
   bool idle() const { return place_ == Place::idle; }
   bool lingering() const { return place_ == Place::lingering; }
+  bool sending() const { return place_ == Place::sending; }
   /// Whether bytes of a further request have arrived already.
   bool has_input() const { return !input_.empty(); }
 
@@ -79,24 +93,38 @@ class Connection {
   bool surplus = false;          ///< beyond the limit of connections: may ask for one probe
 
  private:
-  enum class Place { idle, head, body, arrived, lingering };
+  enum class Place { idle, head, body, arrived, sending, lingering };
   Arrival read_request_head(const Admit& admit);
   Arrival read_body();
   /// Bytes received, 0 where none has arrived, -1 where none will.
   long receive(char* data, std::size_t room) const;
   Arrival give_up(std::exception_ptr reason);
+  /// Drops the empty lines before a request. False where there are too many.
+  bool skip_empty_lines();
+  /// Makes room for so many bytes of the body, and reserves them.
+  void make_room(std::size_t bytes);
+  /// Takes the part of a body of known length that has been read with its head.
+  void take_from_input(std::size_t length);
 
   const int socket_;
   const std::string client_;
   budget::MemoryBudget* const budget_;
+  ArrivingBodies& bodies_;
   const Patience patience_;
   Place place_ = Place::idle;
   Clock::time_point waits_since_ = Clock::now();
   Clock::time_point deadline_{};
-  std::string input_;  ///< bytes that have arrived and belong to no request yet
+  InputBuffer input_;         ///< bytes that have arrived and belong to no request yet
+  std::size_t searched_ = 0;  ///< of them, that do not end a head
+  int empty_lines_ = 0;       ///< before the request
   std::optional<RequestHead> head_;
   ChunkedBody chunks_;
   budget::MemoryBudget::Reservation memory_;
+  std::optional<ArrivingBodies::Share> arriving_;
+  std::size_t reserved_ = 0;  ///< bytes of the body
+  std::string unsent_;        ///< of an answer
+  std::size_t sent_ = 0;      ///< of them
+  bool is_last_ = false;
   std::exception_ptr refusal_;
   bool unread_ = false;
 };

@@ -27,7 +27,21 @@ bool wait_until_writable(int socket, double seconds) {
 
 }  // namespace
 
-bool ConnectionStream::is_writable() const { return wait_until_writable(socket_, write_seconds_); }
+bool send_now(int socket, std::string_view& text) {
+  while (!text.empty()) {
+    const auto count = ::send(socket, text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (count >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
+      return true;
+    } else if (errno != EINTR) {
+      return false;
+    }
+  }
+  return true;
+}
+
+bool ConnectionStream::is_writable() const { return never_waits_ || wait_until_writable(socket_, write_seconds_); }
 
 ssize_t ConnectionStream::read(char* data, std::size_t size) {
   const auto count = std::min(size, head_.size());
@@ -36,32 +50,28 @@ ssize_t ConnectionStream::read(char* data, std::size_t size) {
   return static_cast<ssize_t>(count);
 }
 
-bool ConnectionStream::send_all(const char* data, std::size_t size) {
-  while (size > 0) {
-    const auto count = ::send(socket_, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (count >= 0) {
-      data += count;
-      size -= static_cast<std::size_t>(count);
-    } else if ((errno != EAGAIN && errno != EINTR) || !wait_until_writable(socket_, write_seconds_)) {
-      return false;
-    }
+bool ConnectionStream::send_all(std::string_view text) {
+  while (true) {
+    if (!send_now(socket_, text)) return false;
+    if (text.empty()) return true;
+    if (!wait_until_writable(socket_, write_seconds_)) return false;
   }
-  return true;
 }
 
 ssize_t ConnectionStream::write(const char* data, std::size_t size) {
   constexpr std::size_t small = 64 * 1024;
-  if (waiting_.size() + size <= small) {
+  if (never_waits_ || waiting_.size() + size <= small) {
     waiting_.append(data, size);
     return !at_once_ || flush() ? static_cast<ssize_t>(size) : -1;
   }
-  return flush() && send_all(data, size) ? static_cast<ssize_t>(size) : -1;
+  return flush() && send_all({data, size}) ? static_cast<ssize_t>(size) : -1;
 }
 
 bool ConnectionStream::flush() {
   if (waiting_.empty()) return true;
-  const bool sent = send_all(waiting_.data(), waiting_.size());
-  waiting_.clear();
+  std::string_view left = waiting_;
+  const bool sent = never_waits_ ? send_now(socket_, left) : send_all(left);
+  waiting_.erase(0, never_waits_ ? waiting_.size() - left.size() : std::string::npos);
   return sent;
 }
 

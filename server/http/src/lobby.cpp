@@ -59,6 +59,10 @@ bool Lobby::make_room(const std::string& client) {
   return closed_one_;
 }
 
+Connection::Clock::duration Lobby::silence() const {
+  return Connection::Clock::now().time_since_epoch() - looked_at_.load();
+}
+
 void Lobby::stop() {
   {
     const std::lock_guard lock(mutex_);
@@ -75,9 +79,9 @@ void Lobby::run() {
   auto next_look = Connection::Clock::now() + period;
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
-    const bool nobody = waiting_.empty();
-    const int wait = nobody ? -1 : static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
+    const int wait = static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
     const int ready = ::epoll_wait(poll_, events.data(), most_events, wait);
+    looked_at_ = Connection::Clock::now().time_since_epoch();
     for (int i = 0; i < ready; ++i) {
       const int socket = events.at(static_cast<std::size_t>(i)).data.fd;
       if (socket == wake_) {
@@ -115,7 +119,7 @@ void Lobby::run() {
 void Lobby::add(std::shared_ptr<Connection> connection) {
   const int socket = connection->socket();
   epoll_event event{};
-  event.events = EPOLLIN;
+  event.events = connection->sending() ? EPOLLOUT : EPOLLIN;
   event.data.fd = socket;
   if (::epoll_ctl(poll_, EPOLL_CTL_ADD, socket, &event) != 0) return;
   auto& placed = *waiting_.emplace(socket, std::move(connection)).first->second;
@@ -123,7 +127,24 @@ void Lobby::add(std::shared_ptr<Connection> connection) {
   if (placed.has_input() || !placed.lingering()) look_at(placed);
 }
 
+bool Lobby::send_more(Connection& connection) {
+  const auto sent = connection.send_more();
+  if (sent == Connection::Sent::failed) hand_over(connection.socket(), Connection::Arrival::closed);
+  if (sent != Connection::Sent::all) return false;
+  epoll_event event{};
+  event.events = EPOLLIN;
+  event.data.fd = connection.socket();
+  ::epoll_ctl(poll_, EPOLL_CTL_MOD, connection.socket(), &event);
+  if (connection.sends_last()) {
+    connection.linger();
+  } else {
+    connection.begin_next();
+  }
+  return true;
+}
+
 void Lobby::look_at(Connection& connection) {
+  if (connection.sending() && !send_more(connection)) return;
   if (connection.lingering()) {
     if (!connection.discard()) hand_over(connection.socket(), Connection::Arrival::closed);
     return;
@@ -154,7 +175,7 @@ bool Lobby::close_one(const std::string& client) {
   for (const auto& [socket, connection] : waiting_) ++connections[connection->client()];
   const auto now = Connection::Clock::now();
   const auto rank = [now](const Connection& connection) {
-    if (connection.lingering()) return 0;
+    if (connection.lingering() || connection.sending()) return 0;
     return connection.idle() && now - connection.waits_since() > moment ? 1 : 2;
   };
   const auto is_before = [&](const Connection& a, const Connection& b) {

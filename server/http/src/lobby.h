@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -33,6 +34,8 @@ class Lobby {
   /// rest. One that has just come is not the first to go. Returns whether there was one, once it has been closed. For
   /// one thread, not the lobby's.
   bool make_room(const std::string& client);
+  /// How long the thread has not looked at what waits: a few tens of milliseconds at most, unless something holds it.
+  Connection::Clock::duration silence() const;
   /// Closes every connection that waits and returns once the thread has ended.
   void stop();
 
@@ -40,6 +43,8 @@ class Lobby {
   void run();
   void add(std::shared_ptr<Connection> connection);
   void look_at(Connection& connection);
+  /// Sends more of an answer. False where the connection has been closed or goes on waiting.
+  bool send_more(Connection& connection);
   void hand_over(int socket, Connection::Arrival arrival);
   void close_expired();
   bool close_one(const std::string& client);
@@ -55,6 +60,7 @@ class Lobby {
   std::optional<std::string> room_asked_for_;  // by which client's connections, until it has been looked for
   bool closed_one_ = false;                    // whether it was found
   bool stopping_ = false;
+  std::atomic<Connection::Clock::duration> looked_at_{};  ///< when, since the clock's beginning
   std::thread thread_;
 };
 

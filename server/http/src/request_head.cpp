@@ -23,25 +23,13 @@ bool is_same(std::string_view a, std::string_view b) {
   return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
-bool is_token(std::string_view text) {
-  constexpr std::string_view marks = "!#$%&'*+-.^_`|~";
-  return !text.empty() && std::all_of(text.begin(), text.end(), [&](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-           marks.find(c) != std::string_view::npos;
-  });
-}
-
 /// Takes the next line, without its end, from the text.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find("\r\n");
   if (end == std::string_view::npos) refuse("A line of the request's head does not end in CR LF.");
   const auto line = text.substr(0, end);
   text.remove_prefix(end + 2);
-  for (const char c : line) {
-    if ((static_cast<unsigned char>(c) < 0x20 && c != '\t') || c == 0x7f) {
-      refuse("The request's head contains a control character.");
-    }
-  }
+  if (has_control_character(line)) refuse("The request's head contains a control character.");
   return line;
 }
 
@@ -159,9 +147,25 @@ std::string_view RequestHead::header(std::string_view name) const {
   return {};
 }
 
-std::size_t end_of_head(std::string_view text) {
-  const auto end = text.find("\r\n\r\n");
-  return end == std::string_view::npos ? end : end + 4;
+bool RequestHead::asks_to_close() const {
+  bool closes = minor_version == 0;
+  for (const auto& [key, value] : headers) {
+    if (!is_same(key, "Connection")) continue;
+    for (std::string_view left = value; !left.empty();) {
+      const auto end = std::min(left.find(','), left.size());
+      const auto option = trimmed(left.substr(0, end));
+      if (is_same(option, "close")) return true;
+      if (is_same(option, "keep-alive")) closes = false;
+      left.remove_prefix(std::min(end + 1, left.size()));
+    }
+  }
+  return closes;
+}
+
+std::size_t end_of_head(std::string_view text, std::size_t searched) {
+  constexpr std::string_view end_mark = "\r\n\r\n";
+  const auto end = text.find(end_mark, searched - std::min(searched, end_mark.size() - 1));
+  return end == std::string_view::npos ? end : end + end_mark.size();
 }
 
 RequestHead read_head(std::string_view text) {

@@ -25,11 +25,15 @@ struct RequestHead {
 
   /// The value of the first header of this name, in any case; empty where there is none.
   std::string_view header(std::string_view name) const;
+  /// Whether the connection ends with the answer: one of its options is `close`, or it is HTTP/1.0 without
+  /// `keep-alive`.
+  bool asks_to_close() const;
   bool has_body() const { return chunked || content_length.value_or(0) > 0; }
 };
 
-/// Where the head in `text` ends, behind its empty line; npos while it has not arrived completely.
-std::size_t end_of_head(std::string_view text);
+/// Where the head in `text` ends, behind its empty line; npos while it has not arrived completely. It is known not to
+/// end within the first `searched` bytes.
+std::size_t end_of_head(std::string_view text, std::size_t searched = 0);
 
 /// Reads a complete head, strictly: what two readers could understand in two ways is refused, since a proxy in front of
 /// this server may be the other reader. Lines end in CR LF and are not folded; names are tokens directly before their

@@ -31,9 +31,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Arrival = Connection::Arrival;
 
-constexpr std::chrono::seconds linger_time{2};
-constexpr std::size_t quick_threads = 4;  // answer probes and refusals
-constexpr int reserve_connections = 16;   // beyond the limit, for probes and refusals
+constexpr double share_of_arriving_bodies = 0.75;  // of the memory of requests
+constexpr std::size_t quick_threads = 4;           // answer probes and refusals
+constexpr int reserve_connections = 16;            // beyond the limit, for probes and refusals
 constexpr int listen_backlog = 512;
 // How long a thread stays with a connection that it has answered on. A client that asks one thing after another is
 // spared the way through the lobby; 20 ms hold no thread from others, since it leaves when one is in demand.
@@ -106,12 +106,9 @@ std::string peer_address(int socket) {
 /// The head as the library reads it: without what this server has dealt with already. Answers are neither compressed,
 /// which costs more than it saves near the server, nor partial.
 std::string head_for_library(const RequestHead& head) {
-  constexpr std::array<std::string_view, 2> kept{"Connection", "Accept"};
   std::string text = head.method + " " + head.target + " HTTP/1." + std::to_string(head.minor_version) + "\r\n";
-  for (const auto name : kept) {
-    if (const auto value = head.header(name); !value.empty())
-      text.append(name).append(": ").append(value).append("\r\n");
-  }
+  text += head.asks_to_close() ? "Connection: close\r\n" : "Connection: Keep-Alive\r\n";
+  if (const auto accept = head.header("Accept"); !accept.empty()) text.append("Accept: ").append(accept).append("\r\n");
   return text + "\r\n";
 }
 
@@ -145,6 +142,7 @@ class Server::Implementation final : public httplib::Server {
         guard_(std::move(guard)),
         patience_{seconds(options.idle_seconds), seconds(std::min(options.head_seconds, options.request_seconds)),
                   seconds(options.request_seconds)},
+        bodies_(memory_of_bodies(), static_cast<std::int64_t>(options.client_share * memory_of_bodies())),
         threads_(static_cast<std::size_t>(options.max_requests)),
         quick_(quick_threads),
         lobby_([this](Connection& connection) { admit(connection); },
@@ -195,7 +193,7 @@ class Server::Implementation final : public httplib::Server {
   bool stopping() const { return stopping_; }
   Load load() const {
     const std::lock_guard lock(mutex_);
-    return {connections_, answering_, evicted_};
+    return {connections_, answering_, evicted_, std::chrono::duration<double>(lobby_.silence()).count()};
   }
 
  private:
@@ -203,7 +201,7 @@ class Server::Implementation final : public httplib::Server {
   class CountedConnection final : public Connection {
    public:
     CountedConnection(Implementation& server, int socket, const std::string& client)
-        : Connection(socket, client, server.options_.memory, server.patience_), server_(server) {}
+        : Connection(socket, client, server.options_.memory, server.bodies_, server.patience_), server_(server) {}
     ~CountedConnection() { server_.leave(client()); }
     CountedConnection(const CountedConnection&) = delete;
     CountedConnection& operator=(const CountedConnection&) = delete;
@@ -212,6 +210,11 @@ class Server::Implementation final : public httplib::Server {
     Implementation& server_;
   };
 
+  std::int64_t memory_of_bodies() const {
+    return options_.memory
+               ? static_cast<std::int64_t>(share_of_arriving_bodies * static_cast<double>(options_.memory->total()))
+               : 0;
+  }
   int share_of(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
 
   bool process_and_close_socket(socket_t socket) override {
@@ -341,8 +344,9 @@ class Server::Implementation final : public httplib::Server {
     while (true) {
       const auto after = answer_on(*connection, placed);
       if (after == After::close) return;
+      if (after == After::send) return lobby_.take(std::move(connection));
       if (after == After::linger) {
-        connection->linger(linger_time);
+        connection->linger();
         return lobby_.take(std::move(connection));
       }
       connection->begin_next();
@@ -366,7 +370,7 @@ class Server::Implementation final : public httplib::Server {
     return false;
   }
 
-  enum class After { next, linger, close };
+  enum class After { next, send, linger, close };
 
   /// Leaves the request's place before the last bytes of a small answer are sent: a client that has them may count on
   /// it.
@@ -379,6 +383,7 @@ class Server::Implementation final : public httplib::Server {
     const bool last = ++connection.answered >= options_.requests_per_connection || stopping_;
     bool closed_by_client = false;
     bool sent = false;
+    std::string unsent;
     const auto leave = [&] {
       if (!placed) return;
       leave_place(connection.request.client, std::chrono::duration<double>(Clock::now() - begin).count());
@@ -387,17 +392,24 @@ class Server::Implementation final : public httplib::Server {
       const auto head = head_for_library(*connection.head());
       ConnectionStream stream(connection.socket(), options_.write_seconds, head);
       exchange.stream = &stream;
+      if (!placed) stream.never_wait();
       const bool answered = process_request(stream, last, closed_by_client, [](httplib::Request&) {});
       leave();
       sent = stream.flush();
+      unsent = stream.take_unsent();
       if (!answered) exchange.close_after_answer = true;
     } else {
       leave();
-      sent = send_refusal(connection);
+      sent = send_refusal(connection, unsent);
     }
     current = nullptr;
     observe(connection, exchange, std::chrono::duration<double>(Clock::now() - begin).count());
     if (!sent) return After::close;
+    if (!unsent.empty()) {
+      connection.send_later(std::move(unsent), seconds(options_.write_seconds),
+                            exchange.close_after_answer || last || closed_by_client);
+      return After::send;
+    }
     if (exchange.close_after_answer) return After::linger;
     return last || closed_by_client ? After::close : After::next;
   }
@@ -418,8 +430,9 @@ class Server::Implementation final : public httplib::Server {
                 {limit, limit + 1, "--max-connections"}, 1);
   }
 
-  /// Answers what is not even a request's head, without the library.
-  bool send_refusal(const Connection& connection) {
+  /// Answers what is not even a request's head, without the library. Leaves in `unsent` what the client does not take
+  /// at once.
+  bool send_refusal(const Connection& connection, std::string& unsent) {
     auto response = problem_response(connection.refusal());
     add_headers(response, {});
     current->status = response.status;
@@ -427,8 +440,10 @@ class Server::Implementation final : public httplib::Server {
                        "Content-Type: " + response.content_type + "\r\n";
     for (const auto& [name, value] : response.headers) text.append(name).append(": ").append(value).append("\r\n");
     text += "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
-    ConnectionStream stream(connection.socket(), options_.write_seconds, {});
-    return stream.write(text.data(), text.size()) >= 0 && stream.flush();
+    std::string_view left = text;
+    const bool sent = send_now(connection.socket(), left);
+    unsent = left;
+    return sent;
   }
 
   Response problem_response(const std::exception_ptr& exception) {
@@ -533,6 +548,7 @@ class Server::Implementation final : public httplib::Server {
   const Report report_;
   const Guard guard_;
   const Connection::Patience patience_;
+  ArrivingBodies bodies_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> stopped_{false};  ///< the library's stop may be called only once
   mutable std::mutex mutex_;

@@ -105,30 +105,65 @@ TEST(ChunkedBody, IsReadInPiecesOfAnySize) {
   const std::string sent = "4;name=value\r\nabcd\r\nA\r\n0123456789\r\n0\r\nTrailer: x\r\n\r\nGET /next";
   for (std::size_t piece = 1; piece <= sent.size(); ++piece) {
     ChunkedBody chunks;
-    std::string input;
+    InputBuffer input;
     std::string body;
     bool done = false;
     for (std::size_t at = 0; at < sent.size(); at += piece) {
-      input += sent.substr(at, piece);
+      const std::string now = sent.substr(at, piece);
+      input.append(now.data(), now.size());
       if (!done) done = chunks.take(input, body);
     }
     EXPECT_TRUE(done);
     EXPECT_EQ(body, "abcd0123456789");
-    EXPECT_EQ(input, "GET /next");
+    EXPECT_EQ(input.view(), "GET /next");
   }
+}
+
+/// Whether a body in chunks is read without complaint.
+bool is_taken(const std::string& sent) {
+  InputBuffer input;
+  input.append(sent.data(), sent.size());
+  std::string body;
+  try {
+    ChunkedBody().take(input, body);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "http.bad_request");
+    return false;
+  }
+  return true;
 }
 
 TEST(ChunkedBody, WithBrokenFramingIsRefused) {
   for (const char* sent : {"-1\r\n", "+4\r\nabcd\r\n", "0x4\r\nabcd\r\n", " 4\r\nabcd\r\n", "\r\n", "g\r\n",
-                           "4\nabcd\r\n", "4\r\nabcde\r\n", "fffffffffffffffff\r\n"}) {
-    ChunkedBody chunks;
-    std::string input = sent;
-    std::string body;
-    EXPECT_THROW(chunks.take(input, body), Error) << sent;
-  }
-  std::string endless(2000, '1');
-  std::string body;
-  EXPECT_THROW(ChunkedBody().take(endless, body), Error);
+                           "4\nabcd\r\n", "4\r\nabcde\r\n", "fffffffffffffffff\r\n"})
+    EXPECT_FALSE(is_taken(sent)) << sent;
+  EXPECT_FALSE(is_taken(std::string(2000, '1')));
+}
+
+TEST(ChunkedBody, ThatTwoReadersCouldUnderstandDifferentlyIsRefused) {
+  using namespace std::string_literals;
+  for (const std::string& sent :
+       {"4 garbage\r\nabcd\r\n"s, "4\t4\r\nabcd\r\n"s, "4;a\rb\r\nabcd\r\n"s, "4;a\0b\r\nabcd\r\n"s,
+        "4;a\x7f\r\nabcd\r\n"s, "0\r\nno colon\r\n\r\n"s, "0\r\n: no name\r\n\r\n"s, "0\r\nspaced : x\r\n\r\n"s,
+        "0\r\n folded\r\n\r\n"s, "0\r\nA: b\0c\r\n\r\n"s})
+    EXPECT_FALSE(is_taken(sent)) << sent;
+  for (const std::string& sent : {"4 ;a=b\r\nabcd\r\n"s, "4;a;b=\"c\"\r\nabcd\r\n"s, "0\r\nA:\r\n\r\n"s})
+    EXPECT_TRUE(is_taken(sent)) << sent;
+}
+
+TEST(RequestHead, TellsWhetherTheConnectionEnds) {
+  const auto ends = [](const std::string& version, const std::string& headers) {
+    return read_head("GET / HTTP/" + version + "\r\nHost: x\r\n" + headers + "\r\n").asks_to_close();
+  };
+  EXPECT_FALSE(ends("1.1", ""));
+  EXPECT_FALSE(ends("1.1", "Connection: keep-alive\r\n"));
+  EXPECT_TRUE(ends("1.1", "Connection: Close\r\n"));
+  EXPECT_TRUE(ends("1.1", "Connection: keep-alive, close\r\n"));
+  EXPECT_TRUE(ends("1.1", "Connection: keep-alive\r\nConnection: close\r\n"));
+  EXPECT_FALSE(ends("1.1", "Connection: closer\r\n"));
+  EXPECT_TRUE(ends("1.0", ""));
+  EXPECT_FALSE(ends("1.0", "Connection: Keep-Alive\r\n"));
+  EXPECT_TRUE(ends("1.0", "Connection: keep-alive, close\r\n"));
 }
 
 }  // namespace

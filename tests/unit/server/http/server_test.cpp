@@ -41,6 +41,16 @@ class Client {
   void send(const std::string& text) {
     EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
   }
+  /// Sends the text again and again, until the server has taken nothing for a while or it has been sent so often.
+  /// Returns how often it was.
+  int send_until_nothing_is_taken(const std::string& text, int most) {
+    const timeval patience{0, 200'000};
+    ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    int times = 0;
+    while (times < most && ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size()))
+      ++times;
+    return times;
+  }
   void hang_up() {
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;
@@ -78,6 +88,8 @@ class HttpServerTest : public testing::Test {
                 [](const Request& r) { return text("hello " + r.path_parameters.at("name") + "!"); },
                 {}});
     router.add({"POST", "/echo", [](const Request& r) { return text(r.body + "!"); }, {1000, "--max-body"}});
+    router.add(
+        {"POST", "/size", [](const Request& r) { return text(std::to_string(r.body.size()) + "!"); }, {1'000'000, ""}});
     router.add({"GET", "/broken", [](const Request&) -> Response { throw std::runtime_error("secret"); }, {}});
     router.add({"GET",
                 "/slow",
@@ -448,22 +460,96 @@ TEST_F(HttpServerTest, TellsItsGuardOfTheRouteAndItsObserverOfTheKey) {
   EXPECT_EQ(last_.status, 201);
 }
 
-TEST_F(HttpServerTest, ReservesABodyBeforeItIsRead) {
-  budget::MemoryBudget memory(1000, 600);
+/// The head of a request with a body of so many bytes, and as many of them as are sent at first.
+std::string part_of_post(const std::string& path, std::size_t length, std::size_t sent) {
+  return "POST " + path + " HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(length) + "\r\n\r\n" +
+         std::string(sent, 'x');
+}
+
+TEST_F(HttpServerTest, ReservesOfABodyWhatHasArrived) {
+  budget::MemoryBudget memory(1'000'000, 600'000);
   options_.memory = &memory;
   start();
-  EXPECT_TRUE(answer(post("/echo", std::string(500, 'x'))).ends_with("xx!"));
-  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 700\r\n\r\n")
-                  .ends_with("problem request.too_much_memory!"));
-  Client first(port_);
-  first.send("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 600\r\n\r\n");
-  for (int i = 0; i < 5000 && memory.used() < 600; ++i) std::this_thread::sleep_for(1ms);
-  EXPECT_TRUE(answer("POST /echo HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n")
-                  .ends_with("problem server.out_of_memory!"));
-  first.hang_up();
+  EXPECT_TRUE(answer(part_of_post("/size", 700'000, 0)).ends_with("problem request.too_much_memory!"));
+  std::vector<std::unique_ptr<Client>> announced;
+  for (int i = 0; i < 8; ++i) {
+    announced.push_back(std::make_unique<Client>(port_));
+    announced.back()->send(part_of_post("/size", 600'000, 10));
+  }
+  EXPECT_TRUE(answer(part_of_post("/size", 500'000, 500'000)).ends_with("500000!"));
+  EXPECT_EQ(memory.used(), 0);
+  announced.front()->send(std::string(300'000, 'x'));
+  for (int i = 0; i < 5000 && memory.used() < 200'000; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_GE(memory.used(), 200'000);
+  EXPECT_LE(memory.used(), 600'000);
+  announced.front()->hang_up();
   for (int i = 0; i < 5000 && memory.used() > 0; ++i) std::this_thread::sleep_for(1ms);
   EXPECT_EQ(memory.used(), 0);
   end();  // before the budget ends
+}
+
+// Bodies that have not arrived may have 750,000 bytes here, those of one client half of that. The buffer of 100,000
+// bytes of one of 200,000 is 200,000 long, of which all but 65,536 count.
+TEST_F(HttpServerTest, BoundsBodiesThatDoNotArriveForEachClientAndForAll) {
+  budget::MemoryBudget memory(1'000'000, 600'000);
+  options_.memory = &memory;
+  options_.client_share = 0.5;
+  start();
+  std::vector<std::unique_ptr<Client>> waiting;
+  const auto begin = [&](std::uint32_t client) {
+    const std::int64_t before = memory.used();
+    waiting.push_back(std::make_unique<Client>(port_, client));
+    waiting.back()->send(part_of_post("/size", 200'000, 100'001));
+    const auto has_arrived = [&] { return memory.used() - before >= 134'464; };
+    for (int i = 0; i < 300 && !has_arrived(); ++i) std::this_thread::sleep_for(1ms);
+    return has_arrived() ? "" : waiting.back()->read_until("!");
+  };
+  for (const std::uint32_t client : {1U, 1U, 2U, 2U, 3U}) EXPECT_EQ(begin(client), "");
+  EXPECT_TRUE(begin(1).ends_with("problem server.client_share!"));
+  EXPECT_TRUE(begin(3).ends_with("problem server.out_of_memory!"));
+  EXPECT_TRUE(answer(part_of_post("/size", 60'000, 60'000)).ends_with("60000!"));
+  waiting.front()->send(std::string(99'999, 'x'));
+  EXPECT_TRUE(waiting.front()->read_until("!").ends_with("200000!"));
+  EXPECT_EQ(begin(1), "");
+  waiting.clear();
+  end();
+}
+
+TEST_F(HttpServerTest, AnswersOthersWhileOneSendsEmptyLines) {
+  start();
+  std::string lines;
+  for (int i = 0; i < 700; ++i) lines += "\r\n";
+  Client client(port_);
+  client.send_until_nothing_is_taken(lines, 1000);
+  EXPECT_TRUE(client.read_until("!").ends_with("problem http.bad_request!"));
+  EXPECT_TRUE(answer("\r\n\r\n" + get("/probe")).ends_with("alive!"));
+}
+
+TEST_F(HttpServerTest, AnswersOthersWhileSomeReadNoAnswer) {
+  start();
+  std::vector<std::unique_ptr<Client>> deaf;
+  for (int i = 0; i < 8; ++i) {
+    deaf.push_back(std::make_unique<Client>(port_));
+    EXPECT_LT(deaf.back()->send_until_nothing_is_taken(get(i % 2 == 0 ? "/probe" : "/nothing"), 1'000'000), 1'000'000);
+  }
+  EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
+  EXPECT_TRUE(answer(get("/nothing")).ends_with("problem http.not_found!"));
+  // What was left unsent comes once it is read, and then the next answer.
+  for (int i = 0; i < 30'000; ++i) ASSERT_TRUE(deaf.front()->read_until("!").ends_with("alive!")) << i;
+}
+
+TEST_F(HttpServerTest, ClosesWhereOneOfTheOptionsOfTheConnectionIsClose) {
+  start();
+  Client client(port_);
+  client.send("GET /hello/a HTTP/1.1\r\nHost: x\r\nConnection: keep-alive, close\r\n\r\n");
+  EXPECT_TRUE(client.read_all().ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, SaysHowLongItHasNotLookedAtWhatArrives) {
+  start();
+  std::this_thread::sleep_for(200ms);
+  EXPECT_LT(server_->load().silence, 10);
+  EXPECT_GE(server_->load().silence, 0);
 }
 
 TEST_F(HttpServerTest, ClosesIdleConnectionsAtOnceWhenItStops) {

@@ -72,6 +72,8 @@ class MemoryBudget {
 
   std::int64_t total() const { return total_; }
   std::int64_t each() const { return each_; }
+  /// Throws "request.too_much_memory" where so many bytes are more than one request may have, and reserves nothing.
+  void check_one(std::int64_t bytes, const std::string& what) const;
   /// What requests have reserved and computations have allocated.
   std::int64_t used() const;
   /// For a thread that looks every few tens of milliseconds: where the process has more in main memory than it may,

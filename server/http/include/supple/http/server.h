@@ -45,6 +45,7 @@ struct Load {
   int connections = 0;
   int answering = 0;          ///< requests that are answered at the moment, probes aside
   std::uint64_t evicted = 0;  ///< connections that were closed to make room for others
+  double silence = 0;         ///< seconds since the thread that reads what arrives looked at it
 };
 
 /// An HTTP/1.1 server over a Router. Every error, also the library's own, leaves as the response that `render` makes of
