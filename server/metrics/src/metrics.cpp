@@ -72,6 +72,8 @@ struct Metrics::Implementation {
   prometheus::Gauge& answering = gauge("supple_requests_answering", "Requests that are answered, probes aside.");
   prometheus::Gauge& evicted =
       gauge("supple_connections_evicted", "Connections closed so far to make room for others.");
+  prometheus::Gauge& lobby_silence = gauge("supple_lobby_silence_seconds",
+                                           "Time since what arrives on connections was looked at: normally below 0.1.");
   prometheus::Gauge& used =
       gauge("supple_memory_used_bytes", "Memory that requests have reserved and computations have allocated.");
   prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
@@ -154,6 +156,7 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.event_streams.Set(static_cast<double>(snapshot.event_streams));
   self.answering.Set(static_cast<double>(snapshot.answering));
   self.evicted.Set(static_cast<double>(snapshot.evicted));
+  self.lobby_silence.Set(snapshot.lobby_silence);
   self.used.Set(static_cast<double>(snapshot.used_bytes));
   self.budget.Set(static_cast<double>(snapshot.budget_bytes));
   self.computations.Set(static_cast<double>(snapshot.computations));

@@ -62,6 +62,7 @@ http::Response metrics_text(const Services& services) {
     snapshot.connections = load.connections;
     snapshot.answering = load.answering;
     snapshot.evicted = static_cast<std::int64_t>(load.evicted);
+    snapshot.lobby_silence = load.silence;
   }
   if (services.memory) {
     snapshot.used_bytes = services.memory->used();
