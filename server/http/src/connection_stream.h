@@ -23,7 +23,8 @@ class ConnectionStream final : public httplib::Stream {
   /// Sends everything or fails (-1). A small answer waits for `flush`, so that it leaves in one packet, and once the
   /// server is done with it.
   ssize_t write(const char* data, std::size_t size) override;
-  /// From here on `write` and `flush` never wait for the client: what it does not take at once is left to `unsent`.
+  /// From here on `write` and `flush` never wait for the client: what it does not take at once is left to
+  /// `take_unsent`.
   void never_wait() { never_waits_ = true; }
   /// What `flush` has left. The caller takes it.
   std::string take_unsent() { return std::move(waiting_); }

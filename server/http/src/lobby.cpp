@@ -14,8 +14,9 @@ namespace supple::http {
 namespace {
 
 constexpr int most_events = 256;
-constexpr std::chrono::milliseconds period{50};  // between two looks at the deadlines
-constexpr std::chrono::seconds moment{1};        // in which the first bytes of a new connection are due
+constexpr std::chrono::milliseconds period{50};        // between two looks at the deadlines
+constexpr std::chrono::milliseconds idle_period{500};  // and where nobody waits
+constexpr std::chrono::seconds moment{1};              // in which the first bytes of a new connection are due
 
 }  // namespace
 
@@ -79,7 +80,8 @@ void Lobby::run() {
   auto next_look = Connection::Clock::now() + period;
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
-    const int wait = static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
+    const int wait = waiting_.empty() ? static_cast<int>(idle_period.count())
+                                      : static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
     const int ready = ::epoll_wait(poll_, events.data(), most_events, wait);
     looked_at_ = Connection::Clock::now().time_since_epoch();
     for (int i = 0; i < ready; ++i) {

@@ -34,7 +34,7 @@ class Lobby {
   /// rest. One that has just come is not the first to go. Returns whether there was one, once it has been closed. For
   /// one thread, not the lobby's.
   bool make_room(const std::string& client);
-  /// How long the thread has not looked at what waits: a few tens of milliseconds at most, unless something holds it.
+  /// How long the thread has not looked at what waits: half a second at most, unless something holds it.
   Connection::Clock::duration silence() const;
   /// Closes every connection that waits and returns once the thread has ended.
   void stop();
@@ -60,7 +60,7 @@ class Lobby {
   std::optional<std::string> room_asked_for_;  // by which client's connections, until it has been looked for
   bool closed_one_ = false;                    // whether it was found
   bool stopping_ = false;
-  std::atomic<Connection::Clock::duration> looked_at_{};  ///< when, since the clock's beginning
+  std::atomic<Connection::Clock::duration> looked_at_{Connection::Clock::now().time_since_epoch()};
   std::thread thread_;
 };
 

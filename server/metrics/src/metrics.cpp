@@ -73,7 +73,7 @@ struct Metrics::Implementation {
   prometheus::Gauge& evicted =
       gauge("supple_connections_evicted", "Connections closed so far to make room for others.");
   prometheus::Gauge& lobby_silence = gauge("supple_lobby_silence_seconds",
-                                           "Time since what arrives on connections was looked at: normally below 0.1.");
+                                           "Time since what arrives on connections was looked at: normally below 0.6.");
   prometheus::Gauge& used =
       gauge("supple_memory_used_bytes", "Memory that requests have reserved and computations have allocated.");
   prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
