@@ -13,6 +13,7 @@
 namespace {
 
 using supple::http::ChunkedBody;
+using supple::http::InputBuffer;
 
 /// The body, whether it is complete, and what is left; nothing of it where the framing is refused.
 struct Outcome {
@@ -26,11 +27,13 @@ struct Outcome {
 Outcome read_in_pieces(const std::string& bytes, std::size_t piece) {
   Outcome outcome;
   ChunkedBody chunks;
+  InputBuffer input;
   try {
     for (std::size_t at = 0; at < bytes.size(); at += piece) {
-      outcome.left += bytes.substr(at, piece);
-      if (!outcome.complete) outcome.complete = chunks.take(outcome.left, outcome.body);
+      input.append(bytes.data() + at, std::min(piece, bytes.size() - at));
+      if (!outcome.complete) outcome.complete = chunks.take(input, outcome.body);
     }
+    outcome.left = input.view();
   } catch (const supple::Error&) {
     outcome = {};
     outcome.refused = true;
