@@ -10,11 +10,11 @@
 
 namespace supple::http {
 
-/// Bytes of bodies that have not arrived completely, of each client and of all. They wait for their senders and nobody
-/// computes with them, so that they may take a part of the memory only. Any thread may call.
+/// Counts the bytes of bodies that have not arrived completely, for each client and for all together. They wait for
+/// their senders and nobody computes with them, so that they may take a part of the memory only. Any thread may call.
 class ArrivingBodies {
  public:
-  /// Of each body so many bytes are not counted: a small one arrives whatever others send.
+  /// The first bytes of each body, which are not counted: a small one arrives whatever others send.
   static constexpr std::size_t small = 64 * 1024;
 
   /// `all` bytes of all clients together and `each` of one; 0: any number.

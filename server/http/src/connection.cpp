@@ -14,11 +14,10 @@
 namespace supple::http {
 namespace {
 
-constexpr std::size_t piece = 64 * 1024;         // bytes received at a time
-constexpr std::size_t body_piece = 1024 * 1024;  // bytes of a body received at a time
-constexpr std::size_t kept_input = 4 * 1024;     // of the buffer of a connection that waits
-constexpr long max_at_once = 4 * 1024 * 1024;    // bytes read of one connection before others get their turn
-constexpr int max_empty_lines = 8;               // before a request: RFC 9112, 2.2 asks to ignore one
+constexpr std::size_t piece = 64 * 1024;        // bytes received at a time
+constexpr std::size_t body_piece = 256 * 1024;  // bytes of a body received at a time
+constexpr std::size_t kept_input = 4 * 1024;    // of the buffer of a connection that waits
+constexpr int max_empty_lines = 8;              // before a request: RFC 9112, 2.2 asks to ignore one
 
 [[noreturn]] void throw_too_large(const BodyLimit& limit, double bytes) {
   problem::throw_limit("request.body_too_large", "The body's length in bytes", static_cast<double>(limit.bytes), bytes,
@@ -92,16 +91,19 @@ void Connection::linger() {
   deadline_ = Clock::now() + linger_time;
 }
 
-bool Connection::discard() const {
+bool Connection::discard() {
   std::array<char, piece> buffer;
-  const auto count = receive(buffer.data(), buffer.size());
-  return count >= 0;
+  left_of_turn_ = piece;
+  return receive(buffer.data(), buffer.size()) >= 0;
 }
 
-long Connection::receive(char* data, std::size_t room) const {
+long Connection::receive(char* data, std::size_t room) {
   while (true) {
-    const auto count = ::recv(socket_, data, room, MSG_DONTWAIT);
-    if (count > 0) return count;
+    const auto count = ::recv(socket_, data, std::min(room, left_of_turn_), MSG_DONTWAIT);
+    if (count > 0) {
+      left_of_turn_ -= static_cast<std::size_t>(count);
+      return count;
+    }
     if (count < 0 && errno == EINTR) continue;
     return count < 0 && (errno == EAGAIN || errno == EWOULDBLOCK) ? 0 : -1;
   }
@@ -120,7 +122,8 @@ Connection::Arrival Connection::expire() {
       Error("http.request_timeout", "The request did not arrive completely in the time that it may take.")));
 }
 
-Connection::Arrival Connection::advance(const Admit& admit) {
+Connection::Arrival Connection::advance(const Admit& admit, std::size_t max_bytes) {
+  left_of_turn_ = max_bytes;
   if (place_ == Place::idle || place_ == Place::head) {
     const auto arrival = read_request_head(admit);
     if (arrival != Arrival::complete || place_ != Place::body) return arrival;
@@ -141,7 +144,7 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
     unread_ = true;
     return give_up(std::make_exception_ptr(Error(code, why)));
   };
-  for (long received = 0;;) {
+  while (true) {
     if (!skip_empty_lines()) return refuse("http.bad_request", "There are too many empty lines before the request.");
     if (!input_.empty() && place_ == Place::idle) {
       place_ = Place::head;
@@ -182,7 +185,7 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
       return refuse("http.head_too_large",
                     "The request's head has more than " + std::to_string(max_head_bytes) + " bytes, its limit.");
     searched_ = input_.size();
-    if (received > max_at_once) return Arrival::waiting;
+    if (left_of_turn_ == 0) return Arrival::waiting;
     std::array<char, piece> buffer;
     const auto count = receive(buffer.data(), buffer.size());
     if (count < 0) {
@@ -190,7 +193,6 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
       return refuse("http.bad_request", "The request's head ended early.");
     }
     if (count == 0) return Arrival::waiting;
-    received += count;
     input_.append(buffer.data(), static_cast<std::size_t>(count));
   }
 }
@@ -222,14 +224,14 @@ Connection::Arrival Connection::read_body() {
   try {
     const auto& limit = route->body;
     auto& body = request.body;
-    for (long received = 0;;) {
+    while (true) {
       long count = 0;
       if (head_->chunked) {
         make_room(body.size() + input_.size());
         const bool done = chunks_.take(input_, body);
         if (body.size() > limit.bytes) throw_too_large(limit, static_cast<double>(body.size()));
         if (done) break;
-        if (received > max_at_once) return Arrival::waiting;
+        if (left_of_turn_ == 0) return Arrival::waiting;
         std::array<char, piece> buffer;
         count = receive(buffer.data(), buffer.size());
         if (count > 0) input_.append(buffer.data(), static_cast<std::size_t>(count));
@@ -238,15 +240,14 @@ Connection::Arrival Connection::read_body() {
         take_from_input(length);
         const auto have = body.size();
         if (have == length) break;
-        if (received > max_at_once) return Arrival::waiting;
+        if (left_of_turn_ == 0) return Arrival::waiting;
         make_room(room_of(length, have + 1));
-        body.resize(std::min({length, body.capacity(), have + body_piece}));
+        body.resize(std::min({length, body.capacity(), have + std::min(body_piece, left_of_turn_)}));
         count = receive(body.data() + have, body.size() - have);
         body.resize(have + static_cast<std::size_t>(std::max(count, 0L)));
       }
       if (count < 0) throw Error("http.bad_request", "The body ended early.");
       if (count == 0) return Arrival::waiting;
-      received += count;
     }
   } catch (...) {
     return give_up(std::current_exception());

@@ -21,6 +21,8 @@ class Connection {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::size_t max_head_bytes = 64 * 1024;
+  /// Bytes that are read of one connection before others get their turn.
+  static constexpr std::size_t turn = 512 * 1024;
   /// How long what a client still sends is discarded.
   static constexpr std::chrono::seconds linger_time{2};
 
@@ -47,8 +49,8 @@ class Connection {
     refused,   ///< one that `refusal` answers
     closed     ///< by the client, or broken
   };
-  /// Reads what has arrived.
-  Arrival advance(const Admit& admit);
+  /// Reads what has arrived, so many bytes at most; the others stay where they are until the next call.
+  Arrival advance(const Admit& admit, std::size_t max_bytes = turn);
   /// The deadline has passed: refused where the request has begun to arrive, closed otherwise.
   Arrival expire();
   /// Refuses a request that has arrived.
@@ -66,7 +68,7 @@ class Connection {
   /// not destroy the answer on its way.
   void linger();
   /// Discards what has arrived. False once the client has closed its end.
-  bool discard() const;
+  bool discard();
 
   int socket() const { return socket_; }
   const std::string& client() const { return client_; }
@@ -80,7 +82,7 @@ class Connection {
   /// Whether bytes of a further request have arrived already.
   bool has_input() const { return !input_.empty(); }
 
-  /// Of the request that arrives or has arrived; nothing where its head could not be read.
+  /// The head of the request that arrives or has arrived; nothing where it could not be read.
   const std::optional<RequestHead>& head() const { return head_; }
   budget::MemoryBudget::Reservation& memory() { return memory_; }
   const std::exception_ptr& refusal() const { return refusal_; }
@@ -96,8 +98,8 @@ class Connection {
   enum class Place { idle, head, body, arrived, sending, lingering };
   Arrival read_request_head(const Admit& admit);
   Arrival read_body();
-  /// Bytes received, 0 where none has arrived, -1 where none will.
-  long receive(char* data, std::size_t room) const;
+  /// Bytes received, no more than are left of this turn; 0 where none has arrived, -1 where none will.
+  long receive(char* data, std::size_t room);
   Arrival give_up(std::exception_ptr reason);
   /// Drops the empty lines before a request. False where there are too many.
   bool skip_empty_lines();
@@ -121,9 +123,10 @@ class Connection {
   ChunkedBody chunks_;
   budget::MemoryBudget::Reservation memory_;
   std::optional<ArrivingBodies::Share> arriving_;
-  std::size_t reserved_ = 0;  ///< bytes of the body
-  std::string unsent_;        ///< of an answer
-  std::size_t sent_ = 0;      ///< of them
+  std::size_t left_of_turn_ = 0;  ///< bytes that may still be read now
+  std::size_t reserved_ = 0;      ///< bytes of the body
+  std::string unsent_;            ///< of an answer
+  std::size_t sent_ = 0;          ///< of them
   bool is_last_ = false;
   std::exception_ptr refusal_;
   bool unread_ = false;

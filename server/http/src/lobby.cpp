@@ -13,7 +13,7 @@
 namespace supple::http {
 namespace {
 
-constexpr int most_events = 256;
+constexpr int max_events = 256;
 constexpr std::chrono::milliseconds period{50};        // between two looks at the deadlines
 constexpr std::chrono::milliseconds idle_period{500};  // and where nobody waits
 constexpr std::chrono::seconds moment{1};              // in which the first bytes of a new connection are due
@@ -76,13 +76,13 @@ void Lobby::stop() {
 }
 
 void Lobby::run() {
-  std::array<epoll_event, most_events> events{};
+  std::array<epoll_event, max_events> events{};
   auto next_look = Connection::Clock::now() + period;
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(next_look - Connection::Clock::now()).count();
     const int wait = waiting_.empty() ? static_cast<int>(idle_period.count())
                                       : static_cast<int>(std::clamp<std::int64_t>(left, 0, period.count()));
-    const int ready = ::epoll_wait(poll_, events.data(), most_events, wait);
+    const int ready = ::epoll_wait(poll_, events.data(), max_events, wait);
     looked_at_ = Connection::Clock::now().time_since_epoch();
     for (int i = 0; i < ready; ++i) {
       const int socket = events.at(static_cast<std::size_t>(i)).data.fd;

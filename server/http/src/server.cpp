@@ -87,7 +87,7 @@ std::string next_request_id() {
   return text.insert(0, length - text.size(), '0');
 }
 
-/// The address of the other end. Of IPv6 the first 64 bits, which one customer has to himself.
+/// The address of the other end. An IPv6 address is cut to its first 64 bits, which one customer has to himself.
 std::string peer_address(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;

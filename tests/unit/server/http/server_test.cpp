@@ -24,10 +24,10 @@ class Client {
   /// `from` is the last byte of its own address, of those of loopback. With `little` the system keeps little of what is
   /// on its way, here and at the server.
   explicit Client(int port, std::uint32_t from = 1, bool little = false) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
-    const int few_bytes = 1024;
+    const int buffer_bytes = 1024;
     if (little) {
-      ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &few_bytes, sizeof few_bytes);
-      ::setsockopt(socket_, IPPROTO_TCP, TCP_MAXSEG, &few_bytes, sizeof few_bytes);
+      ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &buffer_bytes, sizeof buffer_bytes);
+      ::setsockopt(socket_, IPPROTO_TCP, TCP_MAXSEG, &buffer_bytes, sizeof buffer_bytes);
     }
     sockaddr_in own{};
     own.sin_family = AF_INET;
