@@ -11,6 +11,7 @@
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/random.h"
+#include "supple/base/seeded_hash.h"
 #include "supple/surface/exponential_map.h"
 
 namespace supple::embedded {
@@ -64,14 +65,10 @@ class Cubes {
             static_cast<std::int64_t>(std::floor(at[2] / edge_))};
   }
   /// Different cubes may share a key: then more points are looked at than need be.
-  static std::int64_t key(const Cube& cube) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(cube[0]) * 73856093U ^
-                                     static_cast<std::uint64_t>(cube[1]) * 19349663U ^
-                                     static_cast<std::uint64_t>(cube[2]) * 83492791U);
-  }
+  static std::size_t key(const Cube& cube) { return SeededHash::of(cube[0], cube[1], cube[2]); }
 
   double edge_;
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> cubes_;
+  std::unordered_map<std::size_t, std::vector<std::size_t>> cubes_;
 };
 
 class PoissonDisk {

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "supple/base/seeded_hash.h"
+
 namespace supple::meshing {
 namespace {
 
@@ -67,7 +69,7 @@ class Labels {
   /// with the fewest others; of these the farthest from the centre; of these that of the least label. Of those that are
   /// still alike, the one farthest along x, y and z. `none` if there is no such vertex.
   std::size_t most_distinct(const Eigen::Vector3d& line) const {
-    std::unordered_map<Label, std::size_t> counts;
+    std::unordered_map<Label, std::size_t, SeededHash> counts;
     for (const Label label : labels_) ++counts[label];
     std::size_t best = none;
     const auto rank = [&](std::size_t i) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -370,7 +371,7 @@ Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& e
   std::vector<Chain> open, closed;
   std::vector<std::pair<std::size_t, std::size_t>> order;  // by the first polyline; open ones after closed ones
   constexpr std::size_t alone = SIZE_MAX;                  // for a polyline that is closed as it stands
-  std::unordered_map<std::string_view, std::size_t> groups;
+  std::map<std::string_view, std::size_t> groups;
   for (std::size_t i = 0; i < polylines.size(); ++i) {
     const Polyline& polyline = polylines[i];
     const bool back_again = polyline.points.size() > 2 && polyline.points.front() == polyline.points.back();

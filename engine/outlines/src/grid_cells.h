@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "curve.h"
+#include "supple/base/seeded_hash.h"
 
 namespace supple::outlines {
 
@@ -16,12 +17,7 @@ struct GridCell {
   bool operator==(const GridCell&) const = default;
 
   struct Hash {
-    std::size_t operator()(const GridCell& cell) const {
-      // Odd factors of 64 bits (Knuth's and others) spread neighbours over all buckets.
-      const auto mixed = static_cast<std::uint64_t>(cell.x) * 0x9E3779B97F4A7C15U ^
-                         static_cast<std::uint64_t>(cell.y) * 0xC2B2AE3D27D4EB4FU ^ cell.group * 0x165667B19E3779F9U;
-      return static_cast<std::size_t>(mixed ^ (mixed >> 32U));
-    }
+    std::size_t operator()(const GridCell& cell) const { return SeededHash::of(cell.x, cell.y, cell.group); }
   };
 };
 

@@ -2,11 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <map>
 #include <memory>
 #include <numbers>
 #include <pugixml.hpp>
 #include <stdexcept>
-#include <unordered_map>
 #include <utility>
 
 #include "svg_attributes.h"
@@ -516,8 +516,8 @@ class SvgReader {
     if (!ids_) {
       ids_.emplace();
       struct Walker : pugi::xml_tree_walker {
-        std::unordered_map<std::string_view, pugi::xml_node>& ids;
-        explicit Walker(std::unordered_map<std::string_view, pugi::xml_node>& found) : ids(found) {}
+        std::map<std::string_view, pugi::xml_node>& ids;
+        explicit Walker(std::map<std::string_view, pugi::xml_node>& found) : ids(found) {}
         bool for_each(pugi::xml_node& node) override {
           if (const auto id = node.attribute("id")) ids.emplace(id.value(), node);
           return true;
@@ -605,8 +605,8 @@ class SvgReader {
   const DrawingOptions& options_;
   const Execution& execution_;
   RawDrawing drawing_;
-  std::optional<std::unordered_map<std::string_view, pugi::xml_node>> ids_;  ///< once a <use> has asked for one
-  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();                      ///< in user units within the page
+  std::optional<std::map<std::string_view, pugi::xml_node>> ids_;  ///< once a <use> has asked for one
+  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();            ///< in user units within the page
   Eigen::Vector2d page_area_ = Eigen::Vector2d::Zero();  ///< its width and height, mm; zero where they are unknown
   StyleSheet styles_;
   Declarations styled_lengths_;  ///< of the element that is being read

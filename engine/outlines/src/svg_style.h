@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <pugixml.hpp>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -82,7 +82,7 @@ class StyleSheet {
   void add_rule(std::string_view selectors, std::string_view body, std::vector<std::string>& untold);
 
   std::vector<Rule> rules_;
-  std::unordered_map<std::string, std::vector<std::size_t>> by_key_;  ///< rules by "#id", ".class", "tag" or "*"
+  std::map<std::string, std::vector<std::size_t>> by_key_;  ///< rules by "#id", ".class", "tag" or "*"
 };
 
 /// What is computed for an element from its own declarations and those around it.

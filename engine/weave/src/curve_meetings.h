@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "supple/base/seeded_hash.h"
 #include "supple/weave/strand_curve.h"
 
 namespace supple::weave {
@@ -45,7 +46,7 @@ class CurveMeetings {
   Eigen::Vector2d shift_;
   std::vector<Intersection> found_;
   /// Those found by the cells of a grid whose sides are the distance of two that are one; empty while they are few.
-  std::unordered_multimap<std::uint64_t, std::uint32_t> cells_;
+  std::unordered_multimap<std::uint64_t, std::uint32_t, SeededHash> cells_;
 };
 
 }  // namespace supple::weave

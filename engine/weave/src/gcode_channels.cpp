@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <unordered_map>
 
+#include "supple/base/seeded_hash.h"
+
 namespace supple::weave {
 namespace {
 
@@ -48,10 +50,10 @@ class Grid {
  private:
   std::uint64_t key(int level, const Eigen::Vector2d& at, int i, int j) const {
     const double size = std::ldexp(smallest_, level);
-    const auto x = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(at[0] / size)) + i);
-    const auto y = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(at[1] / size)) + j);
+    const auto x = static_cast<std::int64_t>(std::floor(at[0] / size)) + i;
+    const auto y = static_cast<std::int64_t>(std::floor(at[1] / size)) + j;
     // Collisions cost time, not truth: each bead is tested.
-    return (x * 0x9e3779b97f4a7c15ULL) ^ (y * 0xc2b2ae3d27d4eb4fULL) ^ (static_cast<std::uint64_t>(level) << 58U);
+    return SeededHash::of(x, y, level);
   }
 
   double reach_;

@@ -20,6 +20,8 @@ class Faults {
   }
   bool any() const { return total_ > 0; }
   std::size_t total() const { return total_; }
+  /// Whether further faults are counted and not named: what they say is not kept.
+  bool only_counts() const { return details_.size() == most_details; }
 
   /// Throws an Error with this code if there are any faults. Its sentence is "<where>: <message> (and 2 more)" for the
   /// first fault, with `whole` in place of an empty where.
