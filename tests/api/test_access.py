@@ -572,6 +572,38 @@ def test_a_session_ends_with_its_key(new_server: NewServer, tmp_path: Path, cont
     assert problem_code(api.get("/v1/meshes")) == "access.key_invalid"
 
 
+@pytest.mark.parametrize("signed_in", [False, True])
+def test_a_stream_of_events_ends_with_what_allowed_it(new_server: NewServer, tmp_path: Path, contract: Contract,
+                                                      signed_in: bool) -> None:
+    data = tmp_path / "data"
+    key = add_key(data, "x", "read,compute")
+    add_key(data, "other", "read")
+    server = new_server()
+    owner = Api(server, contract, key)
+    job = start_named_job(owner, "/v1/voronoi-optimizations", long_request(owner.upload(*bumpy_sphere(5))))
+    follower = sign_in(server, contract, key)[0] if signed_in else owner
+    with follower.session.get(f"{server.url}/v1/jobs/{job}/events", stream=True, timeout=PATIENCE_SECONDS) as stream:
+        lines = stream.iter_lines(decode_unicode=True)
+        assert next(lines) == "event: progress"
+        if signed_in:
+            assert follower.delete("/v1/session", headers={"Origin": server.url}).status_code == 204
+        else:
+            with seen_by(server):
+                keys_command(data, "revoke", id_of(key))
+        rest = list(lines)
+    assert "event: finished" not in rest
+
+
+def test_sessions_count_against_the_rate_of_their_key(new_server: NewServer, tmp_path: Path, contract: Contract) -> None:
+    key = add_key(tmp_path / "data", "x", "read", "--rate", "3")
+    server = new_server()
+    for _ in range(2):
+        sign_in(server, contract, key)
+    assert Api(server, contract, key).get("/v1/session").status_code == 200
+    for response in (Api(server, contract).post("/v1/session", {"key": key}), Api(server, contract, key).get("/v1/session")):
+        assert (response.status_code, problem_code(response)) == (429, "access.rate")
+
+
 def test_the_page_itself_needs_no_key(new_server: NewServer, tmp_path: Path) -> None:
     web = tmp_path / "web"
     (web / "assets").mkdir(parents=True)

@@ -124,22 +124,38 @@ std::optional<Key> Gate::identify(const Credentials& credentials) {
   throw Error("access.key_required", "This server answers holders of a key alone, and the request brings none.");
 }
 
-void Gate::allow(const Key& key, Scope needed) {
-  if (key.requests_per_minute > 0) {
-    const std::lock_guard lock(mutex_);
-    const auto now = time_().steady;
-    auto rate = rates_.try_emplace(key.id, key.requests_per_minute, now).first;
-    if (rate->second.per_minute() != key.requests_per_minute) rate->second = TokenBucket(key.requests_per_minute, now);
-    if (const double wait = rate->second.take(now); wait > 0) {
-      const double limit = key.requests_per_minute;
-      throw problem::ProblemError({"access.rate",
-                                   "The key " + key.id + " has sent its " + std::to_string(key.requests_per_minute) +
-                                       " requests a minute (setting --rate of its key).",
-                                   {},
-                                   problem::Limit{limit, limit + 1, "--rate"},
-                                   static_cast<int>(std::ceil(wait))});
-    }
+bool Gate::still_valid(const Credentials& credentials) {
+  try {
+    identify(credentials);
+    return true;
+  } catch (const Error&) {
+    return false;
   }
+}
+
+void Gate::take_from_rate(const Key& key, const Time& now) {
+  if (key.requests_per_minute <= 0) return;
+  auto rate = rates_.try_emplace(key.id, key.requests_per_minute, now.steady).first;
+  if (rate->second.per_minute() != key.requests_per_minute)
+    rate->second = TokenBucket(key.requests_per_minute, now.steady);
+  if (const double wait = rate->second.take(now.steady); wait > 0) {
+    const double limit = key.requests_per_minute;
+    throw problem::ProblemError({"access.rate",
+                                 "The key " + key.id + " has sent its " + std::to_string(key.requests_per_minute) +
+                                     " requests a minute (setting --rate of its key).",
+                                 {},
+                                 problem::Limit{limit, limit + 1, "--rate"},
+                                 static_cast<int>(std::ceil(wait))});
+  }
+}
+
+void Gate::count(const Key& key) {
+  const std::lock_guard lock(mutex_);
+  take_from_rate(key, time_());
+}
+
+void Gate::allow(const Key& key, Scope needed) {
+  count(key);
   if (!key.scopes.allow(needed)) {
     throw Error("access.scope", "This request needs the scope " + std::string(scope_name(needed)) + "; the key " +
                                     key.id + " has " + scopes_text(key.scopes) + ".");
@@ -158,6 +174,7 @@ Gate::SignedIn Gate::sign_in(std::string_view key) {
   const auto now = time_();
   look_at_file(now);
   const auto [found, hash] = verified(key, now);
+  take_from_rate(*found, now);
   return {sessions_.open(found->id, *hash, now.steady), *found};
 }
 

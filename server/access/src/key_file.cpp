@@ -57,7 +57,8 @@ bool KeyFile::exists() const { return fs::exists(path_); }
 
 std::vector<Key> KeyFile::read() const {
   if (!exists()) return {};
-  const OpenFile file(path_, O_RDONLY, "read");
+  // Of a pipe, opening would wait for who writes to it; the file is looked at before it is read.
+  const OpenFile file(path_, O_RDONLY | O_NONBLOCK, "read");
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0) throw FileError("read", path_, errno);
   if (!S_ISREG(status.st_mode)) throw std::runtime_error("the key file " + path_.string() + " is no regular file");

@@ -1,7 +1,10 @@
+#include <functional>
+
 #include "handlers.h"
 #include "ownership.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
+#include "supple/routes/guard.h"
 
 namespace supple::routes {
 namespace {
@@ -106,13 +109,15 @@ std::string event(const char* name, const jobs::JobStatus& status) {
   return "event: " + std::string(name) + "\ndata: " + write_job(status) + "\n\n";
 }
 
-void follow(Services& services, const std::string& id, http::StreamWriter& out) {
+/// Sends the events of a job until it is finished, for as long as `may_follow()`.
+void follow(Services& services, const std::string& id, const std::function<bool()>& may_follow,
+            http::StreamWriter& out) {
   std::uint64_t version = 0;
   std::uint64_t sent = 0;
   auto last_sent = std::chrono::steady_clock::now();
   try {
     auto status = services.jobs->wait_for_change(id, version, 0);
-    while (!services.stopping && !out.client_gone()) {
+    while (!services.stopping && !out.client_gone() && may_follow()) {
       if (is_finished(status)) {
         out.write(event("finished", status));
         return;
@@ -141,7 +146,13 @@ http::Response events(Services& services, const http::Request& request) {
   http::Response response;
   response.content_type = "text/event-stream";
   response.set_header("Cache-Control", "no-store");
-  response.stream = [&services, id, place](http::StreamWriter& out) { follow(services, id, out); };
+  const auto may_follow = [&services, authorization = std::string(request.header("Authorization")),
+                           session = session_of(request)] {
+    return !services.gate || services.gate->still_valid({authorization, session});
+  };
+  response.stream = [&services, id, may_follow, place](http::StreamWriter& out) {
+    follow(services, id, may_follow, out);
+  };
   return response;
 }
 

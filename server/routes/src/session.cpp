@@ -44,6 +44,7 @@ http::Response show(const Services& services, const http::Request& request) {
   const auto session = session_of(request);
   if (authorization.empty() && session.empty()) return session_response(true, nullptr);
   const auto key = services.gate->identify({authorization, session});
+  if (key) services.gate->count(*key);
   return session_response(true, key ? &*key : nullptr);
 }
 

@@ -212,6 +212,33 @@ TEST_F(GateTest, AKeysRateIsItsOwnAndSaysWhenToAskAgain) {
   EXPECT_NO_THROW(guarded->allow(key, Scope::read));
 }
 
+TEST_F(GateTest, SigningInCountsAsARequestOfTheKey) {
+  const auto token = add("read", 0, 3);
+  const auto guarded = gate(Rule::always);
+  for (int i = 0; i < 3; ++i) EXPECT_NO_THROW(guarded->sign_in(token_text(token)));
+  try {
+    guarded->sign_in(token_text(token));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "access.rate");
+  }
+}
+
+TEST_F(GateTest, CredentialsAreValidUntilTheKeyEndsAndAskingCountsNoRequest) {
+  const auto token = add("read", 100, 2);
+  const auto guarded = gate(Rule::always);
+  const auto session = guarded->sign_in(token_text(token)).token;
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_TRUE(guarded->still_valid({bearer(token), ""}));
+    EXPECT_TRUE(guarded->still_valid({"", session}));
+  }
+  EXPECT_NO_THROW(guarded->count(*guarded->identify({bearer(token), ""})));
+  guarded->sign_out(session);
+  EXPECT_FALSE(guarded->still_valid({"", session}));
+  pass(seconds(100));
+  EXPECT_FALSE(guarded->still_valid({bearer(token), ""}));
+}
+
 TEST_F(GateTest, ASessionStandsForItsKeyUntilTheSecretThatOpenedItEnds) {
   const auto token = add("read,compute");
   const auto guarded = gate(Rule::always);

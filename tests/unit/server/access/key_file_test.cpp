@@ -57,6 +57,12 @@ std::string thrown(Call call) {
   return {};
 }
 
+TEST_F(KeyFileTest, APipeInItsPlaceIsRefusedAndNotWaitedFor) {
+  fs::create_directories(folder_);
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  EXPECT_NE(thrown([&] { KeyFile(path_).read(); }).find("is no regular file"), std::string::npos);
+}
+
 TEST_F(KeyFileTest, KeysReadBackAndNoSecretIsInTheFile) {
   const KeyFile file(path_);
   EXPECT_FALSE(file.exists());

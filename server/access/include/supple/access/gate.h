@@ -54,14 +54,20 @@ class Gate {
   };
   /// The key that they show; nothing where none is required. Throws "access.key_required" and "access.key_invalid".
   std::optional<Key> identify(const Credentials& credentials);
-  /// Counts a request of the key, and throws "access.rate" where it sends too many, "access.scope" where the key has
-  /// not what the request needs.
+  /// Whether credentials that were identified still are: their key has not been revoked and has not expired, and their
+  /// session is open. Counts no request.
+  bool still_valid(const Credentials& credentials);
+  /// Counts a request of the key. Throws "access.rate" where it sends too many.
+  void count(const Key& key);
+  /// Counts a request of the key, as `count` does, and throws "access.scope" where the key has not what the request
+  /// needs.
   void allow(const Key& key, Scope needed);
 
   /// Bytes that a key may hold in the store; 0 where it has no limit of its own, or does not exist.
   std::int64_t max_stored(const std::string& id);
 
-  /// Opens a session for the holder of a key ("supple_..."). Throws "access.key_invalid".
+  /// Opens a session for the holder of a key ("supple_..."), which counts as a request of the key. Throws
+  /// "access.key_invalid" and "access.rate".
   struct SignedIn {
     std::string token;
     Key key;
@@ -72,11 +78,11 @@ class Gate {
 
  private:
   void look_at_file(const Time& now);
-  bool read_file();
   const Key* find(const std::string& id) const;
   /// Under the mutex: the key that accepts a token, and its hash that does. Throws "access.key_invalid".
   std::pair<const Key*, const SecretHash*> verified(std::string_view text, const Time& now) const;
   const Key& key_of_session(std::string_view session, const Time& now);
+  void take_from_rate(const Key& key, const Time& now);
 
   const KeyFile file_;
   const Log log_;
