@@ -1,5 +1,7 @@
 #include "supple/design/measured_curve.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -10,6 +12,7 @@
 
 #include "measured_loading.h"
 #include "supple/base/error.h"
+#include "supple/design/target.h"
 
 namespace supple::design {
 namespace {
@@ -30,6 +33,16 @@ constexpr double significant = 8;
 
 [[noreturn]] void refuse_curve(const std::string& where, const std::string& message) {
   throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
+}
+
+/// What is fitted becomes a target.
+void refuse_beyond_targets(const Points& points) {
+  for (const auto& p : points) {
+    if (p.cwiseAbs().maxCoeff() <= largest_coordinate) continue;
+    refuse_curve("points", fmt::format("must have coordinates from -1e6 to 1e6 in the units of a target, one has "
+                                       "({:.6g}, {:.6g}): is its unit right?",
+                                       p.x(), p.y()));
+  }
 }
 
 double root_mean_square(const Points& points) {
@@ -433,6 +446,7 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   }
   reduced.points = sorted(std::move(points));
   if (reduced.points.size() < 2) refuse_curve("points", "must have at least two points of different x");
+  refuse_beyond_targets(reduced.points);
   reduced.through_origin = passes_origin(reduced.points, curve.task, options.origin, execution);
   if (reduced.through_origin) reduced.offset = value_at_zero(reduced.points);
 
@@ -462,6 +476,7 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   const auto& x = search.knots();
   const auto& y = search.result().y;
   for (std::size_t k = 0; k < x.size(); ++k) reduced.control_points.emplace_back(x[k], y[k]);
+  refuse_beyond_targets(reduced.control_points);
   judge(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt),
         reduced);
   if (execution.cost) {

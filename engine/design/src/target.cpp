@@ -36,11 +36,14 @@ void check(const Target& target) {
   std::vector<Error::Detail> faults;
   const auto& points = target.control_points;
   if (points.size() < 2) faults.push_back({"target/control_points", "must have at least 2 points"});
+  const double range = points.size() < 2 ? 0 : std::max(points.back()[0] - points.front()[0], 1e-12);
   for (std::size_t i = 0; i < points.size() && faults.size() < 20; ++i) {
     const std::string where = "target/control_points/" + std::to_string(i);
-    if (!points[i].allFinite()) faults.push_back({where, "must be finite"});
-    if (i > 0 && !(points[i][0] > points[i - 1][0]))
-      faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0])});
+    if (!(points[i].cwiseAbs().maxCoeff() <= largest_coordinate))
+      faults.push_back({where, "must have coordinates from -1e6 to 1e6"});
+    else if (i > 0 && !(points[i][0] - points[i - 1][0] > least_share_of_range * range))
+      faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0]) +
+                                          ", by more than a billionth of the range of all"});
   }
   if (faults.empty() && over_directions(target.task) && !(points.back()[0] < points.front()[0] + period))
     faults.push_back({"target/control_points/" + std::to_string(points.size() - 1) + "/0",

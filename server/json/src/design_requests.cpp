@@ -11,8 +11,7 @@ namespace {
 
 // The ranges of api/openapi.yaml.
 constexpr double largest_design_parameter = 1000;
-constexpr double largest_value = 1e6;
-constexpr double largest_angle = 1000;
+constexpr double largest_value = design::largest_coordinate;
 constexpr double least_strain = -0.5;
 constexpr double largest_profile_strain = 7.5;
 constexpr std::size_t most_control_points = 64;

@@ -33,13 +33,13 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
       const auto* value = kind == Kind::none ? builder.optional("barycentric") : builder.required("barycentric");
       if (value) {
         read_components(*value, builder.at("barycentric"), builder.faults(),
-                        request.points.emplace<embedded::PointsInFaces>().barycentric, -any, any);
+                        request.points.emplace<embedded::PointsInFaces>().barycentric, -largest_plain, largest_plain);
       }
     }
     if (kind != Kind::per_face) {
       embedded::PoissonDiskPoints points;
       if (kind == Kind::poisson_disk) builder.required("radius");
-      builder.number("radius", points.radius, 0, any, true);
+      builder.number("radius", points.radius, smallest_length, largest_length);
       int seed = 1;
       builder.integer("seed", seed, 0, largest_index);
       points.seed = static_cast<std::uint64_t>(seed);
@@ -49,8 +49,8 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
 }
 
 void read_spring_constants(Fields& fields, double& rest_length, double& weight) {
-  fields.number("rest_length", rest_length, 0, any);
-  fields.number("weight", weight, 0, any);
+  fields.number("rest_length", rest_length, 0, largest_length);
+  fields.number("weight", weight, 0, largest_factor);
 }
 
 embedded::Spring read_spring(const Document& value, const std::string& pointer, Faults& faults) {
@@ -114,10 +114,10 @@ void read_triangles(Fields& fields, const Limits& limits, EmbeddedSystemRequest&
 
 void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
   nested(fields, "membrane", [&](Fields& membrane) {
-    membrane.number("youngs_modulus", request.material.youngs_modulus, 0, any, true);
+    membrane.number("youngs_modulus", request.material.youngs_modulus, smallest_factor, largest_factor);
     membrane.number("poisson_ratio", request.material.poisson_ratio, -0.99, 0.4999);
-    membrane.number("thickness", request.material.thickness, 0, any, true);
-    membrane.number("rest_scale", request.rest_scale, 0, any, true);
+    membrane.number("thickness", request.material.thickness, smallest_length, largest_length);
+    membrane.number("rest_scale", request.rest_scale, smallest_factor, largest_factor);
   });
 }
 
@@ -133,36 +133,36 @@ void read_moved_vertices(Fields& fields, const Limits& limits, std::vector<embed
     const auto* positions = entry.array("positions", true, 1, most_positions, "");
     for (std::size_t k = 0; positions && k < positions->size(); ++k)
       read_components((*positions)[k], entry.at("positions") + "/" + std::to_string(k), entry.faults(),
-                      read.positions.emplace_back(Eigen::Vector3d::Zero()), -any, any);
+                      read.positions.emplace_back(Eigen::Vector3d::Zero()), -largest_length, largest_length);
     entry.finish();
   }
 }
 
-void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector) {
+void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector, double largest) {
   if (const auto* value = fields.optional(name))
-    read_components(*value, fields.at(name), fields.faults(), vector, -any, any);
+    read_components(*value, fields.at(name), fields.faults(), vector, -largest, largest);
 }
 
 void read_shell(Fields& fields, const Limits& limits, embedded::ShellHost& shell) {
   fields.required("thickness");
   fields.required("youngs_modulus");
-  fields.number("thickness", shell.thickness, 0, any, true);
-  fields.number("youngs_modulus", shell.youngs_modulus, 0, any, true);
+  fields.number("thickness", shell.thickness, smallest_length, largest_length);
+  fields.number("youngs_modulus", shell.youngs_modulus, smallest_factor, largest_factor);
   shell.poisson_ratio = 0.3;
   fields.number("poisson_ratio", shell.poisson_ratio, -0.99, 0.4999);
-  fields.number("volume_weight", shell.volume_weight, 0, any);
-  fields.number("volume_scale", shell.volume_scale, 0, any, true);
+  fields.number("volume_weight", shell.volume_weight, 0, largest_factor);
+  fields.number("volume_scale", shell.volume_scale, smallest_factor, largest_factor);
   read_indices(fields, "fixed_vertices", limits, shell.fixed_vertices);
   read_moved_vertices(fields, limits, shell.moved_vertices);
 }
 
 void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid) {
   fields.required("youngs_modulus");
-  fields.number("youngs_modulus", solid.youngs_modulus, 0, any, true);
+  fields.number("youngs_modulus", solid.youngs_modulus, smallest_factor, largest_factor);
   solid.poisson_ratio = 0.3;
   fields.number("poisson_ratio", solid.poisson_ratio, -0.99, 0.4999);
-  fields.number("element_size", solid.element_size, 0, any, true);
-  read_vector(fields, "gravity", solid.gravity);
+  fields.number("element_size", solid.element_size, smallest_length, largest_length);
+  read_vector(fields, "gravity", solid.gravity, largest_factor);
   read_indices(fields, "fixed_vertices", limits, solid.fixed_vertices);
   read_moved_vertices(fields, limits, solid.moved_vertices);
   const auto* regions = fields.array("regions", false, 0, most_solid_regions, "");
@@ -170,9 +170,9 @@ void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid
     Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
     embedded::SolidRegion& read = solid.regions.emplace_back();
     for (const auto* name : {"lower", "upper", "youngs_modulus"}) region.required(name);
-    read_vector(region, "lower", read.lower);
-    read_vector(region, "upper", read.upper);
-    region.number("youngs_modulus", read.youngs_modulus, 0, any, true);
+    read_vector(region, "lower", read.lower, largest_length);
+    read_vector(region, "upper", read.upper, largest_length);
+    region.number("youngs_modulus", read.youngs_modulus, smallest_factor, largest_factor);
     region.finish();
   }
 }
@@ -188,7 +188,8 @@ void read_moving(Fields& fields, embedded::MovingHost& moving) {
     }
     auto& places = moving.positions.emplace_back(set.size());
     for (std::size_t i = 0; i < set.size(); ++i)
-      read_components(set[i], at + "/" + std::to_string(i), fields.faults(), places[i], -any, any);
+      read_components(set[i], at + "/" + std::to_string(i), fields.faults(), places[i], -largest_length,
+                      largest_length);
   }
 }
 

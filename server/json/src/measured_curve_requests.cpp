@@ -89,7 +89,8 @@ void read_points(Fields& fields, std::vector<Eigen::Vector2d>& out) {
   if (!points) return;
   out.resize(points->size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), fields.faults(), out[i], -any, any);
+    read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), fields.faults(), out[i],
+                    -largest_length, largest_length);
   }
 }
 

@@ -92,7 +92,7 @@ UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits) {
     read_design(*parameters, fields.at("parameters"), faults, request.parameters);
   }
   fields.required("direction");
-  fields.number("direction", request.direction, -any, any);
+  fields.number("direction", request.direction, -largest_angle, largest_angle);
   if (document.is_object() && fields.present("stretches") == fields.present("green_strains")) {
     faults.add("", "must have exactly one of \"stretches\" and \"green_strains\"");
   }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +14,14 @@ namespace supple::json {
 /// The values of an effect's switch, in the order of the enumerations that stand for them.
 inline const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
 
-/// Where any number will do.
-inline constexpr double any = std::numeric_limits<double>::max();
+/// The ranges of lengths, of factors of energies, and of angles, strains and the like. Squares of energies of what
+/// meshes can be, 1e-70 to 1e70 mesh units wide, are still numbers then.
+inline constexpr double smallest_length = 1e-100;
+inline constexpr double largest_length = 1e100;
+inline constexpr double smallest_factor = 1e-30;
+inline constexpr double largest_factor = 1e30;
+inline constexpr double largest_angle = 1000;
+inline constexpr double largest_plain = 1e6;
 inline constexpr int largest_index = std::numeric_limits<int>::max();
 
 /// The stretches that a load may have.

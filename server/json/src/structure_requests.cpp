@@ -73,14 +73,14 @@ void read_states(Fields& fields, std::string_view name, const Limits& limits, st
 microscale::GreenStrainLoad read_green_strain(Fields& load, const Limits& limits) {
   microscale::GreenStrainLoad strain;
   read_states(load, "green_strain", limits, strain.strains, [&](const auto& entry, const auto& pointer, auto& state) {
-    return read_components(entry, pointer, load.faults(), state, -any, any);
+    return read_components(entry, pointer, load.faults(), state, -largest_plain, largest_plain);
   });
   return strain;
 }
 
 void read_direction(Fields& fields, double& direction) {
   fields.required("direction");
-  fields.number("direction", direction, -any, any);
+  fields.number("direction", direction, -largest_angle, largest_angle);
 }
 
 microscale::UniaxialLoad read_uniaxial(Fields& fields, const Limits& limits) {

@@ -42,11 +42,11 @@ void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
   if (!value) return;
   if (value->is_object() && value->empty()) fields.faults().add(fields.at("objectives"), "must name an objective");
   Fields objectives(*value, fields.at("objectives"), fields.faults());
-  objectives.number("edge_length", weights.edge_length, 0, any);
-  objectives.number("planarity", weights.planarity, 0, any);
-  objectives.number("regularity", weights.regularity, 0, any);
-  objectives.number("centroidal", weights.centroidal, 0, any);
-  objectives.number("equal_area", weights.equal_area, 0, any);
+  objectives.number("edge_length", weights.edge_length, 0, largest_factor);
+  objectives.number("planarity", weights.planarity, 0, largest_factor);
+  objectives.number("regularity", weights.regularity, 0, largest_factor);
+  objectives.number("centroidal", weights.centroidal, 0, largest_factor);
+  objectives.number("equal_area", weights.equal_area, 0, largest_factor);
   objectives.finish();
 }
 
@@ -84,7 +84,7 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
   read_sites(fields, limits, request.sites);
   auto& options = request.options;
   read_objectives(fields, options.weights);
-  fields.number("target_length", options.edge_length, 0, any, true);
+  fields.number("target_length", options.edge_length, smallest_length, largest_length);
   read_indices(fields, "fixed_sites", limits, options.fixed_sites);
   fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
   nested(fields, "accuracy", [&](Fields& accuracy) {

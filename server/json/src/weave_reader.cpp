@@ -179,7 +179,7 @@ MemberSpec read_member(const Document& value, const std::string& pointer, Faults
   Fields fields(value, pointer, faults);
   read_index(fields, "strand", member.strand);
   fields.required("coordinate");
-  fields.number("coordinate", member.coordinate, 0, any);
+  fields.number("coordinate", member.coordinate, 0, largest_length);
   std::vector<int> shift;
   read_integers(fields, "shift", false, 2, 2, {-most_cells_apart, most_cells_apart}, shift);
   if (shift.size() == 2) member.shift = {shift[0], shift[1]};

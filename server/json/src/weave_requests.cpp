@@ -13,7 +13,6 @@ namespace {
 constexpr double least_strain = -0.5;
 constexpr double largest_strain = 2;
 constexpr double largest_stretch = 10;
-constexpr double largest_angle = 1000;
 constexpr double largest_value = 1e6;
 constexpr int most_directions = 10'000;
 constexpr int default_directions = 200;
@@ -99,7 +98,7 @@ PlaceSpec read_place(Fields& fields) {
   if (at.present("coordinate")) {
     StrandCoordinate on_strand;
     read_strand(on_strand.strand);
-    at.number("coordinate", on_strand.coordinate, 0, any);
+    at.number("coordinate", on_strand.coordinate, 0, largest_length);
     place = on_strand;
   } else if (at.present("share")) {
     StrandShare on_strand;
