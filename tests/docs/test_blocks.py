@@ -23,7 +23,7 @@ from harness import BUILD, CLI, ROOT, SERVER, ServerProcess
 from pages import RUN, Block, blocks_of
 
 DEFAULT_URL = "http://127.0.0.1:8080"
-PAGE_SECONDS = 300
+PAGE_SECONDS = 3600
 #: The programs of docs/engine.md, whose blocks of C++ are these files.
 EXAMPLES = sorted((ROOT / "engine" / "examples").glob("*.cpp"))
 MESH = "api/examples/meshes/trefoil-knot.obj"

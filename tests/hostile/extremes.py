@@ -175,7 +175,7 @@ class Extremes:
                 elif "text" in step:
                     body = filled(step["text"], saved).encode()
                 path = filled(step["path"], saved)
-                if step["method"] == "POST" and isinstance(document, dict) and step["status"] == 200:
+                if step["method"] == "POST" and isinstance(document, dict) and step["status"] in (200, 202, 422):
                     limited = {**document, "deadline": DEADLINE}
                     found = self.contract.match("POST", path)
                     content = self.contract.resolve(found[1].get("requestBody", {})).get("content", {}) if found else {}
@@ -221,6 +221,11 @@ class Extremes:
                 elif isinstance(new, float) and not math.isfinite(new):
                     continue
                 at(body, place[:-1])[place[-1]] = new
+        return body
+
+    def with_field(self, base: Base, place: Place, name: str, schema: Any) -> Dict[str, Any]:
+        body = copy.deepcopy(base.body)
+        at(body, place)[name] = self.growth.value(schema)
         return body
 
     def ask(self, path: str, body: Dict[str, Any], accept: str) -> str:

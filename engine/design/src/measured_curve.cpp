@@ -40,7 +40,7 @@ void refuse_beyond_targets(const Points& points) {
   for (const auto& p : points) {
     if (p.cwiseAbs().maxCoeff() <= largest_coordinate) continue;
     refuse_curve("points", fmt::format("must have coordinates from -1e6 to 1e6 in the units of a target, one has "
-                                       "({:.6g}, {:.6g}): is its unit right?",
+                                       "({:.6g}, {:.6g}), whose unit may be wrong",
                                        p.x(), p.y()));
   }
 }

@@ -83,6 +83,21 @@ TEST(MeasuredUnits, AreRefusedWithWhatTheyNeed) {
   EXPECT_EQ(where([] { conversion_of_y(Task::stress_strain, "", {}); }), "units/y");
 }
 
+TEST(Reduction, RefusesWhatNoTargetCanHold) {
+  const auto answer = [](double y) {
+    return testing::text_or_places(
+        [&] {
+          MeasuredCurve curve;
+          curve.points = {{0, 0}, {0.1, 1}, {0.2, y}};
+          reduce(curve, ReductionOptions{});
+          return "taken";
+        },
+        "design.invalid_measurement");
+  };
+  EXPECT_EQ(answer(9e5), "taken");
+  for (const double y : {1.1e6, -1.1e6, 1e308, -1e308}) EXPECT_EQ(answer(y), "points") << y;
+}
+
 TEST(Reduction, FollowsSmoothCurvesWithFewPoints) {
   for (const auto f : {j_curve, plateau}) {
     const auto reduced = reduce(sampled(0, 0.3, 500, f), ReductionOptions{});
