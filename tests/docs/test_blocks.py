@@ -24,6 +24,7 @@ from pages import RUN, Block, blocks_of
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 PAGE_SECONDS = 3600
+"""On the wall's clock, for all blocks of a page: on a busy machine they take many times as long as on an idle one."""
 #: The programs of docs/engine.md, whose blocks of C++ are these files.
 EXAMPLES = sorted((ROOT / "engine" / "examples").glob("*.cpp"))
 MESH = "api/examples/meshes/trefoil-knot.obj"

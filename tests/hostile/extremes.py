@@ -3,10 +3,10 @@
     python3 tests/hostile/extremes.py [--requests 20000] [--seed 1] [--only voronoi]
 
 A number becomes a limit that the contract names, zero, the smallest or the largest number there is, or another number
-of the same body; an entry of a list is repeated, or left out; an optional field is added, of which only the contract says what
-it may hold. One to four values change at a time. The server may
-answer or refuse, and never with 500 or beyond the contract's schemas: where a result cannot be finite, the field that
-is to blame is named. Each request has a second; it may take another one (CPU time of the server).
+of the same body; an entry of a list is repeated, or left out; an optional field is added, of which only the contract
+says what it may hold. One to four values change at a time. The server may answer or refuse, and never with 500 or
+beyond the contract's schemas: where a result cannot be finite, the field that is to blame is named. Each request has a
+second; it may take another one (CPU time of the server).
 
 Prints what broke these rules, with its body, and ends with status 1 then.
 """
@@ -194,7 +194,7 @@ class Extremes:
         return True
 
     def changed(self, base: Base) -> Dict[str, Any]:
-        """The body with one, two or three changes."""
+        """The body with one to four changes."""
         body = copy.deepcopy(base.body)
         for _ in range(self.chance.choice((1, 1, 2, 3, 4))):
             if base.schema is not None and self.chance.random() < 0.4:
@@ -208,7 +208,7 @@ class Extremes:
                 entries = at(body, self.chance.choice(lists))
                 chosen = self.chance.randrange(len(entries))
                 if self.chance.random() < 0.5:
-                    entries[chosen:chosen] = [copy.deepcopy(entries[chosen])] * self.chance.choice((1, 1, 10))
+                    entries[chosen:chosen] = [copy.deepcopy(entries[chosen]) for _ in range(self.chance.choice((1, 1, 10)))]
                 else:
                     del entries[chosen]
             elif numbers:
@@ -221,11 +221,6 @@ class Extremes:
                 elif isinstance(new, float) and not math.isfinite(new):
                     continue
                 at(body, place[:-1])[place[-1]] = new
-        return body
-
-    def with_field(self, base: Base, place: Place, name: str, schema: Any) -> Dict[str, Any]:
-        body = copy.deepcopy(base.body)
-        at(body, place)[name] = self.growth.value(schema)
         return body
 
     def ask(self, path: str, body: Dict[str, Any], accept: str) -> str:

@@ -22,11 +22,11 @@ using Points = MeasuredPoints;
 constexpr double half_turn = std::numbers::pi;
 /// Averages of neighbours that are fitted, at most, for each control point there may be, and at least in all.
 constexpr std::size_t fitted_for_each = 16;
-constexpr std::size_t least_fitted = 400;
-constexpr int least_control_points = 2;
-constexpr int most_control_points = 64;
+constexpr std::size_t min_fitted = 400;
+constexpr int min_control_points = 2;
+constexpr int max_control_points = 64;
 /// Knots lie at least this far apart, in shares of the range.
-constexpr double least_gap = 0.004;
+constexpr double min_gap = 0.004;
 /// A knot whose value and place follow nothing but scatter lessens the sum of squares by about twice its variance: one
 /// that is worth having does by more than this multiple.
 constexpr double significant = 8;
@@ -51,7 +51,7 @@ double root_mean_square(const Points& points) {
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-/// By x, with the average y of equal ones.
+/// The points in the order of x. Those of the same x become one, with the average of their y.
 Points sorted(Points points) {
   std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
   Points out;
@@ -74,7 +74,7 @@ struct Fitted {
 Fitted averaged(const Points& points, int control_points) {
   const std::size_t n = points.size();
   const std::size_t groups =
-      std::min(n, std::max(least_fitted, fitted_for_each * static_cast<std::size_t>(control_points)));
+      std::min(n, std::max(min_fitted, fitted_for_each * static_cast<std::size_t>(control_points)));
   Fitted fitted;
   fitted.points.reserve(groups);
   fitted.weights.resize(static_cast<Eigen::Index>(groups));
@@ -203,7 +203,7 @@ class KnotSearch {
   KnotSearch(const KnotFit& fit, const Fitted& data, std::vector<double> knots, std::optional<double> held,
              const CancellationToken& cancellation)
       : fit_(fit), data_(data), knots_(std::move(knots)), held_(held), cancellation_(cancellation) {
-    gap_ = least_gap * (data.points.back().x() - data.points.front().x());
+    gap_ = min_gap * (data.points.back().x() - data.points.front().x());
     result_ = fitted(knots_);
   }
 
@@ -314,9 +314,9 @@ class KnotSearch {
 };
 
 void check(const ReductionOptions& options) {
-  if (options.max_control_points < least_control_points || options.max_control_points > most_control_points) {
-    refuse_curve("max_control_points", "must be from " + std::to_string(least_control_points) + " to " +
-                                           std::to_string(most_control_points) + ", got " +
+  if (options.max_control_points < min_control_points || options.max_control_points > max_control_points) {
+    refuse_curve("max_control_points", "must be from " + std::to_string(min_control_points) + " to " +
+                                           std::to_string(max_control_points) + ", got " +
                                            std::to_string(options.max_control_points));
   }
 }

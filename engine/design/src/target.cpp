@@ -41,7 +41,7 @@ void check(const Target& target) {
     const std::string where = "target/control_points/" + std::to_string(i);
     if (!(points[i].cwiseAbs().maxCoeff() <= largest_coordinate))
       faults.push_back({where, "must have coordinates from -1e6 to 1e6"});
-    else if (i > 0 && !(points[i][0] - points[i - 1][0] > least_share_of_range * range))
+    else if (i > 0 && !(points[i][0] - points[i - 1][0] > min_share_of_range * range))
       faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0]) +
                                           ", by more than a billionth of the range of all"});
   }

@@ -19,8 +19,8 @@ constexpr double grid = 1.0 / (1 << 30);
 constexpr double resolution = 1.0 / (1 << 22);
 /// The vertices that make the frame are at least so far from the centre, and from the line through it and the first
 /// one.
-constexpr double least_distance = 1e-2;
-constexpr int most_rounds = 64;
+constexpr double min_distance = 1e-2;
+constexpr int max_rounds = 64;
 
 using Label = std::uint64_t;
 
@@ -80,7 +80,7 @@ class Labels {
     };
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       const Eigen::Vector3d& at = surface_.positions[i];
-      if ((at - line.dot(at) * line).norm() < least_distance) continue;
+      if ((at - line.dot(at) * line).norm() < min_distance) continue;
       if (best == none || rank(i) < rank(best)) best = i;
     }
     return best;
@@ -102,7 +102,7 @@ class Labels {
   /// Each label takes those of its neighbours into account, until this tells no more vertices apart.
   void refine() {
     std::size_t known = count();
-    for (int round = 0; round < most_rounds && known < labels_.size(); ++round) {
+    for (int round = 0; round < max_rounds && known < labels_.size(); ++round) {
       // Sums do not depend on the order of the triangles.
       std::vector<Label> sums(labels_.size(), 0);
       for (std::size_t f = 0; f < surface_.faces.size(); ++f) {

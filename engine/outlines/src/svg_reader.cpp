@@ -17,7 +17,7 @@ namespace {
 
 /// Elements that are drawn again, since a few of them within each other may stand for any number. So many bytes of
 /// attributes count as one more.
-constexpr std::size_t most_copies = 200'000;
+constexpr std::size_t max_copies = 200'000;
 constexpr std::size_t bytes_of_a_copy = 16;
 constexpr std::size_t elements_between_checks = 4'096;
 
@@ -460,8 +460,8 @@ class SvgReader {
     std::size_t bytes = 0;
     for (const auto& attribute : node.attributes()) bytes += std::string_view(attribute.value()).size();
     copies_ += 1 + bytes / bytes_of_a_copy;
-    if (copies_ <= most_copies) return;
-    const std::string limit = std::to_string(most_copies);
+    if (copies_ <= max_copies) return;
+    const std::string limit = std::to_string(max_copies);
     throw Error(
         "outline.too_large", "The drawing draws more than " + limit + " elements, or as much text, again.",
         {{"text", "draws more than " + limit + " elements, or as much text, again by <use>, at " + words_for(node)}});

@@ -10,7 +10,7 @@
 namespace supple::weave {
 namespace {
 
-constexpr double least_rise = 0.2;   ///< mm from the feet to the apex
+constexpr double min_rise = 0.2;     ///< mm from the feet to the apex
 constexpr double same_height = 0.1;  ///< mm between the feet, and from a foot to the strand below
 constexpr double same_level = 1e-4;  ///< mm; less is no rise and no fall
 constexpr double largest = 1e9;      ///< mm; what lies farther away is in no grid
@@ -105,7 +105,7 @@ std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double s
         if (beads[i].to[2] > channel.apex[2]) channel.apex = beads[i].to;
         channel.length += (beads[i].to - beads[i].from).norm();
       }
-      if (channel.apex[2] - std::max(channel.start[2], channel.end[2]) >= least_rise) found.push_back(channel);
+      if (channel.apex[2] - std::max(channel.start[2], channel.end[2]) >= min_rise) found.push_back(channel);
     }
     for (std::size_t i = begin; i < end; ++i) grid.insert(beads[i], static_cast<int>(i));
   }

@@ -57,7 +57,7 @@ bool KeyFile::exists() const { return fs::exists(path_); }
 
 std::vector<Key> KeyFile::read() const {
   if (!exists()) return {};
-  // Of a pipe, opening would wait for who writes to it; the file is looked at before it is read.
+  // To open a pipe would wait until somebody writes to it. Whether this is a regular file is looked at below.
   const OpenFile file(path_, O_RDONLY | O_NONBLOCK, "read");
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0) throw FileError("read", path_, errno);

@@ -24,7 +24,7 @@ TEST(SeededHash, SpreadsKeysThatWereChosenToMeet) {
   constexpr std::uint64_t buckets = 62233;
   std::vector<int> filled(buckets, 0);
   for (std::uint64_t k = 0; k < buckets; ++k) ++filled[SeededHash()(k * buckets) % buckets];
-  EXPECT_LT(*std::ranges::max_element(filled), 12);  // of a Poisson distribution of mean 1 one in 10^8 is as large
+  EXPECT_LT(*std::ranges::max_element(filled), 12);  // of a Poisson distribution of mean 1 one in 10^9 is as large
 }
 
 TEST(SeededHash, ChangesHalfOfItsBitsWithAnyBitOfAKey) {

@@ -13,7 +13,7 @@ namespace supple::design {
 /// The largest magnitude of a control point's coordinates.
 inline constexpr double largest_coordinate = 1e6;
 /// How far one x has to be beyond the one before it, as a share of the range of all.
-inline constexpr double least_share_of_range = 1e-9;
+inline constexpr double min_share_of_range = 1e-9;
 
 /// One profile that is wanted: a curve through control points, sampled by the solver.
 struct Target {
@@ -50,7 +50,7 @@ struct SampledTarget {
 double least_scale(Task task);
 
 /// Samples the curve through the control points. Throws "design.invalid_target" if a coordinate is beyond
-/// `largest_coordinate`, if x does not increase by `least_share_of_range` or spans a period of directions, if a strain
+/// `largest_coordinate`, if x does not increase by `min_share_of_range` or spans a period of directions, if a strain
 /// is beyond strain_limits, or if a list of weights or bands is not as long as the list of control points. Each detail
 /// names the place as the contract does, e.g. "target/control_points/3/0".
 SampledTarget sample_target(const Target& target);
