@@ -43,6 +43,11 @@ if(SUPPLE_GROUPED)
     target_compile_options(supple_options INTERFACE -Wno-subobject-linkage)
   endif()
 endif()
+if(SUPPLE_CHECK_PACE)
+  # The calls of a report have names then.
+  target_compile_definitions(supple_options INTERFACE SUPPLE_CHECK_PACE)
+  target_link_options(supple_options INTERFACE -rdynamic)
+endif()
 if(SUPPLE_SANITIZE)
   target_compile_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)

@@ -42,14 +42,15 @@ declare -A about=(
   [tidy]="clang-tidy, beside the parts from api on"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
   [hostile_asan]="hostile requests to a server under the address and undefined-behaviour sanitizers"
+  [pace]="API tests, hostile ones and extreme numbers, to a server that reports work of 50 ms without a look at its token"
   [tsan]="unit tests of rooms with threads under the thread sanitizer"
   [fuzz]="each fuzz target for its share of SUPPLE_FUZZ_SECONDS"
   [truth]="faults that are planted are found; random cases of every wing against independent oracles, over HTTP"
 )
-order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan tsan fuzz image packages reproducible truth)
+order=(changes arrows format single_files build unit stability python api docs deploy hostile web browser bench tidy asan hostile_asan pace tsan fuzz image packages reproducible truth)
 usual=(changes arrows format build unit stability python api docs deploy web)
 # Up to half an hour each: before a release, and after a change to what takes requests apart, to deploy/ or to what is installed.
-by_name_only=(single_files hostile_asan image packages reproducible truth)
+by_name_only=(single_files hostile_asan pace image packages reproducible truth)
 
 # Of --changed: what a part has to run, where that is not all of it.
 declare -A only
@@ -187,6 +188,13 @@ part_hostile_asan() {
   SUPPLE_BUILD="$PWD/build/asan-ubsan" SUPPLE_TEST_SLOWNESS=40 SUPPLE_TEST_SANITIZED=1 ASAN_OPTIONS=allocator_may_return_null=1 \
     UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
     "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py
+}
+# A report is a finding, in which the test of a server ends.
+part_pace() {
+  build_preset pace --target supple supple-server supple-helper make_test_model || return 1
+  SUPPLE_BUILD="$PWD/build/pace" "$python" -m pytest -q -p no:cacheprovider tests/api &&
+    SUPPLE_BUILD="$PWD/build/pace" "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py &&
+    SUPPLE_BUILD="$PWD/build/pace" "$python" tests/hostile/extremes.py --requests "${SUPPLE_PACE_REQUESTS:-5000}"
 }
 # One OpenMP thread: CHOLMOD's OpenMP runtime is not instrumented, so that its own ordering looks like races.
 part_tsan() { build_programs tsan tsan threaded_tests && OMP_THREAD_LIMIT=1 TSAN_OPTIONS="suppressions=$PWD/tests/tsan.supp second_deadlock_stack=1" \

@@ -32,8 +32,8 @@ SANITIZED = os.environ.get("SUPPLE_TEST_SANITIZED") == "1"
 START_SECONDS = 300.0 * SLOWNESS
 STOP_SECONDS = 300.0 * SLOWNESS
 """Long: on a busy machine a server is slow, and one that hangs is found all the same."""
-FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:")
-"""What sanitizers write, of the server or of a helper process."""
+FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:", "s of work without a look")
+"""What sanitizers and builds with SUPPLE_CHECK_PACE write, of the server or of a helper process."""
 
 
 def _has_terminals() -> bool:

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "supple/base/memory_account.h"
+#include "supple/base/watched_work.h"
 #ifdef SUPPLE_THREAD_SANITIZER
 #include <sanitizer/tsan_interface.h>
 #endif
@@ -66,6 +67,7 @@ void parallel_for(int n, const std::function<void(int)>& body) {
     tbb::parallel_for(0, n, [&](int i) {
       observe(&body);
       const MemoryAccount::Use use(account);
+      const WatchedWork watched;
       const PublishAtEnd part{&finished};
       body(i);
     });

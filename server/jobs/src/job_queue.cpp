@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "job.h"
+#include "supple/base/watched_work.h"
 #include "supple/budget/computation_memory.h"
 #include "supple/log/context.h"
 
@@ -170,6 +171,7 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
 }
 
 Result JobQueue::compute(const Computation& computation, const Execution& execution, Profile* profile) const {
+  const WatchedWork watched;
   if (!options_.memory) return computation.run(execution);
   budget::ComputationMemory memory(*options_.memory, execution.cancellation);
   struct NotePeak {

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <memory>
 
+#include "supple/base/watched_work.h"
+
 namespace supple {
 
 enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4 };
@@ -23,6 +25,7 @@ class CancellationToken {
   /// Throws Error "job.cancelled", "job.deadline_exceeded", "server.shutting_down" or "design.superseded" once a stop
   /// is requested.
   void throw_if_requested() const {
+    WatchedWork::looked();
     if (requested()) throw_stop();
   }
 
