@@ -34,7 +34,7 @@ std::vector<PointPair> near_pairs(const TriangleMesh& mesh, int n, double edges,
     const double angle = stream.uniform(0, 2 * std::numbers::pi);
     const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
     const Eigen::Vector3d tangent = edges * mesh.mean_edge_length() * (tangent_frame(mesh, from.face) * direction);
-    pairs.emplace_back(from, exponential_map(mesh, from, tangent, false).end);
+    pairs.emplace_back(from, exponential_map(mesh, from, tangent, {}, false).end);
   }
   return pairs;
 }

@@ -35,7 +35,7 @@ std::vector<SurfacePoint> extended(const GeodesicSolver& solver, const std::vect
   std::vector<SurfacePoint> points = to;
   for (std::size_t i = 0; i < to.size(); ++i)
     if (ways[i].distance > 0 && std::isfinite(ways[i].distance) && !surface::on_cone_tip(solver.mesh(), to[i]))
-      points[i] = surface::retract(solver.mesh(), to[i], times * ways[i].distance * ways[i].to_direction).end;
+      points[i] = surface::retract(solver.mesh(), to[i], times * ways[i].distance * ways[i].to_direction, {}).end;
   return points;
 }
 

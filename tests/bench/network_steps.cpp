@@ -49,7 +49,7 @@ std::vector<SurfacePoint> moved_a_little(const TriangleMesh& mesh, const std::ve
   for (const SurfacePoint& point : points) {
     const double angle = 2 * M_PI * random.uniform();
     const double way = small_way * mesh.mean_edge_length();
-    moved.push_back(surface::retract(mesh, point, way * Eigen::Vector2d(std::cos(angle), std::sin(angle))).end);
+    moved.push_back(surface::retract(mesh, point, way * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {}).end);
   }
   return moved;
 }

@@ -42,7 +42,7 @@ std::optional<TangentGeodesic> shortest_beside(const CutLocusContext& context, c
   const auto walk = [&](std::int32_t point, const Eigen::Vector2d& step) -> surface::Retraction {
     const surface::SurfacePoint& at = points[static_cast<std::size_t>(point)];
     if (step.isZero(0)) return {at, step};
-    return surface::retract(context.solver.mesh(), at, step);
+    return surface::retract(context.solver.mesh(), at, step, state.cancellation());
   };
   const surface::Retraction from = walk(locus.from, offset.head<2>());
   const surface::Retraction to = walk(locus.to, offset.tail<2>());

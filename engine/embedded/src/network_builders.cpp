@@ -108,7 +108,8 @@ class PoissonDisk {
       // Evenly over the area of the ring from one radius to two.
       const double length = radius_ * std::sqrt(1 + 3 * random_.uniform());
       const Eigen::Vector3d way = frame * (length * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-      const surface::ExponentialMap walked = surface::exponential_map(solver_.mesh(), centre, way, false);
+      const surface::ExponentialMap walked =
+          surface::exponential_map(solver_.mesh(), centre, way, execution_.cancellation, false);
       if (free(walked.end)) add(walked.end);
     }
   }

@@ -82,6 +82,9 @@ class NetworkState {
   NetworkState(std::shared_ptr<const surface::GeodesicSolver> surface, std::vector<surface::SurfacePoint> points,
                Eigen::VectorXd nodes);
 
+  void stop_with(const CancellationToken& cancellation) { points_.stop_with(cancellation); }
+  const CancellationToken& cancellation() const { return points_.cancellation(); }
+
   /// The surface as it is now.
   const surface::TriangleMesh& mesh() const { return surface_ ? surface_->mesh() : *mesh_; }
   /// The solver on a surface that gives way; null on a rigid one.

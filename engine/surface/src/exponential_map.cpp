@@ -11,6 +11,7 @@
 #include "halfedge_frame.h"
 #include "planar_cross.h"
 #include "supple/base/error.h"
+#include "supple/base/stop_pace.h"
 #include "triangle_area.h"
 
 namespace supple::surface {
@@ -222,7 +223,7 @@ double angle_in_face(const TriangleMesh& mesh, FaceId face, const Vector3d& vect
 }  // namespace
 
 ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& start, const Vector3d& tangent,
-                               bool record_trace, std::int64_t max_crossings) {
+                               const CancellationToken& cancellation, bool record_trace, std::int64_t max_crossings) {
   const SurfacePoint from = checked_point(mesh, start, "start");
   if (!tangent.allFinite() || !std::isfinite(tangent.norm())) {
     throw Error("exponential_map.non_finite", "The tangent vector is not finite.",
@@ -240,7 +241,9 @@ ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& sta
   auto [state, leaves_surface] = depart(mesh, from, start_frame * (in_face / asked));
   double remaining = asked;
   result.reached_boundary = leaves_surface;
+  StopPace pace(cancellation);
   for (std::int64_t crossings = 0; !result.reached_boundary; ++crossings) {
+    pace.look();
     if (crossings > max_crossings) {
       throw Error("exponential_map.too_long", "The path crosses more than " + std::to_string(max_crossings) + " edges.",
                   {{"tangent", "has length " + std::to_string(asked) + ", too long for the limit of " +

@@ -311,7 +311,8 @@ class Search {
     double best = mean_.history.back().objective * (1 - probe_gain);
     std::optional<SurfacePoint> lower;
     for (const auto& direction : spread_directions(mesh_, system_.state().point())) {
-      const ExponentialMap walked = exponential_map(mesh_, direction.vertex, probe_length() * direction.vector, false);
+      const ExponentialMap walked =
+          exponential_map(mesh_, direction.vertex, probe_length() * direction.vector, execution_.cancellation, false);
       const double value = term_->value_at(walked.end, execution_);
       if (value < best) {
         best = value;

@@ -16,6 +16,9 @@ class KarcherState {
   KarcherState(const TriangleMesh& mesh, const SurfacePoint& point)
       : mesh_(&mesh), point_(point), on_tip_(on_cone_tip(mesh, point)) {}
 
+  /// What moves look at on their way; without it nothing stops them.
+  void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
+
   const SurfacePoint& point() const { return point_; }
   bool on_tip() const { return on_tip_; }
 
@@ -33,6 +36,7 @@ class KarcherState {
 
  private:
   const TriangleMesh* mesh_;
+  CancellationToken cancellation_;
   SurfacePoint point_;
   bool on_tip_;
   double turn_ = 0;  ///< of the coordinates along the last move

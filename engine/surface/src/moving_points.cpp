@@ -41,7 +41,7 @@ Eigen::VectorXd MovingPoints::move(const TriangleMesh& mesh, const Eigen::Vector
     turns_[i] = 0;
     const Eigen::Vector2d own = step.segment<2>(row);
     if (own.isZero(0)) return;
-    const Retraction moved = retract(mesh, points_[i], own);
+    const Retraction moved = retract(mesh, points_[i], own, cancellation_);
     travelled.segment<2>(row) = moved.travelled;
     if (moved.isometric && on_tip_[i] == 0) turns_[i] = moved.turn;
     points_[i] = moved.end;

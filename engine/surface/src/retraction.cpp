@@ -17,14 +17,15 @@ double walked_share(const ExponentialMap& walked, double length) {
   return walked.reached_boundary && length > 0 ? std::min(1.0, walked.length / length) : 1.0;
 }
 
-Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen::Vector2d step) {
+Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen::Vector2d step,
+                            const CancellationToken& cancellation) {
   const VertexCone cone(mesh, vertex);
   if (cone.open()) step[1] = std::max(step[1], 0.0);
   double angle = std::atan2(step[1], step[0]);
   if (angle < 0) angle += 2 * pi;
   const double length = step.norm();
   const VertexCone::Direction direction = cone.direction(std::min(angle / cone_stretch(cone), cone.total_angle()));
-  const ExponentialMap walked = exponential_map(mesh, direction.vertex, length * direction.vector, false);
+  const ExponentialMap walked = exponential_map(mesh, direction.vertex, length * direction.vector, cancellation, false);
   return {walked.end, walked_share(walked, length) * step, 0, false};
 }
 
@@ -43,8 +44,10 @@ bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point) {
   return mesh.is_boundary(vertex) || std::abs(mesh.vertex_angle(vertex) - 2 * pi) > flat_angle;
 }
 
-Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step) {
-  if (on_cone_tip(mesh, point)) return retract_from_tip(mesh, mesh.faces()[index(point.face)][corner_of(point)], step);
+Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step,
+                   const CancellationToken& cancellation) {
+  if (on_cone_tip(mesh, point))
+    return retract_from_tip(mesh, mesh.faces()[index(point.face)][corner_of(point)], step, cancellation);
   const auto frame = tangent_frame(mesh, point.face);
   Eigen::Vector3d tangent = frame * step;
   bool slid = false;
@@ -60,7 +63,7 @@ Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Ei
       slid = true;
     }
   }
-  const ExponentialMap walked = exponential_map(mesh, point, tangent, false);
+  const ExponentialMap walked = exponential_map(mesh, point, tangent, cancellation, false);
   const double share = walked_share(walked, tangent.norm());
   const Eigen::Vector2d travelled = slid ? Eigen::Vector2d(share * (frame.transpose() * tangent)) : share * step;
   return {walked.end, travelled, walked.transport_angle, !slid && !on_cone_tip(mesh, walked.end)};

@@ -19,8 +19,10 @@ std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
 
 Eigen::VectorXd KarcherState::move(const Eigen::VectorXd& step) {
   const bool from_tip = on_tip_;
-  const Retraction moved = retract(*mesh_, point_, step);
-  *this = KarcherState(*mesh_, moved.end);
+  const Retraction moved = retract(*mesh_, point_, step, cancellation_);
+  point_ = moved.end;
+  on_tip_ = on_cone_tip(*mesh_, point_);
+  found_.reset();
   turn_ = moved.turn;
   isometric_ = moved.isometric && !from_tip;
   return moved.travelled;

@@ -35,6 +35,8 @@ class SitesState {
   SitesState(const surface::TriangleMesh& mesh, std::vector<surface::SurfacePoint> sites)
       : mesh_(&mesh), sites_(mesh, std::move(sites)) {}
 
+  void stop_with(const CancellationToken& cancellation) { sites_.stop_with(cancellation); }
+
   const surface::TriangleMesh& mesh() const { return *mesh_; }
   const surface::MovingPoints& sites() const { return sites_; }
 

@@ -17,7 +17,7 @@ store::Result compute(const json::ExponentialMapRequest& request, const store::L
   surface::ExponentialMap map;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "trace");
-    map = surface::exponential_map(mesh.mesh(), start, tangent, request.trace);
+    map = surface::exponential_map(mesh.mesh(), start, tangent, execution.cancellation, request.trace);
     tell_asked(execution, "trace", request.trace);
   });
   const Eigen::Vector2d within_face = surface::tangent_frame(mesh.mesh(), start.face).transpose() * tangent;

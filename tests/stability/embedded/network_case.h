@@ -128,7 +128,7 @@ class NetworkCase {
       const Eigen::Vector3d direction =
           surface::tangent_frame(*mesh, points[i].face) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       auto beside = points;
-      beside[i] = surface::exponential_map(*mesh, points[i], length * direction, false).end;
+      beside[i] = surface::exponential_map(*mesh, points[i], length * direction, {}, false).end;
       // The gradient that is left may lower it by this much, and rounding.
       const double slack = options.tolerance * weight * mesh->diagonal() * length + 1e-13 * here;
       EXPECT_GE(own_energy(beside), here - slack) << "point " << i << " direction " << k;

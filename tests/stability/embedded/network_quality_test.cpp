@@ -77,12 +77,13 @@ TEST(HardNetworks, RestsAtASaddleVertex) {
     const surface::VertexCone cone(*hard.mesh, 0);
     for (int k = 0; k < 3; ++k) {
       const auto direction = cone.direction((k + 0.1) / 3 * cone.total_angle());
-      hard.network.points.push_back(surface::exponential_map(*hard.mesh, direction.vertex, 0.7 * direction.vector).end);
+      hard.network.points.push_back(
+          surface::exponential_map(*hard.mesh, direction.vertex, 0.7 * direction.vector, {}).end);
       hard.network.springs.push_back({k, 3, 0, 1});
     }
     hard.network.fixed_points = {0, 1, 2};
     const auto aside = cone.direction(0.5);
-    hard.network.points.push_back(surface::exponential_map(*hard.mesh, aside.vertex, 0.2 * aside.vector).end);
+    hard.network.points.push_back(surface::exponential_map(*hard.mesh, aside.vertex, 0.2 * aside.vector, {}).end);
     const Relaxation relaxed = hard.solve();
     EXPECT_EQ(relaxed.at_vertices, std::vector<std::int32_t>{3}) << "angle " << angle << " pi";
   }
@@ -94,7 +95,8 @@ TEST(HardNetworks, SpringsThatPassASharpTip) {
   const surface::VertexCone cone(*hard.mesh, 0);
   for (int k = 0; k < 2; ++k) {
     const auto direction = cone.direction((k + 0.1) / 2 * cone.total_angle());
-    hard.network.points.push_back(surface::exponential_map(*hard.mesh, direction.vertex, 0.7 * direction.vector).end);
+    hard.network.points.push_back(
+        surface::exponential_map(*hard.mesh, direction.vertex, 0.7 * direction.vector, {}).end);
     hard.network.springs.push_back({k, 2, 0, 1});
   }
   hard.network.fixed_points = {0, 1};

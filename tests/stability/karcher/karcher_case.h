@@ -50,7 +50,7 @@ class KarcherCase {
         const Eigen::Vector3d direction =
             tangent_frame(*mesh, mean.mean.face) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
         const double length = radius * mesh->mean_edge_length();
-        const SurfacePoint beside = exponential_map(*mesh, mean.mean, length * direction, false).end;
+        const SurfacePoint beside = exponential_map(*mesh, mean.mean, length * direction, {}, false).end;
         EXPECT_GE(objective_at(beside), mean.objective - rounding) << "radius " << radius << " direction " << k;
       }
     }

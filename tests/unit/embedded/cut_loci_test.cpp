@@ -205,7 +205,7 @@ TEST(CutLoci, ThreePathsHoldAPointThatASpringPushesAsFarAsItCanGo) {
   for (int k = 0; k < 24; ++k) {
     const double angle = k * std::numbers::pi / 12;
     const SurfacePoint beside =
-        surface::retract(mesh, relaxed.points[1], 1e-4 * Eigen::Vector2d(std::cos(angle), std::sin(angle))).end;
+        surface::retract(mesh, relaxed.points[1], 1e-4 * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {}).end;
     EXPECT_LT(solver.distance(relaxed.points[0], beside), relaxed.springs[0].length) << k;
   }
 }

@@ -242,7 +242,7 @@ TEST(Membranes, ComeToRestWithPointsAtVertices) {
     for (int k = 0; k < 32; ++k) {
       const double angle = 2 * std::numbers::pi * k / 32;
       const auto moved =
-          surface::retract(mesh, relaxed.points[0], 1e-4 * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+          surface::retract(mesh, relaxed.points[0], 1e-4 * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {});
       EXPECT_GE(energy_at(moved.end), here - 1e-12) << seed << " direction " << k;
     }
   }

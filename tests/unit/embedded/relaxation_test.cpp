@@ -115,12 +115,12 @@ TEST(Relax, APointRestsAtASaddleVertexThatHoldsIt) {
   const surface::VertexCone cone(mesh, 0);
   for (int k = 0; k < 3; ++k) {
     const auto direction = cone.direction((k + 0.1) / 3 * cone.total_angle());
-    network.points.push_back(surface::exponential_map(mesh, direction.vertex, 0.7 * direction.vector).end);
+    network.points.push_back(surface::exponential_map(mesh, direction.vertex, 0.7 * direction.vector, {}).end);
     network.springs.push_back({k, 3, 0, 1});
   }
   network.fixed_points = {0, 1, 2};
   const auto aside = cone.direction(0.5);
-  network.points.push_back(surface::exponential_map(mesh, aside.vertex, 0.2 * aside.vector).end);
+  network.points.push_back(surface::exponential_map(mesh, aside.vertex, 0.2 * aside.vector, {}).end);
   const Relaxation relaxed = relax(solver, network);
   EXPECT_EQ(relaxed.stopped, "converged");
   EXPECT_EQ(relaxed.at_vertices, std::vector<std::int32_t>{3});

@@ -58,7 +58,7 @@ TEST(ExponentialMap, IsAStraightLineInThePlaneFromFacesEdgesAndVertices) {
       const double angle = stream.uniform(-pi, pi), length = stream.uniform(0, 8);
       const Vector3d vector(length * std::cos(angle), length * std::sin(angle), 0);
       const Vector3d from = position(mesh, start), wanted = from + vector;
-      const ExponentialMap map = exponential_map(mesh, start, vector);
+      const ExponentialMap map = exponential_map(mesh, start, vector, {});
       expect_sound(mesh, map, length);
       const bool ends_inside = wanted.head<2>().minCoeff() > 0 && wanted.head<2>().maxCoeff() < 20;
       ASSERT_EQ(map.reached_boundary, !ends_inside);
@@ -77,7 +77,7 @@ TEST(ExponentialMap, TransportsVectorsUnchangedInThePlane) {
   const Vector3d constant(0.6, -0.8, 0);
   for (int i = 0; i < 500; ++i) {
     const SurfacePoint start = any_point(mesh, i, stream);
-    const ExponentialMap map = exponential_map(mesh, start, random_tangent(mesh, start.face, 5, stream), false);
+    const ExponentialMap map = exponential_map(mesh, start, random_tangent(mesh, start.face, 5, stream), {}, false);
     if (map.length == 0) continue;
     const Vector2d before = tangent_frame(mesh, start.face).transpose() * constant;
     const Vector2d after = tangent_frame(mesh, map.end.face).transpose() * constant;
@@ -106,7 +106,7 @@ TEST(ExponentialMap, WindsRoundACylinderAsInItsDevelopment) {
     const Vector3d across = tangent_frame(mesh, start.face).col(0);
     const Vector3d horizontal = Vector3d(across[0], across[1], 0).normalized();
     const Vector3d tangent = length * (std::cos(angle) * horizontal + Vector3d(0, 0, std::sin(angle)));
-    const ExponentialMap map = exponential_map(mesh, start, tangent);
+    const ExponentialMap map = exponential_map(mesh, start, tangent, {});
     expect_sound(mesh, map, length);
     if (map.reached_boundary) continue;
     ++inside;
@@ -140,7 +140,7 @@ TEST(ExponentialMap, OnAConeFollowsItsDevelopment) {
       const Vector3d normal = frame.col(0).cross(frame.col(1));
       const Vector3d tangent = length * (std::cos(angle) * radial + std::sin(angle) * normal.cross(radial));
       const Vector2d wanted(radius + length * std::cos(angle), length * std::sin(angle));
-      const ExponentialMap map = exponential_map(mesh, start, tangent);
+      const ExponentialMap map = exponential_map(mesh, start, tangent, {});
       expect_sound(mesh, map, length);
       if (map.reached_boundary) continue;
       ++inside;
@@ -159,7 +159,7 @@ TEST(ExponentialMap, LeavesAVertexWithEqualAnglesOnBothSides) {
     const double sector = total / n;
     // Down the edge to rim vertex 1, through the apex, out along the opposite edge: rim vertex 1 + n / 2.
     const SurfacePoint on_edge{FaceId(0), {0.5, 0.5, 0}};
-    const ExponentialMap straight = exponential_map(mesh, on_edge, -0.75 * mesh.positions()[1]);
+    const ExponentialMap straight = exponential_map(mesh, on_edge, -0.75 * mesh.positions()[1], {});
     expect_sound(mesh, straight, 0.75);
     ASSERT_EQ(straight.trace.size(), 3u);
     EXPECT_EQ(straight.trace[1].vertex, VertexId(0));
@@ -174,7 +174,7 @@ TEST(ExponentialMap, LeavesAVertexWithEqualAnglesOnBothSides) {
                  second = std::cos(s * sector) - third * std::cos(sector);
     const SurfacePoint inside{FaceId(0), {1 - 0.5 * (second + third), 0.5 * second, 0.5 * third}};
     ASSERT_LT((position(mesh, inside) - 0.5 * towards).norm(), 1e-15);
-    const ExponentialMap bent = exponential_map(mesh, inside, -0.75 * towards);
+    const ExponentialMap bent = exponential_map(mesh, inside, -0.75 * towards, {});
     expect_sound(mesh, bent, 0.75);
     EXPECT_EQ(bent.trace.at(1).vertex, VertexId(0));
     EXPECT_EQ(bent.end.face, FaceId(n / 2));
@@ -194,7 +194,8 @@ TEST(ExponentialMap, FromAVertexTurnsFromTheNearerSideOfTheFace) {
     ASSERT_EQ(mesh.faces()[3][0], 0);
     for (const double off_bisector : {-pi + 0.1, -2.0, -0.4, 0.0, 0.3, 2.0, pi - 0.1}) {
       const double angle = sector / 2 + off_bisector;
-      const ExponentialMap map = exponential_map(mesh, apex, frame * Vector2d(std::cos(angle), std::sin(angle)) / 2);
+      const ExponentialMap map =
+          exponential_map(mesh, apex, frame * Vector2d(std::cos(angle), std::sin(angle)) / 2, {});
       expect_sound(mesh, map, 0.5);
       const Vector3d rim = mesh.positions()[1 + index(map.end.face)], end = position(mesh, map.end);
       const double polar = index(map.end.face) * sector + std::atan2(rim.cross(end).norm(), rim.dot(end));
@@ -207,11 +208,11 @@ TEST(ExponentialMap, FromAVertexTurnsFromTheNearerSideOfTheFace) {
 TEST(ExponentialMap, RunsAlongEdgesThroughManyVertices) {
   const TriangleMesh mesh = testing::flat_grid(30, 30);
   const ExponentialMap diagonal =
-      exponential_map(mesh, vertex_point(mesh, VertexId(0)), Vector3d(30.5, 30.5, 0) / 1.25);
+      exponential_map(mesh, vertex_point(mesh, VertexId(0)), Vector3d(30.5, 30.5, 0) / 1.25, {});
   EXPECT_LT((position(mesh, diagonal.end) - Vector3d(24.4, 24.4, 0)).norm(), 1e-13);
   ASSERT_EQ(diagonal.trace.size(), 26u);
   for (int i = 0; i <= 24; ++i) EXPECT_EQ(diagonal.trace[i].vertex, VertexId(i * 31 + i));
-  const ExponentialMap row = exponential_map(mesh, vertex_point(mesh, VertexId(5 * 31 + 2)), Vector3d(20, 0, 0));
+  const ExponentialMap row = exponential_map(mesh, vertex_point(mesh, VertexId(5 * 31 + 2)), Vector3d(20, 0, 0), {});
   EXPECT_EQ(row.trace.size(), 21u);
   EXPECT_EQ(row.trace.back().vertex, VertexId(5 * 31 + 22));
 }
@@ -220,7 +221,7 @@ TEST(ExponentialMap, StopsAtTheBoundary) {
   const TriangleMesh mesh = testing::flat_grid(4, 4);
   const SurfacePoint start{FaceId(0), Vector3d(0.5, 0.25, 0.25)};
   const Vector3d from = position(mesh, start);
-  const ExponentialMap map = exponential_map(mesh, start, Vector3d(0, 100, 0));
+  const ExponentialMap map = exponential_map(mesh, start, Vector3d(0, 100, 0), {});
   EXPECT_TRUE(map.reached_boundary);
   EXPECT_NEAR(map.length, 4 - from[1], 1e-14);
   EXPECT_LT((position(mesh, map.end) - Vector3d(from[0], 4, 0)).norm(), 1e-14);
@@ -244,16 +245,16 @@ TEST(ExponentialMap, FromTheBoundaryGoesInwardAlongOrNowhere) {
   ASSERT_EQ(starts.size(), 2u);
   for (const SurfacePoint& start : starts) {
     const Vector3d from = position(mesh, start);
-    const ExponentialMap inward = exponential_map(mesh, start, Vector3d(0.7, 1.3, 0));
+    const ExponentialMap inward = exponential_map(mesh, start, Vector3d(0.7, 1.3, 0), {});
     EXPECT_FALSE(inward.reached_boundary);
     EXPECT_LT((position(mesh, inward.end) - from - Vector3d(0.7, 1.3, 0)).norm(), 1e-14);
 
-    const ExponentialMap outward = exponential_map(mesh, start, Vector3d(0.5, -0.5, 0));
+    const ExponentialMap outward = exponential_map(mesh, start, Vector3d(0.5, -0.5, 0), {});
     EXPECT_TRUE(outward.reached_boundary);
     EXPECT_EQ(outward.length, 0);
     EXPECT_EQ(position(mesh, outward.end), from);
 
-    const ExponentialMap along = exponential_map(mesh, start, Vector3d(0.25, 0, 0));
+    const ExponentialMap along = exponential_map(mesh, start, Vector3d(0.25, 0, 0), {});
     EXPECT_FALSE(along.reached_boundary);
     EXPECT_LT((position(mesh, along.end) - from - Vector3d(0.25, 0, 0)).norm(), 1e-15);
   }
@@ -277,9 +278,9 @@ TEST(ExponentialMap, TheReversedPathReturnsToItsStart) {
     for (int i = 0; i < 400; ++i) {
       // Not from vertices: coming back to a vertex inside the surface ends there in any direction.
       const SurfacePoint start = any_point(mesh, i % 3, stream);
-      const ExponentialMap there = exponential_map(mesh, start, random_tangent(mesh, start.face, length, stream));
+      const ExponentialMap there = exponential_map(mesh, start, random_tangent(mesh, start.face, length, stream), {});
       expect_sound(mesh, there, length);
-      const ExponentialMap back = exponential_map(mesh, there.end, -there.length * there.end_direction);
+      const ExponentialMap back = exponential_map(mesh, there.end, -there.length * there.end_direction, {});
       if (there.reached_boundary) continue;
       ++returned;
       EXPECT_LT((position(mesh, back.end) - position(mesh, start)).norm(), 1e-10);
@@ -312,7 +313,7 @@ TEST(ExponentialMap, PassesHardSliversInAnyDirection) {
     const SurfacePoint start = any_point(mesh, i, stream);
     const double angle = stream.uniform(-pi, pi), length = stream.uniform(0, 3);
     const Vector3d vector(length * std::cos(angle), length * std::sin(angle), 0);
-    const ExponentialMap map = exponential_map(mesh, start, vector, true, 1000);
+    const ExponentialMap map = exponential_map(mesh, start, vector, {}, true, 1000);
     expect_sound(mesh, map, length);
     if (map.reached_boundary || map.length == 0) continue;
     // The slivers' corners are known to 1e-16 / 1e-12 only, and a direction through one turns by as much.
@@ -325,8 +326,8 @@ TEST(ExponentialMap, IgnoresThePartOfTheVectorAcrossTheFace) {
   const SurfacePoint start{FaceId(7), Vector3d(0.3, 0.3, 0.4)};
   const auto frame = tangent_frame(mesh, start.face);
   const Vector3d tangent = frame * Vector2d(0.8, 0.3), normal = frame.col(0).cross(frame.col(1));
-  const ExponentialMap a = exponential_map(mesh, start, tangent),
-                       b = exponential_map(mesh, start, tangent + 5 * normal);
+  const ExponentialMap a = exponential_map(mesh, start, tangent, {}),
+                       b = exponential_map(mesh, start, tangent + 5 * normal, {});
   EXPECT_LT((position(mesh, a.end) - position(mesh, b.end)).norm(), 1e-14);
   EXPECT_NEAR(b.length, tangent.norm(), 1e-14);
 }
@@ -334,7 +335,7 @@ TEST(ExponentialMap, IgnoresThePartOfTheVectorAcrossTheFace) {
 TEST(ExponentialMap, OfZeroIsTheStart) {
   const TriangleMesh mesh = testing::icosphere(1);
   const SurfacePoint start{FaceId(3), Vector3d(0.2, 0.3, 0.5)};
-  const ExponentialMap map = exponential_map(mesh, start, Vector3d::Zero());
+  const ExponentialMap map = exponential_map(mesh, start, Vector3d::Zero(), {});
   EXPECT_EQ(map.end.face, start.face);
   EXPECT_EQ(map.end.barycentric, start.barycentric);
   EXPECT_EQ(map.length, 0);
@@ -347,8 +348,8 @@ TEST(ExponentialMap, WritesNoTraceUnlessAsked) {
   const TriangleMesh mesh = testing::icosphere(2);
   const SurfacePoint start{FaceId(3), Vector3d(0.2, 0.3, 0.5)};
   const Vector3d tangent = tangent_frame(mesh, start.face).col(0);
-  const ExponentialMap with = exponential_map(mesh, start, tangent),
-                       without = exponential_map(mesh, start, tangent, false);
+  const ExponentialMap with = exponential_map(mesh, start, tangent, {}),
+                       without = exponential_map(mesh, start, tangent, {}, false);
   EXPECT_GT(with.trace.size(), 2u);
   EXPECT_TRUE(without.trace.empty());
   EXPECT_EQ(with.end.barycentric, without.end.barycentric);
@@ -358,10 +359,10 @@ TEST(ExponentialMap, RefusesVectorsThatAreNotFiniteOrTooLong) {
   const TriangleMesh mesh = testing::icosphere(2);
   const SurfacePoint start{FaceId(0), Vector3d(0.2, 0.3, 0.5)};
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {0, nan, 0}); });
-  expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {1e300, 1e300, 1e300}); });
-  expect_error("exponential_map.too_long", [&] { exponential_map(mesh, start, {1e30, 0, 0}, false, 1000); });
-  expect_error("point.outside_face", [&] { exponential_map(mesh, {FaceId(0), {2, -1, 0}}, {1, 0, 0}); });
+  expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {0, nan, 0}, {}); });
+  expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {1e300, 1e300, 1e300}, {}); });
+  expect_error("exponential_map.too_long", [&] { exponential_map(mesh, start, {1e30, 0, 0}, {}, false, 1000); });
+  expect_error("point.outside_face", [&] { exponential_map(mesh, {FaceId(0), {2, -1, 0}}, {1, 0, 0}, {}); });
 }
 
 }  // namespace

@@ -254,7 +254,7 @@ TEST(GeodesicDistance, IsTheSameWithALandmarkAndNeedsFewerWindowsOnAShapeThatWin
     for (int i = 0; i < 30; ++i) {
       const SurfacePoint a = testing::random_point(*mesh, stream);
       const SurfacePoint b = i % 3 ? testing::random_point(*mesh, stream) : testing::random_vertex_point(*mesh, stream);
-      const SurfacePoint near = exponential_map(*mesh, b, {0.1, 0.05, 0.02}).end;
+      const SurfacePoint near = exponential_map(*mesh, b, {0.1, 0.05, 0.02}, {}).end;
       const GeodesicField field = solver.field({&near, 1});
       const PairHints hints{nullptr, &field, solver.distance(near, b)};
       const double d = solver.geodesic(a, b, {}, {.cost = &plain}).distance;

@@ -111,7 +111,7 @@ class GeodesicOracle : public ::testing::TestWithParam<Shape> {
     const double length = stream_.uniform(0.01, 3) * mesh_->mean_edge_length();
     const Eigen::Vector3d tangent =
         tangent_frame(*mesh_, point.face) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    return exponential_map(*mesh_, point, length * tangent, false).end;
+    return exponential_map(*mesh_, point, length * tangent, {}, false).end;
   }
 
   GeodesicField kept_field(const SurfacePoint& source) const {

@@ -111,7 +111,7 @@ TEST(KarcherMean, IsALocalMinimumOfTheObjective) {
     const auto frame = tangent_frame(*scene.mesh, mean.mean.face);
     for (int k = 0; k < 12; ++k) {
       const Eigen::Vector3d tangent = 1e-4 * (frame * Eigen::Vector2d(std::cos(k), std::sin(k)));
-      const SurfacePoint beside = exponential_map(*scene.mesh, mean.mean, tangent).end;
+      const SurfacePoint beside = exponential_map(*scene.mesh, mean.mean, tangent, {}).end;
       EXPECT_GT(objective_at(scene.solver, problem, beside), mean.objective) << trial;
     }
   }

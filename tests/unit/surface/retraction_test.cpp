@@ -21,8 +21,8 @@ TEST(Retraction, WalksTheStraightestPathAndTurnsCoordinatesAlongIt) {
   for (int trial = 0; trial < 50; ++trial) {
     const SurfacePoint p = testing::random_point(mesh, random);
     const Eigen::Vector2d step(random.uniform(-1, 1), random.uniform(-1, 1));
-    const Retraction moved = retract(mesh, p, step);
-    const ExponentialMap walked = exponential_map(mesh, p, tangent_frame(mesh, p.face) * step);
+    const Retraction moved = retract(mesh, p, step, {});
+    const ExponentialMap walked = exponential_map(mesh, p, tangent_frame(mesh, p.face) * step, {});
     EXPECT_LT((position(mesh, moved.end) - position(mesh, walked.end)).norm(), 1e-14);
     EXPECT_EQ(moved.travelled, step);
     EXPECT_TRUE(moved.isometric);
@@ -48,14 +48,14 @@ TEST(Retraction, SlidesAlongABoundaryThatTheStepLeadsOver) {
     }
   ASSERT_LT((position(mesh, p) - Eigen::Vector3d(1.5, 0, 0)).norm(), 1e-15);
   const auto frame = tangent_frame(mesh, p.face);
-  const Retraction slid = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.4, -3, 0));
+  const Retraction slid = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.4, -3, 0), {});
   EXPECT_LT((position(mesh, slid.end) - Eigen::Vector3d(1.9, 0, 0)).norm(), 1e-13);
   EXPECT_LT((frame * slid.travelled - Eigen::Vector3d(0.4, 0, 0)).norm(), 1e-13);
   EXPECT_FALSE(slid.isometric);
-  const Retraction far = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.7, -3, 0));
+  const Retraction far = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.7, -3, 0), {});
   EXPECT_LT((position(mesh, far.end) - Eigen::Vector3d(2, 0, 0)).norm(), 1e-13) << "a slide ends at the next vertex";
   EXPECT_LT((frame * far.travelled - Eigen::Vector3d(0.5, 0, 0)).norm(), 1e-13);
-  const Retraction inward = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.3, 8, 0));
+  const Retraction inward = retract(mesh, p, frame.transpose() * Eigen::Vector3d(0.3, 8, 0), {});
   EXPECT_LT((position(mesh, inward.end) - Eigen::Vector3d(1.65, 4, 0)).norm(), 1e-13) << "the far side stops it";
   EXPECT_LT((frame * inward.travelled - Eigen::Vector3d(0.15, 4, 0)).norm(), 1e-13);
 }
@@ -70,7 +70,7 @@ TEST(Retraction, LeavesATipInTheDirectionThatItsCoordinatesMean) {
       const double angle = total * (k + 0.4) / 40;
       const Eigen::Vector2d direction = cone_coordinates(cone, angle);
       EXPECT_NEAR(direction.norm(), 1, 1e-15);
-      const Retraction moved = retract(mesh, apex, 0.2 * direction);
+      const Retraction moved = retract(mesh, apex, 0.2 * direction, {});
       EXPECT_NEAR((position(mesh, moved.end) - mesh.positions()[0]).norm(), 0.2, 1e-13);
       EXPECT_NEAR(cone.angle_to(moved.end), angle, 1e-12);
       EXPECT_LT((moved.travelled - 0.2 * direction).norm(), 1e-16);
@@ -86,16 +86,16 @@ TEST(Retraction, FromABoundaryVertexStaysOnTheSurface) {
     const VertexCone cone(mesh, v);
     const SurfacePoint point = vertex_point(mesh, VertexId{v});
     const double half = cone.total_angle() / 2;
-    const Retraction inside = retract(mesh, point, 0.1 * cone_coordinates(cone, half));
+    const Retraction inside = retract(mesh, point, 0.1 * cone_coordinates(cone, half), {});
     EXPECT_NEAR(cone.angle_to(inside.end), half, 1e-12);
     // Steps over the boundary slide along it, either way, by their part along it.
-    const Retraction first = retract(mesh, point, {0.1, -5});
+    const Retraction first = retract(mesh, point, {0.1, -5}, {});
     EXPECT_NEAR(cone.angle_to(first.end), 0, 1e-12);
     EXPECT_LT((first.travelled - Eigen::Vector2d(0.1, 0)).norm(), 1e-15);
-    const Retraction last = retract(mesh, point, {-0.1, -5});
+    const Retraction last = retract(mesh, point, {-0.1, -5}, {});
     EXPECT_NEAR(cone.angle_to(last.end), cone.total_angle(), 1e-12);
     EXPECT_LT((last.travelled - Eigen::Vector2d(-0.1, 0)).norm(), 1e-15);
-    const Retraction nowhere = retract(mesh, point, {0, -5});
+    const Retraction nowhere = retract(mesh, point, {0, -5}, {});
     EXPECT_EQ(nowhere.travelled, Eigen::Vector2d::Zero());
   }
 }

@@ -41,7 +41,7 @@ std::vector<PointPair> near_pairs(const TriangleMesh& mesh, int count, double re
     const double length = reach * mesh.mean_edge_length() * random.uniform();
     const double angle = 6.283185307179586 * random.uniform();
     const Eigen::Vector2d step = length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    pairs.push_back({from, retract(mesh, from, step).end, nullptr});
+    pairs.push_back({from, retract(mesh, from, step, {}).end, nullptr});
   }
   return pairs;
 }
@@ -77,8 +77,8 @@ TEST(TangentGeodesics, GoOnStraightWhereTheirEndsMoveALittle) {
       if (before.distance < 0.1 * edge || std::min(before.first_length, before.last_length) < 0.1 * edge) continue;
       Eigen::Vector4d step;
       for (double& own : step) own = 1e-4 * edge * random.uniform(-1, 1);
-      const Retraction from = retract(mesh, pair.from, step.head<2>());
-      const Retraction to = retract(mesh, pair.to, step.tail<2>());
+      const Retraction from = retract(mesh, pair.from, step.head<2>(), {});
+      const Retraction to = retract(mesh, pair.to, step.tail<2>(), {});
       if (!from.isometric || !to.isometric) continue;
       const PointPair moved{from.end, to.end};
       solver.tangent_geodesics({&moved, 1}, {&after, 1}, false);
@@ -127,8 +127,8 @@ TEST(TangentGeodesics, KeptStripsNeverChangeTheAnswerWhilePointsMove) {
     for (int step = 0; step < 8; ++step) {
       const double length = (step % 2 == 0 ? 0.05 : 0.7) * mesh.mean_edge_length();
       for (PointPair& pair : pairs) {
-        pair.from = retract(mesh, pair.from, length * Eigen::Vector2d(random.normal(), random.normal())).end;
-        pair.to = retract(mesh, pair.to, length * Eigen::Vector2d(random.normal(), random.normal())).end;
+        pair.from = retract(mesh, pair.from, length * Eigen::Vector2d(random.normal(), random.normal()), {}).end;
+        pair.to = retract(mesh, pair.to, length * Eigen::Vector2d(random.normal(), random.normal()), {}).end;
       }
       solver.tangent_geodesics(pairs, found, true);
       expect_same_as_searches(solver, pairs, found, name);

@@ -58,7 +58,7 @@ TEST(VertexCone, ADirectionLeadsToAPointThatIsSeenUnderItsAngle) {
       const double angle = cone.total_angle() * (k + 0.3) / 50;
       const auto direction = cone.direction(angle);
       EXPECT_NEAR(direction.vector.norm(), 1, 1e-14);
-      const ExponentialMap walked = exponential_map(mesh, direction.vertex, 0.1 * direction.vector);
+      const ExponentialMap walked = exponential_map(mesh, direction.vertex, 0.1 * direction.vector, {});
       EXPECT_NEAR(cone.angle_to(walked.end), angle, 1e-10);
     }
   }

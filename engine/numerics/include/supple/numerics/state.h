@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "supple/base/cancellation.h"
+
 namespace supple::numerics {
 
 /// The unknowns of a scene: a point of a manifold, with the frame in which tangent vectors and derivatives are written
@@ -34,6 +36,12 @@ template <class S>
 concept Retractable = requires(S state, const S& from, double share) {
   /// Moves to the point at this share of the straight way from `from`.
   state.go_back(from, share);
+};
+
+/// A state whose moves may take long, and look at a token on their way. Copies look at it too.
+template <class S>
+concept Stoppable = requires(S state, const CancellationToken& cancellation) {
+  state.stop_with(cancellation);
 };
 
 /// A point of a vector space: steps are added, and the frame is always the same.

@@ -42,6 +42,7 @@ class System : public Objective {
         unknowns_(std::move(unknowns)),
         options_(std::move(options)),
         sums_(options_.sums ? options_.sums : std::make_shared<EnergySum>()) {
+    if constexpr (Stoppable<S>) state_.stop_with(options_.execution.cancellation);
     if (!options_.sums) sums_->hessian = HessianEntries(unknowns_.numbering());
     keeps_tried_ = std::ranges::any_of(terms_, [](const auto& term) { return term->has_kinks(); });
   }
@@ -53,6 +54,7 @@ class System : public Objective {
   void set_state(S state) {
     trial_.reset();
     state_ = std::move(state);
+    if constexpr (Stoppable<S>) state_.stop_with(options_.execution.cancellation);
     framed_ = false;
     forget();
     forget_trials();

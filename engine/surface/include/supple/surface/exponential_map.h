@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/surface/geodesic.h"
 
 namespace supple::surface {
@@ -23,8 +24,9 @@ struct ExponentialMap {
 /// length. It is a vector in space, of which only the part within the start's face counts. Across an edge the faces are
 /// unfolded. The path leaves a vertex with equal angles on both sides. At a boundary it stops and says so. A start on
 /// an edge or a vertex first finds the face that the direction points into. Throws "exponential_map.non_finite" and
-/// "exponential_map.too_long" (more than `max_crossings` edges). O(edges crossed).
+/// "exponential_map.too_long" (more than `max_crossings` edges), and what the token does. O(edges crossed).
 ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& tangent,
-                               bool record_trace = true, std::int64_t max_crossings = 10'000'000);
+                               const CancellationToken& cancellation, bool record_trace = true,
+                               std::int64_t max_crossings = 10'000'000);
 
 }  // namespace supple::surface

@@ -15,6 +15,10 @@ class MovingPoints {
   MovingPoints() = default;
   MovingPoints(const TriangleMesh& mesh, std::vector<SurfacePoint> points);
 
+  /// What moves look at on their way; without it nothing stops them.
+  void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
+  const CancellationToken& cancellation() const { return cancellation_; }
+
   const std::vector<SurfacePoint>& points() const { return points_; }
   bool on_tip(std::size_t point) const { return on_tip_[point] != 0; }
   /// The vertex at which a point on a tip lies.
@@ -26,6 +30,7 @@ class MovingPoints {
   Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
   /// Moves each point along its own straightest path, in parallel. A boundary stops only the point that meets it.
   /// `step` has at least dimension() entries, of which the first belong to the points. Returns the step that was made.
+  /// Throws what exponential_map throws; then the points are somewhere on their ways.
   Eigen::VectorXd move(const TriangleMesh& mesh, const Eigen::VectorXd& step);
   /// Turns each point's part of a tangent vector in the way in which its last move turned the coordinates. A move to or
   /// from a tip has no transport. There the coordinates stay as they are, which is an isometry too, so that one point
@@ -38,6 +43,7 @@ class MovingPoints {
   void look_at(const TriangleMesh& mesh);
 
  private:
+  CancellationToken cancellation_;
   std::vector<SurfacePoint> points_;
   std::vector<std::uint8_t> on_tip_;
   std::vector<double> turns_;  ///< of each point's coordinates along the last move

@@ -28,6 +28,7 @@ struct Retraction {
 /// Moves a point by a step of two tangent coordinates: of tangent_frame of its face, or, on a tip, of cone_coordinates.
 /// It walks the straightest path. A step out of the surface at a boundary slides along it to the next vertex at most; a
 /// path that meets the boundary ends there. O(edges crossed). Throws what exponential_map throws.
-Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step);
+Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step,
+                   const CancellationToken& cancellation);
 
 }  // namespace supple::surface
