@@ -1,6 +1,8 @@
 // How windows pass through a face: the inner loop of the search.
 #include <Eigen/Geometry>
+#include <algorithm>
 
+#include "supple/base/stop_pace.h"
 #include "window_search.h"
 
 namespace supple::surface {
@@ -13,6 +15,8 @@ constexpr double kApexTolerance = 1e-9;
 constexpr double kCancelled = 1e-4;
 /// Neighbouring windows that overlap by less, relative to the edge, only touch up to rounding: not worth trimming.
 constexpr double kTouching = 1e-9;
+/// More windows than this at an edge are not compared each with each.
+constexpr std::size_t kManyWindows = 64;
 /// A ray to the apex that leaves its window by less, relative to the edge, is straight up to rounding.
 constexpr double kStraight = 1e-13;
 
@@ -180,6 +184,34 @@ void WindowSearch::propagate(const Window& w, const Entrance& entrance, Exit& le
   }
 }
 
+// Of windows that begin at one place, as all windows of sources in one face do, that whose source is farther along the
+// edge has the later part of what both would have. Windows of which nothing is left are compared with no further ones.
+void WindowSearch::trim_many(double touching) {
+  StopPace pace(*cancellation_);
+  sort_stoppably(batch_, *cancellation_, [this](std::int32_t i, std::int32_t j) {
+    const Window& a = pool_[i];
+    const Window& b = pool_[j];
+    if (a.b0 != b.b0) return a.b0 < b.b0;
+    return a.source_x != b.source_x ? a.source_x < b.source_x : i < j;
+  });
+  const auto is_lost = [this](std::int32_t i) { return !(pool_[i].b1 > pool_[i].b0); };
+  left_.clear();
+  for (const std::int32_t i : batch_) {
+    Window& window = pool_[i];
+    std::size_t compared = left_.size();
+    while (compared > 0 && !is_lost(i)) {
+      pace.look();
+      Window& before = pool_[left_[compared - 1]];
+      if (before.b1 <= window.b0 + touching) break;
+      trim_to_envelope(before, window);
+      --compared;
+    }
+    left_.erase(std::remove_if(left_.begin() + static_cast<std::ptrdiff_t>(compared), left_.end(), is_lost),
+                left_.end());
+    if (!is_lost(i)) left_.push_back(i);
+  }
+}
+
 void WindowSearch::process(std::int32_t h) {
   HalfedgeRecord& record = halfedges_[h];
   const EdgeFrame& frame = mesh_->frames[h];
@@ -189,7 +221,7 @@ void WindowSearch::process(std::int32_t h) {
   for (std::int32_t i = record.pending; i >= 0; i = pool_[i].link) {
     const double b0 = pool_[i].b0;
     batch_.push_back(i);
-    if (b0 >= last) {
+    if (b0 >= last || batch_.size() > kManyWindows) {
       last = b0;
       continue;
     }
@@ -201,18 +233,23 @@ void WindowSearch::process(std::int32_t h) {
     batch_[place] = i;
   }
   record.pending = -1;
-  const double least_width = kLeastWidth * frame.length;
+  const bool are_many = batch_.size() > kManyWindows;
   const double touching = kTouching * frame.length;
-  for (std::size_t i = 1; i < batch_.size(); ++i) {
-    Window& window = pool_[batch_[i]];
-    for (std::size_t j = i; j-- > 0;) {
-      Window& before = pool_[batch_[j]];
-      if (before.b1 <= before.b0) continue;
-      if (before.b1 <= window.b0 + touching) break;
-      trim_to_envelope(before, window);
-      if (window.b1 <= window.b0) break;
+  if (are_many) {
+    trim_many(touching);
+  } else {
+    for (std::size_t i = 1; i < batch_.size(); ++i) {
+      Window& window = pool_[batch_[i]];
+      for (std::size_t j = i; j-- > 0;) {
+        Window& before = pool_[batch_[j]];
+        if (before.b1 <= before.b0) continue;
+        if (before.b1 <= window.b0 + touching) break;
+        trim_to_envelope(before, window);
+        if (window.b1 <= window.b0) break;
+      }
     }
   }
+  const double least_width = kLeastWidth * frame.length;
   Exit left = exit_towards(frame.left, frame.tail, frame.apex, frame.left_length, frame.left_direction());
   Exit right = exit_towards(frame.right, frame.apex, frame.head, frame.right_length, frame.right_direction());
   const Entrance entrance{h, frame.apex, frame.length, frame.apex_x(), frame.apex_y};
@@ -221,6 +258,7 @@ void WindowSearch::process(std::int32_t h) {
   const bool has_targets = !targets_.empty() && faces_[TriangleMesh::face_of(h)].epoch == epoch_;
   // From the last to the first, so that the children's lists, which grow at the front, come out in order.
   for (std::size_t place = batch_.size(); place-- > 0;) {
+    if (are_many && place % kManyWindows == 0) cancellation_->throw_if_requested();
     const std::int32_t i = batch_[place];
     const Window& window = pool_[i];
     if (!(window.b1 - window.b0 > least_width)) {

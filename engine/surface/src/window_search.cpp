@@ -1,5 +1,7 @@
 #include "window_search.h"
 
+#include "supple/base/stop_pace.h"
+
 namespace supple::surface {
 namespace {
 
@@ -150,8 +152,13 @@ bool WindowSearch::settled() {
 
 void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTarget> targets,
                        const SearchSettings& settings, const Execution& execution) {
+  cancellation_ = &execution.cancellation;
   start(sources, targets, settings);
-  for (std::size_t i = 0; i < sources_.size(); ++i) emit_from_source(static_cast<std::int32_t>(i));
+  StopPace pace(execution.cancellation);
+  for (std::size_t i = 0; i < sources_.size(); ++i) {
+    pace.look();
+    emit_from_source(static_cast<std::int32_t>(i));
+  }
   std::int32_t item = 0;
   BucketQueue::Bucket bucket = 0;
   BucketQueue::Bucket checked = -1;

@@ -259,6 +259,9 @@ class WindowSearch {
   void queue_halfedge(std::int32_t h, HalfedgeRecord& record, double key);
 
   void process(std::int32_t h);
+  /// Sorts the windows of the batch by where they begin, and cuts each to where it is the shortest: O(n log n), also
+  /// where all overlap.
+  void trim_many(double touching);
   /// A trail with room for turns after those of a full one, which goes into the list.
   Trail continued(Trail full);
   /// The edge that a batch of windows enters a face by, and the corner opposite: a copy of what the frame says, which
@@ -346,7 +349,9 @@ class WindowSearch {
   std::size_t uncertain_ = 0;                              ///< the targets before this one are certain
   Eigen::Vector3d goal_corner_ = Eigen::Vector3d::Zero();  ///< the corner of its face that the goal lies nearest to
   Eigen::Vector3d goal_offset_ = Eigen::Vector3d::Zero();  ///< of the goal from that corner
+  const CancellationToken* cancellation_ = nullptr;        ///< of the run
   std::vector<std::int32_t> batch_;
+  std::vector<std::int32_t> left_;  ///< of the batch, while many are trimmed
   std::int64_t windows_created_ = 0;
   std::int64_t batches_ = 0;
   std::int64_t vertices_reached_ = 0;
