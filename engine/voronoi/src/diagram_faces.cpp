@@ -35,6 +35,8 @@ constexpr std::int32_t least_tasks = 16;
 }  // namespace
 
 struct DiagramFaces::Workspace {
+  explicit Workspace(const CancellationToken& cancellation) : distances(cancellation) {}
+
   FaceDistances distances;
   Active active;
   Active kept;
@@ -43,8 +45,11 @@ struct DiagramFaces::Workspace {
 /// Cuts faces one after the other.
 class DiagramFaces::Task {
  public:
-  Task(DiagramFaces& faces, const Source& source)
-      : faces_(faces), source_(source), pulls_(faces.mesh(), source.field, source.sites, work_.distances) {}
+  Task(DiagramFaces& faces, const Source& source, const CancellationToken& cancellation)
+      : faces_(faces),
+        source_(source),
+        work_(cancellation),
+        pulls_(faces.mesh(), source.field, source.sites, work_.distances) {}
 
   /// Tells whether the face may be cut, and cuts the sides that it owns and `takes` says yes to.
   template <typename Takes>
@@ -313,7 +318,7 @@ void DiagramFaces::cut(const std::vector<std::int32_t>& faces, const std::vector
   const std::int32_t of_a_task = std::clamp(count / least_tasks, 1, most_faces_of_a_task);
   const auto for_faces = [&](const auto& body) {
     parallel_tasks((count + of_a_task - 1) / of_a_task, quiet, "cells", [&](int number, const Execution& /*own*/) {
-      Task task(*this, source);
+      Task task(*this, source, execution.cancellation);
       const std::int32_t begin = number * of_a_task;
       for (std::int32_t i = begin; i < std::min(count, begin + of_a_task); ++i)
         body(task, faces[static_cast<std::size_t>(i)]);

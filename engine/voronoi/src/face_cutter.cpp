@@ -165,6 +165,13 @@ class Cutter {
     for (std::size_t i = 2; i < piece.corners.size(); ++i)
       doubled += cross(piece.corners[i - 1] - piece.corners[0], piece.corners[i] - piece.corners[0]);
     piece.area += 0.5 * doubled;
+    if (piece.corners.size() < 2) return;
+    // What lies between a side and a border that is as good as straight has a corner at each end alone: one between
+    // them makes a polygon of it.
+    if (piece.corners.size() == 2) {
+      piece.corners.insert(piece.corners.begin() + 1, 0.5 * (piece.corners[0] + piece.corners[1]));
+      piece.arc_corners = {1};
+    }
     result_.pieces.push_back(std::move(piece));
   }
 

@@ -35,6 +35,7 @@ bool FaceDistances::straight_within(const surface::FaceArrival& arrival, const E
 }
 
 Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point, double radius, Active& kept) const {
+  charge(active.size());
   // One pass with the best so far, then one that drops what it kept too early.
   struct Candidate {
     std::int32_t index;
@@ -79,6 +80,7 @@ Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point,
 
 int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double radius,
                               double tolerance, Active& kept) const {
+  charge(active.size());
   kept.clear();
   double best = std::numeric_limits<double>::infinity();
   for (const std::int32_t i : active)
@@ -101,6 +103,7 @@ int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eig
 }
 
 Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& point) const {
+  charge(active.size());
   Nearest best{std::numeric_limits<double>::infinity(), -1};
   for (const std::int32_t i : active) {
     if (is_no_shorter(arrivals_[i], point, best.distance)) continue;
@@ -111,6 +114,7 @@ Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& poin
 }
 
 Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const {
+  charge(active.size());
   double least = std::numeric_limits<double>::infinity();
   const surface::FaceArrival* best = nullptr;
   for (const std::int32_t i : active) {
@@ -130,6 +134,7 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
 
 bool FaceDistances::is_distance(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double length,
                                 double tolerance) const {
+  charge(active.size());
   bool reached = false;
   for (const std::int32_t i : active) {
     const surface::FaceArrival& arrival = arrivals_[i];

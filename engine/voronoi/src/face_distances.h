@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/surface/face_arrival.h"
 
 namespace supple::voronoi {
@@ -28,8 +30,13 @@ using Active = std::vector<std::int32_t>;
 /// The distances from all sites within one face: the lower envelope of what arrives there. Every arrival grows by at
 /// most 1 per unit of length, so that one which is longer than another at a point by more than twice a radius is so
 /// everywhere within that radius.
+///
+/// What asks for distances can be slow where very many arrivals are nearly as short: each question counts the arrivals
+/// that it looks at, and the token is looked at for every 65,536 of them. It has to outlive this.
 class FaceDistances {
  public:
+  explicit FaceDistances(const CancellationToken& cancellation) : cancellation_(&cancellation) {}
+
   /// Room for the arrivals of a face, filled by GeodesicField::arrivals.
   std::vector<surface::FaceArrival>& arrivals() { return arrivals_; }
   const std::vector<surface::FaceArrival>& arrivals() const { return arrivals_; }
@@ -50,6 +57,14 @@ class FaceDistances {
   /// Whether the distance from one site is this length, but for `tolerance`: quicker than finding it.
   bool is_distance(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double length,
                    double tolerance) const;
+  /// Counts steps of some nanoseconds of work that somebody does between such questions. Throws what the token does.
+  void charge(std::size_t steps) const {
+    steps_ += steps;
+    if (steps_ < steps_between_looks) return;
+    steps_ = 0;
+    cancellation_->throw_if_requested();
+  }
+
   /// Whether all are of one site.
   bool of_one_site(const Active& active) const;
 
@@ -57,6 +72,10 @@ class FaceDistances {
   /// Whether all paths of an arrival to places within a radius are straight.
   static bool straight_within(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double radius);
 
+  static constexpr std::size_t steps_between_looks = 1 << 16;
+
+  const CancellationToken* cancellation_;
+  mutable std::size_t steps_ = 0;
   std::vector<surface::FaceArrival> arrivals_;
 };
 

@@ -116,6 +116,7 @@ class Labeller {
   /// Drops arrivals of which another is shorter at both ends of a part, and so all along: two images that are equally
   /// far from their sites are equally near at one place of a line at most.
   void drop_longer(Active& active, double begin, double end) const {
+    distances_.charge(active.size() * active.size());
     const Vector2d first = at(begin);
     const Vector2d last = at(end);
     for (std::size_t j = 0; j < active.size(); ++j) {
@@ -137,6 +138,7 @@ class Labeller {
   /// Where in a part paths of an arrival begin to turn at an end of their bundle or cease to: of several such places
   /// the one nearest to the middle, `end` where there is none.
   double turning_fraction(const Active& active, double begin, double end) const {
+    distances_.charge(active.size());
     const double middle = 0.5 * (begin + end);
     double least = 0.5 * (end - begin) - shortest_part;  // not at an end
     double found = end;

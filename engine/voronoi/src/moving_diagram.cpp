@@ -115,8 +115,9 @@ struct MovingDiagram::Implementation {
   }
 
   /// The faces that cells of the sources of a field of known distances may have a part of.
-  void mark_reached(const GeodesicField& reaching, std::size_t sources, Flags& marked) const {
-    FaceDistances distances;
+  void mark_reached(const GeodesicField& reaching, std::size_t sources, Flags& marked,
+                    const CancellationToken& cancellation) const {
+    FaceDistances distances(cancellation);
     Active active;
     Active kept_arrivals;
     for (std::int32_t face = 0; face < mesh().face_count(); ++face) {
@@ -160,7 +161,8 @@ struct MovingDiagram::Implementation {
       }
       std::vector<double> known = faces.vertex_distances();
       forget(left, known);
-      if (!sources.empty()) mark_reached(field(sources, known, execution), sources.size(), marked);
+      if (!sources.empty())
+        mark_reached(field(sources, known, execution), sources.size(), marked, execution.cancellation);
       Flags near = come;
       for (std::int32_t face = 0; face < mesh().face_count(); ++face) {
         if (marked[static_cast<std::size_t>(face)] == 0) continue;
@@ -192,7 +194,8 @@ struct MovingDiagram::Implementation {
     const bool near = is_near(now);
     kept = false;
     const std::vector<SurfacePoint> before = std::exchange(sites, std::move(now));
-    const std::vector<std::int32_t> first_before = std::exchange(first, first_in_place(mesh(), sites));
+    const std::vector<std::int32_t> first_before =
+        std::exchange(first, first_in_place(mesh(), sites, execution.cancellation));
     if (!near || !rebuild_near_to(before, first_before, execution)) rebuild_all(execution);
     write(execution);
     if (execution.cost != nullptr && last.local) execution.cost->add_quantity("local_rebuilds", 1);

@@ -17,10 +17,10 @@ using surface::FaceArrival;
 
 /// Relative to the face: lengths and places that differ by less are the same.
 constexpr double same_region = 1e-12;
-/// Polygons are halved this often at most, where many arrivals of different images compete.
-constexpr int most_halvings = 32;
-/// Regions of a polygon: what is left by then goes to the arrival that is shortest in its middle.
-constexpr std::size_t most_regions = 4096;
+/// A part of a polygon is halved this often at most, and all of them together, where many arrivals of different images
+/// compete: what is left by then goes to the arrival that is shortest in its middle.
+constexpr int max_depth = 32;
+constexpr int max_halvings = 4096;
 /// Relative to the face: arrivals whose lengths differ by no more at the corners and in the middle of a polygon are
 /// equally long in it, as behind a vertex at which the paths of all of them turn.
 constexpr double tied_region = 1e-11;
@@ -88,6 +88,7 @@ StraightRegions::Outside StraightRegions::outside(std::int32_t arrival, const Ve
 }
 
 void StraightRegions::divide(std::span<const Vector2d> polygon, const Active& active) {
+  halvings_ = 0;
   divide(Polygon(polygon.begin(), polygon.end()), active, 0);
 }
 
@@ -120,7 +121,7 @@ void StraightRegions::divide(const Polygon& polygon, const Active& active, int d
   }
   if (greatest - least <= same_region * size_) return divide_by_bisectors(polygon, seen);
   if (seen.size() == 2 && divide_by_curve(polygon, seen[0], seen[1])) return;
-  if (depth < most_halvings && regions_.size() < most_regions && !are_tied(polygon, centre, seen))
+  if (depth < max_depth && halvings_ < max_halvings && !are_tied(polygon, centre, seen))
     return halve(polygon, seen, depth);
   add(polygon, *std::min_element(seen.begin(), seen.end(), [&](std::int32_t i, std::int32_t j) {
         return straight_length(i, centre) < straight_length(j, centre);
@@ -138,6 +139,7 @@ bool StraightRegions::are_tied(const Polygon& polygon, const Vector2d& centre, c
 }
 
 void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const {
+  distances_.charge(active.size() * active.size());
   const auto& arrivals = distances_.arrivals();
   const auto seen_by_all = [&](std::int32_t i) {
     return std::all_of(polygon.begin(), polygon.end(), [&](const Vector2d& corner) {
@@ -175,6 +177,7 @@ void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const 
 }
 
 bool StraightRegions::divided_by_bundles(const Polygon& polygon, const Active& active, int depth) {
+  distances_.charge(active.size() * polygon.size());
   for (const std::int32_t i : active) {
     const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(i)];
     if (from.everywhere) continue;
@@ -208,6 +211,7 @@ void StraightRegions::divide_by_line(const Polygon& polygon, const Vector2d& nor
 }
 
 void StraightRegions::halve(const Polygon& polygon, const Active& active, int depth) {
+  ++halvings_;
   std::size_t first = 0;
   std::size_t second = 1;
   double longest = 0;
@@ -229,6 +233,7 @@ void StraightRegions::divide_by_bisectors(const Polygon& polygon, const Active& 
   Polygon part;
   Polygon next;
   for (const std::int32_t i : active) {
+    distances_.charge(active.size() * polygon.size());
     const Vector2d& own = arrivals[static_cast<std::size_t>(i)].image;
     part = polygon;
     for (const std::int32_t j : active) {

@@ -75,6 +75,7 @@ class StraightRegions {
 
   const FaceDistances& distances_;
   double size_;
+  int halvings_ = 0;  ///< of the polygon that is being divided
   std::vector<Stored> regions_;
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Sliver> slivers_;

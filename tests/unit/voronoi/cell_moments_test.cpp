@@ -99,7 +99,8 @@ TEST(PolygonIntegrals, ClippedPolygonsAreWhatLiesOnOneSideOfALine) {
 
 /// The integral of the squared distance over a triangle by its regions, and by many small triangles.
 std::pair<double, double> squares(const std::vector<surface::FaceArrival>& arrivals, int n) {
-  FaceDistances distances;
+  const CancellationToken never;
+  FaceDistances distances(never);
   distances.arrivals() = arrivals;
   Active active;
   distances.all(active);

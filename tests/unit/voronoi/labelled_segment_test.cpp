@@ -12,7 +12,8 @@ namespace {
 using Eigen::Vector2d;
 
 FaceDistances of(std::vector<surface::FaceArrival> arrivals) {
-  FaceDistances distances;
+  static const CancellationToken never;
+  FaceDistances distances(never);
   distances.arrivals() = std::move(arrivals);
   return distances;
 }

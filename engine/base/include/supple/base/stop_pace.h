@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "supple/base/cancellation.h"
@@ -27,9 +29,9 @@ class StopPace {
 /// milliseconds. The sort is not stable.
 /// O(n log n).
 template <class Value, class Less = std::less<>>
-void sort_stoppably(std::vector<Value>& values, const CancellationToken& cancellation, const Less& less = {}) {
+void sort_stoppably(std::span<Value> values, const CancellationToken& cancellation, const Less& less = {}) {
   constexpr std::size_t part = 1 << 16;
-  const auto at = [&values](std::size_t i) {
+  const auto at = [values](std::size_t i) {
     return values.begin() + static_cast<std::ptrdiff_t>(std::min(i, values.size()));
   };
   for (std::size_t first = 0; first < values.size(); first += part) {
@@ -41,6 +43,10 @@ void sort_stoppably(std::vector<Value>& values, const CancellationToken& cancell
       cancellation.throw_if_requested();
       std::inplace_merge(at(first), at(first + width), at(first + 2 * width), less);
     }
+}
+template <class Value, class Less = std::less<>>
+void sort_stoppably(std::vector<Value>& values, const CancellationToken& cancellation, const Less& less = {}) {
+  sort_stoppably(std::span<Value>(values), cancellation, less);
 }
 
 }  // namespace supple
