@@ -211,7 +211,7 @@ void parse(unsigned which, std::string_view body) {
       return check_deadline(request.deadline);
     }
     case 4: {
-      const auto upload = json::parse_mesh_arrays(body, limits(), mesh_limits);
+      const auto upload = json::parse_mesh_arrays(body, limits(), mesh_limits, {});
       const auto& soup = upload.soup;
       if (upload.repair && upload.repair->weld_tolerance)
         require(*upload.repair->weld_tolerance >= 0 && *upload.repair->weld_tolerance <= 0.01);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -16,9 +17,12 @@ namespace supple::outlines {
 namespace {
 
 /// Elements that are drawn again, since a few of them within each other may stand for any number. So many bytes of
-/// attributes count as one more.
+/// attributes count as one more, and so do so many attributes.
 constexpr std::size_t max_copies = 200'000;
 constexpr std::size_t bytes_of_a_copy = 16;
+constexpr std::size_t attributes_of_a_copy = 16;
+/// Of one element: each is looked for among all of them. Programs write some dozens.
+constexpr std::size_t max_attributes = 1'000;
 constexpr std::size_t elements_between_checks = 4'096;
 
 constexpr double pixels_per_inch = 96;
@@ -346,7 +350,16 @@ class SvgReader {
     return clip;
   }
 
+  void check_attributes(const pugi::xml_node& node) const {
+    const auto attributes = node.attributes();
+    if (static_cast<std::size_t>(std::distance(attributes.begin(), attributes.end())) <= max_attributes) return;
+    const std::string limit = std::to_string(max_attributes);
+    throw Error("outline.too_large", "An element of the drawing has more than " + limit + " attributes.",
+                {{"text", "has more than " + limit + " attributes at " + words_for(node)}});
+  }
+
   void read_element(const pugi::xml_node& node, const Context& outer) {
+    check_attributes(node);
     const std::string_view name = local_name(node.name());
     const bool is_group = is_one_of(name, {"g", "a", "switch", "svg"});
     const bool is_shape = is_one_of(name, {"path", "polygon", "polyline", "line", "rect", "circle", "ellipse"});
@@ -457,9 +470,14 @@ class SvgReader {
   }
 
   void count_copy(const pugi::xml_node& node) {
+    check_attributes(node);
     std::size_t bytes = 0;
-    for (const auto& attribute : node.attributes()) bytes += std::string_view(attribute.value()).size();
-    copies_ += 1 + bytes / bytes_of_a_copy;
+    std::size_t attributes = 0;
+    for (const auto& attribute : node.attributes()) {
+      bytes += std::string_view(attribute.value()).size();
+      ++attributes;
+    }
+    copies_ += 1 + bytes / bytes_of_a_copy + attributes / attributes_of_a_copy;
     if (copies_ <= max_copies) return;
     const std::string limit = std::to_string(max_copies);
     throw Error(

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "mesh_reading.h"
+#include "supple/base/stop_pace.h"
 
 namespace supple::surface {
 namespace {
@@ -134,7 +135,8 @@ Header read_header(std::string_view bytes) {
 /// Reads the numbers of an ASCII body.
 class TextBody {
  public:
-  explicit TextBody(const Header& header) : scanner_(header.body, header.lines) {}
+  TextBody(const Header& header, const CancellationToken& cancellation)
+      : scanner_(header.body, header.lines), pace_(cancellation) {}
 
   double number(Scalar) {
     const std::string_view token = scanner_.token_across_lines();
@@ -162,13 +164,19 @@ class TextBody {
   void skip_property(const Property& property) {
     const double values = property.count_type ? number(*property.count_type) : 1;
     if (!(values >= 0 && values < 0x1p53)) fail("the length of a list is not a number from 0 to 2^53");
-    for (std::int64_t i = static_cast<std::int64_t>(values); i > 0; --i) number(property.type);
+    for (std::int64_t i = static_cast<std::int64_t>(values); i > 0; --i) {
+      look();
+      number(property.type);
+    }
   }
+  /// To be called for each value of a list, and each element that is skipped.
+  void look() { pace_.look(); }
   bool at_end() { return scanner_.token_across_lines().empty(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
 
  private:
   TextScanner scanner_;
+  StopPace pace_;
   std::int64_t last_line_ = 0;
   bool begins_element_ = false;
   bool begins_lines_ = false;     ///< whether some vertex, face or strip begins a line
@@ -178,8 +186,11 @@ class TextBody {
 /// Reads the numbers of a binary body.
 class BinaryBody {
  public:
-  BinaryBody(const Header& header, std::size_t header_size)
-      : bytes_(header.body), header_size_(header_size), big_endian_(header.encoding == Encoding::big_endian) {}
+  BinaryBody(const Header& header, std::size_t header_size, const CancellationToken& cancellation)
+      : bytes_(header.body),
+        header_size_(header_size),
+        big_endian_(header.encoding == Encoding::big_endian),
+        pace_(cancellation) {}
 
   double number(Scalar type) {
     const std::uint64_t bits = take(size_of(type));
@@ -210,9 +221,11 @@ class BinaryBody {
       return;
     }
     for (std::int64_t i = 0; i < element.count; ++i) {
+      look();
       for (const Property& property : element.properties) skip_property(property);
     }
   }
+  void look() { pace_.look(); }
   void skip_property(const Property& property) {
     skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
   }
@@ -245,6 +258,7 @@ class BinaryBody {
   std::size_t header_size_;
   std::size_t at_ = 0;
   bool big_endian_;
+  StopPace pace_;
 };
 
 template <typename Body>
@@ -301,6 +315,7 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
       corners.clear();
       const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of corners");
       for (std::int64_t corner = 0; corner < size; ++corner) {
+        body.look();
         const std::int64_t v = whole_number(body, property.type, static_cast<double>(vertices), "a vertex number");
         corners.push_back(static_cast<std::int32_t>(v));
       }
@@ -350,6 +365,7 @@ void read_strips(Body& body, const Element& element, std::int64_t vertices, Soup
       }
       const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of vertices of a strip");
       for (std::int64_t k = 0; k < size; ++k) {
+        body.look();
         const double v = body.number(property.type);
         if (v == -1) {
           strip.restart();
@@ -412,8 +428,9 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
 
 TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   const Header header = read_header(without_byte_order_mark(bytes));
-  if (header.encoding == Encoding::ascii) return read_body(TextBody(header), header, limits, execution);
-  return read_body(BinaryBody(header, bytes.size() - header.body.size()), header, limits, execution);
+  const CancellationToken& cancellation = execution.cancellation;
+  if (header.encoding == Encoding::ascii) return read_body(TextBody(header, cancellation), header, limits, execution);
+  return read_body(BinaryBody(header, bytes.size() - header.body.size(), cancellation), header, limits, execution);
 }
 
 }  // namespace supple::surface

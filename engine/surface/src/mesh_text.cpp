@@ -45,6 +45,9 @@ std::string decimal_comma_hint(std::string_view token) {
   return error == std::errc() && end == last ? "; decimals take a point, not a comma" : "";
 }
 
+/// To read a number of a hundred million digits takes seconds.
+constexpr std::size_t max_number_length = 1 << 16;
+
 }  // namespace
 
 void throw_malformed_line(std::int64_t line, const std::string& message) {
@@ -110,6 +113,10 @@ void TextScanner::skip_statement() {
 }
 
 double TextScanner::number(std::string_view token, std::string_view what) const {
+  if (token.size() > max_number_length) {
+    throw_malformed_line(line_number_, in_quotes(token) + " has " + std::to_string(token.size()) +
+                                           " characters; a number has at most " + std::to_string(max_number_length));
+  }
   const std::string_view digits = without_plus(token);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t most_words = 32;
 constexpr std::size_t most_faults = 4;
+/// Printers take some hundred bytes.
+constexpr std::size_t longest_line = 1 << 16;
 
 /// The longest name of a macro that is shown.
 constexpr std::size_t longest_macro = 60;
@@ -129,7 +131,14 @@ class Reader {
 
 }  // namespace
 
-GcodeLine read_gcode_line(std::string_view line) { return Reader(line).read(); }
+GcodeLine read_gcode_line(std::string_view line) {
+  const std::string_view read = line.substr(0, longest_line);
+  GcodeLine result = Reader(read).read();
+  if (line.size() > longest_line && read.find(';') == std::string_view::npos)
+    result.faults.push_back("a line of " + std::to_string(line.size()) + " bytes, of which " +
+                            std::to_string(longest_line) + " were read");
+  return result;
+}
 
 std::string_view next_gcode_line(std::string_view text, std::size_t& begin) {
   const std::size_t end = text.find_first_of("\r\n", begin);

@@ -209,10 +209,10 @@ void StrandCurve::fit(std::vector<Eigen::Vector2d> values, const Execution& exec
 
 std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   Vectors refined;
+  std::size_t next_look = 0;
   std::vector<std::size_t> given;
   given.reserve(values_.size());
   for (std::size_t piece = 0; piece + 1 < values_.size(); ++piece) {
-    if (piece % curve_pieces_between_looks == 0) execution.cancellation.throw_if_requested();
     given.push_back(refined.size());
     const double h = knots_[piece + 1] - knots_[piece];
     // The curvature of a curve through even points is greatest near an end of a piece or in its middle.
@@ -227,6 +227,10 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
         static_cast<int>(std::clamp(std::ceil(turn / longest_turn_of_piece), 1.0, most_pieces_between_points));
     if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
+      if (refined.size() >= next_look) {
+        execution.cancellation.throw_if_requested();
+        next_look = refined.size() + curve_pieces_between_looks;
+      }
       refined.emplace_back(in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
       divide(piece, h * k / count, h * (k + 1) / count, most_halvings, refined);

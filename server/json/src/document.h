@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/limits.h"
 
 namespace supple::json {
@@ -29,7 +30,8 @@ class OwnedDocument {
 };
 
 /// Parses a body from a stranger in one pass, counting as it goes. Throws "request.not_utf8",
-/// "request.malformed_json" (with the byte, and for repeated keys), "request.too_deep", "request.too_many_values".
-OwnedDocument parse_document(std::string_view text, const Limits& limits);
+/// "request.malformed_json" (with the byte, and for repeated keys), "request.too_deep", "request.too_many_values", and
+/// what the token does.
+OwnedDocument parse_document(std::string_view text, const Limits& limits, const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

@@ -4,6 +4,7 @@
 
 #include "document.h"
 #include "request_parts.h"
+#include "supple/base/stop_pace.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
@@ -139,8 +140,10 @@ ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits&
   return request;
 }
 
-MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits) {
-  const auto document = parse_document(body, limits);
+MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits,
+                             const CancellationToken& cancellation) {
+  const auto document = parse_document(body, limits, cancellation);
+  StopPace pace(cancellation);
   MeshUpload upload;
   auto& soup = upload.soup;
   Faults faults;
@@ -162,6 +165,7 @@ MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const 
   if (vertices) {
     soup.positions.reserve(vertices->size());
     for (const auto& vertex : *vertices) {
+      pace.look();
       if (is_triple(vertex, [](const Document& x) { return x.is_number(); })) {
         soup.positions.emplace_back(vertex[0].get<double>(), vertex[1].get<double>(), vertex[2].get<double>());
       } else {
@@ -175,6 +179,7 @@ MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const 
     };
     soup.faces.reserve(faces->size());
     for (const auto& face : *faces) {
+      pace.look();
       if (is_triple(face, is_index)) {
         soup.faces.push_back({face[0].get<std::int32_t>(), face[1].get<std::int32_t>(), face[2].get<std::int32_t>()});
       } else {

@@ -41,7 +41,7 @@ json::MeshUpload read_upload(const http::Request& request, const RouteLimits& li
                            static_cast<double>(limits.max_json), static_cast<double>(request.body.size()),
                            "--max-json");
     }
-    auto upload = json::parse_mesh_arrays(request.body, limits.json, limits.mesh);
+    auto upload = json::parse_mesh_arrays(request.body, limits.json, limits.mesh, execution.cancellation);
     if (asked && upload.repair) {
       throw Error("request.invalid_parameter",
                   "Repairs are asked for in the query and in the body; ask for all of them in one place.",

@@ -55,6 +55,19 @@ TEST(Svg, LinesOfPathsAreThatOfTheirCommands) {
                   {37.795275590551178, -33.385826771653544}});
 }
 
+TEST(Svg, AnElementHasAThousandAttributesAtMost) {
+  const auto rectangle = [](int attributes) {
+    std::string text = R"svg(<rect id="r")svg";
+    for (int k = 5; k < attributes; ++k) text += " a" + std::to_string(k) + "=\"\"";
+    return text + R"svg( x="10" y="10" width="20" height="20"/>)svg";
+  };
+  EXPECT_EQ(read(page(rectangle(1000))).outlines.size(), 1U);
+  const std::string use = R"svg(<use href="#r"/>)svg";
+  for (const std::string& text : {rectangle(1001), "<defs>" + rectangle(1001) + "</defs>" + use,
+                                  "<symbol id=\"s\">" + rectangle(1001) + "</symbol>" + R"svg(<use href="#s"/>)svg"})
+    expect_error("outline.too_large", [&] { read(page(text)); });
+}
+
 TEST(Svg, SubpathsAreCurvesOfTheirOwn) {
   const Drawing drawing =
       read(page(R"svg(<path id="p" fill="none" stroke="#000" d="M0 0h20v20h-20z m5 5h5v5h-5z l0-3h-3z"/>)svg"));

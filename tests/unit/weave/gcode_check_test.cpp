@@ -253,6 +253,17 @@ TEST(GcodeCheck, KeepsTheFirstThousandViolationsAndCountsAll) {
   EXPECT_EQ(report.violation_count, 3000);
 }
 
+TEST(GcodeCheck, ReadsSixtyFourKibibytesOfALine) {
+  const auto violations = [](const std::string& line) { return check_gcode(line + "\nG28 W\n").violation_count; };
+  const std::string blanks(1 << 16, ' ');
+  EXPECT_EQ(violations(blanks), 0);
+  EXPECT_EQ(violations(blanks + "?"), 1);
+  EXPECT_EQ(violations("; " + blanks + "?"), 0) << "a remark";
+  const GcodeReport report = check_gcode(blanks + "?");
+  ASSERT_FALSE(report.violations.empty());
+  EXPECT_EQ(report.violations[0].message, "a line of 65537 bytes, of which 65536 were read");
+}
+
 TEST(GcodeCheck, AnswersInPrintableTextWhateverTheBytes) {
   std::string bytes;
   for (int i = 0; i < 4096; ++i) bytes += static_cast<char>((i * 167 + i / 7) % 256);

@@ -162,19 +162,19 @@ TEST(Requests, TakeATangentInSpaceOrInTheFrame) {
 }
 
 TEST(Requests, ReadMeshArraysAndNameTheFaultyRows) {
-  const auto upload = parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]})", {}, {});
+  const auto upload = parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]})", {}, {}, {});
   EXPECT_FALSE(upload.repair);
   const auto& soup = upload.soup;
   EXPECT_EQ(soup.positions.size(), 3U);
   EXPECT_EQ(soup.faces[0], (surface::Triangle{0, 1, 2}));
   const auto error = error_of(
-      [] { parse_mesh_arrays(R"({"vertices":[[0,0]],"faces":[[0,1,-2],[0,1.5,2],[0,1,4294967296]]})", {}, {}); });
+      [] { parse_mesh_arrays(R"({"vertices":[[0,0]],"faces":[[0,1,-2],[0,1.5,2],[0,1,4294967296]]})", {}, {}, {}); });
   EXPECT_EQ(pointers(error), (Pointers{"/vertices/0", "/faces/0", "/faces/1", "/faces/2"}));
 }
 
 TEST(Requests, ReadTheRepairsOfAMeshAndNameTheFaultyOnes) {
   const auto parsed = [](const std::string& more) {
-    return parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]],)" + more + "}", {}, {});
+    return parse_mesh_arrays(R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]],)" + more + "}", {}, {}, {});
   };
   using surface::Repair;
   const auto plain = parsed(R"("repair":["split_non_manifold","weld"])").repair.value();
@@ -208,10 +208,20 @@ TEST(Requests, ReserveTheMemoryOfTheirJsonBeforeTheyTakeIt) {
   EXPECT_EQ(code(64 << 20, arrays), "request.invalid");
 }
 
+TEST(Requests, AreReadNoFurtherOnceAStopIsAskedFor) {
+  const CancellationToken stopped;
+  stopped.request(StopReason::deadline);
+  std::string numbers;
+  for (int i = 0; i < 20'000; ++i) numbers += "0,";
+  EXPECT_EQ(error_of([&] { parse_mesh_arrays('[' + numbers + '?', {}, {}, stopped); }).code(), "job.deadline_exceeded");
+  EXPECT_EQ(error_of([&] { parse_mesh_arrays('[' + numbers + '?', {}, {}, {}); }).code(), "request.malformed_json");
+}
+
 TEST(Requests, RefuseMoreFacesThanTheLimit) {
   surface::MeshLimits limits;
   limits.faces = 1;
-  const auto error = error_of([&] { parse_mesh_arrays(R"({"vertices":[],"faces":[[0,1,2],[0,1,2]]})", {}, limits); });
+  const auto error =
+      error_of([&] { parse_mesh_arrays(R"({"vertices":[],"faces":[[0,1,2],[0,1,2]]})", {}, limits, {}); });
   EXPECT_EQ(error.code(), "mesh.too_large");
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/base/effect_switch.h"
 #include "supple/json/limits.h"
 #include "supple/surface/geodesic_field.h"
@@ -98,7 +99,8 @@ struct MeshUpload {
   surface::TriangleSoup soup;
   std::optional<surface::RepairOptions> repair;  ///< where repairs are asked for
 };
-/// {"vertices", "faces", "repair", "weld_tolerance"}. Also throws "mesh.too_large".
-MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits);
+/// {"vertices", "faces", "repair", "weld_tolerance"}. Also throws "mesh.too_large", and what the token does.
+MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits,
+                             const CancellationToken& cancellation);
 
 }  // namespace supple::json
