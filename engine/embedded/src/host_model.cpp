@@ -201,12 +201,19 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
   };
   const auto fixed = [&](std::size_t node) { return held_[3 * node] && held_[3 * node + 1] && held_[3 * node + 2]; };
   // What no element moves stays where it is.
-  for (std::size_t i = 0; i < count; ++i)
-    if (part[i] < 0) hold(std::vector<std::int32_t>{static_cast<std::int32_t>(i)});
-  for (std::int32_t p = 0; p < parts; ++p) {
-    std::vector<std::size_t> own;
-    for (std::size_t i = 0; i < count; ++i)
-      if (part[i] == p) own.push_back(i);
+  std::vector<std::vector<std::size_t>> nodes_of(static_cast<std::size_t>(parts));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (part[i] < 0)
+      hold(std::vector<std::int32_t>{static_cast<std::int32_t>(i)});
+    else
+      nodes_of[static_cast<std::size_t>(part[i])].push_back(i);
+  }
+  std::vector<bool> is_moved(nodes_of.size(), false);
+  for (const MovedVertex& one : moved_)
+    if (const std::int32_t p = part[static_cast<std::size_t>(one.vertex)]; p >= 0)
+      is_moved[static_cast<std::size_t>(p)] = true;
+  for (std::size_t p = 0; p < nodes_of.size(); ++p) {
+    const std::vector<std::size_t>& own = nodes_of[p];
     // Fixed nodes go first wherever there are any.
     const auto best = [&](const auto& worth) {
       std::size_t chosen = own.front();
@@ -244,12 +251,11 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
                   "A solid under gravity has to be held by at least three fixed vertices that are not on one line.",
                   {{"host/fixed_vertices", "leave a part of the solid free to move as a whole"}});
     // Their way would have to be that of the vertices which are moved, and is not known beforehand.
-    for (const MovedVertex& one : moved_)
-      if (part[static_cast<std::size_t>(one.vertex)] == p)
-        throw Error("host.unsupported",
-                    "A host of which vertices are moved has to be held by at least three vertices that are not on one "
-                    "line, fixed or moved.",
-                    {{"host/moved_vertices", "and fixed_vertices leave a part of the host free to move as a whole"}});
+    if (is_moved[p])
+      throw Error("host.unsupported",
+                  "A host of which vertices are moved has to be held by at least three vertices that are not on one "
+                  "line, fixed or moved.",
+                  {{"host/moved_vertices", "and fixed_vertices leave a part of the host free to move as a whole"}});
     ++supports_;
     if (!fixed(first)) hold(std::vector<std::int32_t>{static_cast<std::int32_t>(first)});
     if (!fixed(second)) {
