@@ -229,8 +229,10 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
       ->check(CLI::Range(0.0, 3600.0));
   app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--helper", options.helper.program,
-                 "Program that meshes and clips in processes of its own, so that it can be stopped; '' does it here")
+  app.add_option(
+         "--helper", options.helper.program,
+         "Program that meshes, clips and reads models in processes of its own, which can be stopped and may fail; "
+         "'' does it here")
       ->check(CLI::ExistingFile | CLI::IsMember({""}));
   app.add_option("--helper-memory", options.helper.memory, "Bytes of address space of a helper process; 0: no limit")
       ->transform(CLI::AsSizeValue(false));

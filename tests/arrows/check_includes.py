@@ -28,7 +28,7 @@ ROOMS = {
     "engine/training": {"base", "files", "tiling/family.h", "tiling/symmetry.h", "dataset", "neural", "training"},
     "engine/neural": {"base", "files", "neural"},
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},
-    "engine/helper": {"base", "numerics", "meshing", "tiling"},
+    "engine/helper": {"base", "numerics", "meshing", "neural", "tiling"},
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
     "engine/examples": {"base", "surface", "tiling", "microscale", "neural", "design"},
     "server/problem": {"base", "problem"},

@@ -3,6 +3,8 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <atomic>
+#include <string>
 #include <type_traits>
 #include <utility>
 
@@ -43,6 +45,21 @@ hid_t file_type(const ColumnStorage& storage) {
   if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
   if constexpr (std::is_same_v<T, std::int32_t>) return H5T_STD_I32LE;
   return H5T_STD_U8LE;
+}
+
+/// What HDF5 takes for the name of a file in memory. There must be no such file, and below this one there cannot be;
+/// and two that are open are one to it if they have one name.
+std::string name_in_memory() {
+  static std::atomic<std::uint64_t> count{0};
+  return "/dev/null/in-memory-" + std::to_string(++count);
+}
+
+/// How a file in memory is opened, which grows by this many bytes at a time.
+Hdf5Handle in_memory() {
+  constexpr std::size_t growth = 1 << 20;
+  Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access.get(), growth, false);
+  return access;
 }
 
 Hdf5Handle text_type() {
@@ -124,6 +141,22 @@ Hdf5Writer::Hdf5Writer(const std::filesystem::path& path) : path_(path) {
   silence_hdf5();
   file_ = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose};
   if (file_.get() < 0) throw_unwritable(path, "the file");
+}
+
+Hdf5Writer::Hdf5Writer() : path_("a file in memory") {
+  silence_hdf5();
+  const Hdf5Handle access = in_memory();
+  file_ = {H5Fcreate(name_in_memory().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose};
+  if (file_.get() < 0) throw_unwritable(path_, "the file");
+}
+
+std::string Hdf5Writer::bytes() const {
+  const bool is_flushed = H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) >= 0;
+  const auto size = is_flushed ? H5Fget_file_image(file_.get(), nullptr, 0) : -1;
+  if (size < 0) throw_unwritable(path_, "the bytes");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file_.get(), bytes.data(), bytes.size()) != size) throw_unwritable(path_, "the bytes");
+  return bytes;
 }
 
 void Hdf5Writer::group(const std::string& name) {
@@ -224,6 +257,15 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : path_(path) {
   if (!std::filesystem::exists(path)) throw_unreadable(path, "there is no such file");
   file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
   if (file_.get() < 0) throw_unreadable(path, "it is no HDF5 file, or damaged");
+}
+
+Hdf5Reader::Hdf5Reader(std::string_view bytes, const std::string& name) : path_(name) {
+  silence_hdf5();
+  const Hdf5Handle access = in_memory();
+  // HDF5 asks for bytes that it might write, and copies them.
+  if (H5Pset_file_image(access.get(), const_cast<char*>(bytes.data()), bytes.size()) >= 0)
+    file_ = {H5Fopen(name_in_memory().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
+  if (file_.get() < 0) throw_unreadable(path_, "it is no HDF5 file, or damaged");
 }
 
 std::vector<std::string> Hdf5Reader::members(const std::string& group) const {

@@ -41,9 +41,9 @@ bool has_seal(std::string_view all) {
   return all.size() >= seal_size && all.substr(all.size() - seal_size, mark.size()) == mark;
 }
 
-void compare(const std::filesystem::path& path, std::string_view all) {
+void compare(const std::string& name, std::string_view all) {
   if (all.substr(all.size() - seal_size) != seal_of(all.substr(0, all.size() - seal_size)))
-    throw Error("file.unreadable", path.string() + ": it is damaged: its content does not have its checksum.");
+    throw Error("file.unreadable", name + ": it is damaged: its content does not have its checksum.");
 }
 
 }  // namespace
@@ -63,17 +63,17 @@ void seal(const std::filesystem::path& path) {
   if (!file) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
 }
 
-void check_seal(const std::filesystem::path& path) {
-  const auto content = content_of(path);
-  if (!has_seal(content))
-    throw Error("file.unreadable",
-                path.string() + ": it has no checksum at its end: it is cut off, or of another kind.");
-  compare(path, content);
+void check_seal(const std::filesystem::path& path) { check_seal(content_of(path), path.string()); }
+
+void check_seal(std::string_view bytes, const std::string& name) {
+  if (!has_seal(bytes))
+    throw Error("file.unreadable", name + ": it has no checksum at its end: it is cut off, or of another kind.");
+  compare(name, bytes);
 }
 
 void check_seal_if_any(const std::filesystem::path& path) {
   const auto content = content_of(path);
-  if (has_seal(content)) compare(path, content);
+  if (has_seal(content)) compare(path.string(), content);
 }
 
 }  // namespace supple::files

@@ -9,13 +9,17 @@
 
 #include "calibration_file.h"
 #include "supple/base/error.h"
+#include "supple/base/helper_processes.h"
 #include "supple/files/durable_file.h"
 #include "supple/files/hdf5_file.h"
 #include "supple/files/seal.h"
+#include "supple/neural/helper_tasks.h"
 #include "supple/neural/model.h"
 
 namespace supple::neural {
 namespace {
+
+constexpr std::string_view read_task = "neural/model";
 
 using files::Hdf5Reader;
 using files::Hdf5Writer;
@@ -287,46 +291,31 @@ void check_names(const Model& model) {
   check_name("family", model.family, 32, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-");
 }
 
-}  // namespace
-
-void write_model(const std::filesystem::path& path, const Model& model) {
-  check_names(model);
-  validate(model.network);
-  auto unfinished = path;
-  unfinished += ".writing";
-  {
-    Hdf5Writer file(unfinished);
-    file.attribute("/", "layout", layout_name);
-    file.attribute("/", "version", version_of(model.network));
-    file.value("id", model.id);
-    file.value("family", model.family);
-    write_network(file, model.network);
-    file.group("strain_range");
-    for_each_limit(model.strain_range,
-                   [&](const char* name, double value) { file.value(std::string("strain_range/") + name, value); });
-    file.group("errors");
-    write_errors(file, "design_split", model.design_split);
-    write_errors(file, "row_split", model.row_split);
-    write_calibration(file, model.calibration);
-    file.group("provenance");
-    for_each_fact(model.provenance,
-                  [&](const char* name, const auto& value) { file.value(std::string("provenance/") + name, value); });
-    file.group("provenance/options");
-    for (const auto& [name, value] : model.provenance.options) file.value("provenance/options/" + name, value);
-    file.close();
-  }
-  files::seal(unfinished);
-  files::move_into_place(unfinished, path);
+void write_content(Hdf5Writer& file, const Model& model) {
+  file.attribute("/", "layout", layout_name);
+  file.attribute("/", "version", version_of(model.network));
+  file.value("id", model.id);
+  file.value("family", model.family);
+  write_network(file, model.network);
+  file.group("strain_range");
+  for_each_limit(model.strain_range,
+                 [&](const char* name, double value) { file.value(std::string("strain_range/") + name, value); });
+  file.group("errors");
+  write_errors(file, "design_split", model.design_split);
+  write_errors(file, "row_split", model.row_split);
+  write_calibration(file, model.calibration);
+  file.group("provenance");
+  for_each_fact(model.provenance,
+                [&](const char* name, const auto& value) { file.value(std::string("provenance/") + name, value); });
+  file.group("provenance/options");
+  for (const auto& [name, value] : model.provenance.options) file.value("provenance/options/" + name, value);
 }
 
-Model read_model(const std::filesystem::path& path) {
-  files::check_seal(path);
-  const Hdf5Reader file(path);
-  if (file.text_attribute("/", "layout") != layout_name)
-    throw Error("file.unreadable", path.string() + ": it is no model.");
+Model read_content(const Hdf5Reader& file, const std::string& name) {
+  if (file.text_attribute("/", "layout") != layout_name) throw Error("file.unreadable", name + ": it is no model.");
   const auto version = file.integer_attribute("/", "version");
   if (version < 1 || version > newest_version)
-    throw Error("file.unreadable", path.string() + ": its layout has version " + std::to_string(version) +
+    throw Error("file.unreadable", name + ": its layout has version " + std::to_string(version) +
                                        "; this program reads versions 1 to " + std::to_string(newest_version) + ".");
   Model model;
   model.id = file.text("id");
@@ -339,9 +328,54 @@ Model read_model(const std::filesystem::path& path) {
   model.row_split = read_errors(file, "row_split");
   model.calibration = read_calibration(file, model.network.shape.parameters);
   for_each_fact(model.provenance, ReadFact{file});
-  for (const auto& name : file.members("provenance/options"))
-    model.provenance.options.emplace_back(name, file.text("provenance/options/" + name));
+  for (const auto& option : file.members("provenance/options"))
+    model.provenance.options.emplace_back(option, file.text("provenance/options/" + option));
   return model;
+}
+
+}  // namespace
+
+void write_model(const std::filesystem::path& path, const Model& model) {
+  check_names(model);
+  validate(model.network);
+  auto unfinished = path;
+  unfinished += ".writing";
+  {
+    Hdf5Writer file(unfinished);
+    write_content(file, model);
+    file.close();
+  }
+  files::seal(unfinished);
+  files::move_into_place(unfinished, path);
+}
+
+Model read_model(const std::filesystem::path& path) {
+  files::check_seal(path);
+  return read_content(Hdf5Reader(path), path.string());
+}
+
+Model read_model(std::string_view bytes, const std::string& name, const Execution& execution) {
+  files::check_seal(bytes, name);
+  const auto helpers = helper_processes();
+  if (!helpers) return read_content(Hdf5Reader(bytes, name), name);
+  const std::string written = [&] {
+    try {
+      return helpers->run(read_task, bytes, execution);
+    } catch (const Error& error) {
+      if (error.code() != "server.helper_ended") throw;
+      throw Error("file.unreadable", name + ": it is damaged: the process that reads it ends.");
+    }
+  }();
+  return read_content(Hdf5Reader(written, name), name);
+}
+
+HelperTasks helper_tasks() {
+  return {{std::string(read_task), [](std::string_view bytes) {
+             // What is written anew has nothing of the file that was not understood.
+             Hdf5Writer file;
+             write_content(file, read_content(Hdf5Reader(bytes, "the file"), "the file"));
+             return file.bytes();
+           }}};
 }
 
 }  // namespace supple::neural

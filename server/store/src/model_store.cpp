@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <string>
 #include <system_error>
+#include <thread>
 
 #include "supple/base/error.h"
 #include "supple/store/store.h"
@@ -160,8 +162,10 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
       throw Error("file.unreadable", "it has " + std::to_string(stamp.size) + " bytes, the limit is " +
                                          std::to_string(options_.max_file) + " (setting --max-model)");
     }
-    auto hash = sha256(content(path));
-    auto model = neural::read_model(path);
+    const std::string bytes = content(path);
+    auto hash = sha256(bytes);
+    auto model =
+        read_in_time([&](const Execution& execution) { return neural::read_model(bytes, path.string(), execution); });
     auto description = options_.describe(model, hash);
     neural::Evaluator evaluator(model.network);
     design::Candidates candidates(model.network);
@@ -183,6 +187,36 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
                                      (file.model ? ", its earlier version stays: " : ": ") + reason);
   }
   return true;
+}
+
+neural::Model ModelStore::read_in_time(const std::function<neural::Model(const Execution&)>& read) const {
+  const Execution execution;
+  bool done = false;
+  std::thread watch([&] {
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, options_.longest_read, [&] { return done || ending_; });
+    if (!done) execution.cancellation.request(ending_ ? StopReason::shutdown : StopReason::deadline);
+  });
+  struct JoinAtEnd {
+    const ModelStore& store;
+    bool& done;
+    std::thread& watch;
+    ~JoinAtEnd() {
+      {
+        const std::lock_guard lock(store.mutex_);
+        done = true;
+      }
+      store.wake_.notify_all();
+      watch.join();
+    }
+  } const join{*this, done, watch};
+  try {
+    return read(execution);
+  } catch (const Error& error) {
+    if (error.code() != "job.deadline_exceeded") throw;
+    throw Error("file.unreadable",
+                "it takes more than " + std::to_string(options_.longest_read.count()) + " s to read, and is damaged");
+  }
 }
 
 void ModelStore::serve() {

@@ -1,14 +1,21 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/base/helper_processes.h"
 #include "supple/files/hdf5_file.h"
+#include "supple/files/seal.h"
 #include "supple/neural/model.h"
+#include "support/expect_error.h"
 #include "support/random_network.h"
 #include "support/temporary_folder.h"
 
@@ -138,6 +145,85 @@ TEST_F(ModelFile, AnyChangedByteIsNoticedBeforeItIsRead) {
     std::ofstream(folder / "damaged.h5", std::ios::binary) << damaged;
     ASSERT_EQ(code_of(folder / "damaged.h5"), "file.unreadable") << "byte " << place;
   }
+}
+
+TEST_F(ModelFile, IsReadFromBytesAsFromTheFile) {
+  write_model(path, model);
+  const std::string bytes = content(path);
+  // A file of the name that stands in messages is none of the library's business.
+  for (const std::string& name : {std::string("a name"), path.string()}) {
+    write_model(folder / "again.h5", read_model(bytes, name));
+    EXPECT_EQ(content(folder / "again.h5"), bytes) << name;
+  }
+  for (const std::string& wrong : {std::string(), bytes.substr(1), bytes.substr(0, bytes.size() - 1), "x" + bytes})
+    testing::expect_error("file.unreadable", [&] { (void)read_model(wrong, "a name"); });
+}
+
+/// Reads in a helper process until the end of a test.
+class ModelFileInAHelper : public ModelFile {
+ protected:
+  ModelFileInAHelper() {
+    use_helper_processes(std::make_shared<HelperProcesses>(HelperOptions{SUPPLE_HELPER, 1, 1ULL << 30U}));
+  }
+  ~ModelFileInAHelper() override { use_helper_processes(nullptr); }
+
+  std::mutex mutex;
+  std::condition_variable read;
+  int trial_read = 0;
+
+  /// Bytes with the checksum that makes them a file of ours.
+  std::string sealed(const std::string& bytes) const {
+    const auto file = folder / "sealed.h5";
+    std::ofstream(file, std::ios::binary) << bytes;
+    files::seal(file);
+    return content(file);
+  }
+};
+
+TEST_F(ModelFileInAHelper, IsTheModelThatIsReadHere) {
+  write_model(path, model);
+  const std::string bytes = content(path);
+  write_model(folder / "again.h5", read_model(bytes, "its name"));
+  EXPECT_EQ(content(folder / "again.h5"), bytes);
+}
+
+// Whatever the library makes of such a file, this process goes on, and what it reads is a model.
+TEST_F(ModelFileInAHelper, AForgedOneHarmsTheHelperAlone) {
+  write_model(path, model);
+  const std::string bytes = content(path);
+  const std::size_t seal = bytes.rfind("\nsupple CRC-32");
+  RandomStream stream("forged", 1);
+  int refused = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    std::string forged = bytes.substr(0, seal);
+    for (int k = 0; k < 3; ++k) {
+      const auto place = static_cast<std::size_t>(stream.uniform() * std::min<double>(4096, forged.size()));
+      forged[place] = static_cast<char>(stream.below(256));
+    }
+    // A file that keeps the library busy for ever is given up by its caller.
+    const Execution execution;
+    std::thread patience([&, token = execution.cancellation] {
+      std::unique_lock lock(mutex);
+      if (!read.wait_for(lock, std::chrono::seconds(20), [&] { return trial_read > trial; }))
+        token.request(StopReason::deadline);
+    });
+    try {
+      (void)read_model(sealed(forged), "forged", execution);
+    } catch (const Error& error) {
+      ++refused;
+      EXPECT_TRUE(error.code() == "file.unreadable" || error.code().starts_with("model.") ||
+                  error.code() == "server.out_of_memory" || error.code() == "job.deadline_exceeded")
+          << error.code() << ": " << error.what();
+    }
+    {
+      const std::lock_guard lock(mutex);
+      trial_read = trial + 1;
+    }
+    read.notify_all();
+    patience.join();
+  }
+  EXPECT_GT(refused, 5);
+  EXPECT_EQ(read_model(bytes, "its name").id, model.id) << "the next file is read as ever";
 }
 
 TEST_F(ModelFile, AWideNetworkIsReadBack) {

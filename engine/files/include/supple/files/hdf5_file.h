@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace supple::files {
@@ -37,6 +38,8 @@ struct ColumnStorage {
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(const std::filesystem::path& path);
+  /// Of a file in memory alone.
+  Hdf5Writer();
 
   void group(const std::string& name);
   /// A column of `values.size() / components` rows; `components` 0 makes it one-dimensional. T: double, std::int64_t,
@@ -52,6 +55,8 @@ class Hdf5Writer {
   void attribute(const std::string& object, const std::string& name, const std::string& text);
   void attribute(const std::string& object, const std::string& name, std::int64_t value);
   void close();
+  /// The bytes of what has been written so far.
+  std::string bytes() const;
 
  private:
   std::filesystem::path path_;
@@ -63,6 +68,8 @@ class Hdf5Reader {
  public:
   enum class Kind { integer, real, reals, text };
   explicit Hdf5Reader(const std::filesystem::path& path);
+  /// Of a file whose bytes are in memory; `name` stands for it in messages. The bytes are copied.
+  Hdf5Reader(std::string_view bytes, const std::string& name);
 
   /// Of the members of a group, in the order in which they were written.
   std::vector<std::string> members(const std::string& group) const;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace supple::files {
@@ -17,6 +18,8 @@ void seal(const std::filesystem::path& path);
 /// the process or never be done, so that its files are checked before they are opened. It is no protection against
 /// forgery. Throws "file.unreadable": no such file, no seal, or another content.
 void check_seal(const std::filesystem::path& path);
+/// The same of a file whose bytes are in memory; `name` stands for it in messages.
+void check_seal(std::string_view bytes, const std::string& name);
 
 /// The same of a file that may have been written before files of its kind were sealed: one without a seal passes.
 void check_seal_if_any(const std::filesystem::path& path);

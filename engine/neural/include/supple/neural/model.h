@@ -6,9 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "supple/base/execution.h"
 #include "supple/neural/calibration.h"
 #include "supple/neural/network.h"
 
@@ -86,5 +88,9 @@ void write_model(const std::filesystem::path& path, const Model& model);
 /// Reads a file that `write_model` wrote. Throws "file.unreadable" if there is no such file or if it is damaged or has
 /// another or a newer layout, and "model.invalid_id" and what `validate` throws.
 Model read_model(const std::filesystem::path& path);
+/// The same of the bytes of a file, for files that nobody vouches for; `name` stands for it in messages. Where there
+/// are helper processes, one of them reads the bytes and writes them anew: a file that makes HDF5's library fail ends
+/// the helper and is refused as damaged. Some milliseconds more.
+Model read_model(std::string_view bytes, const std::string& name, const Execution& execution = {});
 
 }  // namespace supple::neural

@@ -32,10 +32,10 @@ struct LoadedModel {
 /// change.
 ///
 /// One thread looks at the folder, every `period` by the files' numbers, sizes and times, and is the only one to read
-/// model files, for HDF5 is not thread safe. A file that cannot be read is reported with its reason, leaves all other
-/// models and its own earlier version served, and is not read again until it changes. A file that changes while it is
-/// read counts at the next look. Of two files with one id the first by name is served. While the folder itself cannot
-/// be read, what was loaded stays. Any thread may call.
+/// model files, for HDF5 is not thread safe. Helper processes take them apart where there are any. A file that cannot
+/// be read is reported with its reason, leaves all other models and its own earlier version served, and is not read
+/// again until it changes. A file that changes while it is read counts at the next look. Of two files with one id the
+/// first by name is served. While the folder itself cannot be read, what was loaded stays. Any thread may call.
 class ModelStore {
  public:
   enum class Level { info, warning };
@@ -43,6 +43,8 @@ class ModelStore {
     std::filesystem::path folder;  ///< none where empty
     std::chrono::milliseconds period{2000};
     std::int64_t max_file = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
+    std::chrono::seconds longest_read{
+        60};  ///< where a helper process reads; a file that takes longer counts as damaged
     /// Makes the description; what it throws makes the file count as damaged. Called from the store's thread.
     std::function<std::string(const neural::Model&, const std::string& sha256)> describe;
     std::function<void(Level, const std::string&)> log;  ///< called from the store's thread
@@ -91,6 +93,8 @@ class ModelStore {
   static std::optional<Stamp> stamp_of(const std::filesystem::path& path);
   /// Whether the file was read or is known to be damaged; false where it changed meanwhile.
   bool read(const std::string& name, const Stamp& stamp, File& file);
+  /// Calls read() with a token that stops it after the longest time that a file may take, and when the store ends.
+  neural::Model read_in_time(const std::function<neural::Model(const Execution&)>& read) const;
   void serve();
 
   const Options options_;
