@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "supple/base/stop_pace.h"
 #include "supple/budget/memory.h"
 #include "supple/problem/problem.h"
 #include "utf8.h"
@@ -10,11 +11,14 @@
 namespace supple::json {
 namespace {
 
-// What a value takes in memory, in bytes: a place in an array that grows by doubling, or a node of a map with its key;
-// what a container or a text takes besides.
-constexpr std::int64_t bytes_of_value = 40;
+// What a value takes in memory, in bytes, with what malloc adds: a place of 16 in an array, which while it doubles is
+// there three times; a node of a map with its key; what a container or a text takes besides.
+constexpr std::int64_t bytes_of_value = 48;
 constexpr std::int64_t bytes_of_member = 120;
 constexpr std::int64_t bytes_of_container = 64;
+constexpr std::int64_t bytes_of_text = 48;
+constexpr std::size_t bytes_within_text = 15;    // a longer one has a block of its own
+constexpr std::int64_t bytes_of_block = 16;      // that malloc adds, and the zero at its end
 constexpr std::int64_t bytes_at_once = 1 << 20;  // that are reserved together, which takes a mutex
 
 void dismantle(Document& document) {
@@ -32,7 +36,8 @@ void dismantle(Document& document) {
 /// Builds the document from the parser's events, stops at the first limit and reserves memory before it is taken.
 class BoundedBuilder final : public nlohmann::json_sax<Document> {
  public:
-  BoundedBuilder(Document& root, const Limits& limits) : root_(root), limits_(limits) {}
+  BoundedBuilder(Document& root, const Limits& limits, const CancellationToken& cancellation)
+      : root_(root), limits_(limits), pace_(cancellation) {}
 
   bool null() override { return add(nullptr); }
   bool boolean(bool value) override { return add(value); }
@@ -40,7 +45,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   bool number_unsigned(number_unsigned_t value) override { return add(value); }
   bool number_float(number_float_t value, const string_t&) override { return add(value); }
   bool string(string_t& value) override {
-    reserve(static_cast<std::int64_t>(value.size()));
+    reserve(bytes_of_text + block_of(value));
     return add(std::move(value));
   }
   bool binary(binary_t&) override { return false; }
@@ -51,7 +56,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   bool end_array() override { return close(); }
 
   bool key(string_t& name) override {
-    reserve(bytes_of_member + static_cast<std::int64_t>(name.size()));
+    reserve(bytes_of_member + block_of(name));
     const auto [place, inserted] = stack_.back()->get_ref<Document::object_t&>().emplace(std::move(name), nullptr);
     if (!inserted)
       throw Error("request.malformed_json", "The key \"" + place->first + "\" is given twice in one object.");
@@ -73,6 +78,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
  private:
   template <class Value>
   Document* place(Value&& value) {
+    pace_.look();
     if (++count_ > limits_.max_values) {
       problem::throw_limit("request.too_many_values", "The number of JSON values",
                            static_cast<double>(limits_.max_values), static_cast<double>(count_), "--max-json-values");
@@ -112,6 +118,10 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
     return true;
   }
 
+  static std::int64_t block_of(const string_t& text) {
+    return text.size() > bytes_within_text ? static_cast<std::int64_t>(text.capacity()) + bytes_of_block : 0;
+  }
+
   void reserve(std::int64_t bytes) {
     needed_ += bytes;
     if (needed_ <= reserved_) return;
@@ -126,19 +136,20 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   std::vector<Document*> stack_;  // containers that are open; stable, for only the innermost one grows
   Document* member_ = nullptr;
   std::size_t count_ = 0;
+  StopPace pace_;
 };
 
 }  // namespace
 
 OwnedDocument::~OwnedDocument() { dismantle(root_); }
 
-OwnedDocument parse_document(std::string_view text, const Limits& limits) {
+OwnedDocument parse_document(std::string_view text, const Limits& limits, const CancellationToken& cancellation) {
   if (const auto at = first_invalid_utf8(text); at != std::string_view::npos) {
     throw Error("request.not_utf8", "The body is not UTF-8 at byte " + std::to_string(at) + ".");
   }
   if (text.empty()) throw Error("request.malformed_json", "The body is empty; this request takes a JSON object.");
   OwnedDocument document;
-  BoundedBuilder builder(document.root(), limits);
+  BoundedBuilder builder(document.root(), limits, cancellation);
   Document::sax_parse(text.begin(), text.end(), &builder);
   return document;
 }
