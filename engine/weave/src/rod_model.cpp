@@ -99,14 +99,18 @@ class ModelBuilder {
       model_.look_for_stop();
       auto& keys = keys_[static_cast<std::size_t>(anchor.strand)];
       const StrandCurve& curve = model_.curve(anchor.strand);
+      const double length = curve.length();
+      const bool open = curve.ends() == Ends::open;
+      // A strand without ends has one node where its coordinates end and begin again.
       const auto near = std::find_if(keys.begin(), keys.end(), [&](const Key& k) {
-        return std::abs(k.coordinate - anchor.coordinate) <= node_tolerance * curve.length();
+        const double apart = std::abs(k.coordinate - anchor.coordinate);
+        return (open ? apart : std::min(apart, length - apart)) <= node_tolerance * length;
       });
       if (near == keys.end()) {
-        const bool end = curve.ends() == Ends::open && (anchor.coordinate <= node_tolerance * curve.length() ||
-                                                        anchor.coordinate >= (1 - node_tolerance) * curve.length());
-        keys.push_back(
-            Key{.coordinate = anchor.coordinate, .node = new_node(curve.at(anchor.coordinate).position), .end = end});
+        const bool end = open && (anchor.coordinate <= node_tolerance * length ||
+                                  anchor.coordinate >= (1 - node_tolerance) * length);
+        const double coordinate = open || anchor.coordinate < length ? anchor.coordinate : 0;
+        keys.push_back(Key{.coordinate = coordinate, .node = new_node(curve.at(coordinate).position), .end = end});
         if (anchor.clamped) keys.back().joint = model_.joints_++;
         model_.anchor_node_.push_back(keys.back().node);
         model_.anchor_joint_.push_back(keys.back().joint);

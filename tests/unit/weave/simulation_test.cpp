@@ -267,5 +267,33 @@ TEST(Drawing, ShowsEveryStrandAndCrossing) {
   EXPECT_EQ(count("nan"), 0);
 }
 
+// The end of a ring's coordinates is the place where they begin: a node of its own there would be at no distance from
+// it.
+TEST(Supports, HoldTheSamePlaceOfARingAtBothEndsOfItsCoordinates) {
+  const auto energy = [](double rotated, bool with_crossing) {
+    Weave weave;
+    weave.strands.push_back(circle(5));
+    const double length = weave.strands[0].curve.length();
+    const Eigen::Vector2d at = weave.strands[0].curve.at(0).position;
+    if (with_crossing) {
+      weave.strands.push_back(line(at - Eigen::Vector2d(3, 0.5), at + Eigen::Vector2d(3, 0.5)));
+      weave.crossings = find_crossings(weave.strands);
+    }
+    SheetLoad load;
+    load.supports.push_back({0, length / 2});
+    load.supports.push_back({0, rotated * length, {true, true, true}, {0.3, 0, 0}});
+    if (with_crossing) load.supports.push_back({1, 0});
+    const SimulationResult result = simulate(weave, load);
+    expect_converged(result);
+    return result.states.back().energy;
+  };
+  for (const bool with_crossing : {false, true}) {
+    const double expected = energy(0, with_crossing);
+    EXPECT_GT(expected, 0);
+    for (const double share : {1.0, 1 - 1e-16, 1 - 1e-12, 1 - 1e-8})
+      EXPECT_NEAR(energy(share, with_crossing), expected, 1e-6 * expected) << share;
+  }
+}
+
 }  // namespace
 }  // namespace supple::weave
