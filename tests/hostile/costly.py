@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
+from contract import ROOT
 from shapes import bumpy_sphere, flat_grid, sphere
 
 
@@ -57,14 +58,32 @@ def stl(vertices: np.ndarray, faces: np.ndarray) -> bytes:
     return b"\0" * 80 + np.uint32(len(faces)).tobytes() + rows.tobytes()
 
 
+def read_obj(name: str) -> "Tuple[np.ndarray, np.ndarray]":
+    """Vertices and faces of an example of the contract."""
+    lines = [line.split() for line in (ROOT / "api" / "examples" / "meshes" / f"{name}.obj").read_text(encoding="utf-8").splitlines()]
+    vertices = np.array([line[1:4] for line in lines if line and line[0] == "v"], dtype=float)
+    faces = np.array([[int(corner.split("/")[0]) - 1 for corner in line[1:4]] for line in lines if line and line[0] == "f"])
+    return vertices, faces
+
+
+LOOSE = 60_000
+"""Triangles of a mesh that has no two of them at one place."""
+
+
 def meshes_of(upload: Callable[[bytes], str]) -> Meshes:
     """Uploads the meshes that the requests name."""
     x, y = np.meshgrid(np.linspace(0, 1, 701), np.linspace(0, 1, 701), indexing="ij")
     vertices, faces = flat_grid(700)
     hills = vertices.copy()
     hills[:, 2] = (0.02 * np.sin(60 * x) * np.cos(50 * y)).ravel()
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    sides = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    triangles = np.arange(3 * LOOSE).reshape(LOOSE, 3)
+    scattered = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])[triangles % 3] + np.arange(LOOSE)[:, None, None] * [2, 0, 0]
     return {"hills": upload(ply(hills, faces)), "bumpy": upload(ply(*bumpy_sphere(6))), "ball": upload(ply(*sphere(4))),
-            "small": upload(ply(*bumpy_sphere(4)))}
+            "small": upload(ply(*bumpy_sphere(4))), "tetrahedron": upload(ply(corners, sides)),
+            "needle": upload(ply(corners * [1, 1, 1e12], sides)), "cushion": upload(ply(*read_obj("cushion"))),
+            "loose": upload(ply(scattered.reshape(-1, 3), triangles))}
 
 
 # --- meshes --------------------------------------------------------------------------------------------------------------
@@ -115,6 +134,14 @@ def upload_of_large_json(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     vertices, faces = flat_grid(760)
     document = {"vertices": np.round(vertices, 3).tolist(), "faces": faces.tolist()}
     return post("/v1/meshes", document)
+
+
+@costly
+def upload_of_a_ply_of_skipped_lists(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    count = 100_000_000
+    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty double x\nproperty double y\nproperty double z\n"
+            f"element other {count}\nproperty list uchar uchar values\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n")
+    return Costly("POST", "/v1/meshes", head.encode() + bytes(count), "model/ply")
 
 
 # --- geodesics -----------------------------------------------------------------------------------------------------------
@@ -206,6 +233,40 @@ def measured_curve_of_many_rows(meshes: Meshes, more: Dict[str, Any]) -> Costly:
                                         "accuracy": {"tolerance": 1e-9, "max_control_points": 64}, **more})
 
 
+@costly
+def drawing_of_an_element_of_many_attributes(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    attributes = " ".join(f'a{k}=""' for k in range(500_000))
+    uses = '<use href="#r"/>' * 4090
+    return post("/v1/outlines", {"text": f'<svg><defs><rect id="r" width="9" height="9" {attributes}/></defs>{uses}</svg>', **more})
+
+
+def texts_of_one_hash(count: int) -> List[str]:
+    """Texts of 16 bytes that libstdc++'s hash of strings (MurmurHash64A) does not tell apart: of any first half, the
+    second half follows."""
+    factor = 0xC6A4A7935BD1E995
+    inverse = pow(factor, -1, 2**64)
+    generator = np.random.default_rng(1)
+    allowed = np.array([byte not in b'\0\t\n\r"&<' for byte in range(128)] + [False] * 128)
+    found: List[str] = []
+    mix = lambda value: value ^ (value >> np.uint64(47))  # noqa: E731
+    with np.errstate(over="ignore"):
+        start = np.uint64(0xC70F6907) ^ (np.uint64(16) * np.uint64(factor))
+        while len(found) < count:
+            first = generator.integers(35, 59, (1_000_000, 8), dtype=np.uint8)
+            block = mix(first.view(np.uint64)[:, 0] * np.uint64(factor)) * np.uint64(factor)
+            hashed = (start ^ block) * np.uint64(factor)
+            second = mix((hashed ^ np.uint64(1)) * np.uint64(inverse)) * np.uint64(inverse)
+            both = np.hstack([first, second[:, None].view(np.uint8)])
+            found += [bytes(row).decode() for row in both[allowed[both].all(axis=1)]]
+    return found[:count]
+
+
+@costly
+def drawing_of_many_ids_of_one_hash(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    ids = "".join(f'<g id="{text}"/>' for text in texts_of_one_hash(60_000))
+    return post("/v1/outlines", {"text": f'<svg>{ids}<use href="#nothing"/></svg>', **more})
+
+
 # --- networks ------------------------------------------------------------------------------------------------------------
 
 @costly
@@ -263,6 +324,64 @@ def optimization_of_many_sites(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     return post("/v1/voronoi-optimizations", {
         "mesh": meshes["bumpy"], "sites": random_points(5_000, BUMPY), "max_iterations": 10_000, "accuracy": {"tolerance": 1e-12},
         "objectives": {"edge_length": 1, "planarity": 1, "regularity": 1, "centroidal": 1, "equal_area": 1}, **more})
+
+
+# --- many in one place -------------------------------------------------------------------------------------------------------
+
+def in_one_face(count: int, apart: float) -> List[Any]:
+    return [{"face": 0, "barycentric": [0.2 + apart * i, 0.3, 0.5 - apart * i]} for i in range(count)]
+
+
+@costly
+def diagram_of_many_sites_at_a_vertex(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/voronoi-diagrams", {"mesh": meshes["tetrahedron"], "sites": [{"vertex": 0}] * 100_000, **more})
+
+
+@costly
+def diagram_of_many_sites_in_a_face(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/voronoi-diagrams", {"mesh": meshes["tetrahedron"], "sites": in_one_face(100_000, 1e-11), **more})
+
+
+@costly
+def diagram_of_many_random_sites_of_four_faces(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/voronoi-diagrams", {"mesh": meshes["tetrahedron"], "sites": {"count": 100_000, "seed": 1}, **more})
+
+
+@costly
+def field_of_many_sources_in_a_face(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/geodesic-fields", {"mesh": meshes["tetrahedron"], "sources": in_one_face(100_000, 1e-11), **more})
+
+
+@costly
+def network_of_many_points_in_a_face(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/embedded-systems", {"mesh": meshes["tetrahedron"], "points": in_one_face(100_000, 1e-11),
+                                         "springs": {"kind": "voronoi_dual"}, **more})
+
+
+@costly
+def network_of_paths_around_and_around(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/embedded-systems", {"mesh": meshes["tetrahedron"], "points": {"kind": "poisson_disk", "radius": 2.5e6},
+                                         "springs": {"kind": "voronoi_dual"}, **more})
+
+
+@costly
+def network_on_a_shell_of_many_parts(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    points = [{"face": i, "barycentric": [0.2, 0.3, 0.5]} for i in range(2)]
+    return post("/v1/embedded-systems", {"mesh": meshes["loose"], "points": points, "springs": [],
+                                         "host": {"kind": "shell", "youngs_modulus": 10, "thickness": 0.05}, **more})
+
+
+@costly
+def diagram_on_a_needle(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    sites = [{"face": face, "barycentric": [0.3, 0.3, 0.4]} for face in range(4)]
+    return post("/v1/voronoi-diagrams", {"mesh": meshes["needle"], "sites": sites,
+                                         "accuracy": {"method": "bounded", "relative_error": 1e-9}, **more})
+
+
+@costly
+def optimization_of_a_coarse_mesh(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/voronoi-optimizations", {"mesh": meshes["cushion"], "sites": {"count": 12, "seed": 3},
+                                              "objectives": {"centroidal": 1}, **more})
 
 
 # --- structures ----------------------------------------------------------------------------------------------------------
@@ -446,12 +565,22 @@ def report_on_long_gcode(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     return post("/v1/gcode-reports", {"gcode": "\n".join(lines) + "\n", **more})
 
 
+@costly
+def report_on_one_line_of_gcode(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return post("/v1/gcode-reports", {"gcode": "X" * 30_000_000, **more})
+
+
 # --- bodies --------------------------------------------------------------------------------------------------------------
 
 @costly
 def body_of_many_numbers(meshes: Meshes, more: Dict[str, Any]) -> Costly:
     text = b'{"mesh":"' + b"0" * 64 + b'","points":[' + b"0," * 7_000_000 + b"0]}"
     return Costly("POST", "/v1/karcher-means", text)
+
+
+@costly
+def body_of_many_empty_texts(meshes: Meshes, more: Dict[str, Any]) -> Costly:
+    return Costly("POST", "/v1/karcher-means", b'{"mesh":"' + b"0" * 64 + b'","points":[' + b'"",' * 7_900_000 + b'""]}')
 
 
 @costly

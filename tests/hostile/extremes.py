@@ -223,6 +223,12 @@ class Extremes:
                 at(body, place[:-1])[place[-1]] = new
         return body
 
+    def with_field(self, base: Base, place: Place, name: str, schema: Any) -> Dict[str, Any]:
+        """The body with another value of this field."""
+        body = copy.deepcopy(base.body)
+        at(body, place)[name] = self.growth.value(schema)
+        return body
+
     def ask(self, path: str, body: Dict[str, Any], accept: str) -> str:
         """Sends a request; returns what is wrong with its answer, or nothing."""
         before = sum(cpu_seconds(self.server.pid).values())
