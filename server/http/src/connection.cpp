@@ -44,7 +44,7 @@ Connection::Connection(int socket, std::string client, budget::MemoryBudget* mem
       deadline_(Clock::now() + patience.idle) {}
 
 Connection::~Connection() {
-  ::shutdown(socket_, SHUT_RDWR);
+  if (!is_anothers_) ::shutdown(socket_, SHUT_RDWR);
   ::close(socket_);
 }
 

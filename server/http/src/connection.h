@@ -67,6 +67,8 @@ class Connection {
   /// Nothing further is answered: what the client still sends is read and discarded for a while, so that closing does
   /// not destroy the answer on its way.
   void linger();
+  /// The answer is sent, and the connection ended, by another object that has a descriptor of its own.
+  void leave_to_another() { is_anothers_ = true; }
   /// Discards what has arrived. False once the client has closed its end.
   bool discard();
 
@@ -130,6 +132,7 @@ class Connection {
   bool is_last_ = false;
   std::exception_ptr refusal_;
   bool unread_ = false;
+  bool is_anothers_ = false;
 };
 
 }  // namespace supple::http

@@ -41,7 +41,9 @@ bool send_now(int socket, std::string_view& text) {
   return true;
 }
 
-bool ConnectionStream::is_writable() const { return never_waits_ || wait_until_writable(socket_, write_seconds_); }
+bool ConnectionStream::is_writable() const {
+  return drops_ || never_waits_ || wait_until_writable(socket_, write_seconds_);
+}
 
 ssize_t ConnectionStream::read(char* data, std::size_t size) {
   const auto count = std::min(size, head_.size());
@@ -60,6 +62,7 @@ bool ConnectionStream::send_all(std::string_view text) {
 
 ssize_t ConnectionStream::write(const char* data, std::size_t size) {
   constexpr std::size_t small = 64 * 1024;
+  if (drops_) return static_cast<ssize_t>(size);
   if (never_waits_ || waiting_.size() + size <= small) {
     waiting_.append(data, size);
     return !at_once_ || flush() ? static_cast<ssize_t>(size) : -1;

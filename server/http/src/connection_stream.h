@@ -28,6 +28,8 @@ class ConnectionStream final : public httplib::Stream {
   void never_wait() { never_waits_ = true; }
   /// What `flush` has left. The caller takes it.
   std::string take_unsent() { return std::move(waiting_); }
+  /// From here on what is written is dropped, as if it had been sent.
+  void drop() { drops_ = true; }
   /// From here on nothing waits: pieces of a streamed answer are sent as they come.
   void send_at_once() { at_once_ = true; }
   /// Sends what waits. False once the client has gone.
@@ -44,6 +46,7 @@ class ConnectionStream final : public httplib::Stream {
   double write_seconds_;
   std::string_view head_;
   bool at_once_ = false;
+  bool drops_ = false;
   bool never_waits_ = false;
   std::string waiting_;
 };

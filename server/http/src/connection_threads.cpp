@@ -7,7 +7,12 @@ namespace supple::http {
 void ConnectionThreads::enqueue(std::function<void()> serve) {
   const std::lock_guard lock(mutex_);
   waiting_.push_back(std::move(serve));
-  if (idle_ < waiting_.size() && threads_.size() < most_) {
+  grow();
+  wake_.notify_one();
+}
+
+void ConnectionThreads::grow() {
+  if (!ending_ && idle_ < waiting_.size() && threads_.size() < most_) {
     try {
       threads_.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
@@ -15,7 +20,17 @@ void ConnectionThreads::enqueue(std::function<void()> serve) {
       if (threads_.empty()) throw;
     }
   }
-  wake_.notify_one();
+}
+
+void ConnectionThreads::lend() {
+  const std::lock_guard lock(mutex_);
+  ++most_;
+  grow();
+}
+
+void ConnectionThreads::take_back() {
+  const std::lock_guard lock(mutex_);
+  --most_;
 }
 
 bool ConnectionThreads::in_demand() const {

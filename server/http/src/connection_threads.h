@@ -20,6 +20,9 @@ class ConnectionThreads {
   ConnectionThreads& operator=(const ConnectionThreads&) = delete;
 
   void enqueue(std::function<void()> serve);
+  /// One of the threads does nothing for others until `take_back`: there may be one more meanwhile.
+  void lend();
+  void take_back();
   /// Whether something waits for a thread.
   bool in_demand() const;
   /// Returns once everything has been done and the threads have ended.
@@ -27,8 +30,10 @@ class ConnectionThreads {
 
  private:
   void work();
+  /// Under the mutex: makes a thread if one is needed and allowed.
+  void grow();
 
-  const std::size_t most_;
+  std::size_t most_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> waiting_;

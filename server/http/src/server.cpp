@@ -1,6 +1,7 @@
 #include "supple/http/server.h"
 
 #include <arpa/inet.h>
+#include <fcntl.h>
 #include <httplib.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -48,6 +49,7 @@ Clock::duration seconds(double value) {
 struct Exchange {
   Connection* connection = nullptr;
   ConnectionStream* stream = nullptr;
+  std::atomic<bool> claimed{false};  ///< by who answers: its handler, or what stands in for that
   int status = 0;
   std::string location;
   std::string key;  ///< that the handler names
@@ -211,6 +213,67 @@ class Server::Implementation final : public httplib::Server {
     Implementation& server_;
   };
 
+  /// Answers while the handler is held. The handler's thread keeps the connection, whose request it reads; the answer
+  /// leaves by an object and a descriptor of its own, so that neither is gone while one of both uses it.
+  class Deputy final : public StandIn {
+   public:
+    Deputy(Implementation& server, Connection& connection, Exchange& exchange, Clock::time_point begin)
+        : server_(server), connection_(connection), exchange_(exchange), begin_(begin) {}
+
+    void answer(const problem::Problem& problem, bool is_replaced) override {
+      if (exchange_.claimed.exchange(true)) return;
+      answered_ = true;
+      const auto& request = connection_.request;
+      auto response = server_.render_(problem);
+      server_.add_headers(response, request.id);
+      const std::chrono::duration<double> taken = Clock::now() - begin_;
+      if (is_replaced) {
+        server_.leave_place(request.client, taken.count());
+        server_.threads_.lend();
+        replaced_ = true;
+      }
+      const auto status = response.status;
+      if (request.method == "HEAD") response.body.clear();
+      server_.send_last(connection_, text_of_last(response, "Late"));
+      server_.observe(connection_, exchange_, status, taken.count());
+    }
+    bool has_answered() const { return answered_; }
+    bool is_replaced() const { return replaced_; }
+
+   private:
+    Implementation& server_;
+    Connection& connection_;
+    Exchange& exchange_;
+    const Clock::time_point begin_;
+    bool answered_ = false;
+    bool replaced_ = false;
+  };
+
+  /// Sends an answer that is the connection's last, while another thread holds the connection.
+  void send_last(Connection& connection, std::string_view text) {
+    const int socket = ::fcntl(connection.socket(), F_DUPFD_CLOEXEC, 0);
+    if (socket < 0) {
+      // There are too many open files: what the client does not take at once is lost.
+      send_now(connection.socket(), text);
+      ::shutdown(connection.socket(), SHUT_WR);
+      return;
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      ++connections_;
+      ++connections_of_[connection.client()];
+    }
+    connection.leave_to_another();
+    auto last = std::make_shared<CountedConnection>(*this, socket, connection.client());
+    if (!send_now(socket, text)) return;
+    if (text.empty()) {
+      last->linger();
+    } else {
+      last->send_later(std::string(text), seconds(options_.write_seconds), true);
+    }
+    lobby_.take(std::move(last));
+  }
+
   std::int64_t memory_of_bodies() const {
     return options_.memory
                ? static_cast<std::int64_t>(share_of_arriving_bodies * static_cast<double>(options_.memory->total()))
@@ -344,7 +407,7 @@ class Server::Implementation final : public httplib::Server {
   void serve_connection(std::shared_ptr<Connection> connection, bool placed) {
     while (true) {
       const auto after = answer_on(*connection, placed);
-      if (after == After::close) return;
+      if (after == After::close || after == After::others) return;
       if (after == After::send) return lobby_.take(std::move(connection));
       if (after == After::linger) {
         connection->linger();
@@ -371,7 +434,7 @@ class Server::Implementation final : public httplib::Server {
     return false;
   }
 
-  enum class After { next, send, linger, close };
+  enum class After { next, send, linger, close, others };
 
   /// Leaves the request's place before the last bytes of a small answer are sent: a client that has them may count on
   /// it.
@@ -394,7 +457,15 @@ class Server::Implementation final : public httplib::Server {
       ConnectionStream stream(connection.socket(), options_.write_seconds, head);
       exchange.stream = &stream;
       if (!placed) stream.never_wait();
+      Deputy deputy(*this, connection, exchange, begin);
+      if (placed) connection.request.stand_in = &deputy;
       const bool answered = process_request(stream, last, closed_by_client, [](httplib::Request&) {});
+      connection.request.stand_in = nullptr;
+      if (deputy.has_answered()) {
+        current = nullptr;
+        deputy.is_replaced() ? threads_.take_back() : leave();
+        return After::others;
+      }
       leave();
       sent = stream.flush();
       unsent = stream.take_unsent();
@@ -404,7 +475,7 @@ class Server::Implementation final : public httplib::Server {
       sent = send_refusal(connection, unsent);
     }
     current = nullptr;
-    observe(connection, exchange, std::chrono::duration<double>(Clock::now() - begin).count());
+    observe(connection, exchange, exchange.status, std::chrono::duration<double>(Clock::now() - begin).count());
     if (!sent) return After::close;
     if (!unsent.empty()) {
       connection.send_later(std::move(unsent), seconds(options_.write_seconds),
@@ -415,12 +486,12 @@ class Server::Implementation final : public httplib::Server {
     return last || closed_by_client ? After::close : After::next;
   }
 
-  void observe(const Connection& connection, const Exchange& exchange, double taken) const {
+  void observe(const Connection& connection, const Exchange& exchange, int status, double taken) const {
     if (!observe_) return;
     const auto& request = connection.request;
     observe_({request.id, connection.client(), exchange.key.empty() ? request.key : exchange.key,
               connection.route ? connection.route->pattern : std::string(), request.method, request.path,
-              exchange.location, exchange.status, taken, request.body.size()});
+              exchange.location, status, taken, request.body.size()});
   }
 
   std::exception_ptr too_many_connections() const {
@@ -431,16 +502,21 @@ class Server::Implementation final : public httplib::Server {
                 {limit, limit + 1, "--max-connections"}, 1);
   }
 
+  /// An answer after which the connection closes.
+  static std::string text_of_last(const Response& response, std::string_view reason) {
+    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
+    text.append(reason).append("\r\nConnection: close\r\nContent-Type: ").append(response.content_type).append("\r\n");
+    for (const auto& [name, value] : response.headers) text.append(name).append(": ").append(value).append("\r\n");
+    return text + "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
+  }
+
   /// Answers what is not even a request's head, without the library. Leaves in `unsent` what the client does not take
   /// at once.
   bool send_refusal(const Connection& connection, std::string& unsent) {
     auto response = problem_response(connection.refusal());
     add_headers(response, {});
     current->status = response.status;
-    std::string text = "HTTP/1.1 " + std::to_string(response.status) + " Refused\r\nConnection: close\r\n" +
-                       "Content-Type: " + response.content_type + "\r\n";
-    for (const auto& [name, value] : response.headers) text.append(name).append(": ").append(value).append("\r\n");
-    text += "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
+    const auto text = text_of_last(response, "Refused");
     std::string_view left = text;
     const bool sent = send_now(connection.socket(), left);
     unsent = left;
@@ -468,6 +544,11 @@ class Server::Implementation final : public httplib::Server {
       response = connection.route->handler(connection.request);
     } catch (...) {
       response = problem_response(std::current_exception());
+    }
+    if (current->claimed.exchange(true)) {
+      current->stream->drop();
+      target.status = response.status;
+      return;
     }
     if (current->close_after_answer) response.set_header("Connection", "close");
     add_headers(response, connection.request.id);

@@ -18,7 +18,7 @@ void ComputeSlots::acquire(const CancellationToken& token, const std::string& cl
   constexpr std::chrono::milliseconds look_at_token{20};  // a token wakes nobody
   std::unique_lock lock(mutex_);
   const auto mine = waiting_.insert(waiting_.end(), client);
-  while (free_ == 0 || next() != mine) {
+  while (free() <= 0 || next() != mine) {
     if (token.requested()) {
       waiting_.erase(mine);
       wake_.notify_all();
@@ -28,17 +28,22 @@ void ComputeSlots::acquire(const CancellationToken& token, const std::string& cl
     wake_.wait_for(lock, look_at_token);
   }
   waiting_.erase(mine);
-  --free_;
   ++running_;
   ++running_of_[client];
-  if (free_ > 0 && !waiting_.empty()) wake_.notify_all();
+  if (free() > 0 && !waiting_.empty()) wake_.notify_all();
 }
 
-void ComputeSlots::release(const std::string& client) {
+void ComputeSlots::release(const std::string& client, bool overdue) {
   const std::lock_guard lock(mutex_);
-  ++free_;
   --running_;
+  if (overdue) --overdue_;
   if (const auto of = running_of_.find(client); --of->second == 0) running_of_.erase(of);
+  if (!waiting_.empty()) wake_.notify_all();
+}
+
+void ComputeSlots::give_up_one() {
+  const std::lock_guard lock(mutex_);
+  ++overdue_;
   if (!waiting_.empty()) wake_.notify_all();
 }
 

@@ -34,6 +34,9 @@ inline problem::Problem interrupted() {
   return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
 }
 
+/// What a client is told whose computation was to stop.
+problem::Problem problem_of_stop(StopReason reason);
+
 [[noreturn]] inline void throw_not_found(const std::string& id) {
   throw Error("job.not_found", "There is no job " + id + ".");
 }
@@ -68,7 +71,10 @@ struct JobQueue::Job final : ProgressSink {
   Computation computation;
   store::JobRecord record;
   CancellationToken token;
+  Clock::time_point due{};  // when its deadline passes
   std::unique_ptr<Watchdog::Guard> watch;
+  bool computing = false;           // a worker runs it
+  Clock::time_point ended_at{};     // when it was finished, whatever its worker does
   Clock::time_point last_report{};  // of the computing thread alone
   Clock::time_point last_published{};
   double progress = 0;

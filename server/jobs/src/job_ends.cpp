@@ -64,6 +64,7 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
   if (written == End::refused) unwritten_.insert_or_assign(record.id, record);
   job->record = record;
   job->finished = true;
+  job->ended_at = Clock::now();
   job->result = std::move(result);
   job->failure = failure;
   jobs_.erase(record.id);
@@ -88,6 +89,7 @@ void JobQueue::put_back(const JobPointer& job) {
 
 void JobQueue::forget(Job& job) {
   job.finished = true;
+  job.ended_at = Clock::now();
   jobs_.erase(job.record.id);
   leave_session(job.computation.session, job.in_session);
   changed_.notify_all();

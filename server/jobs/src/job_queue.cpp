@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "job.h"
 #include "supple/base/watched_work.h"
@@ -17,7 +18,7 @@ namespace supple::jobs {
 namespace {
 
 constexpr std::chrono::milliseconds look_at_client{20};
-constexpr std::chrono::milliseconds look_at_queue{250};
+constexpr std::chrono::milliseconds look_at_queue{250};  // and at the jobs that run
 constexpr std::chrono::minutes look_at_store{1};
 constexpr std::chrono::seconds write_again{1};
 
@@ -93,7 +94,7 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
       }),
       slots_(options.immediate) {
   resume();
-  for (int i = 0; i < options_.workers; ++i) workers_.emplace_back([this] { work(); });
+  for (int i = 0; i < options_.workers; ++i) add_worker();
   cleaner_ = std::thread([this] { clean_up(); });
   if (store_.is_shared()) keeper_ = std::thread([this] { share(); });
 }
@@ -131,9 +132,14 @@ Computation JobQueue::computation_again(const store::JobRecord& record) {
   return computation;
 }
 
-JobQueue::~JobQueue() { shut_down(0); }
+JobQueue::~JobQueue() {
+  shut_down(0);
+  for (auto& worker : workers_) {
+    if (worker.thread.joinable()) worker.thread.join();
+  }
+}
 
-Result JobQueue::run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile) {
+Result JobQueue::run_now(const Computation& computation, Waiting waiting, Profile* profile) {
   const CancellationToken token;
   std::uint64_t ticket = 0;
   std::uint64_t in_session = 0;
@@ -141,33 +147,59 @@ Result JobQueue::run_now(const Computation& computation, std::function<bool()> h
     const std::lock_guard lock(mutex_);
     if (refusing_) throw_shutting_down();
     ticket = ++next_immediate_;
-    immediate_.emplace(ticket, token);
+    immediate_.emplace(ticket, Immediate{token});
     in_session = enter_session(computation.session, token);
   }
   struct Leave {
     JobQueue& queue;
     std::uint64_t ticket;
-    const std::string& session;
+    const Computation& computation;
     std::uint64_t in_session;
     ~Leave() {
-      const std::lock_guard lock(queue.mutex_);
-      queue.immediate_.erase(ticket);
-      queue.leave_session(session, in_session);
-      if (queue.refusing_) queue.changed_.notify_all();
+      std::optional<Watchdog::Overdue> abandoned;
+      {
+        const std::lock_guard lock(queue.mutex_);
+        const auto entry = queue.immediate_.find(ticket);
+        abandoned = entry->second.abandoned;
+        if (abandoned) --queue.abandoned_immediate_;
+        queue.immediate_.erase(entry);
+        queue.leave_session(computation.session, in_session);
+        if (queue.refusing_) queue.changed_.notify_all();
+      }
+      if (abandoned) queue.tell_returned(computation, *abandoned);
     }
-  } const leave{*this, ticket, computation.session, in_session};
-  const Watchdog::Guard watch(watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(hung_up)});
+  } const leave{*this, ticket, computation, in_session};
   Profile unseen;
   Profile& seen = profile ? *profile : unseen;
+  // The slot outlives the watch, which may give it up.
   std::optional<ComputeSlots::Slot> slot;
-  if (computation.takes_slot) {
-    const Stopwatch waited(seen.waited);
-    slot.emplace(slots_, token, computation.client);
+  std::atomic<ComputeSlots::Slot*> held{nullptr};
+  bool answered = false;
+  const std::string whose(log::context_text());
+  const auto abandon = [&](const Watchdog::Overdue& overdue) {
+    const bool is_replaced = abandon_immediate(ticket, overdue);
+    if (auto* const of_computation = held.load()) of_computation->give_up();
+    answered = true;
+    if (waiting.answer_for_it) waiting.answer_for_it(problem_of_stop(overdue.reason), is_replaced);
+    tell_abandoned(whose, computation, overdue);
+  };
+  Result result;
+  {
+    const Watchdog::Guard watch(
+        watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(waiting.hung_up), abandon});
+    if (computation.takes_slot) {
+      const Stopwatch waited(seen.waited);
+      slot.emplace(slots_, token, computation.client);
+      held = &*slot;
+      token.throw_if_requested();  // nobody gives up what was not held yet
+    }
+    const Stopwatch computed(seen.computed);
+    Execution execution;
+    execution.cancellation = token;
+    result = compute(computation, execution, &seen);
   }
-  const Stopwatch computed(seen.computed);
-  Execution execution;
-  execution.cancellation = token;
-  return held_by_request(compute(computation, execution, &seen));
+  if (answered) token.throw_if_requested();
+  return held_by_request(std::move(result));
 }
 
 Result JobQueue::compute(const Computation& computation, const Execution& execution, Profile* profile) const {
@@ -220,8 +252,8 @@ JobQueue::JobPointer JobQueue::make_job(Computation computation) {
   record.owner = job->computation.owner;
   record.idempotency_key = job->computation.idempotency_key;
   record.request_hash = job->computation.request_hash;
-  job->watch = std::make_unique<Watchdog::Guard>(
-      watchdog_, Watchdog::Watch{job->token, Clock::now() + duration(job->computation.deadline), {}});
+  job->due = Clock::now() + duration(job->computation.deadline);
+  job->watch = std::make_unique<Watchdog::Guard>(watchdog_, Watchdog::Watch{job->token, job->due, {}});
   return job;
 }
 
@@ -426,15 +458,28 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   return std::nullopt;
 }
 
-void JobQueue::work() {
+void JobQueue::add_worker() {
+  auto& worker = workers_.emplace_back();
+  try {
+    worker.thread = std::thread([this, &worker] { work(worker); });
+  } catch (...) {
+    workers_.pop_back();
+    throw;
+  }
+}
+
+void JobQueue::work(Worker& self) {
+  const auto most = static_cast<std::size_t>(options_.workers);  // there are more while some are abandoned
   std::unique_lock lock(mutex_);
   while (true) {
-    work_.wait(lock, [this] { return ending_ || next_place() != queue_.end(); });
+    work_.wait(lock, [&] { return ending_ || (running_ < most && next_place() != queue_.end()); });
     if (ending_) return;
     const auto job = take_next();
     if (job->finished) continue;
-    const bool last_attempt = is_last_attempt(*job);
-    if (last_attempt) last_attempt_runs_ = true;
+    self.last_attempt = is_last_attempt(*job);
+    if (self.last_attempt) last_attempt_runs_ = true;
+    self.job = job;
+    job->computing = true;
     ++running_;
     ++running_of_[job->computation.client];
     const auto begin = Clock::now();
@@ -452,12 +497,21 @@ void JobQueue::work() {
       lose(job);
     }
     lock.lock();
+    if (const auto of = running_of_.find(job->computation.client); --of->second == 0) running_of_.erase(of);
+    self.job.reset();
+    if (const auto abandoned = std::exchange(self.abandoned, std::nullopt)) {
+      --abandoned_jobs_;
+      lock.unlock();
+      const log::Context context("job", job->record.id);
+      tell_returned(job->computation, *abandoned);
+      lock.lock();
+      continue;
+    }
     --running_;
-    if (last_attempt) {
+    if (self.last_attempt) {
       last_attempt_runs_ = false;
       work_.notify_all();
     }
-    if (const auto of = running_of_.find(job->computation.client); --of->second == 0) running_of_.erase(of);
     constexpr double weight = 0.1;  // of the latest job in the moving average
     mean_seconds_ += weight * (std::chrono::duration<double>(Clock::now() - begin).count() - mean_seconds_);
     changed_.notify_all();
@@ -486,6 +540,10 @@ void JobQueue::run_job(const JobPointer& job) {
   } catch (...) {
     failure = std::current_exception();
   }
+  {
+    const std::lock_guard lock(mutex_);
+    job->computing = false;
+  }
   finish(job, failure ? JobState::failed : JobState::successful, std::move(result), failure);
 }
 
@@ -506,6 +564,7 @@ void JobQueue::clean_up() {
     }
     lock.unlock();
     for (const auto& job : stopped) run_job(job);
+    abandon_jobs();
     if (options_.memory) options_.memory->return_what_is_free();
     if (Clock::now() >= next_write) {
       write_what_was_refused();
@@ -530,19 +589,22 @@ void JobQueue::shut_down(double grace_seconds) {
   std::unique_lock lock(mutex_);
   refusing_ = true;
   for (const auto& job : queue_) job->token.request(StopReason::shutdown);
-  const auto idle = [this] { return running_ == 0 && immediate_.empty(); };
+  const auto idle = [this] { return running_ == 0 && immediate_.size() == abandoned_immediate_; };
   changed_.wait_for(lock, duration(grace_seconds), idle);
   for (const auto& [id, job] : jobs_) job->token.request(StopReason::shutdown);
-  for (const auto& [ticket, token] : immediate_) token.request(StopReason::shutdown);
+  for (const auto& [ticket, immediate] : immediate_) immediate.token.request(StopReason::shutdown);
   changed_.wait(lock, [this] { return running_ == 0; });
   ending_ = true;
+  std::vector<std::thread*> ended;  // those of abandoned jobs go on
+  for (auto& worker : workers_) {
+    if (!worker.abandoned && worker.thread.joinable()) ended.push_back(&worker.thread);
+  }
   const auto left = std::move(queue_);
   queue_.clear();
   work_.notify_all();
   end_.notify_all();
   lock.unlock();
-  for (auto& worker : workers_) worker.join();
-  workers_.clear();
+  for (auto* const thread : ended) thread->join();
   if (cleaner_.joinable()) cleaner_.join();
   if (keeper_.joinable()) keeper_.join();
   for (const auto& job : left) run_job(job);

@@ -78,6 +78,9 @@ struct Metrics::Implementation {
       gauge("supple_memory_used_bytes", "Memory that requests have reserved and computations have allocated.");
   prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
   prometheus::Gauge& computations = gauge("supple_immediate_computations", "Immediate computations that run or wait.");
+  prometheus::Gauge& abandoned =
+      gauge("supple_abandoned_computations",
+            "Computations that run a second after their deadline or after their client has hung up.");
   prometheus::Gauge& meshes = gauge("supple_meshes_loaded", "Meshes held in memory.");
   prometheus::Gauge& mesh_bytes = gauge("supple_meshes_loaded_bytes", "Estimated memory of the meshes held.");
   prometheus::Gauge& models = gauge("supple_models_loaded", "Neural models that are served.");
@@ -160,6 +163,7 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.used.Set(static_cast<double>(snapshot.used_bytes));
   self.budget.Set(static_cast<double>(snapshot.budget_bytes));
   self.computations.Set(static_cast<double>(snapshot.computations));
+  self.abandoned.Set(static_cast<double>(snapshot.abandoned));
   self.meshes.Set(static_cast<double>(snapshot.meshes_loaded));
   self.mesh_bytes.Set(static_cast<double>(snapshot.mesh_bytes));
   self.damaged_models.Set(static_cast<double>(snapshot.models_damaged));

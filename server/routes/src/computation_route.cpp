@@ -133,14 +133,24 @@ http::Response answer_immediately(Services& services, const http::Request& reque
   const double reading_seconds = seconds_of_reading(request);
   reading.request = nullptr;
   jobs::Profile profile;
-  auto response = finished(services.jobs->run_now(
-      computation, [peer = request.peer] { return peer.hung_up(); }, &profile));
+  auto response = finished(compute_now(services, request, computation, &profile));
   services.metrics->observe_stage("read", reading_seconds);
   services.metrics->observe_stage("wait", profile.waited);
   services.metrics->observe_stage("compute", profile.computed);
   services.metrics->observe_memory(profile.peak_memory);
   response.set_header("Server-Timing", server_timing(reading_seconds, profile));
   return response;
+}
+
+store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
+                          jobs::Profile* profile) {
+  jobs::Waiting waiting{[peer = request.peer] { return peer.hung_up(); }};
+  if (auto* const stand_in = request.stand_in) {
+    waiting.answer_for_it = [stand_in](const problem::Problem& problem, bool is_replaced) {
+      stand_in->answer(problem, is_replaced);
+    };
+  }
+  return services.jobs->run_now(computation, std::move(waiting), profile);
 }
 
 jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored,
@@ -182,7 +192,7 @@ std::shared_ptr<const store::LoadedMesh> load_mesh(const Services& services, con
       mesh = services.meshes->get(id, execution);
       return store::Result{};
     };
-    services.jobs->run_now(loading, [peer = request.peer] { return peer.hung_up(); });
+    compute_now(services, request, loading);
     return mesh;
   } catch (const Error& error) {
     if (error.code() != "mesh.not_found") throw;
@@ -203,7 +213,7 @@ const surface::NearestPointSearch& nearest_search(const Services& services, cons
       mesh.nearest(execution);
       return store::Result{};
     };
-    services.jobs->run_now(making, [peer = request.peer] { return peer.hung_up(); });
+    compute_now(services, request, making);
   }
   return mesh.nearest();
 }

@@ -24,6 +24,11 @@ inline bool becomes_job(const http::Request& request) { return !request.header("
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation);
 
+/// Computes on this thread, as JobQueue::run_now does, for the client of the request: the computation is stopped once
+/// that has hung up, and the client is answered at its deadline, whether it stops or not.
+store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
+                          jobs::Profile* profile = nullptr);
+
 /// The mesh of a computation with a deadline in seconds. One that is not in memory is loaded within a compute slot and
 /// the deadline, and for as long as the client is there. Throws "mesh.not_found" with a pointer to the field, also
 /// where the request may not see it, and what ends a computation.

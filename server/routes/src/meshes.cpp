@@ -88,7 +88,7 @@ http::Response create(Services& services, const http::Request& request) {
     response = store_mesh(services, request, execution);
     return store::Result{};
   };
-  services.jobs->run_now(reading, [peer = request.peer] { return peer.hung_up(); });
+  compute_now(services, request, reading);
   return response;
 }
 
@@ -138,7 +138,7 @@ http::Response content(const Services& services, const http::Request& request) {
       response.body = surface::write_obj(services.meshes->get(id, execution)->mesh(), execution);
       return store::Result{};
     };
-    services.jobs->run_now(writing, [peer = request.peer] { return peer.hung_up(); });
+    compute_now(services, request, writing);
   } else {
     jobs::Computation checking{"meshes", id, services.limits.json.default_deadline, {}};
     checking.client = request.client;
@@ -147,7 +147,7 @@ http::Response content(const Services& services, const http::Request& request) {
       response.pieces = pieces_of(services.store->open_mesh_content(id, execution.cancellation));
       return store::Result{};
     };
-    services.jobs->run_now(checking, [peer = request.peer] { return peer.hung_up(); });
+    compute_now(services, request, checking);
   }
   response.set_header("ETag", quoted(tag));
   response.set_header("Vary", "Accept");

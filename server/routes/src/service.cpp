@@ -73,6 +73,7 @@ http::Response metrics_text(const Services& services) {
     snapshot.jobs = {{"accepted", static_cast<std::int64_t>(services.jobs->waiting())},
                      {"running", static_cast<std::int64_t>(services.jobs->running())}};
     snapshot.computations = services.jobs->immediate();
+    snapshot.abandoned = static_cast<std::int64_t>(services.jobs->abandoned());
     const auto size = services.meshes->size();
     snapshot.meshes_loaded = static_cast<std::int64_t>(size.meshes);
     snapshot.mesh_bytes = size.bytes;

@@ -127,6 +127,23 @@ class HttpServerTest : public testing::Test {
                   return text("done!");
                 },
                 {}});
+    for (const char* const method : {"GET", "POST"}) {
+      router.add({method,
+                  "/late/{how}",
+                  [this](const Request& r) {
+                    // As a watchdog does, from its own thread.
+                    std::thread([&] {
+                      r.stand_in->answer({"job.deadline_exceeded", "Late.", {}, {}, {}},
+                                         r.path_parameters.at("how") == "replaced");
+                    }).join();
+                    while (!release_) std::this_thread::sleep_for(1ms);
+                    ++returned_;
+                    auto response = text("late!");
+                    response.stream = [this](StreamWriter&) { ++streamed_; };
+                    return response;
+                  },
+                  {1000, "--max-body"}});
+    }
     router.add({"POST",
                 "/made",
                 [](const Request&) {
@@ -233,6 +250,8 @@ class HttpServerTest : public testing::Test {
   std::atomic<int> slow_{0};
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};
+  std::atomic<int> returned_{0};
+  std::atomic<int> streamed_{0};
   std::atomic<bool> release_{false};
   std::mutex report_mutex_;  ///< the server reports from a thread of its own
   std::string reported_;
@@ -587,6 +606,45 @@ TEST_F(HttpServerTest, SaysHowLongItHasNotLookedAtWhatArrives) {
   std::this_thread::sleep_for(200ms);
   EXPECT_LT(server_->load().silence, 10);
   EXPECT_GE(server_->load().silence, 0);
+}
+
+TEST_F(HttpServerTest, AnswersForAHandlerThatIsHeldAndDropsWhatItReturnsLater) {
+  options_.max_requests = 1;
+  start();
+  const std::string head = "HEAD /late/replaced HTTP/1.1\r\nHost: x\r\n\r\n";
+  int late = 0;
+  for (const auto& request :
+       {get("/late/replaced"), post("/late/replaced", "body"), head, get("/late/replaced") + get("/hello/never")}) {
+    Client client(port_);
+    client.send(request);
+    const auto answer = client.read_all();
+    EXPECT_EQ(answer.find("HTTP/1.1 504 "), 0U) << answer;
+    EXPECT_NE(answer.find("Connection: close\r\n"), std::string::npos) << answer;
+    EXPECT_NE(answer.find("Supple-Request-Id: "), std::string::npos) << answer;
+    EXPECT_TRUE(answer.ends_with(request == head ? "\r\n\r\n" : "problem job.deadline_exceeded!")) << answer;
+    EXPECT_EQ(returned_, 0) << "it is held";
+    EXPECT_TRUE(this->answer(get("/hello/a")).ends_with("hello a!")) << "in the place and by a thread of " << late;
+    while (observed_ < 2 * late + 2) std::this_thread::sleep_for(1ms);
+    ++late;
+  }
+  end();
+  EXPECT_EQ(returned_, late);
+  EXPECT_EQ(streamed_, 0);
+  EXPECT_EQ(observed_, 2 * late) << "what is dropped is no second answer";
+  EXPECT_EQ(server_->load().answering, 0);
+  EXPECT_EQ(server_->connections(), 0);
+}
+
+TEST_F(HttpServerTest, KeepsThePlaceOfAHandlerThatIsHeldWhereItIsNotReplaced) {
+  options_.max_requests = 1;
+  start();
+  Client client(port_);
+  client.send(get("/late/kept"));
+  EXPECT_TRUE(client.read_all().ends_with("problem job.deadline_exceeded!"));
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("problem server.busy!"));
+  release_ = true;
+  while (server_->load().answering > 0) std::this_thread::sleep_for(1ms);
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
 }
 
 TEST_F(HttpServerTest, ClosesIdleConnectionsAtOnceWhenItStops) {

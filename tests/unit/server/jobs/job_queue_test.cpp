@@ -487,7 +487,7 @@ TEST_F(JobQueueTest, CancelsAnImmediateComputationWhoseClientHangsUp) {
     wait_until_started();
     gone = true;
   });
-  EXPECT_EQ(code_of([&] { queue().run_now(endless(), [&] { return gone.load(); }); }), "job.cancelled");
+  EXPECT_EQ(code_of([&] { queue().run_now(endless(), {[&] { return gone.load(); }}); }), "job.cancelled");
   client.join();
   EXPECT_EQ(queue().immediate(), 0);
 }

@@ -25,6 +25,16 @@ class Peer {
   int socket_;
 };
 
+/// Answers a request whose handler does not return in time.
+class StandIn {
+ public:
+  virtual ~StandIn() = default;
+  /// Sends the problem and closes the connection after it; what the handler returns is dropped then. `is_replaced`: the
+  /// handler's place among the requests that are answered, and its thread, are given to others too until it returns.
+  /// Any thread, once at most; the handler must not return before this has. Does not wait for the client.
+  virtual void answer(const problem::Problem& problem, bool is_replaced) = 0;
+};
+
 /// A request that has been read completely.
 struct Request {
   std::string method;
@@ -34,9 +44,10 @@ struct Request {
   std::string host;  ///< that the client means: the header Host, or an absolute target's
   std::string body;
   Peer peer{-1};
-  std::string id;      ///< 16 hexadecimal digits, the answer's header Supple-Request-Id
-  std::string client;  ///< who asks, as shares count it: the address, or "key ID" where a key came along
-  std::string key;     ///< the id of the key that came along; empty where none is needed
+  StandIn* stand_in = nullptr;  ///< of its handler while that runs; null for probes
+  std::string id;               ///< 16 hexadecimal digits, the answer's header Supple-Request-Id
+  std::string client;           ///< who asks, as shares count it: the address, or "key ID" where a key came along
+  std::string key;              ///< the id of the key that came along; empty where none is needed
   /// Whether it may see and delete what any key owns. Without keys everybody may.
   bool sees_all = true;
   int max_waiting_jobs = 0;  ///< of its key; 0: that of the queue alone

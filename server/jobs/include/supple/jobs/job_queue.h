@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -50,6 +51,15 @@ struct Profile {
   std::int64_t peak_memory = 0;  ///< the most bytes that it held; 0 where nothing is counted
 };
 
+/// Who waits for an immediate computation.
+struct Waiting {
+  std::function<bool()> hung_up;  ///< may be empty: it waits as long as it takes
+  /// Answers in place of a computation that does not stop; may be empty. `is_replaced`: what the computation holds of
+  /// its caller is to be given to others too, for there are few such computations. Called from another thread, once at
+  /// most, before run_now returns. It does not wait.
+  std::function<void(const problem::Problem& problem, bool is_replaced)> answer_for_it{};
+};
+
 /// A job as a client sees it: its record, and how far it is.
 struct JobStatus {
   store::JobRecord record;
@@ -93,7 +103,8 @@ class JobQueue {
   using Render = std::function<std::string(const problem::Problem&)>;
   /// Hears of every finished job.
   using Observe = std::function<void(const store::JobRecord&)>;
-  /// Hears what the store refused to keep, as text for the log. Called from any thread.
+  /// Hears what the store refused to keep, and which computations do not stop, as text for the log. Called from any
+  /// thread.
   using Log = std::function<void(const std::string&)>;
 
   /// Makes a computation again from its request, which throws what a client would have been told. Called on a worker,
@@ -104,15 +115,19 @@ class JobQueue {
   /// failed with "job.interrupted".
   JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log = {},
            Remake remake = {});
-  /// Shuts down without grace.
+  /// Shuts down without grace, and waits for workers of abandoned jobs.
   ~JobQueue();
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
-  /// Computes on this thread within a compute slot. Throws what the computation throws; "job.cancelled" once `hung_up`
-  /// says so, "job.deadline_exceeded", "server.shutting_down". Leaves no trace in the store.
+  /// Computes on this thread within a compute slot. Throws what the computation throws; "job.cancelled" once
+  /// `waiting.hung_up` says so, "job.deadline_exceeded", "server.shutting_down". Leaves no trace in the store.
   /// `profile`, if there is one, is filled however it ends.
-  store::Result run_now(const Computation& computation, std::function<bool()> hung_up, Profile* profile = nullptr);
+  ///
+  /// A computation that goes on for Watchdog::patience after its deadline, or after its client has hung up, is
+  /// abandoned: `waiting` is answered, and others get its slot while no more than `immediate` are abandoned. This
+  /// returns when the computation does; its result is dropped then.
+  store::Result run_now(const Computation& computation, Waiting waiting, Profile* profile = nullptr);
 
   /// Makes it a job that waits for a worker; it outlives the process if it comes with its request. Where there is a job
   /// with its key of idempotency already, it is that one. Throws "job.key_reused" where that was asked for something
@@ -149,15 +164,34 @@ class JobQueue {
   std::size_t running() const;
   std::size_t waiting() const;
   int immediate() const { return slots_.in_use(); }
+  /// Computations that do not stop and that nobody waits for any more.
+  std::size_t abandoned() const;
 
   /// Refuses new computations, gives those that run `grace_seconds` to finish, then stops them. Jobs that did not run
   /// to their end wait for the next process, or fail with "job.interrupted" where it could not make them again. Returns
-  /// once no worker runs.
+  /// once no worker runs but those of abandoned jobs, for which the destructor waits.
   void shut_down(double grace_seconds);
 
  private:
   struct Job;
   using JobPointer = std::shared_ptr<Job>;
+  struct Worker {
+    std::thread thread;
+    JobPointer job{};                              // that it runs
+    bool last_attempt = false;                     // of the job
+    std::optional<Watchdog::Overdue> abandoned{};  // with the job: another worker is there in its place
+  };
+
+  /// An immediate computation.
+  struct Immediate {
+    CancellationToken token;
+    std::optional<Watchdog::Overdue> abandoned{};
+  };
+  /// Returns whether others get what the computation of this ticket holds.
+  bool abandon_immediate(std::uint64_t ticket, const Watchdog::Overdue& overdue);
+  /// `whose` names the request or the job as log::Context does.
+  void tell_abandoned(const std::string& whose, const Computation& computation, const Watchdog::Overdue& overdue) const;
+  void tell_returned(const Computation& computation, const Watchdog::Overdue& overdue) const;
 
   /// Under the mutex: stops what else runs in the session and takes its place. Returns the number to leave it with.
   std::uint64_t enter_session(const std::string& session, const CancellationToken& token);
@@ -197,7 +231,14 @@ class JobQueue {
                     const std::function<bool(const std::string& kept)>& publish);
   /// Under the mutex. `kept`: so is its request, of which the row takes `request`.
   void publish(Job& job, bool kept, const std::string& request = {});
-  void work();
+  void work(Worker& self);
+  /// Under the mutex: another worker, which runs jobs as soon as it may.
+  void add_worker();
+  /// Jobs whose computation goes on for Watchdog::patience after their deadline fail with it; the workers of those, and
+  /// of jobs that were dismissed so long ago, are replaced while no more than `workers` are.
+  void abandon_jobs();
+  /// Under the mutex: since when the worker's computation should have stopped, where that is long ago.
+  static std::optional<Watchdog::Overdue> overdue(const Worker& worker);
   /// Runs it on this thread and holds what it allocates against the budget. Throws what it throws, or why it had to be
   /// stopped: "request.too_much_memory", "server.out_of_memory".
   store::Result compute(const Computation& computation, const Execution& execution, Profile* profile = nullptr) const;
@@ -247,15 +288,17 @@ class JobQueue {
   double mean_seconds_ = 0;                            // that a job runs, a moving average
   std::map<std::string, JobPointer> jobs_;             // unfinished ones, those not yet visible to clients included
   std::map<std::string, store::JobRecord> unwritten_;  // finished ones whose end the store did not take
-  std::map<std::uint64_t, CancellationToken> immediate_;
+  std::map<std::uint64_t, Immediate> immediate_;
+  std::size_t abandoned_immediate_ = 0;  // of them
   /// The latest unfinished computation of each session, with a number that tells it from later ones.
   std::map<std::string, std::pair<std::uint64_t, CancellationToken>> sessions_;
   std::uint64_t next_in_session_ = 0;
   std::uint64_t next_immediate_ = 0;
-  std::size_t running_ = 0;
+  std::size_t running_ = 0;         // jobs, those that are abandoned aside
+  std::size_t abandoned_jobs_ = 0;  // whose workers are replaced
   bool refusing_ = false;
   bool ending_ = false;
-  std::vector<std::thread> workers_;
+  std::list<Worker> workers_;
   std::thread cleaner_;
   std::thread keeper_;  // of the holds on jobs in a shared store
 };

@@ -18,6 +18,7 @@ struct Snapshot {
   std::int64_t used_bytes = 0;    ///< of the memory budget, by requests and computations
   std::int64_t budget_bytes = 0;  ///< the memory budget
   std::int64_t computations = 0;  ///< immediate ones that run or wait
+  std::int64_t abandoned = 0;     ///< computations that do not stop
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimate of the loaded meshes
   std::int64_t models_loaded = 0;
