@@ -81,7 +81,8 @@ def test_the_error_table_has_no_code_twice_and_only_error_statuses() -> None:
 
 @pytest.mark.parametrize("method, path, status, headers, body", [
     ("GET", "/healthz", 200, {"Content-Type": "application/json"}, b'{"status": "ok", "version": "1"}'),
-    ("GET", "/healthz", 200, {"Content-Type": "application/json"}, b'{"status": "ok", "version": "1", "uptime_seconds": NaN}'),
+    ("GET", "/healthz", 200, {"Content-Type": "application/json"}, b'{"status": "ok", "version": "1", "uptime_seconds": NaN,'
+     b' "silence_seconds": 0}'),
     ("GET", "/healthz", 200, {"Content-Type": "text/html"}, b"ok"),
     ("GET", "/v1/nothing", 200, {"Content-Type": "application/json"}, b"{}"),
     ("GET", "/v1/jobs", 404, {"Content-Type": "application/problem+json"},

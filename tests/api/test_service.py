@@ -19,7 +19,7 @@ from working_time import PATIENCE_SECONDS
 
 def test_the_probes_say_alive_and_ready(api: Api) -> None:
     health = api.get("/healthz").json()
-    assert health["status"] == "ok" and health["uptime_seconds"] >= 0
+    assert health["status"] == "ok" and health["uptime_seconds"] >= 0 and 0 <= health["silence_seconds"] < 60
     ready = api.get("/readyz").json()
     assert ready["status"] == "ready"
 

@@ -71,7 +71,8 @@ def without_bill(content: bytes) -> bytes:
     def strip(value: Any) -> Any:
         if isinstance(value, dict):
             return {key: strip(inner) for key, inner in value.items()
-                    if key not in ("cost", "seconds", "request_id", "instance", "uptime_seconds")}
+                    if key not in ("cost", "seconds", "request_id", "instance", "uptime_seconds",
+                                   "silence_seconds")}
         return [strip(inner) for inner in value] if isinstance(value, list) else value
 
     return json.dumps(strip(document), sort_keys=True).encode()

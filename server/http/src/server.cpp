@@ -17,6 +17,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -25,6 +26,7 @@
 #include "connection_threads.h"
 #include "lobby.h"
 #include "supple/log/context.h"
+#include "thread_watch.h"
 
 namespace supple::http {
 namespace {
@@ -36,6 +38,7 @@ constexpr double share_of_arriving_bodies = 0.75;  // of the memory of requests
 constexpr std::size_t quick_threads = 4;           // answer probes and refusals
 constexpr int reserve_connections = 16;            // beyond the limit, for probes and refusals
 constexpr int listen_backlog = 512;
+constexpr std::chrono::milliseconds accept_period{500};  // in which the thread that accepts is seen at least once
 // How long a thread stays with a connection that it has answered on. A client that asks one thing after another is
 // spared the way through the lobby; 20 ms hold no thread from others, since it leaves when one is in demand.
 constexpr int looks_at_next = 10;
@@ -74,8 +77,13 @@ class ChunkWriter final : public StreamWriter {
 /// The library runs what it accepts on the thread that listens, which hands it to the lobby.
 class RunAtOnce final : public httplib::TaskQueue {
  public:
+  explicit RunAtOnce(std::function<void()> idle) : idle_(std::move(idle)) {}
   void enqueue(std::function<void()> task) override { task(); }
+  void on_idle() override { idle_(); }
   void shutdown() override {}
+
+ private:
+  const std::function<void()> idle_;
 };
 
 /// 16 hexadecimal digits that no other request of this process has, and hardly one of another process: a number that
@@ -150,7 +158,8 @@ class Server::Implementation final : public httplib::Server {
         quick_(quick_threads),
         lobby_([this](Connection& connection) { admit(connection); },
                [this](std::shared_ptr<Connection> connection, Arrival) { deliver(std::move(connection)); }) {
-    new_task_queue = [] { return new RunAtOnce; };
+    new_task_queue = [this] { return new RunAtOnce([this] { accepts_at_ = Clock::now().time_since_epoch(); }); };
+    set_idle_interval(accept_period);
     set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // what the Keep-Alive header says
     set_keep_alive_max_count(static_cast<std::size_t>(options_.requests_per_connection));
     // The library's default also sets SO_REUSEPORT, with which a second server would silently share the port.
@@ -182,7 +191,18 @@ class Server::Implementation final : public httplib::Server {
   }
 
   void serve() {
-    if (!stopping_) listen_after_bind();
+    if (!stopping_) {
+      accepts_at_ = Clock::now().time_since_epoch();
+      std::optional<ThreadWatch> watch;
+      if (options_.tell) {
+        watch.emplace(
+            std::vector<ThreadWatch::Watched>{
+                {"the thread that accepts connections", [this] { return accept_silence(); }},
+                {"the thread that reads what arrives on connections", [this] { return lobby_.silence(); }}},
+            seconds(options_.silent_seconds), options_.tell);
+      }
+      listen_after_bind();
+    }
     lobby_.stop();
     threads_.finish();
     quick_.finish();
@@ -196,7 +216,8 @@ class Server::Implementation final : public httplib::Server {
   bool stopping() const { return stopping_; }
   Load load() const {
     const std::lock_guard lock(mutex_);
-    return {connections_, answering_, evicted_, std::chrono::duration<double>(lobby_.silence()).count()};
+    return {connections_, answering_, evicted_, std::chrono::duration<double>(lobby_.silence()).count(),
+            std::chrono::duration<double>(accept_silence()).count()};
   }
 
  private:
@@ -279,9 +300,11 @@ class Server::Implementation final : public httplib::Server {
                ? static_cast<std::int64_t>(share_of_arriving_bodies * static_cast<double>(options_.memory->total()))
                : 0;
   }
+  Clock::duration accept_silence() const { return Clock::now().time_since_epoch() - accepts_at_.load(); }
   int share_of(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
 
   bool process_and_close_socket(socket_t socket) override {
+    accepts_at_ = Clock::now().time_since_epoch();
     const int yes = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     const auto client = peer_address(socket);
@@ -631,6 +654,7 @@ class Server::Implementation final : public httplib::Server {
   const Guard guard_;
   const Connection::Patience patience_;
   ArrivingBodies bodies_;
+  std::atomic<Clock::duration> accepts_at_{Clock::now().time_since_epoch()};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> stopped_{false};  ///< the library's stop may be called only once
   mutable std::mutex mutex_;

@@ -56,11 +56,13 @@ std::optional<Watchdog::Overdue> JobQueue::overdue(const Worker& worker) {
   if (now - job.due >= Watchdog::patience) return Watchdog::Overdue{StopReason::deadline, job.due};
   if (job.finished && now - job.ended_at >= Watchdog::patience)
     return Watchdog::Overdue{StopReason::cancelled, job.ended_at};
+  if (job.left_at && now - *job.left_at >= Watchdog::patience)
+    return Watchdog::Overdue{StopReason::cancelled, *job.left_at};
   return std::nullopt;
 }
 
 void JobQueue::abandon_jobs() {
-  std::vector<JobPointer> late;
+  std::vector<std::pair<JobPointer, StopReason>> late;
   std::vector<std::pair<JobPointer, Watchdog::Overdue>> abandoned;
   {
     const std::lock_guard lock(mutex_);
@@ -68,7 +70,7 @@ void JobQueue::abandon_jobs() {
     for (auto& worker : workers_) {
       const auto since = overdue(worker);
       if (!since || worker.abandoned) continue;
-      if (!worker.job->finishing) late.push_back(worker.job);
+      if (!worker.job->finishing) late.emplace_back(worker.job, since->reason);
       const auto most = static_cast<std::size_t>(options_.workers);
       if (abandoned_jobs_ >= most) continue;
       worker.abandoned = since;
@@ -88,10 +90,10 @@ void JobQueue::abandon_jobs() {
     }
   }
   for (const auto& [job, since] : abandoned) tell_abandoned("job=" + job->record.id + " ", job->computation, since);
-  for (const auto& job : late) {
+  for (const auto& [job, reason] : late) {
     const log::Context context("job", job->record.id);
     finish(job, JobState::failed, std::nullopt,
-           std::make_exception_ptr(problem::ProblemError(problem_of_stop(StopReason::deadline))));
+           std::make_exception_ptr(problem::ProblemError(problem_of_stop(reason))));
   }
 }
 

@@ -73,9 +73,10 @@ struct JobQueue::Job final : ProgressSink {
   CancellationToken token;
   Clock::time_point due{};  // when its deadline passes
   std::unique_ptr<Watchdog::Guard> watch;
-  bool computing = false;           // a worker runs it
-  Clock::time_point ended_at{};     // when it was finished, whatever its worker does
-  Clock::time_point last_report{};  // of the computing thread alone
+  bool computing = false;                      // a worker runs it
+  std::optional<Clock::time_point> left_at{};  // by its client, before it was visible
+  Clock::time_point ended_at{};                // when it was finished, whatever its worker does
+  Clock::time_point last_report{};             // of the computing thread alone
   Clock::time_point last_published{};
   double progress = 0;
   std::string stage;

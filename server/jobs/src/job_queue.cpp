@@ -402,8 +402,10 @@ JobQueue::ResultOrJob JobQueue::run_within(Computation computation, double secon
     changed_.wait_until(lock, std::min(end, Clock::now() + look_at_client));
     if (job->finished) break;
     lock.unlock();
-    if (hung_up && hung_up()) job->token.request(StopReason::cancelled);
+    const bool left = hung_up && hung_up();
+    if (left) job->token.request(StopReason::cancelled);
     lock.lock();
+    if (left && !job->left_at) job->left_at = Clock::now();
   }
   if (!job->finished) {
     const auto record = job->record;

@@ -74,6 +74,8 @@ struct Metrics::Implementation {
       gauge("supple_connections_evicted", "Connections closed so far to make room for others.");
   prometheus::Gauge& lobby_silence = gauge("supple_lobby_silence_seconds",
                                            "Time since what arrives on connections was looked at: normally below 0.6.");
+  prometheus::Gauge& listener_silence =
+      gauge("supple_listener_silence_seconds", "Time since new connections were looked for: normally below 0.6.");
   prometheus::Gauge& used =
       gauge("supple_memory_used_bytes", "Memory that requests have reserved and computations have allocated.");
   prometheus::Gauge& budget = gauge("supple_memory_budget_bytes", "Memory that requests may reserve together.");
@@ -160,6 +162,7 @@ std::string Metrics::text(const Snapshot& snapshot) {
   self.answering.Set(static_cast<double>(snapshot.answering));
   self.evicted.Set(static_cast<double>(snapshot.evicted));
   self.lobby_silence.Set(snapshot.lobby_silence);
+  self.listener_silence.Set(snapshot.listener_silence);
   self.used.Set(static_cast<double>(snapshot.used_bytes));
   self.budget.Set(static_cast<double>(snapshot.budget_bytes));
   self.computations.Set(static_cast<double>(snapshot.computations));

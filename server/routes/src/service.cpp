@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "handlers.h"
 #include "supple/json/json_writer.h"
 #include "supple/store/disk_space.h"
@@ -16,7 +18,8 @@ double uptime(const Services& services) {
 http::Response health(const Services& services) {
   json::JsonWriter out;
   out.begin_object().field("status", "ok").field("version", services.version).field("uptime_seconds", uptime(services));
-  out.end_object();
+  const auto load = services.load ? services.load() : http::Load{};
+  out.field("silence_seconds", std::max(load.silence, load.accept_silence)).end_object();
   return json_response(out.take());
 }
 
@@ -63,6 +66,7 @@ http::Response metrics_text(const Services& services) {
     snapshot.answering = load.answering;
     snapshot.evicted = static_cast<std::int64_t>(load.evicted);
     snapshot.lobby_silence = load.silence;
+    snapshot.listener_silence = load.accept_silence;
   }
   if (services.memory) {
     snapshot.used_bytes = services.memory->used();

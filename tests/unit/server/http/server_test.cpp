@@ -203,7 +203,11 @@ class HttpServerTest : public testing::Test {
           const std::lock_guard lock(report_mutex_);
           reported_ = text;
         },
-        [](Request& request, const Route* route) {
+        [this](Request& request, const Route* route) {
+          if (request.host == "held") {
+            ++in_guard_;
+            while (!release_guard_) std::this_thread::sleep_for(1ms);
+          }
           if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
           request.key = request.header("X-Key");
           if (request.key == "none" && route && !route->open) throw Error("access.key_required", "No key.");
@@ -215,6 +219,7 @@ class HttpServerTest : public testing::Test {
 
   void end() {
     release_ = true;
+    release_guard_ = true;
     if (!thread_.joinable()) return;
     std::atomic<bool> ended{false};
     std::thread stopper([&] {
@@ -250,6 +255,8 @@ class HttpServerTest : public testing::Test {
   std::atomic<int> slow_{0};
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};
+  std::atomic<int> in_guard_{0};
+  std::atomic<bool> release_guard_{false};
   std::atomic<int> returned_{0};
   std::atomic<int> streamed_{0};
   std::atomic<bool> release_{false};
@@ -645,6 +652,45 @@ TEST_F(HttpServerTest, KeepsThePlaceOfAHandlerThatIsHeldWhereItIsNotReplaced) {
   release_ = true;
   while (server_->load().answering > 0) std::this_thread::sleep_for(1ms);
   EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+}
+
+TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongItWas) {
+  const std::string accepts = "the thread that accepts connections ";
+  const std::string reads = "the thread that reads what arrives on connections ";
+  std::mutex mutex;
+  std::string told;
+  options_.silent_seconds = 1;
+  options_.max_connections = 1;
+  options_.tell = [&](const std::string& line) {
+    const std::lock_guard lock(mutex);
+    told += line + "\n";
+  };
+  const auto wait_until_told = [&](const std::string& line) {
+    for (int i = 0; i < 100'000; ++i) {
+      {
+        const std::lock_guard lock(mutex);
+        if (told.find(line) != std::string::npos) return;
+      }
+      std::this_thread::sleep_for(1ms);
+    }
+    ADD_FAILURE() << line << " is not told: " << told;
+  };
+  start();
+  std::this_thread::sleep_for(2s);
+  EXPECT_LT(server_->load().accept_silence, 100);
+  Client held(port_);
+  held.send("GET /hello/a HTTP/1.1\r\nHost: held\r\n\r\n");  // its head holds the thread that reads
+  while (in_guard_ == 0) std::this_thread::sleep_for(1ms);
+  wait_until_told(reads + "has been silent for ");
+  Client other(port_);  // for which the thread that accepts waits until there is room
+  wait_until_told(accepts + "has been silent for ");
+  EXPECT_GE(server_->load().silence, 1);
+  EXPECT_GE(server_->load().accept_silence, 1);
+  release_guard_ = true;
+  wait_until_told(reads + "was silent for ");
+  wait_until_told(accepts + "was silent for ");
+  EXPECT_TRUE(held.read_until("!").ends_with("hello a!"));
+  end();
 }
 
 TEST_F(HttpServerTest, ClosesIdleConnectionsAtOnceWhenItStops) {

@@ -359,8 +359,10 @@ TEST_F(AbandonedJobTest, NoMoreJobsRunThanThereAreWorkersOnceTheAbandonedOneHasR
   submit_held(60);
   gate_.wait_for(2);
   const auto other = submit_another();
+  std::uint64_t version = 0;
+  queue().wait_for_change(other, version, 0);
+  EXPECT_EQ(queue().wait_for_change(other, version, 0.5).record.state, store::JobState::accepted);
   EXPECT_EQ(queue().running(), 1U);
-  EXPECT_EQ(queue().status(other).record.state, store::JobState::accepted);
   gate_.open();
   EXPECT_EQ(wait_until_finished(other).state, store::JobState::successful);
 }
@@ -381,6 +383,18 @@ TEST_F(AbandonedJobTest, WhoWaitsForAJobThatIsHeldIsToldOfItsDeadline) {
       },
       soon);
   EXPECT_EQ(code_of([&] { queue().run_within(std::move(job), 60, {}); }), "job.deadline_exceeded");
+}
+
+TEST_F(AbandonedJobTest, WhatAClientThatHungUpWhileItWaitedLeavesBehindIsAbandonedLongBeforeItsDeadline) {
+  auto job = computation(
+      [this](const Execution&) {
+        gate_.pass();
+        return store::Result{"text/plain", {}, "late"};
+      },
+      3600);
+  const auto has_begun = [this] { return gate_.arrived() > 0; };
+  EXPECT_EQ(code_of([&] { queue().run_within(std::move(job), 60, has_begun); }), "job.cancelled");
+  EXPECT_EQ(wait_until_finished(submit_another()).state, store::JobState::successful);
 }
 
 TEST_F(AbandonedJobTest, TheEndOfTheServerDoesNotWaitForAnAbandonedJob) {

@@ -22,7 +22,11 @@ struct ServerOptions {
   double request_seconds = 60;  ///< a request that takes longer to arrive is refused
   double write_seconds = 60;    ///< a client that takes nothing of its answer for this long is dropped
   int requests_per_connection = 1'000'000;
-  budget::MemoryBudget* memory = nullptr;                    ///< what bodies are reserved from; none where null
+  budget::MemoryBudget* memory = nullptr;  ///< what bodies are reserved from; none where null
+  /// Hears of the threads that accept connections and read requests where one has not been seen for `silent_seconds`,
+  /// and once it is seen again: lines for the log, from a thread of its own. Nobody watches them where it is empty.
+  std::function<void(const std::string&)> tell{};
+  double silent_seconds = 5;                                 ///< ten times what is normal
   std::vector<std::pair<std::string, std::string>> headers;  ///< of every answer that does not set them itself
 };
 
@@ -46,6 +50,7 @@ struct Load {
   int answering = 0;          ///< requests that are answered at the moment, probes aside
   std::uint64_t evicted = 0;  ///< connections that were closed to make room for others
   double silence = 0;         ///< seconds since the thread that reads what arrives looked at it
+  double accept_silence = 0;  ///< seconds since the thread that accepts connections looked for them
 };
 
 /// An HTTP/1.1 server over a Router. Every error, also the library's own, leaves as the response that `render` makes of

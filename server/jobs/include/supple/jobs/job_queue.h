@@ -234,8 +234,9 @@ class JobQueue {
   void work(Worker& self);
   /// Under the mutex: another worker, which runs jobs as soon as it may.
   void add_worker();
-  /// Jobs whose computation goes on for Watchdog::patience after their deadline fail with it; the workers of those, and
-  /// of jobs that were dismissed so long ago, are replaced while no more than `workers` are.
+  /// Jobs whose computation goes on for Watchdog::patience after their deadline, or after the client has hung up that
+  /// waited for them, fail with that; the workers of those, and of jobs that were dismissed so long ago, are replaced
+  /// while no more than `workers` are.
   void abandon_jobs();
   /// Under the mutex: since when the worker's computation should have stopped, where that is long ago.
   static std::optional<Watchdog::Overdue> overdue(const Worker& worker);

@@ -15,6 +15,7 @@ struct Snapshot {
   std::int64_t answering = 0;     ///< requests that are answered at the moment, probes aside
   std::int64_t evicted = 0;       ///< connections closed so far to make room for others
   double lobby_silence = 0;       ///< seconds since what arrives on connections was looked at
+  double listener_silence = 0;    ///< seconds since connections were accepted, or looked for
   std::int64_t used_bytes = 0;    ///< of the memory budget, by requests and computations
   std::int64_t budget_bytes = 0;  ///< the memory budget
   std::int64_t computations = 0;  ///< immediate ones that run or wait
