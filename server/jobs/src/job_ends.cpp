@@ -62,7 +62,12 @@ void JobQueue::finish(const JobPointer& job, JobState state, std::optional<Resul
     return;
   }
   if (written == End::refused) unwritten_.insert_or_assign(record.id, record);
-  job->record = record;
+  // Not what names the job, which a worker reads without the mutex, and goes on reading where it was abandoned.
+  job->record.state = record.state;
+  job->record.finished = record.finished;
+  job->record.expires = record.expires;
+  job->record.error = record.error;
+  job->record.error_status = record.error_status;
   job->finished = true;
   job->ended_at = Clock::now();
   job->result = std::move(result);
