@@ -28,6 +28,16 @@ int conclude(const std::vector<std::string>& faults, const std::string& done) {
   return faults.empty() ? 0 : 1;
 }
 
+/// Adds the options that say where a store is.
+void add_place(CLI::App& app, store::SharedPlace& place, const std::string& what) {
+  app.option_defaults()->always_capture_default();
+  app.add_option("--data", place.folder, what)->envname("SUPPLE_DATA");
+  app.add_option("--database", place.database,
+                 "PostgreSQL database that several servers share, with the folder --data: "
+                 "postgresql://user@host/name; where it is empty, the folder has a database of its own")
+      ->envname("SUPPLE_DATABASE");
+}
+
 std::string text_of(const store::Copy& copy) {
   return std::to_string(copy.files) + " files, " + std::to_string(copy.bytes) + " bytes";
 }
@@ -35,16 +45,14 @@ std::string text_of(const store::Copy& copy) {
 }  // namespace
 
 int check_command(int argc, char** argv) {
-  std::string data = "data";
+  store::SharedPlace place{{}, "data"};
   bool repair = false;
   CLI::App app(
-      "Looks through a data folder, also while a server uses it: the database, and whether every file is there and has "
+      "Looks through a data folder, also while servers use it: the database, and whether every file is there and has "
       "the content that it was stored with.",
       "supple-server check");
-  app.option_defaults()->always_capture_default();
-  app.add_option("--data", data, "Folder of meshes, jobs and results")
-      ->envname("SUPPLE_DATA")
-      ->check(CLI::ExistingDirectory);
+  add_place(app, place, "Folder of meshes, jobs and results");
+  app.get_option("--data")->check(CLI::ExistingDirectory);
   app.add_flag("--repair", repair,
                "Move what is damaged into the folder's quarantine, so that the rest is sound; nothing is deleted. No "
                "server may use the folder meanwhile");
@@ -53,38 +61,44 @@ int check_command(int argc, char** argv) {
   const auto problem = [](const std::string& fault) {
     return json::write_problem({"store.corrupted", fault, {}, {}, {}});
   };
-  const auto check = repair ? store::repair_folder(data, recovery_of_store(log), problem) : store::check_folder(data);
+  const auto look = [&] {
+    if (place.database.empty()) {
+      return repair ? store::repair_folder(place.folder, recovery_of_store(log), problem)
+                    : store::check_folder(place.folder);
+    }
+    return repair ? store::repair_shared_store(place, log, problem) : store::check_shared_store(place);
+  };
+  const auto check = look();
   return conclude(check.faults, "looked at " + std::to_string(check.meshes) + " meshes, " +
                                     std::to_string(check.results) + " results and " + std::to_string(check.requests) +
                                     " requests of jobs" + (repair ? " and repaired" : ""));
 }
 
 int backup_command(int argc, char** argv) {
-  std::string data = "data";
+  store::SharedPlace place{{}, "data"};
   std::string to;
-  CLI::App app("Copies a data folder as it is at one moment, also while a server uses it.", "supple-server backup");
-  app.option_defaults()->always_capture_default();
-  app.add_option("--data", data, "Folder of meshes, jobs and results")
-      ->envname("SUPPLE_DATA")
-      ->check(CLI::ExistingDirectory);
+  CLI::App app("Copies a data folder as it is at one moment, also while servers use it.", "supple-server backup");
+  add_place(app, place, "Folder of meshes, jobs and results");
+  app.get_option("--data")->check(CLI::ExistingDirectory);
   app.add_option("--to", to, "Folder that becomes the backup; it is empty or does not exist")->required();
   if (const auto status = parse(app, argc, argv)) return *status;
-  const auto copy = store::back_up(data, to);
+  const auto copy = place.database.empty() ? store::back_up(place.folder, to) : store::back_up_shared_store(place, to);
   return conclude(copy.faults, "backed up " + text_of(copy));
 }
 
 int restore_command(int argc, char** argv) {
-  std::string data = "data";
+  store::SharedPlace place{{}, "data"};
   std::string from;
   bool replace = false;
   CLI::App app("Makes a data folder of a backup.", "supple-server restore");
-  app.option_defaults()->always_capture_default();
+  add_place(app, place, "Folder that the server is to use; it is empty or does not exist");
   app.add_option("--from", from, "Folder of the backup")->required()->check(CLI::ExistingDirectory);
-  app.add_option("--data", data, "Folder that the server is to use; it is empty or does not exist")
-      ->envname("SUPPLE_DATA");
-  app.add_flag("--replace", replace, "Move what is in the data folder into its quarantine instead of refusing");
+  app.add_flag("--replace", replace,
+               "Move what is in the data folder, and the rows of the database, into the folder's quarantine instead of "
+               "refusing");
   if (const auto status = parse(app, argc, argv)) return *status;
-  const auto copy = store::restore(from, data, replace);
+  const auto copy = place.database.empty() ? store::restore(from, place.folder, replace)
+                                           : store::restore_shared_store(from, place, replace);
   return conclude(copy.faults, "restored " + text_of(copy));
 }
 

@@ -15,6 +15,9 @@ struct Places {
   std::filesystem::path database() const { return folder / "supple.sqlite"; }
   std::filesystem::path lock() const { return folder / "lock"; }
   std::filesystem::path reserve() const { return folder / "reserve"; }
+  std::filesystem::path backup_marker() const { return folder / "backup"; }
+  /// Names the database that a shared folder belongs to.
+  std::filesystem::path shared_mark() const { return folder / "shared-store"; }
   std::filesystem::path meshes() const { return folder / "meshes"; }
   std::filesystem::path results() const { return folder / "results"; }
   std::filesystem::path requests() const { return folder / "requests"; }

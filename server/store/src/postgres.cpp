@@ -2,6 +2,7 @@
 
 #include <libpq-fe.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -16,12 +17,36 @@ namespace {
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> time_limits{
     {{"connect_timeout", "3"}, {"tcp_user_timeout", "5000"}, {"keepalives_idle", "5"}, {"keepalives_interval", "2"}}};
 
-/// The connection string, with these limits where it has none of its own. One that libpq does not understand stays, so
-/// that the connection says what is wrong with it.
+/// Whether a URI has a password with characters that are not percent-encoded, so that libpq takes a part of it for the
+/// name of a machine, a port or a database, and says so.
+bool splits_its_password(std::string_view address) {
+  const auto scheme = address.find("://");
+  if (scheme == std::string_view::npos || !address.starts_with("postgres")) return false;
+  const auto after = address.substr(scheme + 3);
+  const auto authority = after.substr(0, after.find_first_of("/?"));
+  const auto rest = after.substr(authority.size());
+  const auto ats = std::count(authority.begin(), authority.end(), '@');
+  const bool has_port = authority.find(':') != std::string_view::npos;
+  return ats > 1 || (ats == 0 && has_port && rest.find('@') != std::string_view::npos);
+}
+
+bool is_list_of_numbers(std::string_view text) {
+  return text.find_first_not_of("0123456789,") == std::string_view::npos;
+}
+
+/// The connection string, with these limits where it has none of its own. What libpq says of one that it does not
+/// understand quotes a part of it, which may be the password.
 std::string with_time_limits(const std::string& address) {
   const std::unique_ptr<PQconninfoOption, decltype(&::PQconninfoFree)> settings(
       ::PQconninfoParse(address.c_str(), nullptr), &::PQconninfoFree);
-  if (!settings) return address;
+  bool is_understood = settings && !splits_its_password(address);
+  for (const auto* setting = settings.get(); is_understood && setting->keyword; ++setting)
+    if (setting->keyword == std::string_view("port") && setting->val) is_understood = is_list_of_numbers(setting->val);
+  if (!is_understood) {
+    throw Error("store.unavailable",
+                "The address of the store's database cannot be understood. Special characters of a password in a URI "
+                "have to be percent-encoded.");
+  }
   std::string text;
   const auto append = [&text](std::string_view key, std::string_view value) {
     text.append(key).append("='");

@@ -16,9 +16,6 @@ namespace fs = std::filesystem;
 /// Jobs of lost servers that one call takes at most, so that all that are left have their share of them.
 constexpr std::size_t orphans_at_a_time = 8;
 
-/// The name of a result's file: of a hold, so that a server which has lost the job writes beside it.
-std::string result_name(const std::string& id, std::int64_t hold) { return id + "." + std::to_string(hold); }
-
 std::int64_t integer_of(const pqxx::field& field) { return field.as<std::int64_t>(); }
 
 }  // namespace
@@ -58,7 +55,7 @@ std::size_t SharedStore::Implementation::expire_oldest_results(std::int64_t byte
 }
 
 void SharedStore::Implementation::remove_results_before(const std::string& id, std::int64_t hold) const {
-  for (std::int64_t earlier = 0; earlier < hold; ++earlier) remove_file(places.result(result_name(id, earlier)));
+  for (std::int64_t earlier = 0; earlier < hold; ++earlier) remove_file(places.result(shared_result_stem(id, earlier)));
 }
 
 bool SharedStore::Implementation::holds(const JobRecord& job) {
@@ -135,19 +132,7 @@ bool SharedStore::add_job(const JobRecord& job, const std::string& request) {
       request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
   const bool added = self.database.transaction([&](pqxx::work& transaction) {
     // A second run of this transaction adds nothing to what a first one has added.
-    const auto rows = transaction.exec_params(
-        "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, "
-        "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold) VALUES ($1, $2, $3, $4, "
-        "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) ON CONFLICT DO NOTHING",
-        job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
-        job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
-        job.idempotency_key, job.request_hash, bytes, self.server, job.hold);
-    if (rows.affected_rows() == 0) return false;
-    if (!request.empty()) {
-      transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,
-                              pqxx::binarystring(request.data(), request.size()));
-    }
-    return true;
+    return insert_shared_job(transaction, job, bytes, self.server, request);
   });
   if (added && request.empty()) self.add(Part::requests, bytes);  // others count as part of the database
   return added;
@@ -169,7 +154,7 @@ bool SharedStore::note_progress(const JobRecord& job) {
 
 bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  const auto path = self.places.result(result_name(job.id, job.hold));
+  const auto path = self.places.result(shared_result_stem(job.id, job.hold));
   if (!self.holds(job)) return false;  // its file may be there, and stays
   self.remove_results_before(job.id, job.hold);
   ResultFile file;
@@ -256,7 +241,7 @@ StoredResult SharedStore::job_result(const std::string& id) const {
   if (!known) throw_no_job();
   try {
     return {std::move(kept.content_type), std::move(kept.headers),
-            open_checked(implementation_->places.result(result_name(id, hold)), result_kind, hash, {})};
+            open_checked(implementation_->places.result(shared_result_stem(id, hold)), result_kind, hash, {})};
   } catch (const Error& error) {
     if (implementation_->was_removed(error, "jobs", id)) throw_no_job();
     throw;

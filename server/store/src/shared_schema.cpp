@@ -82,14 +82,34 @@ CREATE INDEX IF NOT EXISTS jobs_of_meshes ON jobs (mesh) WHERE finished = 0;
 CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE idempotency_key <> '';
 )";
 
-fs::path mark_of(const Places& places) { return places.folder / "shared-store"; }
-
 /// The name that a folder was given by the database that it belongs to; empty where it was given none.
 std::string name_of_folder(const Places& places) {
-  if (!fs::exists(mark_of(places))) return {};
-  auto name = read_file(mark_of(places));
+  if (!fs::exists(places.shared_mark())) return {};
+  auto name = read_file(places.shared_mark());
   if (!name.empty() && name.back() == '\n') name.pop_back();
   return name;
+}
+
+void require_no_own_database(const Places& places) {
+  if (!fs::exists(places.database())) return;
+  throw Error("store.unavailable", "The data folder " + places.folder.string() +
+                                       " belongs to a server with a database of its own (supple.sqlite).");
+}
+
+[[noreturn]] void throw_not_its_folder(const Places& places) {
+  throw Error("store.unavailable",
+              "The data folder " + places.folder.string() + " is not the one that this database belongs to.");
+}
+
+constexpr const char* version_and_id = "SELECT version, id FROM store";
+
+void require_version_and_folder(const pqxx::row& row, const Places& places) {
+  if (const auto version = row[0].as<int>(); version > version_of_shared_tables) {
+    throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
+                                         std::to_string(version) + "; this one knows " +
+                                         std::to_string(version_of_shared_tables) + ").");
+  }
+  if (name_of_folder(places) != row[1].c_str()) throw_not_its_folder(places);
 }
 
 }  // namespace
@@ -102,34 +122,44 @@ std::string random_name() {
 
 void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   const auto& places = folder.places();
-  if (fs::exists(places.database())) {
-    throw Error("store.unavailable", "The data folder " + places.folder.string() +
-                                         " belongs to a server with a database of its own (supple.sqlite).");
-  }
-  const auto is_not_its_folder = [&] {
-    return Error("store.unavailable",
-                 "The data folder " + places.folder.string() + " is not the one that this database belongs to.");
-  };
+  require_no_own_database(places);
   database.transaction([&](pqxx::work& transaction) {
     transaction.exec(one_at_a_time);
     transaction.exec0(shared_tables);
-    const auto rows = transaction.exec("SELECT version, id FROM store");
-    const auto name = name_of_folder(places);
-    if (rows.empty()) {
-      if (!name.empty()) throw is_not_its_folder();
-      const auto id = random_name();
-      transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", version_of_shared_tables, id);
-      write_stored_file(mark_of(places), {id, "\n"});
+    if (const auto rows = transaction.exec(version_and_id); !rows.empty()) {
+      require_version_and_folder(rows[0], places);
       return true;
     }
-    if (const auto version = rows[0][0].as<int>(); version > version_of_shared_tables) {
-      throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
-                                           std::to_string(version) + "; this one knows " +
-                                           std::to_string(version_of_shared_tables) + ").");
-    }
-    if (name != rows[0][1].c_str()) throw is_not_its_folder();
+    if (!name_of_folder(places).empty()) throw_not_its_folder(places);
+    const auto id = random_name();
+    transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", version_of_shared_tables, id);
+    write_stored_file(places.shared_mark(), {id, "\n"});
     return true;
   });
+}
+
+void require_shared_tables(pqxx::work& transaction, const Places& places) {
+  require_no_own_database(places);
+  const auto throw_no_store = [] { throw Error("store.unavailable", "There is no store in the database."); };
+  if (transaction.exec1("SELECT to_regclass('store') IS NULL")[0].as<bool>()) throw_no_store();
+  const auto rows = transaction.exec(version_and_id);
+  if (rows.empty()) throw_no_store();
+  require_version_and_folder(rows[0], places);
+}
+
+void keep_servers_away(pqxx::work& transaction) {
+  const auto require_none = [&] {
+    const auto servers =
+        transaction.exec1("SELECT count(*) FROM servers WHERE until > clock_timestamp()")[0].as<std::int64_t>();
+    if (servers == 0) return;
+    throw Error("store.unavailable", "The database is in use by " + std::to_string(servers) +
+                                         (servers == 1 ? " server" : " servers") +
+                                         "; one that was killed is in it until its lease ends.");
+  };
+  require_none();  // before the locks, for which a busy server would let us wait
+  transaction.exec(one_at_a_time);
+  transaction.exec0("LOCK TABLE servers, meshes, mesh_owners, jobs IN EXCLUSIVE MODE");
+  require_none();
 }
 
 std::string shared_job_columns() {
@@ -162,5 +192,24 @@ JobRecord read_shared_job(const pqxx::row& row) {
   job.hold = integer();
   return job;
 }
+
+bool insert_shared_job(pqxx::work& transaction, const JobRecord& job, std::int64_t bytes, const std::string& holder,
+                       const std::string& request) {
+  const auto rows = transaction.exec_params(
+      "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, "
+      "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold) VALUES ($1, $2, $3, $4, "
+      "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) ON CONFLICT DO NOTHING",
+      job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
+      job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
+      job.idempotency_key, job.request_hash, bytes, holder, job.hold);
+  if (rows.affected_rows() == 0) return false;
+  if (!request.empty()) {
+    transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,
+                            pqxx::binarystring(request.data(), request.size()));
+  }
+  return true;
+}
+
+std::string shared_result_stem(const std::string& id, std::int64_t hold) { return id + "." + std::to_string(hold); }
 
 }  // namespace supple::store

@@ -23,12 +23,6 @@ void check_content(const StoredFile& file, const std::string& name, std::string_
   if (sha256(content.substr(begin)) != hash) throw_changed(name);
 }
 
-}  // namespace
-
-std::filesystem::path StoredFile::place(const Places& places) const {
-  return kind == Kind::mesh ? places.mesh(id) : kind == Kind::result ? places.result(id) : places.request(id);
-}
-
 std::vector<StoredFile> stored_files(const Database& database) {
   std::vector<StoredFile> files;
   for (Statement rows(database,
@@ -44,6 +38,26 @@ std::vector<StoredFile> stored_files(const Database& database) {
   return files;
 }
 
+bool is_named(const Database& database, const StoredFile& file) {
+  const char* const query = file.kind == StoredFile::Kind::mesh ? "SELECT 1 FROM meshes WHERE id = ?"
+                            : file.kind == StoredFile::Kind::result
+                                ? "SELECT 1 FROM jobs WHERE id = ? AND result_hash <> ''"
+                                : "SELECT 1 FROM jobs WHERE id = ? AND finished = 0";
+  Statement row(database, query);
+  return row.bind(file.stem).step();
+}
+
+}  // namespace
+
+std::filesystem::path StoredFile::place(const Places& places) const {
+  return kind == Kind::mesh ? places.mesh(stem) : kind == Kind::result ? places.result(stem) : places.request(stem);
+}
+
+Catalogue catalogue_of(const Database& database) {
+  return {[&database] { return stored_files(database); },
+          [&database](const StoredFile& file) { return is_named(database, file); }};
+}
+
 std::string fault_of(const StoredFile& file, const std::string& name, std::string_view content) {
   try {
     check_content(file, name, content);
@@ -52,5 +66,7 @@ std::string fault_of(const StoredFile& file, const std::string& name, std::strin
     return error.what();
   }
 }
+
+std::string missing_file(const std::string& name) { return "The stored file " + name + " is missing."; }
 
 }  // namespace supple::store

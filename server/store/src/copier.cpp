@@ -1,0 +1,129 @@
+#include "copier.h"
+
+#include "database.h"
+#include "file_access.h"
+#include "supple/base/error.h"
+
+namespace supple::store {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Copies a file with its times, which are those of a mesh whose database is lost.
+std::int64_t copy_content(const fs::path& from, const fs::path& to, const std::string& content) {
+  write_stored_file(to, {content});
+  std::error_code ignored;
+  fs::last_write_time(to, fs::last_write_time(from, ignored), ignored);
+  return static_cast<std::int64_t>(content.size());
+}
+
+/// The files beside the database that are not of its making: whatever else is kept in a data folder.
+std::vector<fs::path> other_files(const Places& places) {
+  const auto database = places.database().string();
+  const std::set<fs::path> left_out{database,      database + "-wal",      database + "-shm",   places.reserve(),
+                                    places.lock(), places.backup_marker(), places.shared_mark()};
+  std::vector<fs::path> others;
+  for (const auto& entry : fs::directory_iterator(places.folder)) {
+    const auto& path = entry.path();
+    const auto name = path.filename().string();
+    if (!entry.is_regular_file() || left_out.contains(path) || is_unfinished(path)) continue;
+    if (name.ends_with(".sqlite-wal") || name.ends_with(".sqlite-shm")) continue;
+    others.push_back(path);
+  }
+  return others;
+}
+
+}  // namespace
+
+void require_empty(const fs::path& folder) {
+  if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
+    throw Error("store.unavailable", "There is something in " + folder.string() + " already.");
+}
+
+void make_folders(const Places& places) {
+  for (const auto& folder : {places.folder, places.meshes(), places.results(), places.requests()}) {
+    fs::create_directories(folder);
+    fs::permissions(folder, fs::perms::owner_all);
+  }
+}
+
+void copy_database(const fs::path& from, const fs::path& to) {
+  const Database source(from);
+  const Database target(to);
+  sqlite3_backup* const backup = sqlite3_backup_init(target.handle(), "main", source.handle(), "main");
+  int status = backup ? SQLITE_OK : sqlite3_errcode(target.handle());
+  constexpr int all_pages = -1;
+  constexpr int milliseconds_between_tries = 20;
+  constexpr int tries = 500;  // ten seconds
+  for (int i = 0; backup && i < tries; ++i) {
+    status = sqlite3_backup_step(backup, all_pages);
+    if (status != SQLITE_BUSY && status != SQLITE_LOCKED) break;
+    sqlite3_sleep(milliseconds_between_tries);
+  }
+  if (backup) sqlite3_backup_finish(backup);
+  if (status != SQLITE_DONE) {
+    throw Error(status == SQLITE_FULL ? "store.full" : "store.unavailable",
+                "The database cannot be copied: " + std::string(sqlite3_errstr(status)) + ".");
+  }
+  // One file, not three, until a server opens it.
+  Statement(target, "PRAGMA journal_mode = DELETE").run();
+}
+
+Copy Copier::finish(const std::vector<StoredFile>& missing) {
+  for (const auto& file : missing) copy_.faults.push_back(missing_file(file.place(from_).filename().string()));
+  remove_what_has_gone();
+  for (const auto& path : other_files(from_)) {
+    const auto to = to_.folder / path.filename();
+    if (path.extension() == ".sqlite") {
+      copy_database(path, to);
+    } else {
+      copy_.bytes += copy_content(path, to, read_file(path));
+    }
+    ++copy_.files;
+  }
+  copy_.bytes += bytes_of(to_.database());
+  ++copy_.files;
+  return copy_;
+}
+
+std::vector<StoredFile> Copier::copy_files(const std::vector<StoredFile>& files) {
+  std::vector<StoredFile> missing;
+  wanted_.clear();
+  for (const auto& file : files) {
+    auto copy = file;
+    copy.stem = stem_(file);
+    const auto to = copy.place(to_);
+    wanted_.insert(to);
+    if (copied_.contains(to)) continue;
+    const auto from = file.place(from_);
+    if (!fs::exists(from)) {
+      missing.push_back(file);
+      continue;
+    }
+    std::string content;
+    try {
+      content = read_file(from);
+    } catch (const Error& error) {
+      if (error.code() != "store.corrupted") throw;
+      missing.push_back(file);
+      continue;
+    }
+    if (auto fault = fault_of(file, from.filename().string(), content); !fault.empty())
+      copy_.faults.push_back(std::move(fault));
+    copied_.emplace(to);
+    copy_.bytes += copy_content(from, to, content);
+    ++copy_.files;
+  }
+  return missing;
+}
+
+void Copier::remove_what_has_gone() {
+  for (const auto& path : copied_) {
+    if (wanted_.contains(path)) continue;
+    copy_.bytes -= bytes_of(path);
+    --copy_.files;
+    fs::remove(path);
+  }
+}
+
+}  // namespace supple::store
