@@ -2,26 +2,31 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import sqlite3
 import subprocess
+import sys
 import threading
 from pathlib import Path
 from typing import Any, Callable, Dict
 
 import pytest
 
-from contract import Contract
-from harness import SERVER, Api, ServerProcess, slow_relaxation, spoil_database
-from shapes import bumpy_sphere, flat_grid, sphere
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+from contract import Contract  # noqa: E402
+from harness import SERVER, Api, ServerProcess, slow_relaxation, spoil_database  # noqa: E402
+from shapes import bumpy_sphere, flat_grid, sphere  # noqa: E402
+from shared_servers import Replicas  # noqa: E402
 
 ASYNC = {"Prefer": "respond-async"}
 FIELDS = "/v1/geodesic-fields"
 NewServer = Callable[..., ServerProcess]
 
 
-def command(*arguments: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([str(SERVER), *map(str, arguments)], capture_output=True, text=True, timeout=120)
+def command(*arguments: object, **environment: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run([str(SERVER), *map(str, arguments)], capture_output=True, text=True, timeout=120, env={**os.environ, **environment})
 
 
 def flip_a_byte(path: Path) -> None:
@@ -220,10 +225,53 @@ def test_backup_and_restore_tell_of_what_is_damaged(new_server: NewServer, contr
         assert f"{missing}.ply is missing" in made.stdout
 
 
+def test_the_commands_know_a_store_that_servers_share(new_server: NewServer, contract: Contract, tmp_path: Path) -> None:
+    replicas = Replicas(tmp_path, 2)
+    data, backup = replicas.servers[0].data, tmp_path / "backup"
+    place = ("--data", data, "--database", replicas.database + " password=secret")
+    try:
+        replicas.start()
+        api, other = (Api(server, contract) for server in replicas.servers)
+        mesh = api.upload(*flat_grid(4))
+        api.wait_for_job(submit(other, mesh, 0))
+        before = snapshot(api)
+        calls = [command("check", *place),
+                 command("backup", "--data", data, "--to", backup, SUPPLE_DATABASE=replicas.database),
+                 command("check", "--data", backup, "--database", "", SUPPLE_DATABASE=replicas.database)]
+        for call in calls:
+            assert (call.returncode, call.stderr) == (0, ""), call.stdout + call.stderr
+            assert ": 0 faults" in call.stdout
+        assert "1 meshes, 1 results and 0 requests of jobs" in calls[0].stdout
+        later = other.upload(*sphere(1))
+        refused = [command("check", *place, "--repair"), command("restore", *place, "--from", backup, "--replace"),
+                   command("restore", *place, "--from", backup)]
+        for call in refused:
+            assert (call.returncode, "in use by" in call.stderr) == (1, True), call.stderr
+        for server in replicas.servers:
+            assert server.terminate() == 0
+        refused.append(command("restore", *place, "--from", backup))
+        assert (refused[-1].returncode, "There is something in the database already" in refused[-1].stderr) == (1, True)
+        flip_a_byte(data / "meshes" / f"{mesh}.ply")
+        found = command("check", *place)
+        assert (found.returncode, f"{mesh}.ply has changed" in found.stdout) == (1, True)
+        replaced = command("restore", *place, "--from", backup, "--replace")
+        assert replaced.returncode == 0, replaced.stderr
+        assert "secret" not in "".join(call.stdout + call.stderr for call in [*calls, *refused, found, replaced])
+        replicas.start()
+        assert snapshot(Api(replicas.servers[0], contract)) == before
+        assert list((data / "quarantine").rglob(f"{later}.ply")) != [], "what was replaced is kept"
+    finally:
+        replicas.close()
+    assert command("restore", "--from", backup, "--data", tmp_path / "alone").returncode == 0
+    assert snapshot(Api(new_server(data="alone"), contract)) == before, "a server with a database of its own understands it too"
+
+
 def test_the_help_names_the_commands(tmp_path: Path) -> None:
     for name in ("backup", "check", "restore"):
         assert f"{name}: " in command("--help").stdout
         assert "--data" in command(name, "--help").stdout
+        told = command(name, "--help", SUPPLE_DATABASE="postgresql://supple:secret@db.example/supple").stdout
+        assert "--database" in told and "secret" not in told
     nothing = command("check", "--data", tmp_path)
     assert nothing.returncode == 1
     assert "There is no database" in nothing.stderr

@@ -30,15 +30,22 @@ bool splits_its_password(std::string_view address) {
   return ats > 1 || (ats == 0 && has_port && rest.find('@') != std::string_view::npos);
 }
 
+bool may_have_password(std::string_view address) {
+  const auto scheme = address.find("://");
+  return address.find("password") != std::string_view::npos ||
+         (scheme != std::string_view::npos && address.find(':', scheme + 3) != std::string_view::npos);
+}
+
 bool is_list_of_numbers(std::string_view text) {
   return text.find_first_not_of("0123456789,") == std::string_view::npos;
 }
 
-/// The connection string, with these limits where it has none of its own. What libpq says of one that it does not
-/// understand quotes a part of it, which may be the password.
+/// The connection string, with these limits where it has none of its own. One that libpq does not understand stays, so
+/// that the connection says what is wrong with it, unless what libpq quotes of it may be a part of the password.
 std::string with_time_limits(const std::string& address) {
   const std::unique_ptr<PQconninfoOption, decltype(&::PQconninfoFree)> settings(
       ::PQconninfoParse(address.c_str(), nullptr), &::PQconninfoFree);
+  if (!settings && !may_have_password(address)) return address;
   bool is_understood = settings && !splits_its_password(address);
   for (const auto* setting = settings.get(); is_understood && setting->keyword; ++setting)
     if (setting->keyword == std::string_view("port") && setting->val) is_understood = is_list_of_numbers(setting->val);

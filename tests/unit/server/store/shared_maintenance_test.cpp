@@ -485,8 +485,7 @@ TEST_F(SharedMaintenanceTest, PrintsNoPassword) {
        {"postgresql://supple:secret@localhost:secret/x", "postgresql://supple:se%cret@localhost/x",
         "postgresql://supple:se@secret@localhost/x", "postgresql://supple:54/secret@localhost/x",
         "postgresql://supple:se?secret@localhost/x", "postgresql://supple:secret@127.0.0.1:1/x",
-        "host=127.0.0.1 port=1 user=supple password=secret", "host=127.0.0.1 secret", "password=secret host=/nowhere",
-        "password='secret", "postgresql://h/x?secret"}) {
+        "host=127.0.0.1 port=1 user=supple password=secret", "password=secret host=/nowhere", "password='secret"}) {
     const auto message = message_of([&] { check_shared_store({address, folder_ / "data"}); });
     EXPECT_EQ(message.find("cret"), std::string::npos) << message;
     EXPECT_NE(message, "nothing was thrown");
