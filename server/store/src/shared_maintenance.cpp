@@ -116,8 +116,7 @@ class Repair {
 
   void run() {
     // What a server that was lost still says of its jobs is refused, whenever it comes back.
-    transaction_.exec0("DELETE FROM servers");
-    transaction_.exec0("UPDATE jobs SET holder = '', hold = hold + 1 WHERE finished = 0 AND holder <> ''");
+    transaction_.exec0("UPDATE jobs SET holder = '' WHERE finished = 0");
     repair_rows();
     for (const auto& file : shared_files(transaction_))
       if (const auto fault = fault_on_disk(file, folder_.places()); !fault.empty()) repair_file(file, fault);
@@ -197,7 +196,7 @@ void replace_store(pqxx::work& transaction, const Places& places, const Places& 
     fs::create_directories(aside);
     write_rows(transaction, Places{aside}.database());
   }
-  for (const char* table : {"jobs", "meshes", "servers"}) transaction.exec0("DELETE FROM " + std::string(table));
+  for (const char* table : {"jobs", "meshes"}) transaction.exec0("DELETE FROM " + std::string(table));
   read_rows(transaction, Database(staging.database()));
   Moves moves;
   try {

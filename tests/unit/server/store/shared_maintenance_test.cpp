@@ -1,11 +1,13 @@
 #include "supple/store/maintenance.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
+#include <functional>
 #include <map>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "database.h"
@@ -116,6 +118,23 @@ class SharedMaintenanceTest : public SharedStoreTest {
   void sql(const std::string& statement) const { PrivatePostgres::rows(database_, statement); }
 
   const std::string one_ = sha256("one");
+};
+
+/// Calls a function with 0, 1, 2, ... on a thread of its own until its scope ends.
+class Meanwhile {
+ public:
+  explicit Meanwhile(std::function<void(int)> call)
+      : thread_([this, call = std::move(call)] {
+          for (int i = 0; !stops_; ++i) call(i);
+        }) {}
+  ~Meanwhile() {
+    stops_ = true;
+    thread_.join();
+  }
+
+ private:
+  std::atomic<bool> stops_ = false;
+  std::thread thread_;
 };
 
 /// A way to damage a store that `fill` has filled.
@@ -241,19 +260,14 @@ TEST_F(SharedMaintenanceTest, RefusesWhatALostServerSaysAfterARepair) {
 TEST_F(SharedMaintenanceTest, FindsNothingWrongWhileServersStoreAndRemove) {
   SharedStore one(options());
   SharedStore two(options());
-  std::atomic<bool> stops = false;
-  std::thread writer([&] {
-    for (int i = 0; !stops; ++i) {
-      const auto mesh = one.add_mesh("mesh " + std::to_string(i), describe).first.id;
-      const auto id = std::to_string(i);
-      finish(one, waiting(one, id, std::string(i % 7 == 0 ? 300'000 : 10, 'x')), "answer");
-      two.remove_mesh(mesh);
-      two.remove_job(id);
-    }
+  const Meanwhile writer([&](int i) {
+    const auto mesh = one.add_mesh("mesh " + std::to_string(i), describe).first.id;
+    const auto id = std::to_string(i);
+    finish(one, waiting(one, id, std::string(i % 7 == 0 ? 300'000 : 10, 'x')), "answer");
+    two.remove_mesh(mesh);
+    two.remove_job(id);
   });
   for (int i = 0; i < 40; ++i) EXPECT_EQ(check_shared_store(place()).faults, std::vector<std::string>());
-  stops = true;
-  writer.join();
 }
 
 TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
@@ -294,34 +308,29 @@ TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
 TEST_F(SharedMaintenanceTest, BacksUpOneMomentWhileServersStoreAndRemove) {
   SharedStore store(options());
   for (int i = 0; i < 60; ++i) store.add_mesh("constant " + std::to_string(i), describe);
-  std::atomic<bool> stops = false;
-  std::thread writer([&] {
-    constexpr int kept = 3;
-    for (int i = 0; !stops; ++i) {
+  constexpr int backups = 8;
+  {
+    const Meanwhile writer([&](int i) {
       auto job = new_job("job " + std::to_string(i));
       job.mesh = store.add_mesh("mesh " + std::to_string(i), describe).first.id;
       store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"},
                                             std::string(i % 5 == 0 ? 300'000 : 10, 'x')));
       finish(store, job, "answer " + std::to_string(i));
-      if (i < kept) continue;
-      store.remove_job("job " + std::to_string(i - kept));
-      store.remove_mesh(sha256("mesh " + std::to_string(i - kept)));
+      store.remove_job("job " + std::to_string(i - 1));
+      store.remove_mesh(sha256("mesh " + std::to_string(i - 1)));
+    });
+    for (int i = 0; i < backups; ++i) {
+      const auto to = folder_ / ("backup" + std::to_string(i));
+      EXPECT_EQ(back_up_shared_store(place(), to).faults, std::vector<std::string>());
+      EXPECT_EQ(check_folder(to).faults, std::vector<std::string>());
+      const Database rows(to / "supple.sqlite");
+      Statement orphans(rows, "SELECT count(*) FROM jobs WHERE mesh NOT IN (SELECT id FROM meshes)");
+      orphans.step();
+      EXPECT_EQ(orphans.integer(0), 0);
     }
-  });
-  constexpr int backups = 8;
-  for (int i = 0; i < backups; ++i) {
-    const auto to = folder_ / ("backup" + std::to_string(i));
-    EXPECT_EQ(back_up_shared_store(place(), to).faults, std::vector<std::string>());
-    EXPECT_EQ(check_folder(to).faults, std::vector<std::string>());
-    const Database rows(to / "supple.sqlite");
-    Statement orphans(rows, "SELECT count(*) FROM jobs WHERE mesh NOT IN (SELECT id FROM meshes)");
-    orphans.step();
-    EXPECT_EQ(orphans.integer(0), 0);
   }
-  stops = true;
-  writer.join();
   const auto restored = new_place("restored");
-  restore_shared_store(folder_ / "backup7", restored, false);
+  restore_shared_store(folder_ / ("backup" + std::to_string(backups - 1)), restored, false);
   EXPECT_EQ(check_shared_store(restored).faults, std::vector<std::string>());
 }
 
@@ -485,7 +494,8 @@ TEST_F(SharedMaintenanceTest, PrintsNoPassword) {
        {"postgresql://supple:secret@localhost:secret/x", "postgresql://supple:se%cret@localhost/x",
         "postgresql://supple:se@secret@localhost/x", "postgresql://supple:54/secret@localhost/x",
         "postgresql://supple:se?secret@localhost/x", "postgresql://supple:secret@127.0.0.1:1/x",
-        "host=127.0.0.1 port=1 user=supple password=secret", "password=secret host=/nowhere", "password='secret"}) {
+        "host=127.0.0.1 port=1 user=supple password=secret", "password=secret host=/nowhere", "password='secret",
+        "host=/nowhere password=a secret"}) {
     const auto message = message_of([&] { check_shared_store({address, folder_ / "data"}); });
     EXPECT_EQ(message.find("cret"), std::string::npos) << message;
     EXPECT_NE(message, "nothing was thrown");
