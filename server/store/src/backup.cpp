@@ -15,8 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string id_of(const StoredFile& file) { return file.id; }
-
 /// Takes the database as it is now, and then the files that it names. Those go of jobs that end or are removed before
 /// their turn comes. So the database is taken again, and with it what has come meanwhile, until nothing is missing but
 /// what it still names, which is a fault. Every round has less to copy.
@@ -24,7 +22,7 @@ Copy copy(const Places& from, const Places& to) {
   const Database original(from.database());
   const auto rows = catalogue_of(original);
   const auto has_gone = [&](const StoredFile& file) { return !rows.names(file) || fs::exists(file.place(from)); };
-  Copier copier(from, to, id_of);
+  Copier copier(from, to, stem_in_data_folder);
   std::vector<StoredFile> missing;
   constexpr int most_rounds = 100;  // one is enough where nothing ends at the moment, two or three mostly
   for (int round = 0; round < most_rounds; ++round) {

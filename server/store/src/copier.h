@@ -21,6 +21,9 @@ void make_folders(const Places& places);
 /// Makes `to` the database that `from` is at this moment, whoever writes to `from`.
 void copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
 
+/// What a file is called in a folder with a database of its own.
+inline std::string stem_in_data_folder(const StoredFile& file) { return file.id; }
+
 /// Copies the files of a store.
 class Copier {
  public:

@@ -91,8 +91,6 @@ void require_empty_store(pqxx::work& transaction, const Places& places) {
     throw Error("store.unavailable", "There is something in " + places.folder.string() + " already.");
 }
 
-std::string id_of(const StoredFile& file) { return file.id; }
-
 /// A restored job was held by none yet.
 std::string stem_in_restored(const StoredFile& file) {
   return file.kind == StoredFile::Kind::result ? shared_result_stem(file.id, 0) : file.id;
@@ -253,7 +251,7 @@ Copy back_up_shared_store(const SharedPlace& store, const fs::path& to) {
   database.require_store(places);
   require_empty(to);
   make_folders({to});
-  Copier copier(places, {to}, id_of);
+  Copier copier(places, {to}, stem_in_data_folder);
   copy_most_files(copier, database);
   // Files go as soon as their rows do, so that no row changes until those that the snapshot names are copied. They are
   // few by now. The rows are read afterwards, from the same snapshot.

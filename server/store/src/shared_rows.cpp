@@ -11,12 +11,14 @@ namespace {
 
 using Kind = StoredFile::Kind;
 
-/// Calls for each row of a table, in their order, with the columns in the order in which they are named. Few rows are
-/// in memory at a time, for a request is up to 256 KiB.
+/// Rows that are in memory at a time: those with requests, which are up to 256 KiB, and those without.
+constexpr std::size_t rows_with_requests = 200;
+constexpr std::size_t rows_without_requests = 20'000;
+
+/// Calls for each row of a table, in their order, with the columns in the order in which they are named.
 template <class Row>
 void each_row(pqxx::work& transaction, const std::string& columns, const std::string& table,
-              const std::string& condition, const Row& call) {
-  constexpr int rows_at_a_time = 200;
+              const std::string& condition, std::size_t rows_at_a_time, const Row& call) {
   const auto query = "SELECT " + columns + ", sequence FROM " + table + " WHERE sequence > $1 AND " + condition +
                      " ORDER BY sequence LIMIT " + std::to_string(rows_at_a_time);
   for (std::int64_t after = -1;;) {
@@ -45,16 +47,18 @@ constexpr const char* contradiction =
 
 std::vector<StoredFile> shared_files(pqxx::work& transaction) {
   std::vector<StoredFile> files;
-  each_row(transaction, "id, bytes", "jobs", "finished = 0 AND request IS NULL", [&](const pqxx::row& row) {
-    files.push_back({Kind::request, text(row[0]), {}, text(row[0]), integer(row[1])});
-  });
-  each_row(transaction, "id, bytes", "meshes", "true", [&](const pqxx::row& row) {
+  each_row(transaction, "id, bytes", "jobs", "finished = 0 AND request IS NULL", rows_without_requests,
+           [&](const pqxx::row& row) {
+             files.push_back({Kind::request, text(row[0]), {}, text(row[0]), integer(row[1])});
+           });
+  each_row(transaction, "id, bytes", "meshes", "true", rows_without_requests, [&](const pqxx::row& row) {
     files.push_back({Kind::mesh, text(row[0]), text(row[0]), text(row[0]), integer(row[1])});
   });
-  each_row(transaction, "id, hold, result_hash, bytes", "jobs", "result_hash <> ''", [&](const pqxx::row& row) {
-    files.push_back(
-        {Kind::result, text(row[0]), text(row[2]), shared_result_stem(text(row[0]), integer(row[1])), integer(row[3])});
-  });
+  each_row(transaction, "id, hold, result_hash, bytes", "jobs", "result_hash <> ''", rows_without_requests,
+           [&](const pqxx::row& row) {
+             files.push_back({Kind::result, text(row[0]), text(row[2]),
+                              shared_result_stem(text(row[0]), integer(row[1])), integer(row[3])});
+           });
   return files;
 }
 
@@ -78,19 +82,21 @@ bool shared_rows_name(pqxx::work& transaction, const StoredFile& file) {
 
 std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, Check& check) {
   std::vector<FaultyRow> faulty;
-  each_row(transaction, "id, state, finished > 0, result_hash <> ''", "jobs", contradiction, [&](const pqxx::row& row) {
-    faulty.push_back({text(row[0]),
-                      "The row of the job " + text(row[0]) + " contradicts itself: its state is \"" + text(row[1]) +
-                          "\", and it has " + (row[2].as<bool>() ? "" : "not ") + "ended and " +
-                          (row[3].as<bool>() ? "a" : "no") + " result.",
-                      {}});
-  });
-  each_row(transaction, "id, request", "jobs", "finished = 0 AND request IS NOT NULL", [&](const pqxx::row& row) {
-    ++check.requests;
-    auto request = bytes(row[1]);
-    auto fault = fault_of({Kind::request, text(row[0]), {}}, text(row[0]) + ".request", request);
-    if (!fault.empty()) faulty.push_back({text(row[0]), std::move(fault), std::move(request)});
-  });
+  each_row(transaction, "id, state, finished > 0, result_hash <> ''", "jobs", contradiction, rows_without_requests,
+           [&](const pqxx::row& row) {
+             faulty.push_back({text(row[0]),
+                               "The row of the job " + text(row[0]) + " contradicts itself: its state is \"" +
+                                   text(row[1]) + "\", and it has " + (row[2].as<bool>() ? "" : "not ") + "ended and " +
+                                   (row[3].as<bool>() ? "a" : "no") + " result.",
+                               {}});
+           });
+  each_row(transaction, "id, request", "jobs", "finished = 0 AND request IS NOT NULL", rows_with_requests,
+           [&](const pqxx::row& row) {
+             ++check.requests;
+             auto request = bytes(row[1]);
+             auto fault = fault_of({Kind::request, text(row[0]), {}}, text(row[0]) + ".request", request);
+             if (!fault.empty()) faulty.push_back({text(row[0]), std::move(fault), std::move(request)});
+           });
   return faulty;
 }
 
@@ -101,29 +107,32 @@ void write_rows(pqxx::work& transaction, const std::filesystem::path& path) {
   OwnerTable owners(database);
   {
     Transaction all(database);
-    each_row(transaction, "id, created, description, bytes, used", "meshes", "true", [&](const pqxx::row& row) {
-      insert_mesh(database, {text(row[0]), integer(row[1]), text(row[2])}, integer(row[3]));
-      Statement(database, "UPDATE meshes SET used = ? WHERE id = ?").bind(integer(row[4])).bind(text(row[0])).run();
-    });
+    each_row(
+        transaction, "id, created, description, bytes, used", "meshes", "true", rows_without_requests,
+        [&](const pqxx::row& row) {
+          insert_mesh(database, {text(row[0]), integer(row[1]), text(row[2])}, integer(row[3]));
+          Statement(database, "UPDATE meshes SET used = ? WHERE id = ?").bind(integer(row[4])).bind(text(row[0])).run();
+        });
     for (const auto& row : transaction.exec("SELECT mesh, owner FROM mesh_owners"))
       owners.add(OwnerTable::Kind::mesh, text(row[0]), text(row[1]));
-    each_row(transaction, shared_job_columns() + columns_of_end, "jobs", "true", [&](const pqxx::row& row) {
-      const auto job = read_shared_job(row);
-      const auto end = row.column_number("bytes");
-      const ResultFile file{text(row[end + 3]), integer(row[end])};
-      insert_job(database, job, file.bytes, owners);
-      if (!file.hash.empty()) {
-        Result result;
-        result.content_type = text(row[end + 1]);
-        split_headers(text(row[end + 2]), result);
-        update_ended_job(database, job, &result, file);
-      }
-      if (row[end + 4].is_null()) return;
-      Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)")
-          .bind(job.id)
-          .bind_bytes(bytes(row[end + 4]))
-          .run();
-    });
+    each_row(transaction, shared_job_columns() + columns_of_end, "jobs", "true", rows_with_requests,
+             [&](const pqxx::row& row) {
+               const auto job = read_shared_job(row);
+               const auto end = row.column_number("bytes");
+               const ResultFile file{text(row[end + 3]), integer(row[end])};
+               insert_job(database, job, file.bytes, owners);
+               if (!file.hash.empty()) {
+                 Result result;
+                 result.content_type = text(row[end + 1]);
+                 split_headers(text(row[end + 2]), result);
+                 update_ended_job(database, job, &result, file);
+               }
+               if (row[end + 4].is_null()) return;
+               Statement(database, "INSERT INTO requests (job, content) VALUES (?, ?)")
+                   .bind(job.id)
+                   .bind_bytes(bytes(row[end + 4]))
+                   .run();
+             });
     all.commit();
   }
   // One file, not three, until a server opens it.
