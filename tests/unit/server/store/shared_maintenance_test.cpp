@@ -477,6 +477,20 @@ TEST_F(SharedMaintenanceTest, ReplacesNothingWhereTheDatabaseRefusesARow) {
   EXPECT_EQ(check_shared_store(place()).faults, std::vector<std::string>());
 }
 
+TEST_F(SharedMaintenanceTest, LeavesTheStoreAsItWasWhereAFileCannotTakeItsPlace) {
+  Seen before;
+  {
+    SharedStore store(options());
+    fill(store);
+    before = seen(store);
+    back_up_shared_store(place(), folder_ / "backup");
+  }
+  std::ofstream(folder_ / "backup" / "restoring") << "of the name of the folder in which the backup waits";
+  EXPECT_THROW(restore_shared_store(folder_ / "backup", place(), true), fs::filesystem_error);
+  EXPECT_EQ(seen_in(place()), before);
+  EXPECT_EQ(check_shared_store(place()).faults, std::vector<std::string>());
+}
+
 TEST_F(SharedMaintenanceTest, MovesBackWhatItHasMovedWhereNotAllOfItSucceeds) {
   std::ofstream(folder_ / "a") << "a";
   fs::create_directories(folder_ / "full");
