@@ -8,7 +8,8 @@ says what it may hold. One to four values change at a time. The server may answe
 beyond the contract's schemas: where a result cannot be finite, the field that is to blame is named. Each request has a
 second; it may take another one (CPU time of the server).
 
-Prints what broke these rules, with its body, and ends with status 1 then.
+Prints what broke these rules, with its body, and ends with status 1 then. All the while probes are sent: how long they
+took is printed, and so are the most memory that the server had and how long it took to end while it computed.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import math
 import random
 import sys
 import tempfile
+import threading
 import time
 from collections import Counter
 from pathlib import Path
@@ -31,6 +33,7 @@ import requests  # noqa: E402
 
 from contract import ROOT, Contract, ContractViolation  # noqa: E402
 from harness import ServerProcess  # noqa: E402
+from processes import peak_bytes, reset_peak  # noqa: E402
 from test_examples import EXAMPLES, filled, pointed  # noqa: E402
 from working_time import PATIENCE_SECONDS, cpu_seconds  # noqa: E402
 
@@ -260,6 +263,48 @@ class Extremes:
                     self.server.start()
 
 
+class Probes(threading.Thread):
+    """Asks for the server's health twenty times a second."""
+
+    def __init__(self, server: ServerProcess) -> None:
+        super().__init__(daemon=True)
+        self.server = server
+        self.seconds: List[float] = []
+        self.ended = threading.Event()
+
+    def run(self) -> None:
+        with requests.Session() as session:
+            while not self.ended.wait(0.05):
+                begin = time.monotonic()
+                try:
+                    session.get(self.server.url + "/healthz", timeout=PATIENCE_SECONDS)
+                except requests.RequestException:
+                    continue  # a server that has ended is reported by the request that ended it
+                self.seconds.append(time.monotonic() - begin)
+
+    def text(self) -> str:
+        """How long they took."""
+        ordered = sorted(self.seconds) or [math.nan]
+        shares = ", ".join(f"{100 * share:g} % within {1000 * ordered[min(len(ordered) - 1, int(share * len(ordered)))]:.0f} ms" for share in (0.5, 0.99, 0.999))
+        return f"{len(self.seconds)} probes: {shares}, the longest {1000 * ordered[-1]:.0f} ms"
+
+
+def ending(server: ServerProcess, extremes: "Extremes") -> float:
+    """Seconds that the server takes to end while it computes."""
+    def send(base: Base) -> None:
+        try:
+            requests.post(server.url + base.path, json=base.body, timeout=PATIENCE_SECONDS)
+        except requests.RequestException:
+            pass  # the server has ended
+
+    for base in extremes.bases[:4]:
+        threading.Thread(target=send, args=(base,), daemon=True).start()
+    time.sleep(0.2)
+    begin = time.monotonic()
+    server.terminate()
+    return time.monotonic() - begin
+
+
 def main(arguments: Optional[List[str]] = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--requests", type=int, default=20_000)
@@ -270,11 +315,21 @@ def main(arguments: Optional[List[str]] = None) -> int:
         server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
         try:
             extremes = Extremes(server, options.seed, options.only)
+            probes = Probes(server)
+            before, budget = server.resident_bytes(), server.metrics()["supple_memory_budget_bytes"]
+            reset_peak(server.pid)
+            probes.start()
             start = time.monotonic()
             extremes.run(options.requests)
+            taken = time.monotonic() - start
+            probes.ended.set()
+            probes.join()
+            peak = peak_bytes(server.pid) - before
+            end = ending(server, extremes)
         finally:
             server.stop()
-    print(f"{options.requests} requests of {len(extremes.bases)} examples in {time.monotonic() - start:.0f} s: {len(extremes.broken)} broke a rule; "
+    print(f"{probes.text()}; {peak / 2**20:.0f} MiB of memory at most, of a budget of {budget / 2**20:.0f} MiB; ended in {end:.1f} s")
+    print(f"{options.requests} requests of {len(extremes.bases)} examples in {taken:.0f} s: {len(extremes.broken)} broke a rule; "
           + ", ".join(f"{status}: {count}" for status, count in sorted(extremes.statuses.items())))
     return 1 if extremes.broken else 0
 
