@@ -66,7 +66,8 @@ class Places {
 
   std::int32_t first_near(const Place& place, const Vector3d& cell) {
     for (int k = 0; k < 27; ++k) {
-      const auto found = cells_.find(cell_hash(cell + Vector3d(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1)));
+      const Eigen::Vector3i offset(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      const auto found = cells_.find(cell_hash(cell + offset.cast<double>()));
       if (found == cells_.end()) continue;
       for (const Place& other : found->second)
         if (are_one(place, other)) return other.site;
