@@ -189,11 +189,11 @@ part_hostile_asan() {
     UBSAN_OPTIONS=print_stacktrace=1 LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp" \
     "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py
 }
-# A report is a finding, in which the test of a server ends. A quarter of a second: what takes 50 ms on an idle machine takes
-# several times as long where other tests run beside it.
+# A report is a finding, in which the test of a server ends. Half a second: what takes 50 ms on an idle machine takes several times
+# as long where other tests run beside it.
 part_pace() {
   build_preset pace --target supple supple-server supple-helper make_test_model || return 1
-  local -x SUPPLE_BUILD="$PWD/build/pace" SUPPLE_PACE_SECONDS=${SUPPLE_PACE_SECONDS:-0.25}
+  local -x SUPPLE_BUILD="$PWD/build/pace" SUPPLE_PACE_SECONDS=${SUPPLE_PACE_SECONDS:-0.5}
   "$python" -m pytest -q -p no:cacheprovider tests/api &&
     "$python" -m pytest -q -p no:cacheprovider tests/hostile --ignore=tests/hostile/test_memory.py &&
     "$python" tests/hostile/extremes.py --requests "${SUPPLE_PACE_REQUESTS:-5000}"
