@@ -51,7 +51,7 @@ double root_mean_square(const Points& points) {
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-/// The points in the order of x. Those of the same x become one, with the average of their y.
+/// The points in the order of x. Points of the same x become one point, whose y is their average.
 Points sorted(Points points) {
   std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
   Points out;

@@ -19,7 +19,7 @@ static_assert(std::is_same_v<hid_t, std::int64_t>, "an HDF5 identifier is held a
 constexpr hsize_t chunk_rows = 16384;
 constexpr unsigned deflate_level = 6;
 /// Columns of a table, at most; counts are held as int.
-constexpr hsize_t most_columns = 1U << 20U;
+constexpr hsize_t max_columns = 1U << 20U;
 
 [[noreturn]] void throw_unwritable(const std::filesystem::path& path, const std::string& what) {
   throw Error("file.write_failed", "HDF5 cannot write " + what + " of " + path.string() + ".");
@@ -380,7 +380,7 @@ std::int64_t Hdf5Reader::integer_attribute(const std::string& object, const std:
 int Hdf5Reader::components(const std::string& name) const {
   const Hdf5Handle column = open_column(file_.get(), path_, name);
   const auto shape = shape_of(column.get());
-  if (shape.size() != 2 || shape[1] < 1 || shape[1] > most_columns) throw_unreadable(path_, name + " is not a table");
+  if (shape.size() != 2 || shape[1] < 1 || shape[1] > max_columns) throw_unreadable(path_, name + " is not a table");
   return static_cast<int>(shape[1]);
 }
 

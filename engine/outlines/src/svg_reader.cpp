@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t max_copies = 200'000;
 constexpr std::size_t bytes_of_a_copy = 16;
 constexpr std::size_t attributes_of_a_copy = 16;
-/// Of one element: each is looked for among all of them. Programs write some dozens.
+/// The attributes of one element: to find one takes a look at all of them. Programs write some dozens.
 constexpr std::size_t max_attributes = 1'000;
 constexpr std::size_t elements_between_checks = 4'096;
 

@@ -100,8 +100,8 @@ int exit_side(Entrance entry, const Vector3d& sides_of_corners) {
 }
 
 Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
-  // Of each corner relative to the point: its distance to the left of the path, and how far ahead it lies. Written in
-  // differences of corners, so that small weights keep their digits.
+  // Each corner's place relative to the point: its distance to the left of the path, and how far ahead it lies. Written
+  // in differences of corners, so that small weights keep their digits.
   Vector3d left, ahead;
   double longest = 0;
   for (int k = 0; k < 3; ++k) {

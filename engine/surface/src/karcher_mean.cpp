@@ -24,7 +24,7 @@ constexpr std::int64_t expected_evaluations_lbfgs = 12;
 constexpr std::int64_t expected_evaluations_descent = 15;
 
 /// Of more points than this, the start is sought among the ones of least mean squared straight distance.
-constexpr std::size_t most_start_candidates = 5;
+constexpr std::size_t max_start_candidates = 5;
 
 /// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
 constexpr double shortest_step = 1e-16;
@@ -40,7 +40,7 @@ constexpr int probe_directions = 16;
 constexpr double probe_radius = 1e-3;
 /// A probe is lower once it undercuts E by this share, well above E's rounding.
 constexpr double probe_gain = 1e-12;
-constexpr int most_probes = 20;
+constexpr int max_probes = 20;
 
 struct Problem {
   std::vector<SurfacePoint> anchors;  ///< of positive weight
@@ -126,13 +126,13 @@ Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
 std::vector<std::size_t> start_candidates(const TriangleMesh& mesh, const Problem& problem) {
   std::vector<std::size_t> candidates(problem.anchors.size());
   std::iota(candidates.begin(), candidates.end(), std::size_t{0});
-  if (candidates.size() <= most_start_candidates) return candidates;
+  if (candidates.size() <= max_start_candidates) return candidates;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < candidates.size(); ++i) centre += problem.weights[i] * position(mesh, problem.anchors[i]);
   std::vector<double> away(candidates.size());
   for (const std::size_t i : candidates) away[i] = (position(mesh, problem.anchors[i]) - centre).squaredNorm();
   std::ranges::stable_sort(candidates, {}, [&](std::size_t i) { return away[i]; });
-  candidates.resize(most_start_candidates);
+  candidates.resize(max_start_candidates);
   std::ranges::sort(candidates);
   return candidates;
 }
@@ -270,7 +270,7 @@ class Search {
       append(result);
       stop = result.stop;
       // Only at a cut locus, on a tip or without a step can a lower value be next to the stop.
-      if (stop == numerics::MinimizerStop::iteration_limit || probes == most_probes ||
+      if (stop == numerics::MinimizerStop::iteration_limit || probes == max_probes ||
           mean_.iterations >= most_iterations_)
         break;
       if (stop == numerics::MinimizerStop::converged && !kinked(found()) && away_from_cut_loci(found())) break;

@@ -184,8 +184,8 @@ void WindowSearch::propagate(const Window& w, const Entrance& entrance, Exit& le
   }
 }
 
-// Of windows that begin at one place, as all windows of sources in one face do, that whose source is farther along the
-// edge has the later part of what both would have. Windows of which nothing is left are compared with no further ones.
+// All windows of sources in one face begin at one place. The window whose source is farther along the edge then has the
+// later part of what both would have. A window of which nothing is left is compared with no further ones.
 void WindowSearch::trim_many(double touching) {
   StopPace pace(*cancellation_);
   sort_stoppably(batch_, *cancellation_, [this](std::int32_t i, std::int32_t j) {

@@ -26,11 +26,11 @@ constexpr double flat_angle = 1e-12;
 /// leave more in proportion to the number of faces, up to a limit: locating every bend costs as much as all else there.
 constexpr double area_rounding = 1e-12;
 constexpr double faces_of_rounding = 20;
-constexpr double most_area_rounding = 2e-10;
+constexpr double max_area_rounding = 2e-10;
 /// Most faces of one task: each takes some microseconds.
-constexpr std::int32_t most_faces_of_a_task = 256;
-/// As many tasks keep all threads busy where faces are few.
-constexpr std::int32_t least_tasks = 16;
+constexpr std::int32_t max_faces_of_a_task = 256;
+/// So many tasks keep all threads busy where faces are few.
+constexpr std::int32_t min_tasks = 16;
 
 }  // namespace
 
@@ -247,7 +247,7 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
       cut_faces_(face_sites_.size()),
       moments_(options.cell_moments && options.method != DiagramMethod::edges ? face_sites_.size() : 0) {
   const double rounding =
-      std::clamp(area_rounding * mesh.face_count() / faces_of_rounding, area_rounding, most_area_rounding);
+      std::clamp(area_rounding * mesh.face_count() / faces_of_rounding, area_rounding, max_area_rounding);
   for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
     const std::array<Vector2d, 3> corners = planar_corners(mesh, face);
     accuracy_.area += rounding * 0.5 * corners[1].x() * corners[2].y();
@@ -315,7 +315,7 @@ void DiagramFaces::cut(const std::vector<std::int32_t>& faces, const std::vector
   Execution quiet = execution;
   quiet.progress = nullptr;
   const auto count = static_cast<std::int32_t>(faces.size());
-  const std::int32_t of_a_task = std::clamp(count / least_tasks, 1, most_faces_of_a_task);
+  const std::int32_t of_a_task = std::clamp(count / min_tasks, 1, max_faces_of_a_task);
   const auto for_faces = [&](const auto& body) {
     parallel_tasks((count + of_a_task - 1) / of_a_task, quiet, "cells", [&](int number, const Execution& /*own*/) {
       Task task(*this, source, execution.cancellation);

@@ -26,12 +26,12 @@ constexpr double smallest_of_lost = 1e-4;
 constexpr double outside = 1e-9;
 /// Lines between parts of cells are tried this often in a row: after that polygons are halved, because that makes them
 /// smaller for sure.
-constexpr int most_chords = 24;
+constexpr int max_chords = 24;
 /// A line between two parts of one cell that other cells cross counts as so many: lines beside it would miss as well,
 /// and leave slivers.
 constexpr int missed_chord = 4;
 /// Divisions of a face: polygons that are not simple by then are told apart by rounding only.
-constexpr std::int64_t most_divisions = 1500;
+constexpr std::int64_t max_divisions = 1500;
 
 /// Room that a thread keeps from face to face, so that cutting one asks for little memory.
 struct CutterRoom {
@@ -101,7 +101,7 @@ class Cutter {
     if (!hidden && cuts.empty()) return add_whole(boundary);
     distances_.prune(active, centre, radius, kept);
     if (cut_by_bisectors(sides, boundary, cuts, kept)) return;
-    const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= most_divisions;
+    const bool small = !(longest > smallest_triangle * size_) || result_.subdivisions >= max_divisions;
     const bool surely = small || !(longest > smallest_of_lost * size_);
     if (!hidden && cuts.size() == 2 && cut_in_two(sides, boundary, cuts, kept, surely)) return;
     if (!hidden && cuts.size() >= 3 && all_differ(boundary, cuts)) {
@@ -110,7 +110,7 @@ class Cutter {
           cut_at_vertex(sides, boundary, cuts, place, kept, surely))
         return;
     }
-    if (result_.subdivisions >= most_divisions) result_.resolved = false;
+    if (result_.subdivisions >= max_divisions) result_.resolved = false;
     if (small) {
       if (cuts.empty()) return add_whole(boundary);
       cut_at_vertex(sides, boundary, cuts, centre, kept, true);
@@ -118,7 +118,7 @@ class Cutter {
     }
     BorderPlace begin;
     BorderPlace end;
-    if (hidden || depth >= most_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
+    if (hidden || depth >= max_chords || !choose_chord(sides, begin, end)) choose_middle(sides, longest, begin, end);
     divide(sides, begin, end, kept, depth);
   }
 

@@ -43,11 +43,12 @@ class FaceDistances {
 
   /// All arrivals.
   void all(Active& active) const;
-  /// Those of `active` that may be the shortest within `radius` of a point, into `kept`. Returns the nearest there.
+  /// The arrivals of `active` that may be the shortest within `radius` of a point, into `kept`. Returns the nearest
+  /// there.
   Nearest prune(const Active& active, const Eigen::Vector2d& point, double radius, Active& kept) const;
 
-  /// Those of `active` from one site that may be its shortest within `radius` of a point, into `kept`. Returns how
-  /// many images besides the first they come from, images nearer than `tolerance` being one.
+  /// The arrivals of `active` from one site that may be its shortest within `radius` of a point, into `kept`. Returns
+  /// how many images besides the first they come from, images nearer than `tolerance` being one.
   int prune_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double radius, double tolerance,
                  Active& kept) const;
 

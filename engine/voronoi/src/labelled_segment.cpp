@@ -22,14 +22,14 @@ constexpr double tie = 1e-12;
 /// some hundred times what rounding does to lengths, so that along a border that coincides with the segment sites do
 /// not take turns by their last digits.
 constexpr double indistinguishable = 1e-13;
-/// As many arrivals are told apart by all roots of their differences.
-constexpr std::size_t most_straight = 24;
+/// Up to so many arrivals are told apart by all roots of their differences.
+constexpr std::size_t max_straight = 24;
 /// Divisions of a segment: sites that are not told apart by then lie almost in one place and are equally near.
-constexpr int most_parts = 1024;
+constexpr int max_parts = 1024;
 /// Halvings after which equal labels at both ends of a part are believed, and after which ties are looked for.
 constexpr int deep = 12;
 constexpr int tie_depth = 6;
-constexpr int most_root_steps = 80;
+constexpr int max_root_steps = 80;
 
 class Labeller {
  public:
@@ -43,13 +43,13 @@ class Labeller {
     const Nearest nearest = distances_.prune(active, at(middle), radius, kept);
     if (kept.size() > 2) drop_longer(kept, begin, end);
     if (distances_.of_one_site(kept)) return change_to(nearest.site, begin);
-    if (kept.size() <= most_straight) {
+    if (kept.size() <= max_straight) {
       const double turning = turning_fraction(kept, begin, end);
       if (turning == end) return label_straight(kept, begin, end);
       label(kept, begin, turning, depth + 1);
       return label(kept, turning, end, depth + 1);
     }
-    if (!(end - begin > shortest_part) || ++divisions_ > most_parts) return change_to(nearest.site, begin);
+    if (!(end - begin > shortest_part) || ++divisions_ > max_parts) return change_to(nearest.site, begin);
     if (depth >= tie_depth && tied(kept, {begin, middle, end})) {
       if (!has(kept, result_.sites.back())) change_to(nearest.site, begin);
       return;
@@ -177,7 +177,7 @@ class Labeller {
       const Vector2d& turn = arrival.turns_at(middle);
       straight_.push_back({turn, arrival.sigma + (turn - arrival.image).norm(), arrival.source});
     }
-    std::array<double, most_straight*(most_straight - 1) + 1> cuts;
+    std::array<double, max_straight*(max_straight - 1) + 1> cuts;
     std::size_t count = 0;
     for (std::size_t i = 1; i < straight_.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) count = add_roots(straight_[i], straight_[j], begin, end, cuts, count);
@@ -245,7 +245,7 @@ class Labeller {
     const std::int32_t last = distances_.nearest(kept, at(end)).site;
     change_to(first, begin);
     if (first == last) return;
-    for (int i = 0; i < most_root_steps && end - begin > 1e-16; ++i) {
+    for (int i = 0; i < max_root_steps && end - begin > 1e-16; ++i) {
       const double middle = 0.5 * (begin + end);
       if (!(middle > begin && middle < end)) break;
       (distances_.nearest(kept, at(middle)).site == first ? begin : end) = middle;

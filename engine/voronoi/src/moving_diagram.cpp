@@ -23,7 +23,7 @@ using surface::SurfacePoint;
 using surface::TriangleMesh;
 
 /// Where more than this share of the sites has moved, a whole diagram takes less time (measured by voronoi_bench).
-constexpr double most_moved = 0.125;
+constexpr double max_moved = 0.125;
 
 bool same_point(const SurfacePoint& a, const SurfacePoint& b) {
   return a.face == b.face && a.barycentric == b.barycentric;
@@ -38,7 +38,7 @@ struct MovingDiagram::Implementation {
   const TriangleMesh& mesh() const { return solver.mesh(); }
 
   std::size_t most_to_move() const {
-    return std::max<std::size_t>(1, static_cast<std::size_t>(most_moved * static_cast<double>(sites.size())));
+    return std::max<std::size_t>(1, static_cast<std::size_t>(max_moved * static_cast<double>(sites.size())));
   }
 
   bool is_near(std::span<const SurfacePoint> others) const {
@@ -135,7 +135,7 @@ struct MovingDiagram::Implementation {
     }
   }
 
-  /// Of each vertex the distance that it has, as far as its site is none of these.
+  /// Makes the distances of vertices unknown (infinite) whose site is one of these.
   void forget(const Flags& of_sites, std::vector<double>& known) const {
     for (std::size_t v = 0; v < known.size(); ++v)
       if (flagged(of_sites, faces.vertex_sites()[v])) known[v] = std::numeric_limits<double>::infinity();

@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector3d;
 using surface::TriangleMesh;
 
-constexpr std::int64_t most_sites = 1'000'000;
+constexpr std::int64_t max_sites = 1'000'000;
 /// Relative to the mean edge: sites closer than this are one.
 constexpr double same_site = 1e-13;
 
@@ -100,7 +100,7 @@ void check_site_count(std::int64_t count) {
   if (count < 1)
     throw Error("voronoi.no_sites", "A Voronoi diagram needs at least one site.",
                 {{"sites", std::to_string(count) + " sites, the least is 1"}});
-  if (count > most_sites)
+  if (count > max_sites)
     throw Error("voronoi.too_many_sites", "A Voronoi diagram has at most 1,000,000 sites.",
                 {{"sites", std::to_string(count) + " sites, the limit is 1000000"}});
 }

@@ -24,9 +24,9 @@ constexpr int max_halvings = 4096;
 /// Relative to the face: arrivals whose lengths differ by no more at the corners and in the middle of a polygon are
 /// equally long in it, as behind a vertex at which the paths of all of them turn.
 constexpr double tied_region = 1e-11;
-/// Of its chord: a border that bulges by less is a curve that slivers make up for.
+/// A border that bulges by a smaller part of its chord is a curve that slivers make up for.
 constexpr double flat_bulge = 0.03;
-constexpr int most_sliver_steps = 20;
+constexpr int max_sliver_steps = 20;
 
 /// Where |x - a| - |x - b| = c, c > 0, on the way from `from` to `to`: fractions in (0, 1), ascending.
 LineRoots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
@@ -316,7 +316,7 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
     for (std::size_t k = 0; k < three_nodes.size(); ++k) {
       const Vector2d base = begin + three_nodes[k] * way;
       double height = 0;
-      for (int step = 0; step < most_sliver_steps; ++step) {
+      for (int step = 0; step < max_sliver_steps; ++step) {
         const Vector2d x = base + height * normal;
         const double slope = normal.dot((x - a).normalized() - (x - b).normalized());
         const double change = -gap(x) / slope;

@@ -11,8 +11,8 @@
 namespace supple::weave {
 namespace {
 
-constexpr std::size_t most_words = 32;
-constexpr std::size_t most_faults = 4;
+constexpr std::size_t max_words = 32;
+constexpr std::size_t max_faults = 4;
 /// Printers take some hundred bytes.
 constexpr std::size_t longest_line = 1 << 16;
 
@@ -70,7 +70,7 @@ class Reader {
 
  private:
   void fault(const std::string& message) {
-    if (result_.faults.size() < most_faults) result_.faults.push_back(message);
+    if (result_.faults.size() < max_faults) result_.faults.push_back(message);
   }
 
   void checksum() {
@@ -118,10 +118,10 @@ class Reader {
       if (!word.has_value || word.value != std::floor(word.value)) fault("a line number must be a whole number");
       return;
     }
-    if (result_.words.size() < most_words)
+    if (result_.words.size() < max_words)
       result_.words.push_back(word);
     else
-      fault("more than " + std::to_string(most_words) + " words");
+      fault("more than " + std::to_string(max_words) + " words");
   }
 
   std::string_view line_;

@@ -14,9 +14,9 @@ namespace {
 /// Pieces of the refined curve turn by less, rad: within one the parameter's speed varies by the square of this over a
 /// few hundred.
 constexpr double longest_turn_of_piece = 0.06;
-constexpr double most_pieces_between_points = 4096;
+constexpr double max_pieces_between_points = 4096;
 /// How often a piece that still turns by more than twice that is halved.
-constexpr int most_halvings = 12;
+constexpr int max_halvings = 12;
 /// Rounds of replacing parameter lengths by arc lengths: each gains three digits or more.
 constexpr int rounds = 4;
 /// Neighbouring points closer than this, relative to the extent, are the same point.
@@ -224,7 +224,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     const double turn = curvature * piece_length(piece, 0, h);
     // Clamped before it is an integer: at a cusp the curvature has no bound.
     const auto count =
-        static_cast<int>(std::clamp(std::ceil(turn / longest_turn_of_piece), 1.0, most_pieces_between_points));
+        static_cast<int>(std::clamp(std::ceil(turn / longest_turn_of_piece), 1.0, max_pieces_between_points));
     if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
       if (refined.size() >= next_look) {
@@ -233,7 +233,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
       }
       refined.emplace_back(in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
-      divide(piece, h * k / count, h * (k + 1) / count, most_halvings, refined);
+      divide(piece, h * k / count, h * (k + 1) / count, max_halvings, refined);
       if (refined.size() > most_pieces) refuse_pieces();
     }
   }

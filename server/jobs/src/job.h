@@ -29,7 +29,7 @@ inline Clock::duration duration(double seconds) {
 
 inline bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
 
-/// Of a job that did not run to its end and is not run again.
+/// The problem of a job that did not run to its end and is not run again.
 inline problem::Problem interrupted() {
   return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
 }

@@ -383,7 +383,7 @@ JobStatus JobQueue::submit(Computation computation, const std::optional<RequestO
     const std::lock_guard lock(mutex_);
     return status_of(*job);
   } catch (const KeyWasUsed&) {
-    // By the same request, which has come at the same time.
+    // The same request has come at the same time and has used it.
     if (auto known = asked_before(key, hash)) return *std::move(known);
     throw;
   }

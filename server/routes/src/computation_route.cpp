@@ -109,7 +109,7 @@ http::Response answer_computation(Services& services, const http::Request& reque
   }
   if (!preference.respond_async && !preference.wait) {
     // The deadline of an immediate answer counts from the request's arrival: reading a large body takes its share of
-    // it. That of a job is what its status says, from where it was accepted.
+    // it. The deadline of a job counts from its acceptance.
     computation.deadline = rest_of_deadline(request, computation.deadline);
     return answer_immediately(services, request, computation);
   }
@@ -204,9 +204,9 @@ const surface::NearestPointSearch& nearest_search(const Services& services, cons
                                                   const std::string& id, const store::LoadedMesh& mesh,
                                                   double deadline) {
   // Up to here it takes some milliseconds, for which no request waits until others have computed.
-  constexpr std::int64_t most_faces_at_once = 20'000;
+  constexpr std::int64_t max_faces_at_once = 20'000;
   if (remaking) return mesh.nearest(remaking->execution);
-  if (!mesh.has_nearest() && mesh.mesh().face_count() > most_faces_at_once) {
+  if (!mesh.has_nearest() && mesh.mesh().face_count() > max_faces_at_once) {
     jobs::Computation making{"meshes", id, rest_of_deadline(request, deadline), {}};
     making.client = request.client;
     making.run = [&mesh](const Execution& execution) {

@@ -24,8 +24,8 @@ Copy copy(const Places& from, const Places& to) {
   const auto has_gone = [&](const StoredFile& file) { return !rows.names(file) || fs::exists(file.place(from)); };
   Copier copier(from, to, stem_in_data_folder);
   std::vector<StoredFile> missing;
-  constexpr int most_rounds = 100;  // one is enough where nothing ends at the moment, two or three mostly
-  for (int round = 0; round < most_rounds; ++round) {
+  constexpr int max_rounds = 100;  // one is enough where nothing ends at the moment, two or three mostly
+  for (int round = 0; round < max_rounds; ++round) {
     copy_database(from.database(), to.database());
     const Database database(to.database());
     missing = copier.copy_files(catalogue_of(database).files());

@@ -64,7 +64,7 @@ std::string with_time_limits(const std::string& address) {
     text.append("' ");
   };
   for (const auto& [key, value] : time_limits) append(key, value);
-  // Of two values of a setting the later one counts.
+  // Where a setting has two values, the later one counts.
   for (const auto* setting = settings.get(); setting->keyword; ++setting)
     if (setting->val) append(setting->keyword, setting->val);
   return text;

@@ -28,7 +28,7 @@ class AllRows {
  public:
   explicit AllRows(const SharedPlace& store) : database_(std::make_unique<Postgres>(store.database, seconds)) {}
 
-  /// As Postgres::transaction.
+  /// Does what Postgres::transaction does, without the limits of time that a server has.
   template <class Work>
   auto transaction(const Work& work) {
     return database_->transaction([&](pqxx::work& transaction) {
@@ -167,8 +167,8 @@ class Repair {
 /// Copies the files that a store has, again and again until few have come meanwhile.
 void copy_most_files(Copier& copier, AllRows& database) {
   constexpr std::size_t few = 8;
-  constexpr int most_rounds = 20;
-  for (int round = 0; round < most_rounds; ++round) {
+  constexpr int max_rounds = 20;
+  for (int round = 0; round < max_rounds; ++round) {
     const auto before = copier.copied();
     copier.copy_files(database.catalogue().files());
     if (copier.copied() <= before + few) return;

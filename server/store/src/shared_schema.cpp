@@ -20,7 +20,7 @@ constexpr int version_of_shared_tables = 1;
 /// Servers that start together make the tables one after the other.
 constexpr const char* one_at_a_time = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
 
-/// Of "jobs" `holder` is the server that has it, empty where none has; `hold` the number of that hold.
+/// In "jobs", `holder` is the server that has the job, empty where none has; `hold` is the number of that hold.
 constexpr const char* shared_tables = R"(
 CREATE TABLE IF NOT EXISTS store (
   version integer NOT NULL,

@@ -30,7 +30,7 @@ struct Catalogue {
   std::function<bool(const StoredFile&)> names;
 };
 
-/// That of a data folder with a database of its own. `database` outlives it.
+/// The catalogue of a data folder with a database of its own. `database` outlives it.
 Catalogue catalogue_of(const Database& database);
 
 /// A sentence about a content that does not have its hash; empty where it is as it should be.

@@ -140,7 +140,7 @@ class HttpServerTest : public testing::Test {
       router.add({method,
                   "/late/{how}",
                   [this](const Request& r) {
-                    // As a watchdog does, from its own thread.
+                    // Called from a thread of its own, as by a watchdog.
                     std::thread([&] {
                       const auto& how = r.path_parameters.at("how");
                       const std::string detail(how == "large" ? large_problem : 5, 'x');

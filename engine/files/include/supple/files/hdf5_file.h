@@ -38,7 +38,7 @@ struct ColumnStorage {
 class Hdf5Writer {
  public:
   explicit Hdf5Writer(const std::filesystem::path& path);
-  /// Of a file in memory alone.
+  /// Writes a file that is in memory alone; `bytes` gives it.
   Hdf5Writer();
 
   void group(const std::string& name);
@@ -68,10 +68,10 @@ class Hdf5Reader {
  public:
   enum class Kind { integer, real, reals, text };
   explicit Hdf5Reader(const std::filesystem::path& path);
-  /// Of a file whose bytes are in memory; `name` stands for it in messages. The bytes are copied.
+  /// Reads a file whose bytes are in memory; `name` stands for it in messages. The bytes are copied.
   Hdf5Reader(std::string_view bytes, const std::string& name);
 
-  /// Of the members of a group, in the order in which they were written.
+  /// The names of a group's members, in the order in which they were written.
   std::vector<std::string> members(const std::string& group) const;
   /// Whether the file itself has a member of this name (no path).
   bool contains(const std::string& name) const;

@@ -192,15 +192,15 @@ class System : public Objective {
     return snapped ? std::optional<double>(distance) : std::nullopt;
   }
 
-  // Of the last evaluation:
+  // The results of the last evaluation:
   double energy() const { return sums_->value; }
   /// Derivatives by all degrees of freedom at the current state; those by held ones are reactions.
   const Eigen::VectorXd& full_gradient() {
     sum_up(1);
     return sums_->gradient;
   }
-  // Of the last evaluation of order 2, without what is of low rank: the core of the unknowns, and the border for all of
-  // the border's degrees of freedom, not only along the directions.
+  // The Hessian of the last evaluation of order 2, without what is of low rank: the core of the unknowns, and the
+  // border for all of the border's degrees of freedom, not only along the directions.
   const SparseMatrix& core() const { return hessian_->core; }
   const Eigen::MatrixXd& border() const { return border_; }
   const Eigen::MatrixXd& corner() const { return corner_; }

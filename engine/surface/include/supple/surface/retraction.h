@@ -11,7 +11,7 @@ namespace supple::surface {
 /// Coordinates of directions at a vertex that is no point of a flat face: polar ones, the angle around the cone
 /// stretched to a full turn, or, at a vertex of the boundary, to half a turn: the other half leads out of the surface.
 Eigen::Vector2d cone_coordinates(const VertexCone& cone, double angle);
-/// By what angles round the cone are multiplied for that.
+/// The factor that stretches angles around the cone to these coordinates.
 double cone_stretch(const VertexCone& cone);
 
 /// Whether the point is exactly at a vertex whose total angle is not 2 pi, or at one of the boundary.

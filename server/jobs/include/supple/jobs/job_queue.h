@@ -262,8 +262,8 @@ class JobQueue {
   void write_what_was_refused();
   /// Under the mutex: the job that only this process can answer for; of a lost one the store knows more.
   JobPointer find(const std::string& id) const;
-  /// Under the mutex: the status of what memory knows better than the store. Of a shared store's jobs these are the
-  /// ones that run here, for another server may have taken, and ended, what waits.
+  /// Under the mutex: the status of what memory knows better than the store. In a shared store these are the
+  /// jobs that run here, for another server may have taken, and ended, what waits.
   std::optional<JobStatus> status_in_memory(const std::string& id) const;
   static JobStatus status_of(const Job& job);
   JobStatus status_in_store(const store::JobRecord& record) const;

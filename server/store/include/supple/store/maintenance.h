@@ -54,30 +54,30 @@ struct SharedPlace {
   std::filesystem::path folder;
 };
 
-/// As check_folder, for a shared store: looks through the rows, also of requests in the database, and through the
-/// folder. Servers may use both meanwhile. Throws "store.unavailable" where the database does not answer, has no store
-/// or one of a later version, or belongs to another folder.
+/// Does for a shared store what check_folder does for a local one: looks through the rows, also of requests in the
+/// database, and through the folder. Servers may use both meanwhile. Throws "store.unavailable" where the database does
+/// not answer, has no store or one of a later version, or belongs to another folder.
 Check check_shared_store(const SharedPlace& store);
 
-/// As repair_folder, for a shared store. What the database does not name is moved into quarantine. A job whose request
-/// is damaged or missing has failed too, and so has one whose row contradicts itself. Throws as check_shared_store
-/// does, and "store.unavailable" where a server uses the store: one that has the folder, or that the database has heard
-/// of within its lease.
+/// Does for a shared store what repair_folder does for a local one. What the database does not name is moved into
+/// quarantine. A job whose request is damaged or missing has failed too, and so has one whose row contradicts itself.
+/// Throws as check_shared_store does, and "store.unavailable" where a server uses the store: one that has the folder,
+/// or that the database has heard of within its lease.
 Check repair_shared_store(const SharedPlace& store, const std::function<void(const std::string&)>& warn,
                           const std::function<std::string(const std::string& sentence)>& problem);
 
-/// As back_up, for a shared store. The backup is a data folder with a database of its own, as back_up makes it, so that
-/// check_folder, restore and a server understand it: rows as one transaction (REPEATABLE READ) saw them, and all the
-/// files that they name. What servers store and remove waits for the moment in which the last few files are copied. How
-/// far unfinished jobs are is not in it.
+/// Does for a shared store what back_up does for a local one. The backup is a data folder with a database of its own,
+/// as back_up makes it, so that check_folder, restore and a server understand it: rows as one transaction (REPEATABLE
+/// READ) saw them, and all the files that they name. What servers store and remove waits for the moment in which the
+/// last few files are copied. How far unfinished jobs are is not in it.
 Copy back_up_shared_store(const SharedPlace& store, const std::filesystem::path& to);
 
-/// As restore, into a shared store, whose tables and folder are made where they do not exist. Each job that has not
-/// ended is free for any server. The files are copied and compared with their hashes before anything is replaced: a
-/// damaged backup replaces nothing ("store.corrupted"), but its sound part fills an empty store. The rows that are
-/// replaced go into quarantine too, as a database. Throws "store.unavailable" where the store is not empty without
-/// `replace`, and where a server uses it, as repair_shared_store does. Where the database is lost in the moment of its
-/// commit, rows and files may be of different stores: then the same call with `replace` restores both.
+/// Does what restore does, into a shared store, whose tables and folder are made where they do not exist. Each job that
+/// has not ended is free for any server. The files are copied and compared with their hashes before anything is
+/// replaced: a damaged backup replaces nothing ("store.corrupted"), but its sound part fills an empty store. The rows
+/// that are replaced go into quarantine too, as a database. Throws "store.unavailable" where the store is not empty
+/// without `replace`, and where a server uses it, as repair_shared_store does. Where the database is lost in the moment
+/// of its commit, rows and files may be of different stores: then the same call with `replace` restores both.
 Copy restore_shared_store(const std::filesystem::path& from, const SharedPlace& store, bool replace);
 
 }  // namespace supple::store

@@ -34,8 +34,8 @@ struct LoadedModel {
 /// One thread looks at the folder, every `period` by the files' numbers, sizes and times, and is the only one to read
 /// model files, for HDF5 is not thread safe. Helper processes take them apart where there are any. A file that cannot
 /// be read is reported with its reason, leaves all other models and its own earlier version served, and is not read
-/// again until it changes. A file that changes while it is read counts at the next look. Of two files with one id the
-/// first by name is served. While the folder itself cannot be read, what was loaded stays. Any thread may call.
+/// again until it changes. A file that changes while it is read counts at the next look. Where two files have one id,
+/// the first by name is served. While the folder itself cannot be read, what was loaded stays. Any thread may call.
 class ModelStore {
  public:
   enum class Level { info, warning };
