@@ -94,7 +94,7 @@ class Process {
     http::ServerOptions http = options.http;
     http.memory = &memory_;
     http.headers = routes::security_headers();
-    http.tell = [](const std::string& text) { spdlog::warn(text); };
+    http.warn = [](const std::string& text) { spdlog::warn(text); };
     router_ = routes::make_router(services_);
     server_ = std::make_unique<http::Server>(
         http, router_, routes::problem_response,

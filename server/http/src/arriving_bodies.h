@@ -10,26 +10,28 @@
 
 namespace supple::http {
 
-/// Counts the bytes of bodies that have not arrived completely, for each client and for all together. They wait for
-/// their senders and nobody computes with them, so that they may take a part of the memory only. Any thread may call.
+/// Counts and limits the bytes of bodies that have not arrived completely, for each client and in total. How long such
+/// a body stays in memory depends on its sender alone, so these bodies may take only a part of the memory of requests.
+/// Any thread may call.
 class ArrivingBodies {
  public:
-  /// The first bytes of each body, which are not counted: a small one arrives whatever others send.
-  static constexpr std::size_t small = 64 * 1024;
+  /// Number of bytes at the start of each body that are not counted, so that small bodies arrive whatever others send.
+  static constexpr std::size_t uncounted_bytes = 64 * 1024;
 
-  /// `all` bytes of all clients together and `each` of one; 0: any number.
-  ArrivingBodies(std::int64_t all, std::int64_t each) : all_(all), each_(each) {}
+  /// Limits in bytes for all clients together and for each client; 0: no limit.
+  ArrivingBodies(std::int64_t max_total, std::int64_t max_per_client)
+      : max_total_(max_total), max_per_client_(max_per_client) {}
 
-  /// The bytes of one body; they come back when it has arrived or is given up.
-  class Share {
+  /// The bytes that are counted for one body, until it has arrived or is refused.
+  class CountedBytes {
    public:
-    Share(ArrivingBodies& bodies, const std::string& client) : bodies_(bodies), client_(&client) {}
-    ~Share() { release(); }
-    Share(const Share&) = delete;
-    Share& operator=(const Share&) = delete;
+    CountedBytes(ArrivingBodies& bodies, const std::string& client) : bodies_(bodies), client_(&client) {}
+    ~CountedBytes() { release(); }
+    CountedBytes(const CountedBytes&) = delete;
+    CountedBytes& operator=(const CountedBytes&) = delete;
 
-    /// Counts so many bytes more. Throws ProblemError "server.client_share" or "server.out_of_memory" (503), and counts
-    /// nothing then.
+    /// Counts `bytes` more. Beyond the limit of one client it throws ProblemError "server.client_share", beyond the
+    /// total limit "server.out_of_memory" (503); it counts nothing then.
     void add(std::int64_t bytes) {
       bodies_.add(*client_, bytes);
       bytes_ += bytes;
@@ -50,19 +52,21 @@ class ArrivingBodies {
 
   void add(const std::string& client, std::int64_t bytes) {
     const std::lock_guard lock(mutex_);
-    const auto found = of_client_.find(client);
-    const std::int64_t own = (found == of_client_.end() ? 0 : found->second) + bytes;
-    if (each_ > 0 && own > each_) throw_full("server.client_share", "this client", each_, own);
-    if (all_ > 0 && used_ + bytes > all_) throw_full("server.out_of_memory", "all clients", all_, used_ + bytes);
-    of_client_[client] = own;
+    const auto found = bytes_of_client_.find(client);
+    const std::int64_t client_total = (found == bytes_of_client_.end() ? 0 : found->second) + bytes;
+    if (max_per_client_ > 0 && client_total > max_per_client_)
+      throw_full("server.client_share", "this client", max_per_client_, client_total);
+    if (max_total_ > 0 && used_ + bytes > max_total_)
+      throw_full("server.out_of_memory", "all clients", max_total_, used_ + bytes);
+    bytes_of_client_[client] = client_total;
     used_ += bytes;
   }
   void remove(const std::string& client, std::int64_t bytes) noexcept {
     if (bytes == 0) return;
     const std::lock_guard lock(mutex_);
     used_ -= bytes;
-    const auto found = of_client_.find(client);
-    if ((found->second -= bytes) == 0) of_client_.erase(found);
+    const auto found = bytes_of_client_.find(client);
+    if ((found->second -= bytes) == 0) bytes_of_client_.erase(found);
   }
   [[noreturn]] static void throw_full(const std::string& code, const std::string& whose, std::int64_t limit,
                                       std::int64_t wanted) {
@@ -75,11 +79,11 @@ class ArrivingBodies {
          seconds_to_retry});
   }
 
-  const std::int64_t all_;
-  const std::int64_t each_;
+  const std::int64_t max_total_;
+  const std::int64_t max_per_client_;
   std::mutex mutex_;
   std::int64_t used_ = 0;
-  std::map<std::string, std::int64_t> of_client_;
+  std::map<std::string, std::int64_t> bytes_of_client_;
 };
 
 }  // namespace supple::http

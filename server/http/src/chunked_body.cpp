@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t max_line_bytes = 1024;
 constexpr std::size_t max_trailer_bytes = 8192;
-constexpr std::size_t max_size_digits = 15;  // below 2^60
+constexpr std::size_t max_size_digits = 15;  // hexadecimal digits, so that sizes are below 2^60
 
 [[noreturn]] void refuse() { throw Error("http.bad_request", "The framing of the body's chunks is broken."); }
 
@@ -41,47 +41,47 @@ bool ChunkedBody::take_line(std::string_view& input, std::string_view& line) {
 }
 
 bool ChunkedBody::take(InputBuffer& input, std::string& body) {
-  std::string_view left = input.view();
+  std::string_view rest = input.view();
   std::string_view line;
-  bool waits = false;
-  while (!waits && place_ != Place::done) {
-    switch (place_) {
-      case Place::size:
-        if ((waits = !take_line(left, line))) break;
-        left_ = chunk_size(line);
-        place_ = left_ > 0 ? Place::data : Place::trailer;
+  bool needs_input = false;
+  while (!needs_input && state_ != State::done) {
+    switch (state_) {
+      case State::size:
+        if ((needs_input = !take_line(rest, line))) break;
+        remaining_ = chunk_size(line);
+        state_ = remaining_ > 0 ? State::data : State::trailer;
         break;
-      case Place::data: {
-        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(left_, left.size()));
-        body.append(left.substr(0, count));
-        left.remove_prefix(count);
-        left_ -= count;
-        waits = left_ > 0;
-        if (!waits) place_ = Place::end_of_data;
+      case State::data: {
+        const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(remaining_, rest.size()));
+        body.append(rest.substr(0, count));
+        rest.remove_prefix(count);
+        remaining_ -= count;
+        needs_input = remaining_ > 0;
+        if (!needs_input) state_ = State::end_of_data;
         break;
       }
-      case Place::end_of_data:
-        if ((waits = !take_line(left, line))) break;
+      case State::end_of_data:
+        if ((needs_input = !take_line(rest, line))) break;
         if (!line.empty()) refuse();
-        place_ = Place::size;
+        state_ = State::size;
         break;
-      case Place::trailer:
-        if ((waits = !take_line(left, line))) break;
+      case State::trailer:
+        if ((needs_input = !take_line(rest, line))) break;
         trailer_bytes_ += line.size();
         if (trailer_bytes_ > max_trailer_bytes) refuse();
         if (line.empty()) {
-          place_ = Place::done;
+          state_ = State::done;
         } else if (const auto colon = line.find(':');
                    !is_token(line.substr(0, std::min(colon, line.size()))) || colon == std::string_view::npos) {
           refuse();
         }
         break;
-      case Place::done:
+      case State::done:
         break;
     }
   }
-  input.drop(input.size() - left.size());
-  return place_ == Place::done;
+  input.drop(input.size() - rest.size());
+  return state_ == State::done;
 }
 
 }  // namespace supple::http

@@ -8,23 +8,24 @@
 
 namespace supple::http {
 
-/// Reads a body in chunks (RFC 9112, 7.1) as its bytes arrive, strictly: sizes are hexadecimal digits alone, extensions
-/// begin with a semicolon, trailers are headers, and no line has a control character. Extensions and trailers are
-/// bounded and ignored.
+/// Parses a body in chunks (RFC 9112, 7.1) as its bytes arrive. It is strict: a chunk size consists of hexadecimal
+/// digits alone, an extension begins with a semicolon, a trailer has the form of a header, and no line contains a
+/// control character. Extensions and trailers have limits of length and are ignored.
 class ChunkedBody {
  public:
-  /// Moves what belongs to the body from `input` to the end of `body`. True once the body is complete; what is left in
-  /// `input` then belongs to the next request. Throws Error "http.bad_request" where the framing is broken.
+  /// Moves the bytes of the body from `input` to the end of `body`. Returns true once the body is complete; what
+  /// remains in `input` then belongs to the next request. Throws Error "http.bad_request" if the framing is broken.
   bool take(InputBuffer& input, std::string& body);
 
  private:
-  enum class Place { size, data, end_of_data, trailer, done };
-  /// Takes the next line, without its end, from `input`. False while it has not arrived.
+  enum class State { size, data, end_of_data, trailer, done };
+  /// Removes the next line from `input` and stores it in `line` without its CR LF. Returns false if the line has not
+  /// arrived completely.
   static bool take_line(std::string_view& input, std::string_view& line);
 
-  Place place_ = Place::size;
-  std::uint64_t left_ = 0;         ///< bytes of the chunk that have not arrived yet
-  std::size_t trailer_bytes_ = 0;  ///< read so far
+  State state_ = State::size;
+  std::uint64_t remaining_ = 0;    ///< bytes of the current chunk that have not arrived
+  std::size_t trailer_bytes_ = 0;  ///< bytes of trailers that have been read
 };
 
 }  // namespace supple::http

@@ -61,20 +61,20 @@ bool ConnectionStream::send_all(std::string_view text) {
 }
 
 ssize_t ConnectionStream::write(const char* data, std::size_t size) {
-  constexpr std::size_t small = 64 * 1024;
+  constexpr std::size_t max_buffered_bytes = 64 * 1024;
   if (drops_) return static_cast<ssize_t>(size);
-  if (never_waits_ || waiting_.size() + size <= small) {
-    waiting_.append(data, size);
+  if (never_waits_ || buffered_.size() + size <= max_buffered_bytes) {
+    buffered_.append(data, size);
     return !at_once_ || flush() ? static_cast<ssize_t>(size) : -1;
   }
   return flush() && send_all({data, size}) ? static_cast<ssize_t>(size) : -1;
 }
 
 bool ConnectionStream::flush() {
-  if (waiting_.empty()) return true;
-  std::string_view left = waiting_;
+  if (buffered_.empty()) return true;
+  std::string_view left = buffered_;
   const bool sent = never_waits_ ? send_now(socket_, left) : send_all(left);
-  waiting_.erase(0, never_waits_ ? waiting_.size() - left.size() : std::string::npos);
+  buffered_.erase(0, never_waits_ ? buffered_.size() - left.size() : std::string::npos);
   return sent;
 }
 

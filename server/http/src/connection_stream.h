@@ -8,10 +8,11 @@
 
 namespace supple::http {
 
-/// Sends as much of the text as the client takes now, and removes it. False once the client has gone.
+/// Sends as much of the text as the client takes without waiting, and removes that from `text`. Returns false if the
+/// client has gone.
 bool send_now(int socket, std::string_view& text);
 
-/// httplib's view of a request that has arrived: its head to read, and the socket to write the answer to.
+/// The stream from which httplib reads a head that has arrived already, and to which it writes the answer.
 class ConnectionStream final : public httplib::Stream {
  public:
   ConnectionStream(int socket, double write_seconds, std::string_view head)
@@ -20,23 +21,22 @@ class ConnectionStream final : public httplib::Stream {
   bool is_readable() const override { return !head_.empty(); }
   bool is_writable() const override;
   ssize_t read(char* data, std::size_t size) override;
-  /// Sends everything or fails (-1). A small answer waits for `flush`, so that it leaves in one packet, and once the
-  /// server is done with it.
+  /// Sends everything, or returns -1. A small answer is buffered until `flush`: it leaves in one packet, and only after
+  /// the server has released the request's slot.
   ssize_t write(const char* data, std::size_t size) override;
-  /// From here on `write` and `flush` never wait for the client: what it does not take at once is left to
-  /// `take_unsent`.
+  /// From now on `write` and `flush` never wait for the client. What it does not take at once stays in the buffer.
   void never_wait() { never_waits_ = true; }
-  /// What `flush` has left. The caller takes it.
-  std::string take_unsent() { return std::move(waiting_); }
-  /// From here on what is written is dropped, as if it had been sent.
+  /// Moves out what `flush` could not send.
+  std::string take_unsent() { return std::move(buffered_); }
+  /// From now on whatever is written is discarded, as if it had been sent.
   void drop() { drops_ = true; }
-  /// From here on nothing waits: pieces of a streamed answer are sent as they come.
+  /// From now on nothing is buffered: the pieces of a streamed answer are sent as they are written.
   void send_at_once() { at_once_ = true; }
-  /// Sends what waits. False once the client has gone.
+  /// Sends what is buffered. Returns false if the client has gone.
   bool flush();
   void get_remote_ip_and_port(std::string& ip, int& port) const override;
   void get_local_ip_and_port(std::string& ip, int& port) const override;
-  /// The library compares this with the limits of select(2), which this stream does not use.
+  /// A number that satisfies the library, which checks the limits of select(2); this stream uses poll(2).
   socket_t socket() const override { return 0; }
 
  private:
@@ -48,7 +48,7 @@ class ConnectionStream final : public httplib::Stream {
   bool at_once_ = false;
   bool drops_ = false;
   bool never_waits_ = false;
-  std::string waiting_;
+  std::string buffered_;
 };
 
 }  // namespace supple::http

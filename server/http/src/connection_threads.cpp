@@ -12,28 +12,28 @@ void ConnectionThreads::enqueue(std::function<void()> serve) {
 }
 
 void ConnectionThreads::grow() {
-  if (!ending_ && idle_ < waiting_.size() && threads_.size() < most_) {
+  if (!ending_ && idle_ < waiting_.size() && threads_.size() < max_threads_) {
     try {
       threads_.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
-      // The system gives no further thread: the connection waits for one of those that there are.
+      // The system allows no further thread. The task waits for one of the existing threads.
       if (threads_.empty()) throw;
     }
   }
 }
 
-void ConnectionThreads::lend() {
+void ConnectionThreads::raise_limit() {
   const std::lock_guard lock(mutex_);
-  ++most_;
+  ++max_threads_;
   grow();
 }
 
-void ConnectionThreads::take_back() {
+void ConnectionThreads::lower_limit() {
   const std::lock_guard lock(mutex_);
-  --most_;
+  --max_threads_;
 }
 
-bool ConnectionThreads::in_demand() const {
+bool ConnectionThreads::has_waiting() const {
   const std::lock_guard lock(mutex_);
   return !waiting_.empty();
 }

@@ -10,30 +10,32 @@
 
 namespace supple::http {
 
-/// Threads that answer requests: as many as are busy at the same time, up to a limit. They are made when they are
-/// needed and stay.
+/// A pool of threads that answer requests. A thread is started when a task finds none idle, up to a limit, and runs
+/// until `finish`.
 class ConnectionThreads {
  public:
-  explicit ConnectionThreads(std::size_t most) : most_(most) {}
+  explicit ConnectionThreads(std::size_t max_threads) : max_threads_(max_threads) {}
   ~ConnectionThreads() { finish(); }
   ConnectionThreads(const ConnectionThreads&) = delete;
   ConnectionThreads& operator=(const ConnectionThreads&) = delete;
 
   void enqueue(std::function<void()> serve);
-  /// One of the threads does nothing for others until `take_back`: there may be one more meanwhile.
-  void lend();
-  void take_back();
-  /// Whether something waits for a thread.
-  bool in_demand() const;
-  /// Returns once everything has been done and the threads have ended.
+  /// Allows one thread more, because one of them is occupied by a handler whose request has been answered without it.
+  void raise_limit();
+  /// Undoes `raise_limit`, once the handler has returned.
+  void lower_limit();
+  /// Whether a task waits for a thread.
+  bool has_waiting() const;
+  /// Returns once all tasks are done and the threads have ended.
   void finish();
 
  private:
+  /// The loop that each thread runs.
   void work();
-  /// Under the mutex: makes a thread if one is needed and allowed.
+  /// Starts a thread if one is needed and allowed. The caller holds the mutex.
   void grow();
 
-  std::size_t most_;
+  std::size_t max_threads_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> waiting_;

@@ -6,28 +6,28 @@
 
 namespace supple::http {
 
-/// Bytes that have arrived and are read from the front. Reading costs as much as there are bytes, however small the
-/// pieces are in which they come and go.
+/// A queue of bytes that have arrived and are read from the front. All calls together take time proportional to the
+/// number of bytes, however small the pieces are in which they are appended and dropped.
 class InputBuffer {
  public:
   bool empty() const { return begin_ == bytes_.size(); }
   std::size_t size() const { return bytes_.size() - begin_; }
   std::string_view view() const { return std::string_view(bytes_).substr(begin_); }
   void append(const char* data, std::size_t count) {
-    // Moving the rest to the front costs no more than what has been read since the last time.
+    // Fewer bytes are moved to the front than have been dropped since the last move, so that the cost stays linear.
     if (begin_ > size()) {
       bytes_.erase(0, begin_);
       begin_ = 0;
     }
     bytes_.append(data, count);
   }
-  /// Forgets so many bytes at the front.
+  /// Removes `count` bytes at the front.
   void drop(std::size_t count) { begin_ += count; }
-  /// Gives memory back where nothing is left and more than this was taken.
-  void give_back(std::size_t kept) {
+  /// Frees the memory of an empty buffer if it has more than `max_retained` bytes.
+  void release_memory(std::size_t max_retained) {
     if (!empty()) return;
     begin_ = 0;
-    if (bytes_.capacity() > kept) {
+    if (bytes_.capacity() > max_retained) {
       bytes_ = std::string();
     } else {
       bytes_.clear();

@@ -15,11 +15,11 @@
 
 namespace supple::http {
 
-/// Where connections wait: for their next request, and for all of its bytes. One thread watches all of them, so that a
-/// client which sends slowly, or nothing, keeps no thread from others.
+/// The connections that wait for a request, for the rest of one, or until the client takes the rest of an answer. One
+/// thread watches all of them, so that a client that sends slowly or nothing occupies no thread.
 class Lobby {
  public:
-  /// Gets connections with a request that has arrived or is refused. Called from the lobby's thread.
+  /// Called on the lobby's thread with each connection whose request has arrived or is refused.
   using Deliver = std::function<void(std::shared_ptr<Connection>, Connection::Arrival)>;
 
   Lobby(Connection::Admit admit, Deliver deliver);
@@ -27,40 +27,46 @@ class Lobby {
   Lobby(const Lobby&) = delete;
   Lobby& operator=(const Lobby&) = delete;
 
-  /// Takes a connection to wait, or to linger. Any thread may call. Closes it where the lobby has stopped.
+  /// Adds a connection that waits, lingers, or still sends an answer. Any thread may call. After `stop` the connection
+  /// is closed.
   void take(std::shared_ptr<Connection> connection);
-  /// Closes a connection of this client, of any where it is empty: one that has been answered, that has waited longest
-  /// without a byte of a request, or of the client with most connections here the one that has waited longest for the
-  /// rest. One that has just come is not the first to go. Returns whether there was one, once it has been closed. For
-  /// one thread, not the lobby's.
-  bool make_room(const std::string& client);
-  /// How long the thread has not looked at what waits: half a second at most, unless something holds it.
+  /// Closes one waiting connection of the client, or of any client if `client` is empty. The order of preference is:
+  /// 1. connections that linger or still send an answer;
+  /// 2. connections that have been idle for more than a second;
+  /// 3. all others, beginning with those of the client that has most connections here.
+  /// Within a group the connection that has waited longest goes first. Returns false if there was none. It waits for
+  /// the lobby's thread, and only one other thread may call it.
+  bool evict_one(const std::string& client);
+  /// Time since the thread last woke up: normally half a second at most.
   Connection::Clock::duration silence() const;
-  /// Closes every connection that waits and returns once the thread has ended.
+  /// Closes every waiting connection and returns once the thread has ended.
   void stop();
 
  private:
   void run();
   void add(std::shared_ptr<Connection> connection);
-  void look_at(Connection& connection);
-  /// Sends more of an answer. False where the connection has been closed or goes on waiting.
+  /// Reads from or writes to a connection whose socket is ready.
+  void handle_ready(Connection& connection);
+  /// Sends more of an answer. Returns true once all of it is sent, false if the connection still waits or was closed.
   bool send_more(Connection& connection);
+  /// Removes a connection, and delivers it unless it is closed.
   void hand_over(int socket, Connection::Arrival arrival);
   void close_expired();
+  /// Chooses and closes one connection for `evict_one`, on the lobby's thread.
   bool close_one(const std::string& client);
 
   const Connection::Admit admit_;
   const Deliver deliver_;
-  const int poll_;
-  const int wake_;
-  std::unordered_map<int, std::shared_ptr<Connection>> waiting_;  // the thread's alone
+  const int epoll_;
+  const int wake_event_;                                          // eventfd that wakes the thread
+  std::unordered_map<int, std::shared_ptr<Connection>> waiting_;  // by socket; used by the lobby's thread only
   std::mutex mutex_;
-  std::vector<std::shared_ptr<Connection>> taken_;
-  std::condition_variable room_made_;
-  std::optional<std::string> room_asked_for_;  // by which client's connections, until it has been looked for
-  bool closed_one_ = false;                    // whether it was found
+  std::vector<std::shared_ptr<Connection>> incoming_;
+  std::condition_variable eviction_done_;
+  std::optional<std::string> eviction_request_;  // argument of `evict_one`, until the thread has handled it
+  bool evicted_one_ = false;                     // result of `evict_one`
   bool stopping_ = false;
-  std::atomic<Connection::Clock::duration> looked_at_{Connection::Clock::now().time_since_epoch()};
+  std::atomic<Connection::Clock::duration> last_wake_{Connection::Clock::now().time_since_epoch()};
   std::thread thread_;
 };
 

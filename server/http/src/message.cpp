@@ -11,7 +11,7 @@
 namespace supple::http {
 namespace {
 
-/// Calls visit(piece) for the trimmed pieces between separators.
+/// Calls visit(piece) for the text between separators, without outer blanks; empty pieces are skipped.
 template <class Visit>
 void for_each_piece(std::string_view text, char separator, Visit visit) {
   while (true) {
@@ -22,15 +22,15 @@ void for_each_piece(std::string_view text, char separator, Visit visit) {
   }
 }
 
-std::optional<double> number(std::string_view text) {
+std::optional<double> parse_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
 }
 
-/// How specifically a media range names a type: 0 not at all, 1 "*/*", 2 "text/*", 3 "text/plain".
-int match(std::string_view range, std::string_view type) {
+/// Specificity with which a media range matches a type: 0 no match, 1 "*/*", 2 "text/*", 3 "text/plain".
+int specificity_of(std::string_view range, std::string_view type) {
   if (range == type) return 3;
   if (range == "*/*") return 1;
   if (range.ends_with("/*") && type.starts_with(range.substr(0, range.size() - 1))) return 2;
@@ -72,12 +72,12 @@ std::optional<std::string_view> negotiate(std::string_view accept, const std::ve
     int specificity = 0;
     double quality = 0;
     for_each_piece(accept, ',', [&](std::string_view entry) {
-      const int matched = match(media_type(entry), type);
+      const int matched = specificity_of(media_type(entry), type);
       if (matched <= specificity) return;
       specificity = matched;
       quality = 1;
       for_each_piece(entry, ';', [&](std::string_view parameter) {
-        if (parameter.starts_with("q=")) quality = number(parameter.substr(2)).value_or(1);
+        if (parameter.starts_with("q=")) quality = parse_number(parameter.substr(2)).value_or(1);
       });
     });
     if (quality > best_quality) {
@@ -94,7 +94,7 @@ Preference parse_preference(std::string_view header, double max_wait) {
     const auto text = lower_case(trimmed(entry.substr(0, entry.find(';'))));
     if (text == "respond-async") preference.respond_async = true;
     if (!text.starts_with("wait=") || preference.wait) return;
-    const auto seconds = number(std::string_view(text).substr(5));
+    const auto seconds = parse_number(std::string_view(text).substr(5));
     if (!seconds || !(*seconds >= 0 && *seconds <= max_wait)) {
       throw Error("request.invalid_parameter", "The header Prefer has '" + text + "'; wait takes seconds from 0 to " +
                                                    std::to_string(static_cast<int>(max_wait)) + ".");

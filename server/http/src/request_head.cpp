@@ -15,15 +15,15 @@ namespace {
 constexpr std::size_t max_path_bytes = 2048;
 constexpr std::size_t max_target_bytes = 8192;
 constexpr std::size_t max_headers = 100;
-constexpr std::size_t max_length_digits = 18;  // below 2^63
+constexpr std::size_t max_length_digits = 18;  // decimal digits, so that lengths are below 2^63
 
 [[noreturn]] void refuse(const std::string& what) { throw Error("http.bad_request", what); }
 
-bool is_same(std::string_view a, std::string_view b) {
+bool equals_ignoring_case(std::string_view a, std::string_view b) {
   return a.size() == b.size() && ::strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
-/// Takes the next line, without its end, from the text.
+/// Removes the next line from the text and returns it without its CR LF.
 std::string_view take_line(std::string_view& text) {
   const auto end = text.find("\r\n");
   if (end == std::string_view::npos) refuse("A line of the request's head does not end in CR LF.");
@@ -40,7 +40,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-/// Escapes that are none stay as they are, as browsers and the query's reader treat them.
+/// Decodes percent escapes. A "%" without two hexadecimal digits stays as it is, which is what browsers do too.
 std::string percent_decoded(std::string_view text, bool plus_is_space = false) {
   std::string result;
   result.reserve(text.size());
@@ -61,8 +61,8 @@ void read_target(std::string_view target, RequestHead& head) {
                                          " bytes, the limit is " + std::to_string(max_target_bytes) + ".");
   }
   constexpr std::string_view scheme = "http://";
-  if (target.size() > scheme.size() && is_same(target.substr(0, scheme.size()), scheme)) {
-    // The absolute form, which clients of proxies send; its authority counts instead of Host (RFC 9112, 3.2.2).
+  if (target.size() > scheme.size() && equals_ignoring_case(target.substr(0, scheme.size()), scheme)) {
+    // The absolute form, which clients of proxies send. Its authority replaces the header Host (RFC 9112, 3.2.2).
     target.remove_prefix(scheme.size());
     const auto slash = std::min(target.find('/'), target.size());
     head.host = target.substr(0, slash);
@@ -103,9 +103,9 @@ void read_request_line(std::string_view line, RequestHead& head) {
 }
 
 std::uint64_t read_length(std::string_view text) {
-  const bool digits =
+  const bool all_digits =
       !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
-  if (!digits || text.size() > max_length_digits) refuse("The header Content-Length is not a number of bytes.");
+  if (!all_digits || text.size() > max_length_digits) refuse("The header Content-Length is not a number of bytes.");
   std::uint64_t value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
@@ -116,18 +116,18 @@ void read_framing(RequestHead& head) {
   std::size_t lengths = 0;
   std::size_t codings = 0;
   for (const auto& [name, value] : head.headers) {
-    if (is_same(name, "Host")) {
+    if (equals_ignoring_case(name, "Host")) {
       ++hosts;
       if (head.host.empty()) head.host = value;
-    } else if (is_same(name, "Content-Length")) {
+    } else if (equals_ignoring_case(name, "Content-Length")) {
       ++lengths;
       head.content_length = read_length(value);
-    } else if (is_same(name, "Transfer-Encoding")) {
+    } else if (equals_ignoring_case(name, "Transfer-Encoding")) {
       ++codings;
-      head.chunked = is_same(value, "chunked");
+      head.chunked = equals_ignoring_case(value, "chunked");
       if (!head.chunked) refuse("The header Transfer-Encoding names another coding than chunked.");
-    } else if (is_same(name, "Expect")) {
-      head.expects_continue = is_same(value, "100-continue");
+    } else if (equals_ignoring_case(name, "Expect")) {
+      head.expects_continue = equals_ignoring_case(value, "100-continue");
     }
   }
   if (hosts > 1) refuse("The request has more than one header Host.");
@@ -142,7 +142,7 @@ void read_framing(RequestHead& head) {
 
 std::string_view RequestHead::header(std::string_view name) const {
   for (const auto& [key, value] : headers) {
-    if (is_same(key, name)) return value;
+    if (equals_ignoring_case(key, name)) return value;
   }
   return {};
 }
@@ -150,12 +150,12 @@ std::string_view RequestHead::header(std::string_view name) const {
 bool RequestHead::asks_to_close() const {
   bool closes = minor_version == 0;
   for (const auto& [key, value] : headers) {
-    if (!is_same(key, "Connection")) continue;
+    if (!equals_ignoring_case(key, "Connection")) continue;
     for (std::string_view left = value; !left.empty();) {
       const auto end = std::min(left.find(','), left.size());
       const auto option = trimmed(left.substr(0, end));
-      if (is_same(option, "close")) return true;
-      if (is_same(option, "keep-alive")) closes = false;
+      if (equals_ignoring_case(option, "close")) return true;
+      if (equals_ignoring_case(option, "keep-alive")) closes = false;
       left.remove_prefix(std::min(end + 1, left.size()));
     }
   }

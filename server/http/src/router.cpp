@@ -10,7 +10,7 @@ std::string_view take_segment(std::string_view& path) {
   return segment;
 }
 
-bool fits(std::string_view pattern, std::string_view path, std::map<std::string, std::string>* parameters) {
+bool matches(std::string_view pattern, std::string_view path, std::map<std::string, std::string>* parameters) {
   if (path.empty() || path.front() != '/') return false;
   while (!pattern.empty() && !path.empty()) {
     const auto expected = take_segment(pattern);
@@ -30,7 +30,7 @@ Router::Match Router::find(std::string_view method, std::string_view path) const
   const std::string_view wanted = method == "HEAD" ? "GET" : method;
   for (const auto& route : routes_) {
     Match match;
-    if (route.method == wanted && fits(route.pattern, path, &match.path_parameters)) {
+    if (route.method == wanted && matches(route.pattern, path, &match.path_parameters)) {
       match.route = &route;
       return match;
     }
@@ -45,7 +45,7 @@ Router::Match Router::find(std::string_view method, std::string_view path) const
 std::string Router::allowed(std::string_view path) const {
   std::string methods;
   for (const auto& route : routes_) {
-    if (!fits(route.pattern, path, nullptr)) continue;
+    if (!matches(route.pattern, path, nullptr)) continue;
     if (!methods.empty()) methods += ", ";
     methods += route.method;
   }

@@ -34,31 +34,31 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Arrival = Connection::Arrival;
 
-constexpr double share_of_arriving_bodies = 0.75;  // of the memory of requests
-constexpr std::size_t quick_threads = 4;           // answer probes and refusals
-constexpr int reserve_connections = 16;            // beyond the limit, for probes and refusals
+constexpr double arriving_bodies_fraction = 0.75;  // fraction of the memory of requests
+constexpr std::size_t quick_threads = 4;           // number of threads that answer probes and refusals
+constexpr int reserve_connections = 16;            // connections beyond the limit, for probes and refusals
 constexpr int listen_backlog = 512;
-constexpr std::chrono::milliseconds accept_period{500};  // in which the thread that accepts is seen at least once
-// How long a thread stays with a connection that it has answered on. A client that asks one thing after another is
-// spared the way through the lobby; 20 ms hold no thread from others, since it leaves when one is in demand.
-constexpr int looks_at_next = 10;
-constexpr int look_milliseconds = 2;
+constexpr std::chrono::milliseconds accept_period{500};  // the accepting thread wakes up at least this often
+// After an answer the thread polls the same connection for its next request, so that the requests of a client that
+// sends one after another skip the lobby. The thread stops polling as soon as another request needs a thread.
+constexpr int max_polls = 10;
+constexpr int poll_milliseconds = 2;
 
 Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
 }
 
-/// The request that this thread answers.
+/// The request that a thread answers, and what is known of its answer.
 struct Exchange {
   Connection* connection = nullptr;
   ConnectionStream* stream = nullptr;
-  std::atomic<bool> claimed{false};  ///< by who answers: its handler, or what stands in for that
+  std::atomic<bool> claimed{false};  ///< set by whichever answers first: the handler or its stand-in
   int status = 0;
   std::string location;
-  std::string key;  ///< that the handler names
+  std::string key;  ///< id of the key that the handler has found (Response::key)
   bool close_after_answer = false;
 };
-thread_local Exchange* current = nullptr;
+thread_local Exchange* current = nullptr;  // the request that this thread answers
 
 class ChunkWriter final : public StreamWriter {
  public:
@@ -74,10 +74,11 @@ class ChunkWriter final : public StreamWriter {
   bool gone_ = false;
 };
 
-/// The library runs what it accepts on the thread that listens, which hands it to the lobby.
-class RunAtOnce final : public httplib::TaskQueue {
+/// The library's queue of accepted connections. It runs each task at once, on the accepting thread, because the task
+/// only hands the connection to the lobby.
+class InlineTaskQueue final : public httplib::TaskQueue {
  public:
-  explicit RunAtOnce(std::function<void()> idle) : idle_(std::move(idle)) {}
+  explicit InlineTaskQueue(std::function<void()> idle) : idle_(std::move(idle)) {}
   void enqueue(std::function<void()> task) override { task(); }
   void on_idle() override { idle_(); }
   void shutdown() override {}
@@ -86,8 +87,8 @@ class RunAtOnce final : public httplib::TaskQueue {
   const std::function<void()> idle_;
 };
 
-/// 16 hexadecimal digits that no other request of this process has, and hardly one of another process: a number that
-/// counts on from a random one. It names a request in the log and is no secret.
+/// A new id of a request, 16 hexadecimal digits. Ids are consecutive numbers after a random first one, so that they are
+/// unique in this process and very probably among all processes. They are not secret.
 std::string next_request_id() {
   static std::atomic<std::uint64_t> next{std::uint64_t{std::random_device{}()} << 32U};
   constexpr std::size_t length = 16;
@@ -97,7 +98,8 @@ std::string next_request_id() {
   return text.insert(0, length - text.size(), '0');
 }
 
-/// The address of the other end. An IPv6 address is cut to its first 64 bits, which one customer has to himself.
+/// The address of the client. An IPv6 address is cut to its first 64 bits, because a provider gives each customer a
+/// whole /64 network.
 std::string peer_address(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -113,8 +115,8 @@ std::string peer_address(int socket) {
   return text.data();
 }
 
-/// The head as the library reads it: without what this server has dealt with already. Answers are neither compressed,
-/// which costs more than it saves near the server, nor partial.
+/// The head for the library, without the headers that this server handles itself. It contains neither Accept-Encoding
+/// nor Range, so that the library sends answers uncompressed, which is faster over short distances, and whole.
 std::string head_for_library(const RequestHead& head) {
   std::string text = head.method + " " + head.target + " HTTP/1." + std::to_string(head.minor_version) + "\r\n";
   text += head.asks_to_close() ? "Connection: close\r\n" : "Connection: Keep-Alive\r\n";
@@ -134,8 +136,9 @@ void check_body(const Request& request) {
   }
 }
 
-std::exception_ptr busy(const std::string& code, const std::string& detail, const problem::Limit& limit, int retry) {
-  return std::make_exception_ptr(problem::ProblemError({code, detail, {}, limit, retry}));
+std::exception_ptr limit_refusal(const std::string& code, const std::string& detail, const problem::Limit& limit,
+                                 int retry_seconds) {
+  return std::make_exception_ptr(problem::ProblemError({code, detail, {}, limit, retry_seconds}));
 }
 
 }  // namespace
@@ -150,24 +153,24 @@ class Server::Implementation final : public httplib::Server {
         observe_(std::move(observe)),
         report_(std::move(report)),
         guard_(std::move(guard)),
-        patience_{seconds(options.idle_seconds), seconds(std::min(options.head_seconds, options.request_seconds)),
+        timeouts_{seconds(options.idle_seconds), seconds(std::min(options.head_seconds, options.request_seconds)),
                   seconds(options.request_seconds)},
-        bodies_(memory_of_bodies(),
-                static_cast<std::int64_t>(options.client_share * static_cast<double>(memory_of_bodies()))),
+        bodies_(max_arriving_bytes(),
+                static_cast<std::int64_t>(options.client_share * static_cast<double>(max_arriving_bytes()))),
         threads_(static_cast<std::size_t>(options.max_requests)),
         quick_(quick_threads),
         lobby_([this](Connection& connection) { admit(connection); },
                [this](std::shared_ptr<Connection> connection, Arrival) { deliver(std::move(connection)); }) {
-    new_task_queue = [this] { return new RunAtOnce([this] { accepts_at_ = Clock::now().time_since_epoch(); }); };
+    new_task_queue = [this] { return new InlineTaskQueue([this] { last_accept_ = Clock::now().time_since_epoch(); }); };
     set_idle_interval(accept_period);
     set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // what the Keep-Alive header says
     set_keep_alive_max_count(static_cast<std::size_t>(options_.requests_per_connection));
-    // The library's default also sets SO_REUSEPORT, with which a second server would silently share the port.
+    // The library's default also sets SO_REUSEPORT, which would let a second server share the port unnoticed.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
-    // Before the library looks for a route of its own, of which there are none.
+    // This handler answers every request. The library has no routes of its own.
     set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
       return HandlerResponse::Handled;
@@ -185,21 +188,21 @@ class Server::Implementation final : public httplib::Server {
       throw std::runtime_error("cannot listen on " + options_.host + ":" + std::to_string(options_.port) +
                                ": the address is not of this machine, or the port is taken");
     }
-    // The library's own backlog of 5 would make a burst of clients wait for a second.
+    // With the library's backlog of 5 some clients of a burst would wait for a second.
     ::listen(svr_sock_, listen_backlog);
     return port;
   }
 
   void serve() {
     if (!stopping_) {
-      accepts_at_ = Clock::now().time_since_epoch();
+      last_accept_ = Clock::now().time_since_epoch();
       std::optional<ThreadWatch> watch;
-      if (options_.tell) {
+      if (options_.warn) {
         watch.emplace(
             std::vector<ThreadWatch::Watched>{
                 {"the thread that accepts connections", [this] { return accept_silence(); }},
                 {"the thread that reads what arrives on connections", [this] { return lobby_.silence(); }}},
-            seconds(options_.silent_seconds), options_.tell);
+            seconds(options_.max_silent_seconds), options_.warn);
       }
       listen_after_bind();
     }
@@ -221,12 +224,12 @@ class Server::Implementation final : public httplib::Server {
   }
 
  private:
-  /// Counts a connection for as long as it exists.
+  /// A connection that is counted for as long as it exists.
   class CountedConnection final : public Connection {
    public:
     CountedConnection(Implementation& server, int socket, const std::string& client)
-        : Connection(socket, client, server.options_.memory, server.bodies_, server.patience_), server_(server) {}
-    ~CountedConnection() { server_.leave(client()); }
+        : Connection(socket, client, server.options_.memory, server.bodies_, server.timeouts_), server_(server) {}
+    ~CountedConnection() { server_.uncount_connection(client()); }
     CountedConnection(const CountedConnection&) = delete;
     CountedConnection& operator=(const CountedConnection&) = delete;
 
@@ -234,11 +237,12 @@ class Server::Implementation final : public httplib::Server {
     Implementation& server_;
   };
 
-  /// Answers while the handler is held. The handler's thread keeps the connection, whose request it reads; the answer
-  /// leaves by an object and a descriptor of its own, so that neither is gone while one of both uses it.
-  class Deputy final : public StandIn {
+  /// Answers in place of a handler that has not returned in time. The handler's thread still uses the connection and
+  /// its request. Therefore the answer is sent by a second connection object with a duplicate descriptor, and neither
+  /// object is destroyed while the other is in use.
+  class HandlerStandIn final : public StandIn {
    public:
-    Deputy(Implementation& server, Connection& connection, Exchange& exchange, Clock::time_point begin)
+    HandlerStandIn(Implementation& server, Connection& connection, Exchange& exchange, Clock::time_point begin)
         : server_(server), connection_(connection), exchange_(exchange), begin_(begin) {}
 
     void answer(const problem::Problem& problem, bool is_replaced) override {
@@ -249,13 +253,13 @@ class Server::Implementation final : public httplib::Server {
       server_.add_headers(response, request.id);
       const std::chrono::duration<double> taken = Clock::now() - begin_;
       if (is_replaced) {
-        server_.leave_place(request.client, taken.count());
-        server_.threads_.lend();
+        server_.release_slot(request.client, taken.count());
+        server_.threads_.raise_limit();
         replaced_ = true;
       }
       const auto status = response.status;
       if (request.method == "HEAD") response.body.clear();
-      server_.send_last(connection_, text_of_last(response, "Late"));
+      server_.send_last(connection_, closing_answer(response, "Late"));
       server_.observe(connection_, exchange_, status, taken.count());
     }
     bool has_answered() const { return answered_; }
@@ -270,11 +274,11 @@ class Server::Implementation final : public httplib::Server {
     bool replaced_ = false;
   };
 
-  /// Sends an answer that is the connection's last, while another thread holds the connection.
+  /// Sends the last answer on a connection that another thread still uses.
   void send_last(Connection& connection, std::string_view text) {
     const int socket = ::fcntl(connection.socket(), F_DUPFD_CLOEXEC, 0);
     if (socket < 0) {
-      // There are too many open files: what the client does not take at once is lost.
+      // Too many files are open. The part of the answer that the client does not take at once is lost.
       send_now(connection.socket(), text);
       ::shutdown(connection.socket(), SHUT_WR);
       return;
@@ -284,7 +288,7 @@ class Server::Implementation final : public httplib::Server {
       ++connections_;
       ++connections_of_[connection.client()];
     }
-    connection.leave_to_another();
+    connection.skip_shutdown();
     auto last = std::make_shared<CountedConnection>(*this, socket, connection.client());
     if (!send_now(socket, text)) return;
     if (text.empty()) {
@@ -295,32 +299,32 @@ class Server::Implementation final : public httplib::Server {
     lobby_.take(std::move(last));
   }
 
-  std::int64_t memory_of_bodies() const {
+  std::int64_t max_arriving_bytes() const {
     return options_.memory
-               ? static_cast<std::int64_t>(share_of_arriving_bodies * static_cast<double>(options_.memory->total()))
+               ? static_cast<std::int64_t>(arriving_bodies_fraction * static_cast<double>(options_.memory->total()))
                : 0;
   }
-  Clock::duration accept_silence() const { return Clock::now().time_since_epoch() - accepts_at_.load(); }
-  int share_of(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
+  Clock::duration accept_silence() const { return Clock::now().time_since_epoch() - last_accept_.load(); }
+  int max_per_client(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
 
   bool process_and_close_socket(socket_t socket) override {
-    accepts_at_ = Clock::now().time_since_epoch();
+    last_accept_ = Clock::now().time_since_epoch();
     const int yes = 1;
     ::setsockopt(socket, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
     const auto client = peer_address(socket);
     bool all_full = false;
-    bool share_full = false;
+    bool client_full = false;
     {
       const std::lock_guard lock(mutex_);
       ++connections_;
       all_full = connections_ > options_.max_connections;
-      share_full = ++connections_of_[client] > share_of(options_.max_connections);
+      client_full = ++connections_of_[client] > max_per_client(options_.max_connections);
     }
     auto connection = std::make_shared<CountedConnection>(*this, socket, client);
-    // Who has more than a share makes room himself.
-    bool closed_one = share_full && lobby_.make_room(client);
-    if (!closed_one && all_full) closed_one = lobby_.make_room({});
-    const int surplus = count_closed(closed_one) - options_.max_connections;
+    // A client that exceeds its own limit loses one of its own connections.
+    bool closed_one = client_full && lobby_.evict_one(client);
+    if (!closed_one && all_full) closed_one = lobby_.evict_one({});
+    const int surplus = count_eviction(closed_one) - options_.max_connections;
     connection->surplus = surplus > 0;
     if (surplus > reserve_connections) {
       connection->refuse(too_many_connections());
@@ -331,20 +335,21 @@ class Server::Implementation final : public httplib::Server {
     return true;
   }
 
-  /// Returns the number of connections that there are then.
-  int count_closed(bool closed_one) {
+  /// Counts an eviction if there was one. Returns the number of connections.
+  int count_eviction(bool closed_one) {
     const std::lock_guard lock(mutex_);
     if (closed_one) ++evicted_;
     return connections_;
   }
 
-  void leave(const std::string& client) {
+  void uncount_connection(const std::string& client) {
     const std::lock_guard lock(mutex_);
     --connections_;
     if (const auto found = connections_of_.find(client); --found->second == 0) connections_of_.erase(found);
   }
 
-  /// On the lobby's thread, or on one that has stayed with its connection: the head has arrived.
+  /// Called when the head of a request has arrived: on the lobby's thread, or on a thread that has waited for the next
+  /// request of its connection.
   void admit(Connection& connection) {
     const auto& head = *connection.head();
     auto& request = connection.request;
@@ -369,9 +374,9 @@ class Server::Implementation final : public httplib::Server {
     if (head.has_body()) check_body(request);
   }
 
-  /// Takes a place among the requests that are answered; refuses the request where there is none. False for one that
-  /// needs no place: a probe, or a refusal.
-  bool enter(Connection& connection) {
+  /// Takes a slot, that is, counts the request among those that are being answered. Returns false if the request takes
+  /// none: it is a probe, has been refused, or is refused here because no slot is free.
+  bool acquire_slot(Connection& connection) {
     if (connection.refusal() || (connection.route && connection.route->probe)) return false;
     const std::lock_guard lock(mutex_);
     const auto& client = connection.request.client;
@@ -379,23 +384,24 @@ class Server::Implementation final : public httplib::Server {
       connection.refuse(too_many_connections());
       return false;
     }
-    const int share = share_of(options_.max_requests);
+    const int client_limit = max_per_client(options_.max_requests);
     const auto of_client = answering_for_.find(client);
     if (answering_ >= options_.max_requests) {
-      connection.refuse(busy("server.busy",
-                             "The server answers " + std::to_string(options_.max_requests) +
-                                 " requests, its limit (setting --max-requests).",
-                             {static_cast<double>(options_.max_requests),
-                              static_cast<double>(options_.max_requests) + 1, "--max-requests"},
-                             wait_for_place()));
+      connection.refuse(limit_refusal("server.busy",
+                                      "The server answers " + std::to_string(options_.max_requests) +
+                                          " requests, its limit (setting --max-requests).",
+                                      {static_cast<double>(options_.max_requests),
+                                       static_cast<double>(options_.max_requests) + 1, "--max-requests"},
+                                      seconds_until_slot()));
       return false;
     }
-    if (of_client != answering_for_.end() && of_client->second >= share) {
-      connection.refuse(busy("server.client_share",
-                             "The server answers " + std::to_string(share) +
-                                 " requests of this client, a client's share (setting --client-share).",
-                             {static_cast<double>(share), static_cast<double>(share) + 1, "--client-share"},
-                             wait_for_place()));
+    if (of_client != answering_for_.end() && of_client->second >= client_limit) {
+      connection.refuse(
+          limit_refusal("server.client_share",
+                        "The server answers " + std::to_string(client_limit) +
+                            " requests of this client, a client's share (setting --client-share).",
+                        {static_cast<double>(client_limit), static_cast<double>(client_limit) + 1, "--client-share"},
+                        seconds_until_slot()));
       return false;
     }
     ++answering_;
@@ -403,52 +409,52 @@ class Server::Implementation final : public httplib::Server {
     return true;
   }
 
-  void leave_place(const std::string& client, double taken) {
-    constexpr double weight = 0.05;  // of the latest request in the moving average
+  void release_slot(const std::string& client, double taken) {
+    constexpr double weight = 0.05;  // weight of the latest request in the moving average
     const std::lock_guard lock(mutex_);
     --answering_;
     if (const auto found = answering_for_.find(client); --found->second == 0) answering_for_.erase(found);
     mean_seconds_ += weight * (taken - mean_seconds_);
   }
 
-  /// Whole seconds until one of the requests that are answered now will probably be done. Under the mutex.
-  int wait_for_place() const {
-    constexpr double longest = 60;
-    return static_cast<int>(std::ceil(std::clamp(mean_seconds_ / options_.max_requests, 1.0, longest)));
+  /// Estimated time until a slot is free, in whole seconds. The caller holds the mutex.
+  int seconds_until_slot() const {
+    constexpr double max_seconds = 60;
+    return static_cast<int>(std::ceil(std::clamp(mean_seconds_ / options_.max_requests, 1.0, max_seconds)));
   }
 
-  /// On the lobby's thread: something is to be answered.
+  /// Called when a request has arrived or is refused, mostly on the lobby's thread: lets another thread answer it.
   void deliver(std::shared_ptr<Connection> connection) {
-    const bool placed = enter(*connection);
-    auto& threads = placed ? threads_ : quick_;
-    threads.enqueue([this, connection = std::move(connection), placed]() mutable {
-      serve_connection(std::move(connection), placed);
+    const bool has_slot = acquire_slot(*connection);
+    auto& threads = has_slot ? threads_ : quick_;
+    threads.enqueue([this, connection = std::move(connection), has_slot]() mutable {
+      serve_connection(std::move(connection), has_slot);
     });
   }
 
-  /// Answers on the connection until no further request is there, which is left to the lobby to wait for.
-  void serve_connection(std::shared_ptr<Connection> connection, bool placed) {
+  /// Answers requests on the connection as long as the next one follows soon. Then the lobby waits for further ones.
+  void serve_connection(std::shared_ptr<Connection> connection, bool has_slot) {
     while (true) {
-      const auto after = answer_on(*connection, placed);
-      if (after == After::close || after == After::others) return;
+      const auto after = answer_on(*connection, has_slot);
+      if (after == After::close || after == After::answered_by_stand_in) return;
       if (after == After::send) return lobby_.take(std::move(connection));
       if (after == After::linger) {
         connection->linger();
         return lobby_.take(std::move(connection));
       }
       connection->begin_next();
-      if (!placed || !next_has_arrived(*connection)) return lobby_.take(std::move(connection));
-      placed = enter(*connection);
+      if (!has_slot || !next_has_arrived(*connection)) return lobby_.take(std::move(connection));
+      has_slot = acquire_slot(*connection);
     }
   }
 
-  /// Stays with a connection for a moment. True once its next request has arrived or is refused.
+  /// Waits briefly for the next request of a connection. Returns true once it has arrived or is refused.
   bool next_has_arrived(Connection& connection) {
     const auto admission = [this](Connection& c) { admit(c); };
-    for (int look = 0; look < looks_at_next && !stopping_ && !threads_.in_demand(); ++look) {
+    for (int attempt = 0; attempt < max_polls && !stopping_ && !threads_.has_waiting(); ++attempt) {
       if (!connection.has_input()) {
         pollfd entry{connection.socket(), POLLIN, 0};
-        if (::poll(&entry, 1, look_milliseconds) <= 0) continue;
+        if (::poll(&entry, 1, poll_milliseconds) <= 0) continue;
       }
       const auto arrival = connection.advance(admission);
       if (arrival == Arrival::complete || arrival == Arrival::refused) return true;
@@ -457,11 +463,18 @@ class Server::Implementation final : public httplib::Server {
     return false;
   }
 
-  enum class After { next, send, linger, close, others };
+  /// What happens to the connection after an answer.
+  enum class After {
+    next,                 ///< its next request is read
+    send,                 ///< the lobby sends the rest of the answer
+    linger,               ///< it closes after its input has been discarded
+    close,                ///< it closes at once
+    answered_by_stand_in  ///< the stand-in has answered and closes it
+  };
 
-  /// Leaves the request's place before the last bytes of a small answer are sent: a client that has them may count on
-  /// it.
-  After answer_on(Connection& connection, bool placed) {
+  /// Answers one request. The slot is released before the last bytes of a small answer are sent, so that a client that
+  /// has received the answer finds the slot free.
+  After answer_on(Connection& connection, bool has_slot) {
     Exchange exchange;
     exchange.connection = &connection;
     exchange.close_after_answer = connection.unread() || !connection.head() || connection.surplus;
@@ -471,30 +484,30 @@ class Server::Implementation final : public httplib::Server {
     bool closed_by_client = false;
     bool sent = false;
     std::string unsent;
-    const auto leave = [&] {
-      if (!placed) return;
-      leave_place(connection.request.client, std::chrono::duration<double>(Clock::now() - begin).count());
+    const auto release = [&] {
+      if (!has_slot) return;
+      release_slot(connection.request.client, std::chrono::duration<double>(Clock::now() - begin).count());
     };
     if (connection.head()) {
       const auto head = head_for_library(*connection.head());
       ConnectionStream stream(connection.socket(), options_.write_seconds, head);
       exchange.stream = &stream;
-      if (!placed) stream.never_wait();
-      Deputy deputy(*this, connection, exchange, begin);
-      if (placed) connection.request.stand_in = &deputy;
+      if (!has_slot) stream.never_wait();
+      HandlerStandIn handler_stand_in(*this, connection, exchange, begin);
+      if (has_slot) connection.request.stand_in = &handler_stand_in;
       const bool answered = process_request(stream, last, closed_by_client, [](httplib::Request&) {});
       connection.request.stand_in = nullptr;
-      if (deputy.has_answered()) {
+      if (handler_stand_in.has_answered()) {
         current = nullptr;
-        deputy.is_replaced() ? threads_.take_back() : leave();
-        return After::others;
+        handler_stand_in.is_replaced() ? threads_.lower_limit() : release();
+        return After::answered_by_stand_in;
       }
-      leave();
+      release();
       sent = stream.flush();
       unsent = stream.take_unsent();
       if (!answered) exchange.close_after_answer = true;
     } else {
-      leave();
+      release();
       sent = send_refusal(connection, unsent);
     }
     current = nullptr;
@@ -519,27 +532,27 @@ class Server::Implementation final : public httplib::Server {
 
   std::exception_ptr too_many_connections() const {
     const double limit = options_.max_connections;
-    return busy("server.too_many_connections",
-                "The server has " + std::to_string(options_.max_connections) +
-                    " connections, its limit (setting --max-connections).",
-                {limit, limit + 1, "--max-connections"}, 1);
+    return limit_refusal("server.too_many_connections",
+                         "The server has " + std::to_string(options_.max_connections) +
+                             " connections, its limit (setting --max-connections).",
+                         {limit, limit + 1, "--max-connections"}, 1);
   }
 
-  /// An answer after which the connection closes.
-  static std::string text_of_last(const Response& response, std::string_view reason) {
+  /// The text of an answer after which the connection closes.
+  static std::string closing_answer(const Response& response, std::string_view reason) {
     std::string text = "HTTP/1.1 " + std::to_string(response.status) + " ";
     text.append(reason).append("\r\nConnection: close\r\nContent-Type: ").append(response.content_type).append("\r\n");
     for (const auto& [name, value] : response.headers) text.append(name).append(": ").append(value).append("\r\n");
     return text + "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
   }
 
-  /// Answers what is not even a request's head, without the library. Leaves in `unsent` what the client does not take
-  /// at once.
+  /// Refuses a request whose head could not be read; the library is not involved. Stores in `unsent` what the client
+  /// does not take at once. Returns false if the client has gone.
   bool send_refusal(const Connection& connection, std::string& unsent) {
     auto response = problem_response(connection.refusal());
     add_headers(response, {});
     current->status = response.status;
-    const auto text = text_of_last(response, "Refused");
+    const auto text = closing_answer(response, "Refused");
     std::string_view left = text;
     const bool sent = send_now(connection.socket(), left);
     unsent = left;
@@ -556,7 +569,7 @@ class Server::Implementation final : public httplib::Server {
     return response;
   }
 
-  /// Called by the library once it has read the head: calls the handler and fills the library's response.
+  /// Called by the library once it has parsed the head: runs the handler and fills the library's response.
   void answer(const httplib::Request&, httplib::Response& target) {
     auto& connection = *current->connection;
     const log::Context context("request", connection.request.id.empty() ? "-" : connection.request.id);
@@ -617,17 +630,17 @@ class Server::Implementation final : public httplib::Server {
     }
   }
 
-  /// All of them in one call: between two of them the library looks whether the server ends, and would cut the answer
-  /// off. False where the answer cannot go on.
+  /// Sends all pieces in one call of the library, because the library checks between two calls whether the server
+  /// stops, and would cut the answer off. Returns false if a piece cannot be read or sent.
   static bool send_pieces(const Pieces& pieces, std::size_t offset, std::size_t count, httplib::DataSink& sink) {
     constexpr std::size_t piece = 256 * 1024;
     std::string buffer(std::min(piece, count), '\0');
     try {
       for (const auto end = offset + count; offset < end;) {
-        const auto now = std::min(piece, end - offset);
-        pieces.read(offset, buffer.data(), now);
-        if (!sink.write(buffer.data(), now)) return false;
-        offset += now;
+        const auto bytes = std::min(piece, end - offset);
+        pieces.read(offset, buffer.data(), bytes);
+        if (!sink.write(buffer.data(), bytes)) return false;
+        offset += bytes;
       }
       return true;
     } catch (...) {
@@ -652,20 +665,20 @@ class Server::Implementation final : public httplib::Server {
   const Observe observe_;
   const Report report_;
   const Guard guard_;
-  const Connection::Patience patience_;
+  const Connection::Timeouts timeouts_;
   ArrivingBodies bodies_;
-  std::atomic<Clock::duration> accepts_at_{Clock::now().time_since_epoch()};
+  std::atomic<Clock::duration> last_accept_{Clock::now().time_since_epoch()};
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> stopped_{false};  ///< the library's stop may be called only once
+  std::atomic<bool> stopped_{false};  ///< whether the library's stop, which may be called only once, has been called
   mutable std::mutex mutex_;
-  // Guarded by the mutex.
+  // The following members are guarded by the mutex.
   int connections_ = 0;
   std::uint64_t evicted_ = 0;
   std::map<std::string, int> connections_of_;  ///< by client
-  int answering_ = 0;
-  std::map<std::string, int> answering_for_;  ///< by client
-  double mean_seconds_ = 0;                   ///< that an answer takes
-  // Last: what they run uses all of the others.
+  int answering_ = 0;                          ///< slots that are taken
+  std::map<std::string, int> answering_for_;   ///< the same by client
+  double mean_seconds_ = 0;                    ///< moving average of the time that an answer takes
+  // The following members come last, because their threads use all of the others.
   ConnectionThreads threads_;
   ConnectionThreads quick_;
   Lobby lobby_;

@@ -15,9 +15,9 @@ std::string seconds_text(ThreadWatch::Clock::duration duration) {
 
 }  // namespace
 
-ThreadWatch::ThreadWatch(std::vector<Watched> threads, Clock::duration most,
-                         std::function<void(const std::string&)> tell)
-    : most_(most), tell_(std::move(tell)) {
+ThreadWatch::ThreadWatch(std::vector<Watched> threads, Clock::duration max_silence,
+                         std::function<void(const std::string&)> warn)
+    : max_silence_(max_silence), warn_(std::move(warn)) {
   for (auto& watched : threads) threads_.push_back({std::move(watched)});
   thread_ = std::thread([this] { run(); });
 }
@@ -32,21 +32,21 @@ ThreadWatch::~ThreadWatch() {
 }
 
 void ThreadWatch::run() {
-  constexpr int looks = 10;
+  constexpr int checks_per_max_silence = 10;
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, most_ / looks, [this] { return ending_; })) {
-    for (auto& state : threads_) look_at(state);
+  while (!wake_.wait_for(lock, max_silence_ / checks_per_max_silence, [this] { return ending_; })) {
+    for (auto& state : threads_) check(state);
   }
 }
 
-void ThreadWatch::look_at(State& state) const {
+void ThreadWatch::check(State& state) const {
   const auto silence = state.watched.silence();
-  if (silence >= most_) {
+  if (silence >= max_silence_) {
     state.longest = std::max(state.longest, silence);
     if (!std::exchange(state.is_silent, true))
-      tell_(state.watched.name + " has been silent for " + seconds_text(silence));
+      warn_(state.watched.name + " has been silent for " + seconds_text(silence));
   } else if (std::exchange(state.is_silent, false)) {
-    tell_(state.watched.name + " was silent for " + seconds_text(std::exchange(state.longest, {})));
+    warn_(state.watched.name + " was silent for " + seconds_text(std::exchange(state.longest, {})));
   }
 }
 

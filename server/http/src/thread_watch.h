@@ -10,19 +10,21 @@
 
 namespace supple::http {
 
-/// A thread of its own that says when one of the threads on which all requests depend is held: once when its silence
-/// begins, and once, with its length, when it has ended.
+/// Watches threads on which all requests depend, and warns when one of them does not run. There is one warning when the
+/// silence of a thread exceeds a limit, and another one, with the length of the silence, once it has ended. The watch
+/// uses a thread of its own.
 class ThreadWatch {
  public:
   using Clock = std::chrono::steady_clock;
 
   struct Watched {
     std::string name;                          ///< "the thread that accepts connections"
-    std::function<Clock::duration()> silence;  ///< how long nothing has been seen of it; any thread may call
+    std::function<Clock::duration()> silence;  ///< time since the thread last ran; any thread may call it
   };
 
-  /// Silences of less than `most` are normal; it looks ten times in that time. `tell` gets the lines.
-  ThreadWatch(std::vector<Watched> threads, Clock::duration most, std::function<void(const std::string&)> tell);
+  /// Silences below `max_silence` are normal; each thread is checked ten times in that time. `warn` gets the warnings,
+  /// one line each.
+  ThreadWatch(std::vector<Watched> threads, Clock::duration max_silence, std::function<void(const std::string&)> warn);
   ~ThreadWatch();
   ThreadWatch(const ThreadWatch&) = delete;
   ThreadWatch& operator=(const ThreadWatch&) = delete;
@@ -31,14 +33,14 @@ class ThreadWatch {
   struct State {
     Watched watched;
     bool is_silent = false;
-    Clock::duration longest{};  ///< of the silence that is going on
+    Clock::duration longest{};  ///< length of the current silence so far
   };
   void run();
-  void look_at(State& state) const;
+  void check(State& state) const;
 
   std::vector<State> threads_;
-  const Clock::duration most_;
-  const std::function<void(const std::string&)> tell_;
+  const Clock::duration max_silence_;
+  const std::function<void(const std::string&)> warn_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool ending_ = false;

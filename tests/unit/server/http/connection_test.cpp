@@ -10,12 +10,12 @@
 namespace supple::http {
 namespace {
 
-/// A connection whose other end is in the test.
+/// A connection whose client is the test.
 class ConnectionTest : public testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, sockets_.data()), 0);
-    connection_.emplace(sockets_[0], "client", nullptr, bodies_, Connection::Patience{});
+    connection_.emplace(sockets_[0], "client", nullptr, bodies_, Connection::Timeouts{});
     route_.body = {1'000'000, "--max-json"};
   }
   void TearDown() override { ::close(sockets_[1]); }
@@ -26,7 +26,7 @@ class ConnectionTest : public testing::Test {
   Connection::Arrival advance(std::size_t max_bytes) {
     return connection_->advance([this](Connection& connection) { connection.route = &route_; }, max_bytes);
   }
-  /// How many turns it takes until the request is there, or refused.
+  /// Number of calls of `advance` until the request is complete or refused.
   int turns(std::size_t max_bytes) {
     int count = 1;
     while (advance(max_bytes) == Connection::Arrival::waiting && count < 1000) ++count;
@@ -39,7 +39,7 @@ class ConnectionTest : public testing::Test {
   std::optional<Connection> connection_;
 };
 
-// The thread that reads has all other connections too: none may keep it by sending as fast as it reads.
+// The reading thread serves all connections. A client that sends as fast as the thread reads must not occupy it.
 TEST_F(ConnectionTest, ReadsABodyInTurns) {
   const std::string head = "POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 100000\r\n\r\n";
   send(head + std::string(100'000, 'x'));
@@ -63,7 +63,7 @@ TEST_F(ConnectionTest, ReadsAHeadInTurns) {
 
 TEST_F(ConnectionTest, ReadsAllOfASmallRequestInOneTurn) {
   send("GET / HTTP/1.1\r\nHost: x\r\n\r\n");
-  EXPECT_EQ(turns(Connection::turn), 1);
+  EXPECT_EQ(turns(Connection::max_turn_bytes), 1);
 }
 
 TEST_F(ConnectionTest, DiscardsInTurns) {

@@ -119,7 +119,7 @@ TEST(ChunkedBody, IsReadInPiecesOfAnySize) {
   }
 }
 
-/// Whether a body in chunks is read without complaint.
+/// Whether a body in chunks is accepted.
 bool is_taken(const std::string& sent) {
   InputBuffer input;
   input.append(sent.data(), sent.size());

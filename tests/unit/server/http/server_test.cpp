@@ -18,11 +18,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A client's end of a connection, in bytes.
+/// A client that sends and receives raw bytes over one connection.
 class Client {
  public:
-  /// `from` is the last byte of its own address, of those of loopback. With `little` the system keeps little of what is
-  /// on its way, here and at the server.
+  /// The client's own address is 127.0.0.`from`. With `little` the socket buffers are small, here and at the server, so
+  /// that few bytes are in transit.
   explicit Client(int port, std::uint32_t from = 1, bool little = false) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     const int buffer_bytes = 1024;
     if (little) {
@@ -48,8 +48,8 @@ class Client {
   void send(const std::string& text) {
     EXPECT_EQ(::send(socket_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
   }
-  /// Sends the text again and again, until the server has taken nothing for a while or it has been sent so often.
-  /// Returns how often it was.
+  /// Sends the text again and again, until the server has taken nothing for 0.2 s, but at most `most` times. Returns
+  /// the number of times.
   int send_until_nothing_is_taken(const std::string& text, int most) {
     const timeval patience{0, 200'000};
     ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
@@ -62,12 +62,13 @@ class Client {
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;
   }
-  /// Whether something has come that has not been read.
+  /// Whether bytes have arrived that have not been read.
   bool has_answer() const {
     char byte = 0;
     return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
   }
-  /// Reads until `text` has come so often. Returns how often it was then, or before the server closed or nothing came.
+  /// Reads until `text` has arrived `times` times, the server closes, or nothing arrives for 10 s. Returns the number
+  /// of times.
   int read_times(const std::string& text, int times) {
     std::string unread;
     std::vector<char> bytes(1 << 16);
@@ -114,7 +115,7 @@ class HttpServerTest : public testing::Test {
   ~HttpServerTest() override { end(); }
 
   static constexpr std::size_t length_of_pieces = 1'500'001;
-  static constexpr std::size_t large_problem = 32 << 20;  // bytes: more than what is on its way can be
+  static constexpr std::size_t large_problem = 32 << 20;  // bytes; more than the socket buffers hold
   static char letter(std::size_t place) { return static_cast<char>('a' + place % 23); }
 
   void start() {
@@ -140,7 +141,7 @@ class HttpServerTest : public testing::Test {
       router.add({method,
                   "/late/{how}",
                   [this](const Request& r) {
-                    // Called from a thread of its own, as by a watchdog.
+                    // The stand-in is called on another thread, as a watchdog would do.
                     std::thread([&] {
                       const auto& how = r.path_parameters.at("how");
                       const std::string detail(how == "large" ? large_problem : 5, 'x');
@@ -261,7 +262,7 @@ class HttpServerTest : public testing::Test {
   int port_ = 0;
   std::thread thread_;
   std::atomic<int> pieces_ = 0;
-  std::atomic<std::size_t> largest_piece_ = 0;  // of one answer at a time
+  std::atomic<std::size_t> largest_piece_ = 0;  // bytes of the largest piece that was read at once
   std::atomic<int> slow_{0};
   std::atomic<int> hung_up_{0};
   std::atomic<int> observed_{0};
@@ -270,9 +271,9 @@ class HttpServerTest : public testing::Test {
   std::atomic<int> returned_{0};
   std::atomic<int> streamed_{0};
   std::atomic<bool> release_{false};
-  std::mutex report_mutex_;  ///< the server reports from a thread of its own
+  std::mutex report_mutex_;  ///< needed because the server reports on threads of its own
   std::string reported_;
-  Answered last_;  ///< of the key "mine"
+  Answered last_;  ///< last answer to a request with the key "mine"
 };
 
 TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
@@ -415,7 +416,7 @@ TEST_F(HttpServerTest, ClosesTheConnectionThatHasWaitedLongestWhereRoomIsNeeded)
   for (Client* client : {&first, &second}) {
     client->send(get("/hello/a"));
     client->read_until("!");
-    std::this_thread::sleep_for(250ms);  // until its thread has left it to the lobby
+    std::this_thread::sleep_for(250ms);  // until the thread has handed the connection back to the lobby
   }
   EXPECT_TRUE(answer(get("/hello/b")).ends_with("hello b!"));
   EXPECT_EQ(first.read_all(), "");
@@ -430,9 +431,9 @@ TEST_F(HttpServerTest, LetsAClientWithMoreThanItsShareMakeRoomItself) {
   start();
   Client other(port_, 2);
   for (int i = 0; i < 5000 && server_->connections() < 1; ++i) std::this_thread::sleep_for(1ms);
-  std::this_thread::sleep_for(1100ms);  // it has waited longest, and long enough to be closed where room is needed
+  std::this_thread::sleep_for(1100ms);  // it has waited longest, and is idle for long enough to be evicted
   std::vector<std::unique_ptr<Client>> clients;
-  for (int i = 0; i < 3; ++i) clients.push_back(std::make_unique<Client>(port_));  // two are its share
+  for (int i = 0; i < 3; ++i) clients.push_back(std::make_unique<Client>(port_));  // the limit of one client is two
   EXPECT_EQ(clients[0]->read_all(), "");
   for (Client* client : {&other, clients[2].get()}) {
     client->send(get("/hello/a"));
@@ -523,7 +524,7 @@ TEST_F(HttpServerTest, TellsItsGuardOfTheRouteAndItsObserverOfTheKey) {
   EXPECT_EQ(last_.status, 201);
 }
 
-/// The head of a request with a body of so many bytes, and as many of them as are sent at first.
+/// The head of a request with a body of `length` bytes, and the first `sent` bytes of the body.
 std::string part_of_post(const std::string& path, std::size_t length, std::size_t sent) {
   return "POST " + path + " HTTP/1.1\r\nHost: x\r\nContent-Length: " + std::to_string(length) + "\r\n\r\n" +
          std::string(sent, 'x');
@@ -551,11 +552,11 @@ TEST_F(HttpServerTest, ReservesOfABodyWhatHasArrived) {
   EXPECT_LE(memory.used(), 600'000);
   announced.front()->hang_up();
   EXPECT_TRUE(comes_back()) << memory.used();
-  end();  // before the budget ends
+  end();  // before the budget is destroyed
 }
 
-// Bodies that have not arrived may have 750,000 bytes here, those of one client half of that. The buffer of 100,000
-// bytes of one of 200,000 is 200,000 long, of which all but 65,536 count.
+// Here the limit for bodies that have not arrived completely is 750,000 bytes, and half of that for each client. Once a
+// body of 200,000 bytes has more than 100,000, its buffer has 200,000 bytes, of which all but 65,536 are counted.
 TEST_F(HttpServerTest, BoundsBodiesThatDoNotArriveForEachClientAndForAll) {
   budget::MemoryBudget memory(1'000'000, 600'000);
   options_.memory = &memory;
@@ -604,7 +605,7 @@ TEST_F(HttpServerTest, AnswersOthersWhileSomeReadNoAnswer) {
   }
   EXPECT_TRUE(answer(get("/probe")).ends_with("alive!"));
   EXPECT_TRUE(answer(get("/nothing")).ends_with("problem http.not_found!"));
-  // What was left unsent comes once it is read, and then the next answers.
+  // The rest of the answer arrives once the client reads, and then the next answers.
   const int some = std::min({sent[0], sent[1], 1500});
   EXPECT_GT(some, 500);
   EXPECT_GE(deaf[0]->read_times("alive!", some), some);
@@ -681,9 +682,9 @@ TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongI
   const std::string reads = "the thread that reads what arrives on connections ";
   std::mutex mutex;
   std::string told;
-  options_.silent_seconds = 1;
+  options_.max_silent_seconds = 1;
   options_.max_connections = 1;
-  options_.tell = [&](const std::string& line) {
+  options_.warn = [&](const std::string& line) {
     const std::lock_guard lock(mutex);
     told += line + "\n";
   };
@@ -701,10 +702,11 @@ TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongI
   for (int i = 0; i < 200 && (i < 15 || server_->load().accept_silence > 0.9); ++i) std::this_thread::sleep_for(100ms);
   EXPECT_LE(server_->load().accept_silence, 1) << "also where nobody comes";
   Client held(port_);
-  held.send("GET /hello/a HTTP/1.1\r\nHost: held\r\n\r\n");  // its head holds the thread that reads
+  held.send(
+      "GET /hello/a HTTP/1.1\r\nHost: held\r\n\r\n");  // the guard blocks the reading thread when this head arrives
   while (in_guard_ == 0) std::this_thread::sleep_for(1ms);
   wait_until_told(reads + "has been silent for ");
-  Client other(port_);  // for which the thread that accepts waits until there is room
+  Client other(port_);  // the accepting thread now waits for an eviction
   wait_until_told(accepts + "has been silent for ");
   EXPECT_GE(server_->load().silence, 1);
   EXPECT_GE(server_->load().accept_silence, 1);

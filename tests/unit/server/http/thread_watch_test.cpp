@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Two threads whose silence a test decides on, and what is told of them.
+/// Two watched threads whose silence the test sets, and the warnings about them.
 class ThreadWatchTest : public testing::Test {
  protected:
   static constexpr auto patience = 100s;
@@ -31,10 +31,11 @@ class ThreadWatchTest : public testing::Test {
     const std::lock_guard lock(mutex_);
     silence_.at(which) = silence;
   }
-  /// What has been told once both were looked at as they are now.
+  /// All warnings so far, after both threads have been checked with their current silence.
   std::vector<std::string> lines() {
     std::unique_lock lock(mutex_);
-    // One that was going on when this was called, and two whole ones: what the first of these tells is told then.
+    // Two threads in three passes: one that may have begun before this call, a complete one, and a third whose end
+    // shows that the warnings of the second have been recorded.
     const int looks = looks_ + 6;
     EXPECT_TRUE(changed_.wait_for(lock, patience, [&] { return looks_ >= looks; }));
     return told_;

@@ -17,42 +17,44 @@ namespace supple::http {
 class Peer {
  public:
   explicit Peer(int socket) : socket_(socket) {}
-  /// Whether the client has closed its end, or only the sending half of it. One poll(2) without waiting, about a
-  /// microsecond; any thread, as long as the request is being answered.
+  /// Whether the client has closed its end of the connection or the sending half of it. This is one poll(2) without
+  /// waiting, which takes about a microsecond. Any thread may call while the request is being answered.
   bool hung_up() const;
 
  private:
   int socket_;
 };
 
-/// Answers a request whose handler does not return in time.
+/// Answers a request in place of a handler that does not return in time.
 class StandIn {
  public:
   virtual ~StandIn() = default;
-  /// Sends the problem and closes the connection after it; what the handler returns is dropped then. `is_replaced`: the
-  /// handler's place among the requests that are answered, and its thread, are given to others too until it returns.
-  /// Any thread, once at most; the handler must not return before this has. Does not wait for the client.
+  /// Sends the problem, then closes the connection; what the handler returns later is discarded. With `is_replaced`,
+  /// another request may be answered at once, on one more thread: the late handler no longer counts towards
+  /// --max-requests. Any thread may call, once at most, and the handler must not return before this call has. The call
+  /// does not wait for the client.
   virtual void answer(const problem::Problem& problem, bool is_replaced) = 0;
 };
 
 /// A request that has been read completely.
 struct Request {
   std::string method;
-  std::string path;  ///< decoded, without the query
+  std::string path;  ///< percent-decoded, without the query
   std::map<std::string, std::string> query;
-  std::map<std::string, std::string> path_parameters;  ///< "mesh" for a route "/v1/meshes/{mesh}"
-  std::string host;  ///< that the client means: the header Host, or an absolute target's
+  std::map<std::string, std::string> path_parameters;  ///< with the key "mesh" for a route "/v1/meshes/{mesh}"
+  std::string host;  ///< name by which the client calls the server: the authority of an absolute target, else Host
   std::string body;
   Peer peer{-1};
-  StandIn* stand_in = nullptr;  ///< of its handler while that runs; null for probes
-  std::string id;               ///< 16 hexadecimal digits, the answer's header Supple-Request-Id
-  std::string client;           ///< who asks, as shares count it: the address, or "key ID" where a key came along
-  std::string key;              ///< the id of the key that came along; empty where none is needed
-  /// Whether it may see and delete what any key owns. Without keys everybody may.
+  StandIn* stand_in = nullptr;  ///< may answer while the handler runs; null for probes
+  std::string id;               ///< 16 hexadecimal digits, sent as the header Supple-Request-Id of the answer
+  std::string client;           ///< whom limits for each client count: the address, or "key ID" if a key was sent
+  std::string key;              ///< id of the key that was sent; empty if none is needed
+  /// Whether the request may see and delete what any key owns. If the server has no keys, every request may.
   bool sees_all = true;
-  int max_waiting_jobs = 0;  ///< of its key; 0: that of the queue alone
+  int max_waiting_jobs = 0;  ///< limit of the request's key; 0: only the limit of the queue counts
 
-  /// The value of a header (names in any case); empty where it is absent. Repeated headers are joined by ", ".
+  /// The value of a header, whose name is compared without regard to case; empty if it is absent. Repeated headers are
+  /// joined by ", ".
   std::string header(std::string_view name) const;
 
   std::vector<std::pair<std::string, std::string>> headers;
@@ -62,16 +64,17 @@ struct Request {
 class StreamWriter {
  public:
   virtual ~StreamWriter() = default;
-  /// Sends the text at once. False once the client has gone.
+  /// Sends the text at once. Returns false if the client has gone.
   virtual bool write(std::string_view text) = 0;
+  /// Whether the client has closed the connection or a write has failed.
   virtual bool client_gone() = 0;
 };
 
-/// A body that is sent piece by piece, and whose length is known before: it is never in memory as a whole.
+/// A body of known length that is read and sent piece by piece, so that it is never in memory as a whole.
 struct Pieces {
   std::uint64_t bytes = 0;
-  /// Writes `count` bytes from `offset` on. What it throws cuts the answer off and closes the connection, for its head
-  /// has been sent: what can be known to be wrong has to be known before.
+  /// Writes `count` bytes of the body, from `offset` on, to `to`. An exception cuts the answer off and closes the
+  /// connection, because the head with its status has been sent. The handler therefore checks what it can beforehand.
   std::function<void(std::uint64_t offset, char* to, std::size_t count)> read;
 };
 
@@ -80,31 +83,32 @@ struct Response {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string key;  ///< for the log: the id of the key that the handler found to be the request's; mostly empty
-  std::optional<Pieces> pieces;  ///< instead of `body`, with a Content-Length
-  /// Instead of `body`: writes the answer piece by piece and returns at its end. Runs on the connection's thread.
+  std::string key;  ///< for the log: id of a key that only the handler has found, such as at a sign-in; mostly empty
+  std::optional<Pieces> pieces;  ///< sent instead of `body`, with a Content-Length
+  /// Used instead of `body`: writes the answer piece by piece and returns at its end. It runs on the thread that
+  /// answers the request.
   std::function<void(StreamWriter&)> stream;
 
   void set_header(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }
 };
 
-/// With the letters of ASCII in lower case.
+/// The text with the ASCII letters in lower case.
 std::string lower_case(std::string_view text);
 
-/// The media type of a header value, lower case, without parameters: "application/json".
+/// The media type of a header's value in lower case, without parameters: "application/json".
 std::string media_type(std::string_view header);
 
-/// The first of `offered` that has the highest quality in an Accept header (RFC 9110, 12.5.1); the first of all where
-/// the header is empty, nothing where it accepts none.
+/// The offered media type with the highest quality in an Accept header (RFC 9110, 12.5.1); the earlier one wins a tie.
+/// An empty header accepts the first type. Returns nothing if the header accepts none.
 std::optional<std::string_view> negotiate(std::string_view accept, const std::vector<std::string_view>& offered);
 
-/// What a Prefer header (RFC 7240) asks of a computation.
+/// The preferences of a Prefer header (RFC 7240) that concern a computation.
 struct Preference {
-  bool respond_async = false;
-  std::optional<double> wait;  ///< seconds
+  bool respond_async = false;  ///< answer at once, with a job
+  std::optional<double> wait;  ///< seconds to wait for the result before the answer is a job
 };
-/// Unknown preferences are ignored. Throws "request.invalid_parameter" for a wait that is no number of seconds in
-/// [0, max_wait].
+/// Reads a Prefer header. Unknown preferences are ignored. Throws "request.invalid_parameter" if `wait` is not a number
+/// of seconds in [0, max_wait].
 Preference parse_preference(std::string_view header, double max_wait);
 
 }  // namespace supple::http

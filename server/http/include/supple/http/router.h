@@ -12,7 +12,7 @@ namespace supple::http {
 
 using Handler = std::function<Response(const Request&)>;
 
-/// Most bytes of a body that a route takes, and the setting that says so.
+/// The largest body that a route takes, in bytes, and the setting that limits it.
 struct BodyLimit {
   std::uint64_t bytes = 0;
   std::string setting;
@@ -20,14 +20,15 @@ struct BodyLimit {
 
 struct Route {
   std::string method;
-  std::string pattern;  ///< "/v1/meshes/{mesh}/content": names in braces stand for one segment each
+  std::string pattern;  ///< "/v1/meshes/{mesh}/content": a name in braces stands for one path segment
   Handler handler;
   BodyLimit body;      ///< 0 bytes: the route takes no body
-  bool probe = false;  ///< cheap, and needed when all else is busy: answered by threads of its own
-  bool open = false;   ///< answered without a key, also where keys are required
+  bool probe = false;  ///< a cheap route that must work while the server is busy: it has threads of its own
+  bool open = false;   ///< needs no key, even if other routes do
 };
 
-/// Finds the handler of a request by comparing path segments. Filled before the server runs, read only afterwards.
+/// Finds the route of a request by comparing path segments. Routes are added before the server runs; afterwards any
+/// thread may search.
 class Router {
  public:
   void add(Route route) { routes_.push_back(std::move(route)); }
@@ -36,10 +37,11 @@ class Router {
     const Route* route = nullptr;
     std::map<std::string, std::string> path_parameters;
   };
-  /// HEAD finds the route of GET. Throws "http.not_found", or "http.method_not_allowed" where the path exists.
+  /// The route of a request; HEAD finds the route of GET. Throws "http.method_not_allowed" if the path exists for other
+  /// methods only, "http.not_found" if it does not exist.
   Match find(std::string_view method, std::string_view path) const;
 
-  /// The methods of a path, "GET, POST"; empty for a path that does not exist.
+  /// The methods of a path as "GET, POST"; empty for a path that does not exist.
   std::string allowed(std::string_view path) const;
 
  private:
