@@ -229,7 +229,7 @@ int serve(const ServerOptions& options) {
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
-  budget::share_arenas(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  budget::limit_arenas(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   set_thread_count(options.threads);
   if (!budget::counts_allocations()) spdlog::warn("what computations allocate is not held against --memory");
   if (options.helper.program.empty()) {

@@ -166,11 +166,11 @@ access::Rule ServerOptions::rule_of_keys() const {
 }
 
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
-  const auto shares = budget::default_shares(budget::memory_limits());
-  options.memory = shares.requests;
-  options.request_memory = shares.request;
-  options.mesh_memory = shares.meshes;
-  options.helper.memory = static_cast<std::uint64_t>(shares.helper);
+  const auto defaults = budget::memory_defaults(budget::memory_limits());
+  options.memory = defaults.requests;
+  options.request_memory = defaults.request;
+  options.mesh_memory = defaults.meshes;
+  options.helper.memory = static_cast<std::uint64_t>(defaults.helper);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   options.jobs.workers = cores;
   options.jobs.immediate = 2 * cores;
@@ -264,7 +264,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   if (!app.get_subcommands().empty()) return 0;
   if (about.check) return check_configuration(sources, options);
   // Who allows more has it.
-  options.process_memory = std::max(shares.process, options.memory + options.mesh_memory);
+  options.process_memory = std::max(defaults.process, options.memory + options.mesh_memory);
   return std::nullopt;
 }
 

@@ -9,7 +9,7 @@ namespace supple::budget {
 
 ComputationMemory::ComputationMemory(MemoryBudget& budget, const CancellationToken& token)
     : budget_(budget), token_(token) {
-  const Use nobody(nullptr);  // what the list allocates is not to be counted under the mutex
+  const Use uncounted(nullptr);  // counting an allocation of the list would lock the mutex again
   const std::lock_guard lock(budget_.mutex_);
   budget_.computations_.push_back(this);
 }
@@ -23,28 +23,28 @@ ComputationMemory::~ComputationMemory() {
 
 void ComputationMemory::add(std::int64_t bytes) noexcept {
   const std::lock_guard lock(budget_.mutex_);
-  // Blocks of others that it frees are no credit.
+  // Clamped at 0: a computation that frees blocks of others gets no credit for them.
   const auto before = std::exchange(held_, std::max<std::int64_t>(held_ + bytes, 0));
   peak_ = std::max(peak_, held_);
   budget_.allocated_ += held_ - before;
   if (held_ <= before) return;
-  if (held_ > budget_.each_) return stop(Stopped::beyond_its_own, held_);
+  if (held_ > budget_.max_per_request_) return stop(StopCause::request_limit, held_);
   if (budget_.in_use() > budget_.total_) stop_largest(0);
 }
 
 bool ComputationMemory::allows(std::int64_t bytes) noexcept {
   const std::lock_guard lock(budget_.mutex_);
-  if (held_ + bytes > budget_.each_) {
-    stop(Stopped::beyond_its_own, held_ + bytes);
+  if (held_ + bytes > budget_.max_per_request_) {
+    stop(StopCause::request_limit, held_ + bytes);
     return false;
   }
   const auto all = budget_.in_use() + bytes;
   if (all <= budget_.total_) return true;
   stop_largest(bytes);
-  if (stopped_ != Stopped::no) return false;
-  // Another one is about to give back what it holds. What is asked for meanwhile has a margin.
+  if (stop_cause_ != StopCause::none) return false;
+  // The largest computation is about to free its memory. Until then a margin of an eighth is allowed.
   if (all <= budget_.total_ + budget_.total_ / 8) return true;
-  stop(Stopped::beyond_all, all);
+  stop(StopCause::total_limit, all);
   return false;
 }
 
@@ -53,9 +53,9 @@ std::int64_t ComputationMemory::peak() const {
   return peak_;
 }
 
-void ComputationMemory::stop(Stopped why, std::int64_t needed) noexcept {
-  if (stopped_ != Stopped::no) return;
-  stopped_ = why;
+void ComputationMemory::stop(StopCause why, std::int64_t needed) noexcept {
+  if (stop_cause_ != StopCause::none) return;
+  stop_cause_ = why;
   needed_ = needed;
   token_.request(StopReason::cancelled);
 }
@@ -65,35 +65,37 @@ void ComputationMemory::stop_largest(std::int64_t wanted) noexcept {
   ComputationMemory* largest = this;
   for (auto* const other : budget_.computations_)
     if (size(other) > size(largest)) largest = other;
-  largest->stop(Stopped::beyond_all, budget_.in_use() + wanted);
+  largest->stop(StopCause::total_limit, budget_.in_use() + wanted);
 }
 
-void ComputationMemory::stop_largest_of(MemoryBudget& budget, std::int64_t resident, std::int64_t most) noexcept {
+void ComputationMemory::stop_largest_in(MemoryBudget& budget, std::int64_t resident,
+                                        std::int64_t max_resident) noexcept {
   ComputationMemory* largest = nullptr;
   bool one_is_stopping = false;
   for (auto* const one : budget.computations_) {
-    if (one->stopped_ != Stopped::no) {
+    if (one->stop_cause_ != StopCause::none) {
       one_is_stopping = true;
     } else if (!largest || one->held_ > largest->held_) {
       largest = one;
     }
   }
-  const bool urgent = resident > most + most / 8;
-  if (largest && (urgent || !one_is_stopping)) largest->stop(Stopped::beyond_the_process, resident);
+  const bool urgent = resident > max_resident + max_resident / 8;
+  if (largest && (urgent || !one_is_stopping)) largest->stop(StopCause::process_limit, resident);
 }
 
 void ComputationMemory::throw_if_stopped() const {
-  Stopped stopped = Stopped::no;
+  StopCause stop_cause = StopCause::none;
   std::int64_t needed = 0;
   {
     const std::lock_guard lock(budget_.mutex_);
-    stopped = stopped_;
+    stop_cause = stop_cause_;
     needed = needed_;
   }
-  // Outside of the mutex: what is allocated for the texts may have to be counted.
-  if (stopped == Stopped::beyond_its_own) refuse_one(budget_.each_, needed, "what it has computed so far");
-  if (stopped == Stopped::beyond_the_process) refuse_process(needed, "this computation, which held most");
-  if (stopped == Stopped::beyond_all) refuse_all(budget_.total_, needed, "what this one has computed so far");
+  // The mutex is released, because counting the allocations for the texts locks it.
+  if (stop_cause == StopCause::request_limit)
+    refuse_one(budget_.max_per_request_, needed, "what it has computed so far");
+  if (stop_cause == StopCause::process_limit) refuse_process(needed, "this computation, which held most");
+  if (stop_cause == StopCause::total_limit) refuse_all(budget_.total_, needed, "what this one has computed so far");
 }
 
 }  // namespace supple::budget

@@ -1,9 +1,10 @@
-// Replaces malloc and its kin by those of the C library with a word to this thread's MemoryAccount, so that whatever a
-// computation allocates is counted: containers, matrices, and what C libraries work in.
+// Replaces malloc and related functions. The new functions call those of the C library and report each block to the
+// MemoryAccount of the thread, so that all memory of a computation is counted: containers, matrices, and what C
+// libraries allocate.
 //
-// The C library allows malloc to be replaced by a program's own and keeps its functions under the names below. Threads
-// without an account, which is all but those that compute, pay for one look at a thread-local pointer. The sanitizers
-// bring a malloc of their own: with them nothing is counted.
+// The C library allows a program to replace malloc, and offers its own functions under the names below. On a thread
+// without an account, which does not compute, the extra cost is reading one thread-local pointer. The sanitizers have
+// their own malloc; with them nothing is counted.
 
 #include "supple/budget/counting_malloc.h"
 
@@ -53,23 +54,23 @@ void* out_of_memory() noexcept {
   return nullptr;
 }
 
-/// What a block takes: what may be used of it, and what the C library keeps beside it.
+/// Size of a block in bytes: its usable size and the header of the C library.
 std::int64_t bytes_of(void* block) noexcept {
-  constexpr std::int64_t beside = 8;
-  return static_cast<std::int64_t>(::malloc_usable_size(block)) + beside;
+  constexpr std::int64_t header_bytes = 8;
+  return static_cast<std::int64_t>(::malloc_usable_size(block)) + header_bytes;
 }
 
-void* counted(void* block) noexcept {
+void* count_block(void* block) noexcept {
   if (block && MemoryAccount::of_this_thread()) supple::note_block(bytes_of(block));
   return block;
 }
 
-void uncounted(void* block) noexcept {
+void uncount_block(void* block) noexcept {
   if (block && MemoryAccount::of_this_thread()) supple::note_block(-bytes_of(block));
 }
 
-void* aligned(std::size_t alignment, std::size_t bytes) noexcept {
-  return supple::may_allocate(bytes) ? counted(__libc_memalign(alignment, bytes)) : out_of_memory();
+void* allocate_aligned(std::size_t alignment, std::size_t bytes) noexcept {
+  return supple::may_allocate(bytes) ? count_block(__libc_memalign(alignment, bytes)) : out_of_memory();
 }
 
 }  // namespace
@@ -77,13 +78,13 @@ void* aligned(std::size_t alignment, std::size_t bytes) noexcept {
 extern "C" {
 
 void* malloc(std::size_t bytes) {
-  return supple::may_allocate(bytes) ? counted(__libc_malloc(bytes)) : out_of_memory();
+  return supple::may_allocate(bytes) ? count_block(__libc_malloc(bytes)) : out_of_memory();
 }
 
 void* calloc(std::size_t count, std::size_t bytes) {
-  std::size_t all = 0;
-  if (__builtin_mul_overflow(count, bytes, &all) || !supple::may_allocate(all)) return out_of_memory();
-  return counted(__libc_calloc(count, bytes));
+  std::size_t total = 0;
+  if (__builtin_mul_overflow(count, bytes, &total) || !supple::may_allocate(total)) return out_of_memory();
+  return count_block(__libc_calloc(count, bytes));
 }
 
 void* realloc(void* block, std::size_t bytes) {
@@ -92,25 +93,25 @@ void* realloc(void* block, std::size_t bytes) {
   const auto wanted = static_cast<std::int64_t>(bytes);
   if (wanted > before && !supple::may_allocate(static_cast<std::size_t>(wanted - before))) return out_of_memory();
   void* const moved = __libc_realloc(block, bytes);
-  if (!moved && bytes > 0) return nullptr;  // the old block stays
+  if (!moved && bytes > 0) return nullptr;  // the old block remains valid
   supple::note_block(-before);
-  return counted(moved);
+  return count_block(moved);
 }
 
 void free(void* block) {
-  uncounted(block);
+  uncount_block(block);
   __libc_free(block);
 }
 
-void* memalign(std::size_t alignment, std::size_t bytes) { return aligned(alignment, bytes); }
+void* memalign(std::size_t alignment, std::size_t bytes) { return allocate_aligned(alignment, bytes); }
 
-void* aligned_alloc(std::size_t alignment, std::size_t bytes) { return aligned(alignment, bytes); }
+void* aligned_alloc(std::size_t alignment, std::size_t bytes) { return allocate_aligned(alignment, bytes); }
 
 int posix_memalign(void** block, std::size_t alignment, std::size_t bytes) {
   if (alignment % sizeof(void*) != 0 || (alignment & (alignment - 1)) != 0 || alignment == 0) return EINVAL;
   const int before = errno;
-  void* const memory = aligned(alignment, bytes);
-  errno = before;  // it answers with a number, and leaves errno alone
+  void* const memory = allocate_aligned(alignment, bytes);
+  errno = before;  // posix_memalign returns its error and leaves errno unchanged
   if (!memory) return ENOMEM;
   *block = memory;
   return 0;

@@ -16,9 +16,9 @@
 namespace supple::budget {
 namespace {
 
-thread_local MemoryBudget::Reservation* current = nullptr;
+thread_local MemoryBudget::Reservation* current = nullptr;  // reservation of the request that this thread answers
 
-/// The number in a file; 0 where there is none, as with "max".
+/// The number in a file; 0 if there is none, for example if the file contains "max".
 std::int64_t number_in(const std::string& path) {
   std::ifstream file(path);
   std::string text;
@@ -27,11 +27,12 @@ std::int64_t number_in(const std::string& path) {
   return value;
 }
 
-/// The least limit of this process's control group (version 2) and of the groups around it; 0 where there is none.
+/// The smallest memory limit of this process's control group and its parents, in bytes (version 2 or 1); 0 if there is
+/// none.
 std::int64_t control_group_limit() {
-  std::int64_t least = 0;
-  const auto consider = [&least](std::int64_t limit) {
-    if (limit > 0 && (least == 0 || limit < least)) least = limit;
+  std::int64_t min_limit = 0;
+  const auto consider = [&min_limit](std::int64_t limit) {
+    if (limit > 0 && (min_limit == 0 || limit < min_limit)) min_limit = limit;
   };
   std::ifstream groups("/proc/self/cgroup");
   std::string line;
@@ -51,7 +52,7 @@ std::int64_t control_group_limit() {
       group.resize(std::max<std::size_t>(slash, 1));
     }
   }
-  return least;
+  return min_limit;
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ MemoryLimits memory_limits() {
   return limits;
 }
 
-MemoryShares default_shares(const MemoryLimits& limits) {
+MemoryDefaults memory_defaults(const MemoryLimits& limits) {
   auto memory = limits.resident;
   if (limits.virtual_size > 0) memory = std::min(memory, limits.virtual_size);
   constexpr std::int64_t gibibyte = 1LL << 30;
@@ -84,7 +85,7 @@ MemoryShares default_shares(const MemoryLimits& limits) {
           std::min(memory / 4, 8 * gibibyte), memory / 16 * 11};
 }
 
-void share_arenas(int cores) { ::mallopt(M_ARENA_MAX, 2 * cores); }
+void limit_arenas(int cores) { ::mallopt(M_ARENA_MAX, 2 * cores); }
 
 MemoryBudget::Reservation::Reservation(Reservation&& other) noexcept
     : budget_(other.budget_), bytes_(std::exchange(other.bytes_, 0)) {}
@@ -101,14 +102,14 @@ MemoryBudget::Reservation& MemoryBudget::Reservation::operator=(Reservation&& ot
 void MemoryBudget::Reservation::add(std::int64_t bytes, const std::string& what) {
   if (!budget_ || bytes <= 0) return;
   budget_->check_one(bytes_ + bytes, what);
-  if (const auto resident = budget_->too_many_resident(); resident > 0) refuse_process(resident, what);
+  if (const auto resident = budget_->resident_beyond_limit(); resident > 0) refuse_process(resident, what);
   std::int64_t all = 0;
   {
     const std::lock_guard lock(budget_->mutex_);
     all = budget_->in_use() + bytes;
     if (all <= budget_->total_) budget_->reserved_ += bytes;
   }
-  // Outside of the mutex: what is allocated for the text may have to be counted.
+  // The mutex is released, because counting the allocations for the text locks it.
   if (all > budget_->total_) refuse_all(budget_->total_, all, what);
   bytes_ += bytes;
 }
@@ -121,7 +122,7 @@ void MemoryBudget::Reservation::release() noexcept {
 }
 
 void MemoryBudget::check_one(std::int64_t bytes, const std::string& what) const {
-  if (bytes > each_) refuse_one(each_, bytes, what);
+  if (bytes > max_per_request_) refuse_one(max_per_request_, bytes, what);
 }
 
 std::int64_t MemoryBudget::used() const {
@@ -129,30 +130,30 @@ std::int64_t MemoryBudget::used() const {
   return in_use();
 }
 
-std::int64_t MemoryBudget::too_many_resident() const {
-  if (process_ <= 0 || memory_use().resident <= process_) return 0;
+std::int64_t MemoryBudget::resident_beyond_limit() const {
+  if (max_resident_ <= 0 || memory_use().resident <= max_resident_) return 0;
   return_free_memory();
   const auto resident = memory_use().resident;
-  return resident > process_ ? resident : 0;
+  return resident > max_resident_ ? resident : 0;
 }
 
 void MemoryBudget::relieve() {
-  const auto resident = too_many_resident();
+  const auto resident = resident_beyond_limit();
   if (resident == 0) return;
   const std::lock_guard lock(mutex_);
-  ComputationMemory::stop_largest_of(*this, resident, process_);
+  ComputationMemory::stop_largest_of(*this, resident, max_resident_);
 }
 
 void MemoryBudget::note_release(std::int64_t bytes) noexcept {
-  constexpr std::int64_t worth_returning = 16 << 20;
-  if (bytes >= worth_returning) holds_free_memory_ = true;
+  constexpr std::int64_t min_trim_bytes = 16 << 20;
+  if (bytes >= min_trim_bytes) may_trim_ = true;
 }
 
 void MemoryBudget::return_what_is_free() {
   {
     const std::lock_guard lock(mutex_);
-    if (!holds_free_memory_ || !computations_.empty()) return;
-    holds_free_memory_ = false;
+    if (!may_trim_ || !computations_.empty()) return;
+    may_trim_ = false;
   }
   return_free_memory();
 }

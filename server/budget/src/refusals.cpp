@@ -7,7 +7,7 @@
 namespace supple::budget {
 namespace {
 
-constexpr int soon = 5;  // seconds: requests hold what they need for as long as they are read and answered
+constexpr int retry_after_seconds = 5;  // a request holds its memory only while it is read and answered
 
 }  // namespace
 
@@ -17,7 +17,7 @@ void refuse_one(std::int64_t limit, std::int64_t needed, const std::string& what
 }
 
 void refuse_all(std::int64_t limit, std::int64_t needed, const std::string& what) {
-  problem::Problem problem{"server.out_of_memory", {}, {}, {}, soon};
+  problem::Problem problem{"server.out_of_memory", {}, {}, {}, retry_after_seconds};
   problem.limit = problem::Limit{static_cast<double>(limit), static_cast<double>(needed), "--memory"};
   problem.detail = "With " + what + " all requests together would need " + std::to_string(needed) +
                    " bytes of memory, the limit is " + std::to_string(limit) + " (setting --memory).";
@@ -30,7 +30,7 @@ void refuse_process(std::int64_t resident, const std::string& what) {
                                    " bytes, which is nearly all that it may have.",
                                {},
                                {},
-                               soon});
+                               retry_after_seconds});
 }
 
 }  // namespace supple::budget

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t mebibyte = 1 << 20;
 
-/// A computation as far as its memory is concerned.
+/// The token and the memory account of a computation.
 struct Computation {
   explicit Computation(MemoryBudget& budget) : memory(budget, token) {}
 
@@ -41,7 +41,7 @@ TEST(ComputationMemory, CountsWhatIsTakenAndGivenBack) {
     computation.memory.add(50);
     computation.memory.add(-20);
     EXPECT_EQ(budget.used(), 30);
-    computation.memory.add(-70);  // blocks of somebody else
+    computation.memory.add(-70);  // it frees blocks that another computation has allocated
     EXPECT_EQ(budget.used(), 0);
     computation.memory.add(10);
     EXPECT_EQ(budget.used(), 10);
@@ -59,7 +59,7 @@ TEST(ComputationMemory, StopsOneThatHoldsMoreThanARequestMay) {
   EXPECT_FALSE(computation.token.requested());
   computation.memory.add(1);
   EXPECT_TRUE(computation.token.requested());
-  computation.memory.add(-81);  // what it gives back on its way out does not change why it was stopped
+  computation.memory.add(-81);  // freeing memory afterwards does not change the cause of the stop
   const auto problem = computation.problem();
   EXPECT_EQ(problem.code, "request.too_much_memory");
   ASSERT_TRUE(problem.limit);
@@ -111,7 +111,7 @@ TEST(ComputationMemory, GivesABlockAMarginWhileALargerOneIsStopping) {
 }
 
 TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
-  // So much that what the test itself takes is little.
+  // The ballast is so large that the memory of the test itself is negligible.
   const std::vector<char> ballast(64 * mebibyte, 'x');
   const auto now = memory_use().resident;
   MemoryBudget enough(1000, 1000, 2 * now);

@@ -79,7 +79,7 @@ TEST(MemoryBudget, RefusesWhatTheProcessHasNoRoomFor) {
 
 TEST(MemoryBudget, OfAThreadIsThatOfTheRequestItAnswers) {
   MemoryBudget budget(100, 80);
-  reserve(1000, "nothing");  // answers none
+  reserve(1000, "nothing");  // ignored: this thread answers no request
   Reservation outer(budget);
   {
     const RequestMemory memory(outer);
@@ -109,16 +109,16 @@ TEST(MemoryUse, GrowsWithWhatIsAllocated) {
 
 TEST(MemoryLimits, AreDividedInShares) {
   EXPECT_GT(memory_limits().resident, 0);
-  EXPECT_EQ(default_shares({1000, 0}).requests, 500);
-  EXPECT_EQ(default_shares({1000, 500}).requests, 250);
-  EXPECT_EQ(default_shares({1000, 5000}).requests, 500);
-  EXPECT_EQ(default_shares({1000, 0}).request, 1LL << 30);
-  EXPECT_EQ(default_shares({1LL << 40, 0}).request, 1LL << 38);
-  EXPECT_EQ(default_shares({1000, 0}).meshes, 125);
-  EXPECT_EQ(default_shares({1000, 0}).helper, 250);
-  EXPECT_EQ(default_shares({1000, 0}).process, 682);
-  EXPECT_EQ(default_shares({1LL << 40, 0}).meshes, 2LL << 30);
-  EXPECT_EQ(default_shares({1LL << 40, 0}).helper, 8LL << 30);
+  EXPECT_EQ(memory_defaults({1000, 0}).requests, 500);
+  EXPECT_EQ(memory_defaults({1000, 500}).requests, 250);
+  EXPECT_EQ(memory_defaults({1000, 5000}).requests, 500);
+  EXPECT_EQ(memory_defaults({1000, 0}).request, 1LL << 30);
+  EXPECT_EQ(memory_defaults({1LL << 40, 0}).request, 1LL << 38);
+  EXPECT_EQ(memory_defaults({1000, 0}).meshes, 125);
+  EXPECT_EQ(memory_defaults({1000, 0}).helper, 250);
+  EXPECT_EQ(memory_defaults({1000, 0}).process, 682);
+  EXPECT_EQ(memory_defaults({1LL << 40, 0}).meshes, 2LL << 30);
+  EXPECT_EQ(memory_defaults({1LL << 40, 0}).helper, 8LL << 30);
 }
 
 }  // namespace

@@ -9,12 +9,12 @@
 
 namespace supple::budget {
 
-/// What one computation has allocated, held against the limits of a budget.
+/// Counts what one computation allocates, and enforces the limits of a budget.
 ///
-/// A computation that holds more than one request may have is stopped. Where all together hold more than the budget,
-/// the one that holds most is stopped, not the one that happens to ask next. A stop is a request of the token; a large
-/// block that would go beyond a limit is refused at once. Counts where the program's malloc tells accounts of what it
-/// does (counting_malloc.cpp), and nothing elsewhere. The token and the budget must outlive it.
+/// A computation that exceeds the limit of one request is stopped. If all computations together exceed the budget, the
+/// largest one is stopped, which need not be the one that allocates at that moment. A stop
+/// is requested through the computation's token. A large block that would exceed a limit is refused at once. Nothing is
+/// counted unless the program's malloc reports to accounts (counting_malloc.cpp). The budget must outlive this object.
 class ComputationMemory final : public MemoryAccount {
  public:
   ComputationMemory(MemoryBudget& budget, const CancellationToken& token);
@@ -25,29 +25,32 @@ class ComputationMemory final : public MemoryAccount {
   void add(std::int64_t bytes) noexcept override;
   bool allows(std::int64_t bytes) noexcept override;
 
-  /// The most bytes that it has held.
+  /// The largest number of bytes that the computation has had at one time.
   std::int64_t peak() const;
-  /// Throws the problem for which it was stopped, if it was: "request.too_much_memory" (413) beyond the limit of one
-  /// request, "server.out_of_memory" (503) where all together needed more than there is.
+  /// Throws the problem for which the computation was stopped, if it was: "request.too_much_memory" (413) beyond the
+  /// limit of one request, "server.out_of_memory" (503) beyond the limit of all requests or of the process.
   void throw_if_stopped() const;
 
  private:
   friend class MemoryBudget;
-  enum class Stopped { no, beyond_its_own, beyond_all, beyond_the_process };
+  /// The limit for which the computation was stopped.
+  enum class StopCause { none, request_limit, total_limit, process_limit };
 
-  /// All under the budget's mutex.
-  void stop(Stopped why, std::int64_t needed) noexcept;
+  // The caller of the following functions holds the budget's mutex.
+  /// Requests the stop of this computation, unless it has been requested before.
+  void stop(StopCause why, std::int64_t needed) noexcept;
+  /// Stops the largest computation of the budget. `wanted` bytes are added to the size of this one.
   void stop_largest(std::int64_t wanted) noexcept;
-  /// Where the process has `resident` bytes and may have `most`. One that is stopping already has time to end, unless
-  /// there is none left.
-  static void stop_largest_of(MemoryBudget& budget, std::int64_t resident, std::int64_t most) noexcept;
+  /// Stops the largest running computation, because the process has `resident` bytes and may have `max_resident`. While
+  /// another one is stopping it does nothing, unless the excess is more than an eighth.
+  static void stop_largest_in(MemoryBudget& budget, std::int64_t resident, std::int64_t max_resident) noexcept;
 
   MemoryBudget& budget_;
   const CancellationToken token_;
   std::int64_t held_ = 0;
   std::int64_t peak_ = 0;
-  Stopped stopped_ = Stopped::no;
-  std::int64_t needed_ = 0;  // bytes that it, or all together, would have held
+  StopCause stop_cause_ = StopCause::none;
+  std::int64_t needed_ = 0;  // bytes that would have been in use, compared with the limit of stop_cause_
 };
 
 }  // namespace supple::budget

@@ -2,7 +2,8 @@
 
 namespace supple::budget {
 
-/// Whether this program's malloc tells a computation's MemoryAccount of what it allocates. A call links the malloc in.
+/// Whether this program's malloc reports allocations to the MemoryAccount of a thread. A program that calls this is
+/// linked with that malloc.
 bool counts_allocations();
 
 }  // namespace supple::budget

@@ -7,49 +7,50 @@
 
 namespace supple::budget {
 
-/// What this process has of the machine's memory, in bytes.
+/// Memory that this process uses, in bytes.
 struct MemoryUse {
-  std::int64_t resident = 0;  ///< in main memory
-  std::int64_t virtual_size = 0;
+  std::int64_t resident = 0;      ///< part in main memory
+  std::int64_t virtual_size = 0;  ///< address space
 };
 
-/// Reads /proc/self/statm; a few microseconds. Zeros where it cannot be read.
+/// Reads /proc/self/statm, which takes a few microseconds. Returns zeros if it cannot be read.
 MemoryUse memory_use();
 
-/// What the process may have, in bytes: the least of the machine's memory and its control group's limit (version 2 or
-/// 1), and of its address space (RLIMIT_AS); the latter 0 where there is no limit.
+/// Memory that this process may use, in bytes.
 struct MemoryLimits {
-  std::int64_t resident = 0;
-  std::int64_t virtual_size = 0;
+  std::int64_t resident = 0;      ///< the machine's memory or the limit of the control group, whichever is less
+  std::int64_t virtual_size = 0;  ///< limit of the address space (RLIMIT_AS); 0: none
 };
+/// Reads the limits of the machine, of the control groups (version 2 or 1) and of the process.
 MemoryLimits memory_limits();
 
-/// How a server divides the memory that it may have where nobody says otherwise, in bytes.
-struct MemoryShares {
-  std::int64_t requests = 0;  ///< for what requests reserve and computations allocate: half
-  std::int64_t request = 0;   ///< for one of them: a quarter, but 1 GiB at least
-  std::int64_t meshes = 0;    ///< for meshes that stay loaded: an eighth, 2 GiB at most
-  std::int64_t helper = 0;    ///< for one helper process: a quarter, 8 GiB at most
-  std::int64_t process = 0;   ///< for the whole server without its helpers: 11 parts of 16
+/// Default values of the server's memory settings, in bytes. The fractions refer to the memory that the process may
+/// use.
+struct MemoryDefaults {
+  std::int64_t requests = 0;  ///< what all requests reserve and all computations allocate: half
+  std::int64_t request = 0;   ///< what one request reserves or its computation allocates: a quarter, at least 1 GiB
+  std::int64_t meshes = 0;    ///< meshes that stay loaded: an eighth, at most 2 GiB
+  std::int64_t helper = 0;    ///< one helper process: a quarter, at most 8 GiB
+  std::int64_t process = 0;   ///< the whole server without its helpers: 11/16
 };
-MemoryShares default_shares(const MemoryLimits& limits);
+MemoryDefaults memory_defaults(const MemoryLimits& limits);
 
-/// Has the C library divide memory among few arenas: each keeps what was freed in it, and sets aside 64 MiB of address
-/// space. Call before threads start.
-void share_arenas(int cores);
+/// Limits the C library to two arenas for each core, because each arena retains memory that was freed in it and takes
+/// 64 MiB of address space. Call it before threads start.
+void limit_arenas(int cores);
 
 class ComputationMemory;
 
-/// Bytes that requests reserve before they are allocated and that computations allocate, all together and each by
-/// itself. Any thread may call.
+/// The budget of memory for requests: bytes that requests reserve before they allocate them, and bytes that
+/// computations have allocated. One limit holds for the sum, another one for each request. Any thread may call.
 class MemoryBudget {
  public:
-  /// `total` for all requests together (setting --memory), `each` for one (setting --max-request-memory); `process` for
-  /// all that the process has in main memory, whoever counts it; 0: any amount.
-  MemoryBudget(std::int64_t total, std::int64_t each, std::int64_t process = 0)
-      : total_(total), each_(each), process_(process) {}
+  /// Limits in bytes: `total` for all requests together (setting --memory), `max_per_request` for one request (setting
+  /// --max-request-memory), and `max_resident` for the whole process in main memory, counted or not (0: no limit).
+  MemoryBudget(std::int64_t total, std::int64_t max_per_request, std::int64_t max_resident = 0)
+      : total_(total), max_per_request_(max_per_request), max_resident_(max_resident) {}
 
-  /// Bytes of one request; they come back when it is destroyed. Moved, not copied; used by one thread at a time.
+  /// The bytes that one request has reserved; the destructor releases them. One thread at a time may use it.
   class Reservation {
    public:
     Reservation() = default;
@@ -58,9 +59,9 @@ class MemoryBudget {
     Reservation(Reservation&& other) noexcept;
     Reservation& operator=(Reservation&& other) noexcept;
 
-    /// Reserves so many bytes more for `what` ("the body"). Throws ProblemError "request.too_much_memory" (413) beyond
-    /// the limit of one request, "server.out_of_memory" (503) where all requests together, or the process, have no room
-    /// left; nothing is reserved then. Does nothing without a budget.
+    /// Reserves `bytes` more for `what` ("the body"). Throws ProblemError "request.too_much_memory" (413) beyond the
+    /// limit of one request, and "server.out_of_memory" (503) beyond the limit of all requests or of the process. It
+    /// reserves nothing then. Without a budget it does nothing.
     void add(std::int64_t bytes, const std::string& what);
     void release() noexcept;
     std::int64_t bytes() const { return bytes_; }
@@ -71,39 +72,40 @@ class MemoryBudget {
   };
 
   std::int64_t total() const { return total_; }
-  std::int64_t each() const { return each_; }
-  /// Throws "request.too_much_memory" where so many bytes are more than one request may have, and reserves nothing.
+  std::int64_t max_per_request() const { return max_per_request_; }
+  /// Throws "request.too_much_memory" if `bytes` exceeds the limit of one request. Reserves nothing.
   void check_one(std::int64_t bytes, const std::string& what) const;
-  /// What requests have reserved and computations have allocated.
+  /// Bytes that requests have reserved and computations have allocated.
   std::int64_t used() const;
-  /// For a thread that looks every few tens of milliseconds: where the process has more in main memory than it may,
-  /// although free memory has been given back, the computation that holds most is stopped. Blocks that are free but not
-  /// returned, and those that no computation pays for, are not counted otherwise.
+  /// Stops the largest computation if the process exceeds its limit of main memory and returning free memory to the
+  /// system does not help. The other limits do not see free blocks that the C library retains, nor blocks that no
+  /// computation has allocated. A watchdog calls this every few tens of milliseconds.
   void relieve();
-  /// Gives memory back to the system, where a large request or computation has ended since the last call and nothing is
-  /// computed. For a thread that has time for it: what is given back at once has to be fetched again by the next one.
+  /// Returns free memory to the system if a large request or computation has ended since the last call and no
+  /// computation runs. A background thread calls this from time to time: if memory were returned after every request,
+  /// the next one would have to fetch it again.
   void return_what_is_free();
 
  private:
   friend class ComputationMemory;
-  /// Under the mutex.
+  /// Bytes that are reserved or allocated. The caller holds the mutex.
   std::int64_t in_use() const noexcept { return reserved_ + allocated_; }
-  /// What the process has in main memory where that is more than it may have and nothing of it is free; otherwise 0.
-  std::int64_t too_many_resident() const;
-  /// Under the mutex: so many bytes have become free, which the C library may keep.
+  /// Resident bytes of the process if they exceed the limit even after free memory has been returned, otherwise 0.
+  std::int64_t resident_beyond_limit() const;
+  /// Notes that `bytes` have been freed, which the C library may retain. The caller holds the mutex.
   void note_release(std::int64_t bytes) noexcept;
 
   const std::int64_t total_;
-  const std::int64_t each_;
-  const std::int64_t process_;
+  const std::int64_t max_per_request_;
+  const std::int64_t max_resident_;
   mutable std::mutex mutex_;
   std::int64_t reserved_ = 0;
   std::int64_t allocated_ = 0;
   std::vector<ComputationMemory*> computations_;
-  bool holds_free_memory_ = false;
+  bool may_trim_ = false;  ///< whether a large block has been freed since memory was last returned
 };
 
-/// Makes a reservation the one that `reserve` adds to on this thread, for its lifetime.
+/// During its lifetime, `reserve` adds to the given reservation on this thread.
 class RequestMemory {
  public:
   explicit RequestMemory(MemoryBudget::Reservation& reservation);
@@ -115,11 +117,11 @@ class RequestMemory {
   MemoryBudget::Reservation* outer_;
 };
 
-/// Adds to the reservation of the request that this thread answers; nothing where it answers none. Throws as
-/// Reservation::add does.
+/// Adds to the reservation of the request that this thread answers. Does nothing if it answers none. Throws what
+/// Reservation::add throws.
 void reserve(std::int64_t bytes, const std::string& what);
 
-/// Gives memory that is free within the process back to the system. Takes milliseconds.
+/// Returns free memory of the process to the system, which takes milliseconds.
 void return_free_memory();
 
 }  // namespace supple::budget
