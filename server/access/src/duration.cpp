@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* time_form = "%Y-%m-%dT%H:%M:%SZ";
 constexpr std::array<std::pair<char, std::int64_t>, 4> units{{{'d', 86400}, {'h', 3600}, {'m', 60}, {'s', 1}}};
-constexpr std::int64_t longest = 100LL * 366 * 86400;  // seconds; sums of it and any time are far from overflowing
+constexpr std::int64_t max_seconds = 100LL * 366 * 86400;  // small enough that adding it to a time does not overflow
 
 }  // namespace
 
@@ -20,8 +20,9 @@ std::int64_t parse_duration(std::string_view text) {
     if (!text.ends_with(unit)) continue;
     std::int64_t number = 0;
     const auto* const end = text.data() + text.size() - 1;
-    const auto [stop, error] = std::from_chars(text.data(), end, number);
-    if (error == std::errc() && stop == end && number > 0 && number <= longest / seconds) return number * seconds;
+    const auto [number_end, error] = std::from_chars(text.data(), end, number);
+    if (error == std::errc() && number_end == end && number > 0 && number <= max_seconds / seconds)
+      return number * seconds;
   }
   throw std::runtime_error("'" + std::string(text) +
                            "' is no duration of up to 100 years; write it as 90d, 24h, 30m or 45s");

@@ -13,9 +13,9 @@
 namespace supple::access {
 namespace {
 
-constexpr std::chrono::seconds look_period{1};
+constexpr std::chrono::seconds check_period{1};
 
-/// What changes whenever the file does; empty where there is none.
+/// A text that changes whenever the file does; empty if there is no file.
 std::string version_of(const std::filesystem::path& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {};
@@ -52,7 +52,7 @@ Gate::Gate(KeyFile file, Rule rule, Log log, std::function<Time()> time)
   version_ = version_of(file_.path());
   keys_ = file_.read();
   required_ = rule_ == Rule::always || !version_.empty();
-  next_look_ = time_().steady + look_period;
+  next_check_ = time_().steady + check_period;
   if (!required_ || !keys_.empty()) return;
   throw std::runtime_error(
       (version_.empty() ? "The server would listen beyond loopback without any key"
@@ -64,27 +64,27 @@ Gate::Gate(KeyFile file, Rule rule, Log log, std::function<Time()> time)
 
 bool Gate::required() {
   const std::lock_guard lock(mutex_);
-  look_at_file(time_());
+  reload_if_changed(time_());
   return required_;
 }
 
-void Gate::look_at_file(const Time& now) {
-  if (rule_ == Rule::never || now.steady < next_look_) return;
-  next_look_ = now.steady + look_period;
+void Gate::reload_if_changed(const Time& now) {
+  if (rule_ == Rule::never || now.steady < next_check_) return;
+  next_check_ = now.steady + check_period;
   auto version = version_of(file_.path());
   if (version == version_) return;
   try {
     keys_ = file_.read();
     required_ = required_ || !version.empty();
     version_ = std::move(version);
-    complaint_.clear();
-    std::erase_if(rates_, [this](const auto& entry) { return find(entry.first) == nullptr; });
+    last_fault_.clear();
+    std::erase_if(buckets_, [this](const auto& entry) { return find(entry.first) == nullptr; });
     if (log_) log_("keys: " + std::to_string(keys_.size()) + " are in " + file_.path().string() + " now");
   } catch (const std::exception& error) {
-    // Said once for each fault; the file is read again until it is well.
-    if (log_ && complaint_ != error.what())
+    // Each fault is logged once. The file is read again at each check until it is valid.
+    if (log_ && last_fault_ != error.what())
       log_(std::string(error.what()) + "; the keys that were read before go on counting");
-    complaint_ = error.what();
+    last_fault_ = error.what();
   }
 }
 
@@ -97,8 +97,8 @@ std::pair<const Key*, const SecretHash*> Gate::verified(std::string_view text, c
   const auto token = parse_token(text);
   if (!token) throw_invalid("This is no key of the form supple_ID_SECRET.");
   const auto* const key = find(token->id);
-  const auto* const hash = key ? accepting(*key, token->secret, now.date) : nullptr;
-  // An unknown key and a wrong secret are not told apart.
+  const auto* const hash = key ? accepted_hash(*key, token->secret, now.date) : nullptr;
+  // The message does not reveal whether the key is unknown or the secret is wrong.
   if (!hash) throw_invalid("The key " + token->id + " does not exist, or its secret is another one.");
   require_current(*key, now);
   return {key, hash};
@@ -107,9 +107,9 @@ std::pair<const Key*, const SecretHash*> Gate::verified(std::string_view text, c
 const Key& Gate::key_of_session(std::string_view session, const Time& now) {
   const auto* const open = sessions_.find(std::string(session), now.steady);
   const auto* const key = open ? find(open->key) : nullptr;
-  const bool counts = key && (key->secret == open->secret ||
-                              (key->previous && *key->previous == open->secret && now.date < key->previous_until));
-  if (!counts) throw_invalid("The session has ended; sign in again.");
+  const bool is_accepted = key && (key->secret == open->secret ||
+                                   (key->previous && *key->previous == open->secret && now.date < key->previous_until));
+  if (!is_accepted) throw_invalid("The session has ended; sign in again.");
   require_current(*key, now);
   return *key;
 }
@@ -117,7 +117,7 @@ const Key& Gate::key_of_session(std::string_view session, const Time& now) {
 std::optional<Key> Gate::identify(const Credentials& credentials) {
   const std::lock_guard lock(mutex_);
   const auto now = time_();
-  look_at_file(now);
+  reload_if_changed(now);
   if (!required_) return std::nullopt;
   if (!credentials.authorization.empty()) return *verified(bearer(credentials.authorization), now).first;
   if (!credentials.session.empty()) return key_of_session(credentials.session, now);
@@ -133,12 +133,12 @@ bool Gate::still_valid(const Credentials& credentials) {
   }
 }
 
-void Gate::take_from_rate(const Key& key, const Time& now) {
+void Gate::count_against_rate(const Key& key, const Time& now) {
   if (key.requests_per_minute <= 0) return;
-  auto rate = rates_.try_emplace(key.id, key.requests_per_minute, now.steady).first;
-  if (rate->second.per_minute() != key.requests_per_minute)
-    rate->second = TokenBucket(key.requests_per_minute, now.steady);
-  if (const double wait = rate->second.take(now.steady); wait > 0) {
+  auto bucket = buckets_.try_emplace(key.id, key.requests_per_minute, now.steady).first;
+  if (bucket->second.per_minute() != key.requests_per_minute)
+    bucket->second = TokenBucket(key.requests_per_minute, now.steady);
+  if (const double wait = bucket->second.take(now.steady); wait > 0) {
     const double limit = key.requests_per_minute;
     throw problem::ProblemError({"access.rate",
                                  "The key " + key.id + " has sent its " + std::to_string(key.requests_per_minute) +
@@ -151,7 +151,7 @@ void Gate::take_from_rate(const Key& key, const Time& now) {
 
 void Gate::count(const Key& key) {
   const std::lock_guard lock(mutex_);
-  take_from_rate(key, time_());
+  count_against_rate(key, time_());
 }
 
 void Gate::allow(const Key& key, Scope needed) {
@@ -164,7 +164,7 @@ void Gate::allow(const Key& key, Scope needed) {
 
 std::int64_t Gate::max_stored(const std::string& id) {
   const std::lock_guard lock(mutex_);
-  look_at_file(time_());
+  reload_if_changed(time_());
   const auto* const key = find(id);
   return key ? key->max_stored : 0;
 }
@@ -172,9 +172,9 @@ std::int64_t Gate::max_stored(const std::string& id) {
 Gate::SignedIn Gate::sign_in(std::string_view key) {
   const std::lock_guard lock(mutex_);
   const auto now = time_();
-  look_at_file(now);
+  reload_if_changed(now);
   const auto [found, hash] = verified(key, now);
-  take_from_rate(*found, now);
+  count_against_rate(*found, now);
   return {sessions_.open(found->id, *hash, now.steady), *found};
 }
 

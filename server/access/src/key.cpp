@@ -13,7 +13,7 @@
 namespace supple::access {
 namespace {
 
-constexpr std::string_view prefix = "supple_";  // so that scanners for leaked secrets know one
+constexpr std::string_view prefix = "supple_";  // lets scanners for leaked secrets recognize a key
 constexpr std::size_t id_bytes = 6;
 constexpr std::size_t secret_bytes = 32;
 constexpr std::size_t salt_bytes = 16;
@@ -74,7 +74,7 @@ bool matches(const SecretHash& hash, const std::string& secret) {
   return digest.size() == hash.digest.size() && CRYPTO_memcmp(digest.data(), hash.digest.data(), digest.size()) == 0;
 }
 
-const SecretHash* accepting(const Key& key, const std::string& secret, std::int64_t now) {
+const SecretHash* accepted_hash(const Key& key, const std::string& secret, std::int64_t now) {
   if (matches(key.secret, secret)) return &key.secret;
   if (key.previous && now < key.previous_until && matches(*key.previous, secret)) return &*key.previous;
   return nullptr;

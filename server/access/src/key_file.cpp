@@ -26,8 +26,8 @@ void make_folder(const fs::path& folder) {
   fs::permissions(folder, fs::perms::owner_all);
 }
 
-/// So that the server, which seldom runs as root, can read what root has written.
-void leave_to_owner_of(const fs::path& folder, int file, const fs::path& path) {
+/// Gives a file that root has written to the owner of the folder, because the server rarely runs as root.
+void give_to_owner_of(const fs::path& folder, int file, const fs::path& path) {
   struct stat status {};
   if (::geteuid() != 0 || ::stat(folder.c_str(), &status) != 0 || status.st_uid == 0) return;
   if (::fchown(file, status.st_uid, status.st_gid) != 0) throw FileError("change the owner of", path, errno);
@@ -40,9 +40,10 @@ Key& find_key(std::vector<Key>& keys, const std::string& id) {
 }
 
 void check_name(const std::vector<Key>& keys, const std::string& name) {
-  constexpr std::size_t longest = 64;
-  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7f; });
-  if (name.empty() || name.size() > longest || !plain)
+  constexpr std::size_t max_length = 64;
+  const bool is_printable =
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return c >= 0x20 && c < 0x7f; });
+  if (name.empty() || name.size() > max_length || !is_printable)
     throw std::runtime_error("the name of a key has 1 to 64 printable characters of ASCII");
   const auto same = std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
   if (same != keys.end()) {
@@ -57,7 +58,7 @@ bool KeyFile::exists() const { return fs::exists(path_); }
 
 std::vector<Key> KeyFile::read() const {
   if (!exists()) return {};
-  // To open a pipe would wait until somebody writes to it. Whether this is a regular file is looked at below.
+  // O_NONBLOCK, because opening a pipe would wait for a writer. Files that are not regular are refused below.
   const OpenFile file(path_, O_RDONLY | O_NONBLOCK, "read");
   struct stat status {};
   if (::fstat(file.descriptor(), &status) != 0) throw FileError("read", path_, errno);
@@ -88,7 +89,7 @@ void KeyFile::change(const std::function<void(std::vector<Key>&)>& edit) const {
     if (errno != EINTR) throw FileError("lock", folder_path, errno);
   auto keys = read();
   edit(keys);
-  write_atomically(path_, {write_keys(keys)}, [&](int file) { leave_to_owner_of(folder_path, file, path_); });
+  write_atomically(path_, {write_keys(keys)}, [&](int file) { give_to_owner_of(folder_path, file, path_); });
 }
 
 Token add_key(std::vector<Key>& keys, const NewKey& wanted, std::int64_t now) {

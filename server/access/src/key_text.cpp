@@ -73,7 +73,7 @@ void read_line(std::vector<Key>& keys, const std::string& line) {
   keys.emplace_back().id = value;
 }
 
-/// A key without these would be one that nothing fits, or that fits anything.
+/// Throws for a key that lacks its secret, which no token could match, or its scopes, which would allow nothing.
 void require_complete(const Key& key) {
   if (key.secret.digest.empty() || key.scopes.empty())
     throw std::runtime_error("the key " + key.id + " lacks its secret or its scopes");

@@ -12,8 +12,8 @@ constexpr std::array<std::pair<Scope, std::string_view>, 3> names{
     {{Scope::read, "read"}, {Scope::compute, "compute"}, {Scope::admin, "admin"}}};
 
 Scope scope_of(std::string_view name) {
-  for (const auto& [scope, its_name] : names)
-    if (its_name == name) return scope;
+  for (const auto& [scope, text] : names)
+    if (text == name) return scope;
   throw std::runtime_error("there is no scope '" + std::string(name) + "'; the scopes are read, compute and admin");
 }
 
@@ -26,9 +26,9 @@ std::string_view scope_name(Scope scope) {
 std::string scopes_text(Scopes scopes) {
   std::string text;
   for (const auto& [scope, name] : names) {
-    Scopes with = scopes;
-    with.add(scope);
-    if (with != scopes) continue;
+    Scopes extended = scopes;
+    extended.add(scope);
+    if (extended != scopes) continue;
     if (!text.empty()) text += ',';
     text += name;
   }

@@ -7,7 +7,7 @@ namespace supple::access {
 std::string Sessions::open(const std::string& key, const SecretHash& secret, Clock::time_point now) {
   drop_ended(now);
   const auto is_of_key = [&](const auto& entry) { return entry.second.key == key; };
-  if (std::count_if(sessions_.begin(), sessions_.end(), is_of_key) >= static_cast<std::ptrdiff_t>(most_of_a_key)) {
+  if (std::count_if(sessions_.begin(), sessions_.end(), is_of_key) >= static_cast<std::ptrdiff_t>(max_per_key)) {
     sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(), [&](const auto& a, const auto& b) {
       return is_of_key(a) != is_of_key(b) ? is_of_key(a) : a.second.end < b.second.end;
     }));

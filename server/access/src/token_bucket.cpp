@@ -5,15 +5,15 @@
 namespace supple::access {
 
 TokenBucket::TokenBucket(int per_minute, Clock::time_point now)
-    : per_minute_(per_minute), left_(per_minute), last_(now) {}
+    : per_minute_(per_minute), tokens_(per_minute), last_update_(now) {}
 
 double TokenBucket::take(Clock::time_point now) {
   const double per_second = per_minute_ / 60.0;
-  const double passed = std::chrono::duration<double>(now - last_).count();
-  left_ = std::min<double>(per_minute_, left_ + per_second * std::max(0.0, passed));
-  last_ = now;
-  if (left_ < 1) return (1 - left_) / per_second;
-  left_ -= 1;
+  const double elapsed = std::chrono::duration<double>(now - last_update_).count();
+  tokens_ = std::min<double>(per_minute_, tokens_ + per_second * std::max(0.0, elapsed));
+  last_update_ = now;
+  if (tokens_ < 1) return (1 - tokens_) / per_second;
+  tokens_ -= 1;
   return 0;
 }
 

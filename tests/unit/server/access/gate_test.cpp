@@ -23,7 +23,7 @@ TEST(TokenBucket, GivesAMinutesWorthAtOnceAndThenItsRate) {
   EXPECT_DOUBLE_EQ(bucket.take(start + milliseconds(250)), 0.25);
   EXPECT_EQ(bucket.take(start + milliseconds(500)), 0);
   EXPECT_GT(bucket.take(start + milliseconds(500)), 0);
-  // A pause fills it, but not beyond a minute's worth.
+  // A pause fills the bucket, but not beyond a minute's requests.
   int taken = 0;
   while (bucket.take(start + hours(5)) == 0) ++taken;
   EXPECT_EQ(taken, 120);
@@ -50,7 +50,7 @@ TEST(Sessions, AKeyHasSoManyAndTheOldestMakesRoom) {
   const auto other = sessions.open("b", hash, start);
   const auto first = sessions.open("a", hash, start + seconds(1));
   const auto second = sessions.open("a", hash, start + seconds(2));
-  for (std::size_t i = 2; i < Sessions::most_of_a_key; ++i) sessions.open("a", hash, start + seconds(3));
+  for (std::size_t i = 2; i < Sessions::max_per_key; ++i) sessions.open("a", hash, start + seconds(3));
   EXPECT_TRUE(sessions.find(first, start + seconds(4)));
   sessions.open("a", hash, start + seconds(4));
   EXPECT_FALSE(sessions.find(first, start + seconds(4)));
@@ -81,7 +81,7 @@ class GateTest : public testing::Test {
     now_.date += time.count();
     now_.steady += time;
   }
-  /// The id of the key that is found, or the code of the refusal; empty where none is needed.
+  /// The id of the key that `identify` returns, or the code of the error; empty if no key is needed.
   static std::string answer(Gate& gate, const std::string& authorization, const std::string& session = {}) {
     try {
       const auto key = gate.identify({authorization, session});

@@ -46,7 +46,7 @@ NewKey wanted(const std::string& name = "lab") {
   return key;
 }
 
-/// What a call throws as text; empty where it throws nothing.
+/// Text of the exception that a call throws; empty if it throws none.
 template <class Call>
 std::string thrown(Call call) {
   try {
@@ -165,12 +165,12 @@ TEST(Keys, RotationKeepsTheIdAndEndsTheSecretBeforeTheLast) {
   const auto second = rotate_key(keys, first.id, 100, 10);
   const auto third = rotate_key(keys, first.id, 100, 20);
   EXPECT_EQ(third.id, first.id);
-  EXPECT_EQ(accepting(keys[0], first.secret, 30), nullptr);
-  EXPECT_NE(accepting(keys[0], second.secret, 30), nullptr);
-  EXPECT_NE(accepting(keys[0], third.secret, 30), nullptr);
+  EXPECT_EQ(accepted_hash(keys[0], first.secret, 30), nullptr);
+  EXPECT_NE(accepted_hash(keys[0], second.secret, 30), nullptr);
+  EXPECT_NE(accepted_hash(keys[0], third.secret, 30), nullptr);
   rotate_key(keys, first.id, 0, 40);
   EXPECT_FALSE(keys[0].previous);
-  EXPECT_EQ(accepting(keys[0], third.secret, 40), nullptr);
+  EXPECT_EQ(accepted_hash(keys[0], third.secret, 40), nullptr);
 }
 
 TEST(Keys, WhatDoesNotExistOrHasExpiredIsNotRotated) {

@@ -45,7 +45,7 @@ TEST(Key, HashesAreSaltedAndFitTheirSecretAlone) {
 }
 
 TEST(Key, DigestsAreSha256) {
-  // FIPS 180-4, the example "abc".
+  // Expected is the SHA-256 of "abc", an example of FIPS 180-4.
   EXPECT_EQ(digest_of("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
 
@@ -56,10 +56,10 @@ TEST(Key, TheSecretBeforeARotationCountsUntilItsTimeAndNotAtIt) {
   key.secret = hash_secret(current);
   key.previous = hash_secret(old);
   key.previous_until = 1000;
-  EXPECT_EQ(accepting(key, current, 5000), &key.secret);
-  EXPECT_EQ(accepting(key, old, 999), &*key.previous);
-  EXPECT_EQ(accepting(key, old, 1000), nullptr);
-  EXPECT_EQ(accepting(key, new_secret(), 0), nullptr);
+  EXPECT_EQ(accepted_hash(key, current, 5000), &key.secret);
+  EXPECT_EQ(accepted_hash(key, old, 999), &*key.previous);
+  EXPECT_EQ(accepted_hash(key, old, 1000), nullptr);
+  EXPECT_EQ(accepted_hash(key, new_secret(), 0), nullptr);
 }
 
 TEST(Scopes, ReadBackAndAdminHasAllOfThem) {

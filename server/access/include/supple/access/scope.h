@@ -5,8 +5,8 @@
 
 namespace supple::access {
 
-/// What a key may do: `read` asks for what is stored, `compute` computes, stores and deletes what is its own, `admin`
-/// does all of this with what any key owns.
+/// A permission of a key: `read` allows reading stored objects, `compute` allows computing, storing, and deleting the
+/// key's own objects, and `admin` allows all of this for the objects of every key.
 enum class Scope : unsigned { read = 1, compute = 2, admin = 4 };
 
 std::string_view scope_name(Scope scope);
@@ -15,7 +15,7 @@ std::string_view scope_name(Scope scope);
 class Scopes {
  public:
   void add(Scope scope) { bits_ |= static_cast<unsigned>(scope); }
-  /// `admin` has the other two.
+  /// Whether the set allows what needs this scope; `admin` includes the other two.
   bool allow(Scope scope) const {
     return (bits_ & (static_cast<unsigned>(scope) | static_cast<unsigned>(Scope::admin))) != 0;
   }
@@ -26,9 +26,9 @@ class Scopes {
   unsigned bits_ = 0;
 };
 
-/// "read,compute".
+/// The names of the scopes: "read,compute".
 std::string scopes_text(Scopes scopes);
-/// Reads names that are separated by commas. Throws std::runtime_error for an unknown name and for none at all.
+/// Parses names that are separated by commas. Throws std::runtime_error for an unknown name and for an empty text.
 Scopes parse_scopes(std::string_view text);
 
 }  // namespace supple::access

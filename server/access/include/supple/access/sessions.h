@@ -9,23 +9,25 @@
 
 namespace supple::access {
 
-/// Sessions of browsers, which hold no key but a token that ends. In memory alone: a restart of the server ends them.
-/// Tokens are kept as their SHA-256. Not for several threads at once.
+/// Sessions of browsers. After signing in with a key, a browser keeps only a token that expires. Sessions are in memory
+/// only, so that a restart of the server ends them; of a token only the SHA-256 is stored. One thread at a time may
+/// call.
 class Sessions {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::hours length{8};    ///< a working day
-  static constexpr std::size_t most_of_a_key = 32;  ///< a further one ends the oldest
+  static constexpr std::chrono::hours length{8};  ///< a working day
+  static constexpr std::size_t max_per_key = 32;  ///< sessions of one key; opening another one ends the oldest
 
   struct Session {
-    std::string key;    ///< its id
-    SecretHash secret;  ///< by which it was opened: once the key does not accept that one any more, it has ended
+    std::string key;  ///< id of the key
+    SecretHash
+        secret;  ///< hash of the secret that opened it; the session ends once the key does not accept that secret
     Clock::time_point end;
   };
 
-  /// Returns the token: 256 random bits, hexadecimal.
+  /// Opens a session and returns its token: 256 random bits in hexadecimal digits.
   std::string open(const std::string& key, const SecretHash& secret, Clock::time_point now);
-  /// Null for an unknown token and for one that has ended.
+  /// The session of a token; null if the token is unknown or the session has ended.
   const Session* find(const std::string& token, Clock::time_point now);
   void close(const std::string& token);
 

@@ -4,7 +4,8 @@
 
 namespace supple::access {
 
-/// How many requests one may send: so many a minute on average, and after a pause a minute's worth at once.
+/// A token bucket that limits the rate of requests. On average it allows `per_minute` requests a minute; after a pause
+/// that many may come at once.
 class TokenBucket {
  public:
   using Clock = std::chrono::steady_clock;
@@ -12,13 +13,13 @@ class TokenBucket {
   TokenBucket(int per_minute, Clock::time_point now);
 
   int per_minute() const { return per_minute_; }
-  /// Takes one request's worth. Returns 0, or where there is none the seconds until there will be one.
+  /// Takes a token for one request and returns 0. If there is none, returns the seconds until there will be one.
   double take(Clock::time_point now);
 
  private:
   int per_minute_;
-  double left_;
-  Clock::time_point last_;
+  double tokens_;  ///< number of requests that may be sent at once
+  Clock::time_point last_update_;
 };
 
 }  // namespace supple::access

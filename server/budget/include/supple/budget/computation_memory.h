@@ -12,9 +12,9 @@ namespace supple::budget {
 /// Counts what one computation allocates, and enforces the limits of a budget.
 ///
 /// A computation that exceeds the limit of one request is stopped. If all computations together exceed the budget, the
-/// largest one is stopped, which need not be the one that allocates at that moment. A stop
-/// is requested through the computation's token. A large block that would exceed a limit is refused at once. Nothing is
-/// counted unless the program's malloc reports to accounts (counting_malloc.cpp). The budget must outlive this object.
+/// largest one is stopped, which need not be the one that allocates at that moment. A stop is requested through the
+/// computation's token. A large block that would exceed a limit is refused at once. Nothing is counted unless the
+/// program's malloc reports to accounts (counting_malloc.cpp). The budget must outlive this object.
 class ComputationMemory final : public MemoryAccount {
  public:
   ComputationMemory(MemoryBudget& budget, const CancellationToken& token);
