@@ -1,6 +1,6 @@
 # generate_error_table(<errors.yaml> <output.inc>)
-# Writes one row {code, status, title, hint} for each entry. Reads the subset of YAML that the table is written in: four
-# plain scalars on lines of their own, in that order. An entry that is written otherwise stops the configuration.
+# Writes one row {code, status, title, hint} for each entry. It parses only the part of YAML that the table uses: each
+# entry consists of these four plain scalars, in this order, each on a line of its own. Any other entry is an error.
 function(generate_error_table input output)
   file(READ ${input} text)
   string(REGEX MATCHALL "\n  - code:" starts "${text}")

@@ -13,12 +13,12 @@ namespace {
 
 bool is_space(char letter) { return letter == ' ' || letter == '\t' || letter == '\r'; }
 
-bool is_of_key(char letter) {
+bool is_key_character(char letter) {
   return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || (letter >= '0' && letter <= '9') ||
          letter == '-' || letter == '_';
 }
 
-/// Whether TOML allows the text without quotes: a number or a truth value.
+/// Whether the text needs no quotes in TOML: it is a number, true or false.
 bool is_bare_value(const std::string& text) {
   if (text == "true" || text == "false") return true;
   if (text.empty()) return false;
@@ -28,87 +28,88 @@ bool is_bare_value(const std::string& text) {
   return !number.fail() && number.peek() == std::istringstream::traits_type::eof();
 }
 
-/// Goes through one line; throws std::runtime_error that says what is wrong with it.
+/// Parses one line. Throws std::runtime_error, which says what is wrong with the line.
 class Line {
  public:
   explicit Line(std::string_view text) : text_(text) {}
 
-  /// Nothing for an empty line or a comment.
+  /// The setting of the line; nothing for an empty line or a comment.
   std::optional<Setting> setting() {
     skip_spaces();
     if (at_end()) return std::nullopt;
     if (peek() == '[') throw std::runtime_error("sections in brackets are not used; write \"key = value\" lines alone");
     Setting setting;
-    while (place_ < text_.size() && is_of_key(peek())) setting.key += text_[place_++];
+    while (position_ < text_.size() && is_key_character(peek())) setting.key += text_[position_++];
     if (setting.key.empty()) throw std::runtime_error("a key of letters, digits and hyphens is expected");
     skip_spaces();
     if (at_end() || peek() != '=') throw std::runtime_error("after the key '" + setting.key + "' a \"=\" is expected");
-    ++place_;
+    ++position_;
     skip_spaces();
     if (at_end()) throw std::runtime_error("the key '" + setting.key + "' has no value");
     if (peek() == '[')
-      list(setting);
+      read_list(setting);
     else
-      setting.values.push_back(value());
+      setting.values.push_back(read_value());
     skip_spaces();
     if (!at_end()) throw std::runtime_error("more than one value follows the key '" + setting.key + "'");
     return setting;
   }
 
  private:
-  char peek() const { return text_[place_]; }
-  /// A comment ends the line.
-  bool at_end() const { return place_ >= text_.size() || peek() == '#'; }
+  char peek() const { return text_[position_]; }
+  /// Whether the line, or its part before a comment, has been parsed.
+  bool at_end() const { return position_ >= text_.size() || peek() == '#'; }
   void skip_spaces() {
-    while (place_ < text_.size() && is_space(peek())) ++place_;
+    while (position_ < text_.size() && is_space(peek())) ++position_;
   }
 
-  void list(Setting& setting) {
-    ++place_;
+  void read_list(Setting& setting) {
+    ++position_;
     for (;;) {
       skip_spaces();
       if (at_end()) throw std::runtime_error("the list of '" + setting.key + "' does not end in this line");
       if (peek() == ']') break;
-      setting.values.push_back(value());
+      setting.values.push_back(read_value());
       skip_spaces();
       if (!at_end() && peek() == ',')
-        ++place_;
+        ++position_;
       else if (at_end() || peek() != ']')
         throw std::runtime_error("in the list of '" + setting.key + "' a \",\" or \"]\" is expected");
     }
-    ++place_;
+    ++position_;
   }
 
-  std::string value() {
-    if (peek() == '"' || peek() == '\'') return quoted();
+  std::string read_value() {
+    if (peek() == '"' || peek() == '\'') return read_quoted();
     std::string text;
-    while (place_ < text_.size() && !is_space(peek()) && peek() != ',' && peek() != ']' && peek() != '#')
-      text += text_[place_++];
+    while (position_ < text_.size() && !is_space(peek()) && peek() != ',' && peek() != ']' && peek() != '#')
+      text += text_[position_++];
     if (!is_bare_value(text))
       throw std::runtime_error("the value '" + text + "' is neither a number nor true or false; text needs quotes: \"" +
                                text + "\"");
     return text;
   }
 
-  /// Between double quotes a backslash keeps the next quote or backslash; between single quotes all is as it stands.
-  std::string quoted() {
-    const char quote = text_[place_++];
+  /// Reads text in quotes. In double quotes a backslash escapes a double quote or a backslash; in single quotes there
+  /// are no escapes.
+  std::string read_quoted() {
+    const char quote = text_[position_++];
     std::string text;
-    while (place_ < text_.size() && peek() != quote) {
+    while (position_ < text_.size() && peek() != quote) {
       if (quote == '"' && peek() == '\\') {
-        ++place_;
-        if (place_ >= text_.size() || (peek() != '"' && peek() != '\\'))
+        ++position_;
+        if (position_ >= text_.size() || (peek() != '"' && peek() != '\\'))
           throw std::runtime_error("between double quotes a backslash may be followed by \\ or \" alone");
       }
-      text += text_[place_++];
+      text += text_[position_++];
     }
-    if (place_ >= text_.size()) throw std::runtime_error("a quote is not closed in its line");
-    ++place_;
+    if (position_ >= text_.size()) throw std::runtime_error("a quote is not closed in its line");
+    ++position_;
     return text;
   }
 
   std::string_view text_;
-  std::size_t place_ = 0;
+  std::size_t position_ = 0;
 };
 
 }  // namespace

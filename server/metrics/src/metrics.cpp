@@ -14,11 +14,11 @@
 namespace supple::metrics {
 namespace {
 
-/// Seconds; from far below an immediate answer's overhead to a long job.
+/// Upper limits of the buckets in seconds, from far below the overhead of an immediate answer to a long job.
 const prometheus::Histogram::BucketBoundaries latency_buckets{
     0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 60};
 
-/// Bytes; from what a small answer takes to the largest that one request may have.
+/// Upper limits of the buckets in bytes, from a small answer to the largest amount for one request.
 const prometheus::Histogram::BucketBoundaries memory_buckets{1 << 20, 1 << 22, 1 << 24,  1 << 26,
                                                              1 << 28, 1 << 30, 1LL << 32};
 
@@ -93,7 +93,7 @@ struct Metrics::Implementation {
   prometheus::Gauge& store_limit = gauge("supple_store_limit_bytes", "Bytes that the data folder may hold.");
   prometheus::Gauge& resident = gauge("process_resident_memory_bytes", "Resident memory of the process.");
 
-  /// The library looks a series up by a map of strings; these maps save that for the series in use.
+  /// These maps cache the series in use, because the library finds a series by a slower search in a map of strings.
   std::mutex mutex;
   std::map<std::tuple<std::string, std::string, int>, prometheus::Counter*> request_series;
   std::map<std::string, prometheus::Histogram*> latency_series;
@@ -116,20 +116,20 @@ Metrics::~Metrics() = default;
 void Metrics::count_request(const std::string& route, const std::string& method, int status, double seconds) {
   auto& self = *implementation_;
   const std::string& name = route.empty() ? "none" : route;
-  // A method that the server does not know comes from a stranger: one series for all of them.
+  // Without a route the method may be any text that a client sends. All such requests share one series.
   const std::string& label = route.empty() ? "any" : method;
   prometheus::Counter* counter = nullptr;
   prometheus::Histogram* histogram = nullptr;
   {
     const std::lock_guard lock(self.mutex);
-    auto& known = self.request_series[{name, label, status}];
-    if (!known) {
-      known = &self.requests.Add({{"route", name}, {"method", label}, {"status", std::to_string(status)}});
+    auto& cached_counter = self.request_series[{name, label, status}];
+    if (!cached_counter) {
+      cached_counter = &self.requests.Add({{"route", name}, {"method", label}, {"status", std::to_string(status)}});
     }
-    counter = known;
-    auto& timed = self.latency_series[name];
-    if (!timed) timed = &self.latency.Add({{"route", name}}, latency_buckets);
-    histogram = timed;
+    counter = cached_counter;
+    auto& cached_histogram = self.latency_series[name];
+    if (!cached_histogram) cached_histogram = &self.latency.Add({{"route", name}}, latency_buckets);
+    histogram = cached_histogram;
   }
   counter->Increment();
   histogram->Observe(seconds);

@@ -14,7 +14,8 @@ std::string plain_number(double value) {
   return {buffer, end};
 }
 
-/// "points/3" -> "/points/3"; mesh elements ("face 17") and what is a pointer already stay as they are.
+/// Turns a path "points/3" into the JSON pointer "/points/3". Mesh elements ("face 17") and JSON pointers are returned
+/// unchanged.
 std::string as_pointer(const std::string& where) {
   if (where.empty() || where.front() == '/' || where.find(' ') != std::string::npos) return where;
   return "/" + where;

@@ -34,7 +34,7 @@ bool is_code(std::string_view literal) {
   return literal.find_first_not_of("abcdefghijklmnopqrstuvwxyz_", dot + 1) == std::string_view::npos;
 }
 
-/// The text of a source file without its #include lines: a header "job.h" has the form of a code.
+/// The text of a source file without its #include lines, because the name of a header ("job.h") has the form of a code.
 std::string without_includes(const std::filesystem::path& path) {
   std::ifstream file(path);
   std::string text;
@@ -44,7 +44,7 @@ std::string without_includes(const std::filesystem::path& path) {
   return text;
 }
 
-/// Every code in the sources of the engine and the server: what stands between two quotation marks of one line.
+/// All codes in the sources of the engine and the server: texts of this form between two quotation marks of one line.
 std::set<std::string> codes_in_sources() {
   std::set<std::string> codes;
   for (const char* folder : {"engine", "server"}) {

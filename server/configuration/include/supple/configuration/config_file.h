@@ -10,25 +10,25 @@ namespace supple::configuration {
 /// One line "key = value" of a configuration file.
 struct Setting {
   std::string key;
-  std::vector<std::string> values;  ///< the texts of the value, without quotes; several where it is a list
+  std::vector<std::string> values;  ///< the value without quotes; several values if it is a list
   int line = 0;                     ///< counted from 1
 };
 
-/// What a configuration file says, and each line that could not be understood, as "line 3: ...".
+/// The content of a configuration file.
 struct ConfigFile {
   std::vector<Setting> settings;
-  std::vector<std::string> faults;
+  std::vector<std::string> faults;  ///< one text "line 3: ..." for each line that is not valid
 };
 
-/// Longer files are not configurations.
+/// Largest size of a configuration file in bytes.
 constexpr std::size_t max_config_bytes = std::size_t{1} << 20;
 
-/// Reads the part of TOML that settings without sections need: "key = value" in a line each, where the value is "text",
-/// 'text', a number, true or false, or a list of them in brackets in that line; "#" begins a comment. Keys are letters,
-/// digits, "-" and "_". A key that is there twice is a fault, as TOML says. O(length).
+/// Parses a part of TOML that suffices for settings without sections. A line has the form "key = value". A key consists
+/// of letters, digits, "-" and "_". A value is "text", 'text', a number, true, false, or a list of these in brackets in
+/// the same line. "#" begins a comment. As in TOML, a repeated key is a fault. O(length).
 ConfigFile parse_config(std::string_view text);
 
-/// Reads a file. Throws std::runtime_error, which names the file, where it cannot be read or is longer than
+/// Reads and parses a file. Throws std::runtime_error, which names the file, if it cannot be read or is longer than
 /// `max_config_bytes`.
 ConfigFile read_config_file(const std::filesystem::path& path);
 

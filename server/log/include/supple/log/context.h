@@ -5,11 +5,11 @@
 
 namespace supple::log {
 
-/// Says on whose behalf this thread works during the object's life, so that every line that it logs names the request
-/// or the job, whichever room it comes from. Objects of one thread end in the reverse of the order in which they began.
+/// During the lifetime of a Context, every line that this thread logs names the request or the job for which the thread
+/// works, whichever room logs it. The contexts of a thread are destroyed in the reverse order of their construction.
 class Context {
  public:
-  /// "request", "job"; `id` has neither spaces nor line ends.
+  /// `kind` is "request" or "job". `id` contains neither spaces nor line ends.
   Context(std::string_view kind, std::string_view id);
   ~Context();
   Context(const Context&) = delete;
@@ -19,8 +19,9 @@ class Context {
   std::string::size_type before_;
 };
 
-/// What a line of this thread begins with: "request=00f3a1b2c4d5e6f7 ", with a space after each; the outermost context
-/// comes first. Empty where there is none. It stays until the thread's next context begins or ends.
+/// The beginning of this thread's log lines: "request=00f3a1b2c4d5e6f7 ". The outermost context comes first, and a
+/// space follows each one. Empty if there is no context. The text is valid until a context of this thread is
+/// constructed or destroyed.
 std::string_view context_text() noexcept;
 
 }  // namespace supple::log

@@ -12,20 +12,20 @@ namespace supple::problem {
 /// A limit that was exceeded.
 struct Limit {
   double limit = 0;
-  double value = 0;
-  std::string setting;  ///< the command line option that sets it; empty for fixed limits
+  double value = 0;     ///< the value that exceeds the limit
+  std::string setting;  ///< the command line option that sets the limit; empty for fixed limits
 };
 
 /// An error as a client sees it (RFC 9457).
 struct Problem {
-  std::string code;                   ///< a row of api/errors.yaml
+  std::string code;                   ///< the code of a row of api/errors.yaml
   std::string detail;                 ///< one sentence
   std::vector<Error::Detail> errors;  ///< `where` is a JSON pointer or a mesh element
   std::optional<Limit> limit;
-  std::optional<int> retry_after;  ///< seconds
+  std::optional<int> retry_after;  ///< seconds after which the client may try again
 };
 
-/// An Error that also carries a limit, or when to ask again.
+/// An Error that also carries a limit or the time after which to try again.
 class ProblemError : public Error {
  public:
   explicit ProblemError(Problem problem);
@@ -35,16 +35,17 @@ class ProblemError : public Error {
   Problem problem_;
 };
 
-/// Throws ProblemError `code`: "`what` is `value`, the limit is `limit` (setting `setting`)".
+/// Throws a ProblemError with this code and the text "`what` is `value`, the limit is `limit` (setting `setting`)".
+/// `pointer` is the JSON pointer of the value that exceeds the limit; empty if there is none.
 [[noreturn]] void throw_limit(const std::string& code, const std::string& what, double limit, double value,
                               const std::string& setting, const std::string& pointer = {});
 
-/// What a client is told about an exception. An Error keeps its code and its details, whose paths ("points/3") become
-/// JSON pointers ("/points/3"); std::bad_alloc is "server.out_of_memory"; anything else is "server.internal", and its
-/// text stays with the server.
+/// The problem by which a client is told of an exception. An Error keeps its code and its details, whose paths
+/// ("points/3") become JSON pointers ("/points/3"). std::bad_alloc becomes "server.out_of_memory". Any other exception
+/// becomes "server.internal", and its text is not told to the client.
 Problem problem_of(const std::exception_ptr& exception);
 
-/// The HTTP status of the problem's code.
+/// The HTTP status of the problem's code, from the table of errors.
 int status_of(const Problem& problem);
 
 }  // namespace supple::problem
