@@ -13,7 +13,8 @@ namespace {
 struct Command {
   std::string_view name;
   std::string_view summary;
-  /// The arguments begin with the command's name. Returns the exit status; what it throws is printed, with status 1.
+  /// The arguments begin with the command's name. Returns the exit status. If it throws, the text is printed and the
+  /// status is 1.
   int (*run)(int argc, char** argv);
 };
 

@@ -7,9 +7,10 @@
 
 namespace supple {
 
-/// What would keep a server with these options from starting or from working, besides what reading them has found: the
-/// data folder, the key file, the folders of models and of the editor, the helper program. Looks and changes nothing;
-/// whether the port is free is not looked at, since a server may be running with the same configuration.
+/// Faults that would keep a server with these options from starting or from working, besides those found when the
+/// options were read. It checks the data folder, the key file, the folders of models and of the editor, and the helper
+/// program, and changes nothing. It does not check whether the port is free, because a server may be running with this
+/// configuration.
 std::vector<std::string> configuration_faults(const ServerOptions& options);
 
 }  // namespace supple

@@ -6,8 +6,8 @@
 
 namespace supple {
 
-/// Adds "supple-server keys add|list|rotate|revoke", which run when the command line is read and work on the key file
-/// that `options` name then. They throw std::runtime_error.
+/// Adds the commands "supple-server keys add|list|rotate|revoke". They run while `app` parses the command line, and use
+/// the key file that `options` name at that time. They throw std::runtime_error.
 void add_keys_commands(CLI::App& app, const ServerOptions& options);
 
 }  // namespace supple

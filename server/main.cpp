@@ -33,7 +33,8 @@
 namespace supple {
 namespace {
 
-/// Blocks the signals that end the process in every thread that starts from here on; one thread waits for them.
+/// Blocks SIGTERM and SIGINT in this thread and in all threads that it starts, so that the main thread can wait for
+/// them.
 sigset_t block_end_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -65,8 +66,9 @@ void log_access(const http::Answered& answered) {
                answered.seconds, answered.body_bytes);
 }
 
-/// Ends the process once so many seconds have passed, whatever still runs: what the store has acknowledged is on disk.
-void end_at_the_latest_after(double seconds) {
+/// Ends the process after `seconds`, even if computations still run. Everything that the store has acknowledged is on
+/// disk.
+void exit_after(double seconds) {
   std::thread([seconds] {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
     spdlog::warn("a computation does not stop: ending without it");
@@ -74,7 +76,7 @@ void end_at_the_latest_after(double seconds) {
   }).detach();
 }
 
-/// The parts of the process, in the order in which they may use each other.
+/// The parts of the process. A part may use those that are declared before it.
 class Process {
  public:
   Process(const ServerOptions& options, sigset_t signals)
@@ -111,7 +113,7 @@ class Process {
   int run() {
     const int port = server_->bind();
     std::atomic<bool> ended{false};
-    // Listens while the store opens: probes are answered from the first moment.
+    // The server listens while the store opens, so that probes are answered from the start.
     std::thread listener([&] {
       server_->run();
       ended = true;
@@ -128,7 +130,7 @@ class Process {
       drain();
       spdlog::info("signal {}: finishing within {} s", signal, options_.grace);
       constexpr double seconds_to_stop = 4;
-      end_at_the_latest_after(options_.grace + seconds_to_stop);
+      exit_after(options_.grace + seconds_to_stop);
     } catch (const std::exception& error) {
       spdlog::error("cannot start: {}", error.what());
       status = 1;
@@ -137,7 +139,7 @@ class Process {
     server_->stop();
     if (jobs_) jobs_->shut_down(options_.grace);
     while (!ended) {
-      server_->stop();  // again, for a listener that was just starting
+      server_->stop();  // repeated, because a call while `run` begins may be missed
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
     listener.join();
@@ -146,8 +148,8 @@ class Process {
   }
 
  private:
-  /// Answers all requests for a while, but says that it is not ready, so that a load balancer sends it no more of them.
-  /// A further signal ends that.
+  /// Answers all requests for the time of --drain, but reports that the server is not ready, so that load balancers
+  /// send no more requests. A further signal ends the wait.
   void drain() {
     if (options_.drain <= 0) return;
     spdlog::info("not ready any more; answering for another {} s", options_.drain);
@@ -159,7 +161,7 @@ class Process {
   }
 
   void open() {
-    models_ = std::make_unique<store::ModelStore>(model_options(options_));  // reads while the store opens
+    models_ = std::make_unique<store::ModelStore>(model_options(options_));  // it reads files while the store opens
     store_ = open_store();
     meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
     models_->wait_until_read();
@@ -221,14 +223,14 @@ class Process {
   std::unique_ptr<store::MeshCache> meshes_;
   std::unique_ptr<store::ModelStore> models_;
   std::unique_ptr<jobs::JobQueue> jobs_;
-  std::unique_ptr<http::Server> server_;  // last: its handlers use all of the others
+  std::unique_ptr<http::Server> server_;  // last, because its handlers use all others
 };
 
 int serve(const ServerOptions& options) {
   start_log(options.log_level);
   const auto signals = block_end_signals();
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond the limit of its size is an error of that write, not the end
+  std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of file size fails, but does not end the process
   budget::limit_arenas(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
   set_thread_count(options.threads);
   if (!budget::counts_allocations()) spdlog::warn("what computations allocate is not held against --memory");

@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::string_view prefix = "SUPPLE_";
 
-/// Variables that the clients, the scripts and the tests of Supple read, and names that Kubernetes makes of a service
-/// called supple. Those that end with "_" stand for all names that begin so.
-constexpr std::array<std::string_view, 16> of_others{
+/// Names of variables that the clients, scripts and tests of Supple read, or that Kubernetes sets for a service called
+/// supple. A name that ends with "_" stands for all names that begin with it.
+constexpr std::array<std::string_view, 16> foreign_names{
     "SUPPLE_CONFIG",  "SUPPLE_SERVER",        "SUPPLE_KEY",      "SUPPLE_KEY_FILE",     "SUPPLE_BUILD", "SUPPLE_JOBS",
     "SUPPLE_CCACHE",  "SUPPLE_SCREENS",       "SUPPLE_EDITOR",   "SUPPLE_FUZZ_SECONDS", "SUPPLE_AVX",   "SUPPLE_TEST_",
     "SUPPLE_RANDOM_", "SUPPLE_SKIP_PACKAGES", "SUPPLE_SERVICE_", "SUPPLE_PORT_"};
 
-bool is_of_others(std::string_view name) {
-  return std::any_of(of_others.begin(), of_others.end(), [&](std::string_view other) {
+bool is_foreign(std::string_view name) {
+  return std::any_of(foreign_names.begin(), foreign_names.end(), [&](std::string_view other) {
     return other.back() == '_' ? name.substr(0, other.size()) == other : name == other;
   });
 }
@@ -36,7 +36,7 @@ std::string variable_of(const std::string& key) {
   return name;
 }
 
-bool given(int argc, char** argv, const std::string& option) {
+bool is_given(int argc, char** argv, const std::string& option) {
   return std::any_of(argv + 1, argv + argc, [&](const char* argument) {
     const std::string_view text(argument);
     return text == option || text.substr(0, option.size() + 1) == option + "=";
@@ -70,10 +70,10 @@ bool is_number(const std::string& text) {
   return *end == '\0' && std::isalpha(static_cast<unsigned char>(text.front())) == 0;
 }
 
-/// As the configuration file would have it.
-std::string as_value(const std::string& text, bool flag) { return flag || is_number(text) ? text : quoted(text); }
+/// The text of a value as it is written in a configuration file.
+std::string as_value(const std::string& text, bool is_flag) { return is_flag || is_number(text) ? text : quoted(text); }
 
-/// "|" separates the cells of a table.
+/// The text of a table's cell, in which "|" is escaped because it separates cells.
 std::string as_cell(const std::string& text) {
   std::string result;
   for (const char letter : text) {
@@ -83,7 +83,7 @@ std::string as_cell(const std::string& text) {
   return result;
 }
 
-std::string code(const std::string& text) { return '`' + text + '`'; }
+std::string as_code(const std::string& text) { return '`' + text + '`'; }
 
 }  // namespace
 
@@ -95,10 +95,10 @@ OptionSources::OptionSources(CLI::App& app, int argc, char** argv, std::map<std:
     entry.option = option;
     entry.key = option->get_lnames().front();
     entry.variable = variable_of(entry.key);
-    entry.flag = option->get_expected_max() == 0;
-    entry.list = option->get_items_expected_max() > 1;
-    entry.standard = entry.flag ? "false" : option->get_default_str();
-    entry.on_command_line = given(argc, argv, "--" + entry.key);
+    entry.is_flag = option->get_expected_max() == 0;
+    entry.is_list = option->get_items_expected_max() > 1;
+    entry.default_text = entry.is_flag ? "false" : option->get_default_str();
+    entry.on_command_line = is_given(argc, argv, "--" + entry.key);
     entries_.push_back(std::move(entry));
   };
   for (auto* const option : app.get_options()) add(option);
@@ -107,22 +107,22 @@ OptionSources::OptionSources(CLI::App& app, int argc, char** argv, std::map<std:
   }
 }
 
-void OptionSources::set(Entry& entry, const std::vector<std::string>& values, const std::string& place) {
+void OptionSources::set(Entry& entry, const std::vector<std::string>& values, const std::string& source) {
   try {
-    if (!entry.list && values.size() != 1) throw std::runtime_error("--" + entry.key + " has one value, not a list");
-    // The library takes a list in brackets apart again.
+    if (!entry.is_list && values.size() != 1) throw std::runtime_error("--" + entry.key + " has one value, not a list");
+    // The library splits a text in brackets into the items of a list.
     std::string text = values.empty() ? std::string() : values.front();
-    if (entry.list) {
+    if (entry.is_list) {
       text = "[";
       for (std::size_t i = 0; i < values.size(); ++i) text.append(i == 0 ? "" : ",").append(values[i]);
       text += ']';
     }
-    // Nothing to read there: the list stays as it is, which is empty.
-    if (!entry.list || !values.empty()) entry.option->default_val(text);
-    entry.place = place;
+    // An empty list has nothing to parse. The option is empty already.
+    if (!entry.is_list || !values.empty()) entry.option->default_val(text);
+    entry.source = source;
     entry.values = values;
   } catch (const std::exception& error) {
-    faults_.push_back(place + ": " + error.what());
+    faults_.push_back(source + ": " + error.what());
   }
 }
 
@@ -138,14 +138,14 @@ void OptionSources::read_file(const std::string& path) {
   std::vector<std::string> keys;
   for (const auto& entry : entries_) keys.push_back(entry.key);
   for (const auto& setting : file.settings) {
-    const auto place = path + ", line " + std::to_string(setting.line);
+    const auto source = path + ", line " + std::to_string(setting.line);
     const auto entry =
         std::find_if(entries_.begin(), entries_.end(), [&](const auto& other) { return other.key == setting.key; });
     if (entry != entries_.end()) {
-      set(*entry, setting.values, place);
+      set(*entry, setting.values, source);
       continue;
     }
-    auto fault = place + ": there is no key '" + setting.key + "'";
+    auto fault = source + ": there is no key '" + setting.key + "'";
     const auto near = configuration::nearest_name(setting.key, keys);
     fault += near ? "; did you mean '" + *near + "'?" : "; supple-server --help-config lists all of them";
     faults_.push_back(std::move(fault));
@@ -164,15 +164,15 @@ void OptionSources::read_environment(char** environment) {
     const auto entry =
         std::find_if(entries_.begin(), entries_.end(), [&](const auto& other) { return other.variable == name; });
     if (entry != entries_.end()) {
-      // An empty variable is as good as none: scripts pass on what may not be set.
+      // An empty variable counts as not set, because scripts pass on variables that may be empty.
       if (value.empty() || entry->on_command_line) continue;
       const auto before = faults_.size();
-      set(*entry, entry->list ? split_at_commas(value) : std::vector{value}, "environment, " + name);
+      set(*entry, entry->is_list ? split_at_commas(value) : std::vector{value}, "environment, " + name);
       if (faults_.size() > before && entry->key == "port" && value.find("://") != std::string::npos)
         faults_.back() +=
             ". Kubernetes sets this variable for a service with the name supple: say enableServiceLinks: false in the "
             "pod";
-    } else if (!is_of_others(name)) {
+    } else if (!is_foreign(name)) {
       auto warning = "the variable " + name + " of the environment is not used: no option has this name";
       if (const auto near = configuration::nearest_name(name, variables)) warning += "; did you mean " + *near + "?";
       warnings_.push_back(std::move(warning));
@@ -183,27 +183,27 @@ void OptionSources::read_environment(char** environment) {
 void OptionSources::print_effective(std::ostream& out) const {
   for (const auto& entry : entries_) {
     auto values = entry.values;
-    auto place = entry.place;
+    auto source = entry.source;
     if (entry.option->count() > 0) {
       values = entry.option->results();
-      place = "command line";
-    } else if (values.empty() && !entry.list) {
-      values = {entry.standard};
+      source = "command line";
+    } else if (values.empty() && !entry.is_list) {
+      values = {entry.default_text};
     }
-    // An empty value is one that an option was given, or none at all.
-    if (!entry.list && place == "default" && values.front().empty()) {
+    // A default that is empty means that the option is not set.
+    if (!entry.is_list && source == "default" && values.front().empty()) {
       out << "# " << entry.key << " is not set\n";
       continue;
     }
     out << entry.key << " = ";
-    if (entry.list) {
+    if (entry.is_list) {
       out << '[';
       for (std::size_t i = 0; i < values.size(); ++i) out << (i == 0 ? "" : ", ") << quoted(values[i]);
       out << ']';
     } else {
-      out << as_value(values.empty() ? std::string() : values.back(), entry.flag);
+      out << as_value(values.empty() ? std::string() : values.back(), entry.is_flag);
     }
-    out << "  # " << place << '\n';
+    out << "  # " << source << '\n';
   }
 }
 
@@ -211,13 +211,13 @@ void OptionSources::print_table(std::ostream& out) const {
   out << "| Option | Environment | Key of the file | Default | Meaning |\n|---|---|---|---|---|\n";
   for (const auto& entry : entries_) {
     const auto words = computed_.find("--" + entry.key);
-    std::string standard = "none";
+    std::string default_text = "none";
     if (words != computed_.end())
-      standard = words->second;
-    else if (!entry.list && !entry.standard.empty())
-      standard = code(entry.standard);
-    out << "| " << code("--" + entry.key) << " | " << code(entry.variable) << " | " << code(entry.key) << " | "
-        << as_cell(standard) << " | " << as_cell(entry.option->get_description()) << " |\n";
+      default_text = words->second;
+    else if (!entry.is_list && !entry.default_text.empty())
+      default_text = as_code(entry.default_text);
+    out << "| " << as_code("--" + entry.key) << " | " << as_code(entry.variable) << " | " << as_code(entry.key) << " | "
+        << as_cell(default_text) << " | " << as_cell(entry.option->get_description()) << " |\n";
   }
 }
 

@@ -8,49 +8,50 @@
 
 namespace supple {
 
-/// Where the value of each option comes from. The command line counts most, then the environment, then the
-/// configuration file, then the default.
+/// The values of all options and their sources. The command line takes precedence over the environment, this over the
+/// configuration file, and this over the default.
 ///
 /// Every option that can be set has one name in three forms: --max-store, SUPPLE_MAX_STORE and the key max-store.
-/// Options that are about the process itself (--help, --config, ...) are those which the library calls not
+/// Options about the process itself (--help, --config, ...) are excluded; the library CLI11 marks them as not
 /// configurable.
 class OptionSources {
  public:
-  /// The options of `app` and of its groups, as they are with their defaults. `computed` has, by name (--workers), the
-  /// words for defaults that depend on the machine. `argv` says which options the command line sets: what the
-  /// environment says of those is not looked at.
+  /// Collects the options of `app` and of its groups, which still have their defaults. `computed` describes in words
+  /// the defaults that depend on the machine, by option (--workers). `argv` is searched for the options that the
+  /// command line sets; for these the environment is ignored.
   OptionSources(CLI::App& app, int argc, char** argv, std::map<std::string, std::string> computed);
 
-  /// What the file says becomes the options' defaults, and so does what the environment says, which is read afterwards.
-  /// What cannot be is told by `faults`.
+  /// Makes the values of a configuration file the defaults of the options. Invalid ones are added to `faults`.
   void read_file(const std::string& path);
+  /// Does the same for the variables of the environment. Call it after `read_file`.
   void read_environment(char** environment);
 
-  /// Mistakes that keep the server from starting, each with its place: a key that does not exist, a value out of range.
+  /// Errors that keep the server from starting, each with its source: an unknown key, or a value out of range.
   const std::vector<std::string>& faults() const { return faults_; }
-  /// Variables of the environment whose names begin with SUPPLE_ and which nothing of Supple reads.
+  /// Warnings about variables of the environment whose names begin with SUPPLE_, but which no program of Supple reads.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// All options in the form of a configuration file, each with the place that its value comes from. Call after the
-  /// command line was read.
+  /// Prints all options in the form of a configuration file, each with the source of its value. Call it after the
+  /// command line has been parsed.
   void print_effective(std::ostream& out) const;
-  /// All options as a table in Markdown, without anything that depends on the machine. Call before anything was read.
+  /// Prints all options as a table in Markdown, which does not depend on the machine. Call it before anything is read.
   void print_table(std::ostream& out) const;
 
  private:
   struct Entry {
     CLI::Option* option = nullptr;
-    std::string key;       ///< in the file
-    std::string variable;  ///< of the environment
-    std::string standard;  ///< the default as a text
-    bool flag = false;     ///< true or false
-    bool list = false;     ///< may be given more than once
+    std::string key;           ///< key in the configuration file
+    std::string variable;      ///< name of the environment variable
+    std::string default_text;  ///< text of the default
+    bool is_flag = false;      ///< whether its value is true or false
+    bool is_list = false;      ///< whether it may be given more than once
     bool on_command_line = false;
-    std::string place = "default";
-    std::vector<std::string> values;  ///< of the file or the environment
+    std::string source = "default";
+    std::vector<std::string> values;  ///< values from the file or the environment
   };
 
-  void set(Entry& entry, const std::vector<std::string>& values, const std::string& place);
+  /// Makes `values` the default of an option; an error is added to `faults_`.
+  void set(Entry& entry, const std::vector<std::string>& values, const std::string& source);
 
   std::vector<Entry> entries_;
   std::map<std::string, std::string> computed_;
@@ -58,7 +59,7 @@ class OptionSources {
   std::vector<std::string> warnings_;
 };
 
-/// The file that --config names, else the environment's SUPPLE_CONFIG; empty where there is none.
+/// Path of the configuration file from --config, else from SUPPLE_CONFIG; empty if neither is set.
 std::string config_path(int argc, char** argv);
 
 }  // namespace supple

@@ -11,7 +11,7 @@
 namespace supple {
 namespace {
 
-/// Lines are put into words on the thread that writes them, whose context it is.
+/// Inserts the context of the thread. A line is formatted on the thread that logs it.
 class ContextFlag final : public spdlog::custom_flag_formatter {
  public:
   void format(const spdlog::details::log_msg&, const std::tm&, spdlog::memory_buf_t& target) override {

@@ -4,8 +4,8 @@
 
 namespace supple {
 
-/// From here on spdlog writes to standard error: the time, the level ("info"), the request or the job that the line is
-/// about (log::Context), the text. `level` is a name that spdlog knows.
+/// Makes spdlog write to standard error. A line consists of the time, the level ("info"), the request or job that it
+/// concerns (log::Context), and the text. `level` is the name of a level of spdlog; lower levels are not logged.
 void start_log(const std::string& level);
 
 }  // namespace supple

@@ -21,8 +21,8 @@
 namespace supple {
 namespace {
 
-/// Where an installed server finds its models and its web editor: in share/supple beside the folder of the program.
-/// Empty where there is no such folder.
+/// The folder share/supple/`name` beside the folder of the program, in which an installed server finds its models and
+/// its web editor. Empty if it does not exist.
 std::string installed_folder(const std::string& name) {
   std::error_code error;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -102,10 +102,10 @@ void add_limits(CLI::App& app, ServerOptions& options) {
       ->transform(CLI::AsSizeValue(false));
 }
 
-/// A configuration that cannot be used.
-constexpr int unusable = 2;
+/// Exit status if the configuration cannot be used.
+constexpr int unusable_status = 2;
 
-/// The defaults that depend on the machine, in words.
+/// Descriptions of the defaults that depend on the machine, by option.
 std::map<std::string, std::string> computed_defaults() {
   return {{"--models", "`share/supple/models` beside the folder of the program, if there is one"},
           {"--web", "`share/supple/web` beside the folder of the program, if there is one"},
@@ -119,25 +119,28 @@ std::map<std::string, std::string> computed_defaults() {
           {"--mesh-memory", "an eighth of the memory, 2 GiB at most"}};
 }
 
-/// Options about the process, which no file and no variable of the environment sets.
-struct AboutProcess {
+/// Options about the process itself, which a configuration file cannot set.
+struct ProcessOptions {
   std::string config;
   bool check = false;
   bool table = false;
 };
 
-void add_process_options(CLI::App& app, AboutProcess& about) {
+void add_process_options(CLI::App& app, ProcessOptions& process_options) {
   auto* const group = app.add_option_group(
       "Configuration",
       "Each option can also be set by a variable of the environment (SUPPLE_MAX_STORE for --max-store) and by a file. "
       "The command line counts most, then the environment, then the file");
-  group->add_option("--config", about.config, "File of lines \"max-store = 1e9\"; without it that of SUPPLE_CONFIG")
+  group
+      ->add_option("--config", process_options.config,
+                   "File of lines \"max-store = 1e9\"; without it that of SUPPLE_CONFIG")
       ->configurable(false);
   group
-      ->add_flag("--check-config", about.check,
+      ->add_flag("--check-config", process_options.check,
                  "Look whether a server could start with this configuration, show it, and end: 0 if it could, else 2")
       ->configurable(false);
-  group->add_flag("--help-config", about.table, "Print a table of all options and their names")->configurable(false);
+  group->add_flag("--help-config", process_options.table, "Print a table of all options and their names")
+      ->configurable(false);
 }
 
 bool asks_for(int argc, char** argv, std::string_view option) {
@@ -148,12 +151,12 @@ void print_faults(const std::vector<std::string>& faults) {
   for (const auto& fault : faults) std::cerr << "supple-server: " << fault << '\n';
 }
 
-/// Shows the configuration and what is wrong with it. Returns the exit status.
+/// Prints the configuration and its faults. Returns the exit status.
 int check_configuration(const OptionSources& sources, const ServerOptions& options) {
   sources.print_effective(std::cout);
   const auto faults = configuration_faults(options);
   print_faults(faults);
-  if (!faults.empty()) return unusable;
+  if (!faults.empty()) return unusable_status;
   std::cout << "# A server can start with this configuration." << std::endl;
   return 0;
 }
@@ -239,31 +242,31 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.add_option("--log-level", options.log_level, "What is logged")
       ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
   add_limits(app, options);
-  AboutProcess about;
-  add_process_options(app, about);
+  ProcessOptions process_options;
+  add_process_options(app, process_options);
   OptionSources sources(app, argc, argv, computed_defaults());
   if (asks_for(argc, argv, "--help-config")) {
     sources.print_table(std::cout);
     return 0;
   }
-  // A file that does not work keeps nobody from reading how it should be.
+  // Help and version are printed even if the configuration file is invalid.
   if (!asks_for(argc, argv, "--help") && !asks_for(argc, argv, "-h") && !asks_for(argc, argv, "--version")) {
     if (const auto path = config_path(argc, argv); !path.empty()) sources.read_file(path);
     sources.read_environment(environ);
   }
   for (const auto& warning : sources.warnings()) std::cerr << "supple-server: warning: " << warning << '\n';
   print_faults(sources.faults());
-  if (!sources.faults().empty()) return unusable;
+  if (!sources.faults().empty()) return unusable_status;
   add_keys_commands(app, options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     const int status = app.exit(error);
-    return status != 0 && asks_for(argc, argv, "--check-config") ? unusable : status;
+    return status != 0 && asks_for(argc, argv, "--check-config") ? unusable_status : status;
   }
   if (!app.get_subcommands().empty()) return 0;
-  if (about.check) return check_configuration(sources, options);
-  // Who allows more has it.
+  if (process_options.check) return check_configuration(sources, options);
+  // If the user allows requests and meshes more memory, the limit of the process is raised to their sum.
   options.process_memory = std::max(defaults.process, options.memory + options.mesh_memory);
   return std::nullopt;
 }

@@ -2,16 +2,16 @@
 
 namespace supple {
 
-/// "supple-server check --data D [--database U] [--repair]": prints what is wrong with a data folder. Status 0 where
-/// nothing is, otherwise 1.
+/// Runs "supple-server check --data D [--database U] [--repair]", which prints the faults of a data folder. The status
+/// is 0 if there are none, otherwise 1.
 int check_command(int argc, char** argv);
 
-/// "supple-server backup --data D [--database U] --to F": copies a data folder, also while a server uses it. Status 1
-/// where something in it is damaged or missing.
+/// Runs "supple-server backup --data D [--database U] --to F", which copies a data folder, even while a server uses it.
+/// The status is 1 if something in it is damaged or missing, otherwise 0.
 int backup_command(int argc, char** argv);
 
-/// "supple-server restore --from F --data D [--database U] [--replace]": makes a data folder of a backup. Status as of
-/// backup.
+/// Runs "supple-server restore --from F --data D [--database U] [--replace]", which makes a data folder of a backup.
+/// The status has the same meaning as for a backup.
 int restore_command(int argc, char** argv);
 
 }  // namespace supple

@@ -7,7 +7,8 @@
 
 namespace supple {
 
-/// How a store of this server recovers: meshes are described as they are to clients.
+/// Settings with which a store recovers lost rows: meshes get the same description in JSON that clients get. `warn`
+/// gets lines for the log.
 store::LocalStore::Recovery recovery_of_store(std::function<void(const std::string&)> warn);
 
 }  // namespace supple
