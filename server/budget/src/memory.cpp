@@ -141,7 +141,7 @@ void MemoryBudget::relieve() {
   const auto resident = resident_beyond_limit();
   if (resident == 0) return;
   const std::lock_guard lock(mutex_);
-  ComputationMemory::stop_largest_of(*this, resident, max_resident_);
+  ComputationMemory::stop_largest_in(*this, resident, max_resident_);
 }
 
 void MemoryBudget::note_release(std::int64_t bytes) noexcept {
