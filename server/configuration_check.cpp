@@ -16,7 +16,8 @@ namespace fs = std::filesystem;
 
 bool is_accessible(const fs::path& path, int mode) { return ::access(path.c_str(), mode) == 0; }
 
-/// Checks the data folder. If it does not exist, the server makes it at the start, so its parent must be writable.
+/// Checks the data folder. If it does not exist, the server makes it at the start, so the nearest
+/// existing folder above it must be writable.
 void check_data_folder(const std::string& data, std::vector<std::string>& faults) {
   std::error_code error;
   auto existing = fs::absolute(data, error);

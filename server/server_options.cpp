@@ -266,7 +266,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   }
   if (!app.get_subcommands().empty()) return 0;
   if (process_options.check) return check_configuration(sources, options);
-  // If the user allows requests and meshes more memory, the limit of the process is raised to their sum.
+  // The limit of the process is at least what the options allow for requests and loaded meshes together.
   options.process_memory = std::max(defaults.process, options.memory + options.mesh_memory);
   return std::nullopt;
 }

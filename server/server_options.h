@@ -31,9 +31,9 @@ struct ServerOptions {
   std::int64_t mesh_memory = 0;           ///< bytes of loaded meshes; read_options computes the default
   double drain = 0;                       ///< seconds after SIGTERM in which it answers but is not ready
   double grace = 5;                       ///< seconds that running computations get to finish at the end
-  std::int64_t memory = 0;                ///< bytes of all requests and computations together; likewise
-  std::int64_t process_memory = 0;        ///< bytes of the process above which computations are stopped; likewise
-  std::int64_t request_memory = 0;        ///< bytes of one request; likewise
+  std::int64_t memory = 0;                ///< bytes of all requests together; read_options computes the default
+  std::int64_t process_memory = 0;        ///< bytes above which computations are stopped; set by read_options
+  std::int64_t request_memory = 0;        ///< bytes of one request; read_options computes the default
   std::int64_t max_answer = 256LL << 20;  ///< largest answer in JSON, in bytes
   std::vector<std::string> allowed_hosts;
   std::vector<std::string> allowed_origins;

@@ -51,8 +51,8 @@ class Connection {
   };
   /// Reads what has arrived, but at most `max_bytes`; the rest stays in the socket's buffer until the next call.
   Arrival advance(const Admit& admit, std::size_t max_bytes = max_turn_bytes);
-  /// Ends the waiting after the deadline. A request that has begun to arrive is refused; without one the connection is
-  /// to be closed.
+  /// Ends the waiting after the deadline. A request that has begun to arrive is refused; if none has begun, the
+  /// connection is to be closed.
   Arrival expire();
   /// Sets the error with which a request that has arrived is to be answered.
   void refuse(std::exception_ptr reason) { refusal_ = std::move(reason); }

@@ -115,8 +115,9 @@ std::string peer_address(int socket) {
   return text.data();
 }
 
-/// The head for the library, without the headers that this server handles itself. It contains neither Accept-Encoding
-/// nor Range, so that the library sends answers uncompressed, which is faster over short distances, and whole.
+/// The head for the library, without the headers that this server handles itself. It contains neither Range nor
+/// Accept-Encoding: the library sends whole answers, and does not compress them, which costs more than it saves near
+/// the server.
 std::string head_for_library(const RequestHead& head) {
   std::string text = head.method + " " + head.target + " HTTP/1." + std::to_string(head.minor_version) + "\r\n";
   text += head.asks_to_close() ? "Connection: close\r\n" : "Connection: Keep-Alive\r\n";
@@ -163,7 +164,7 @@ class Server::Implementation final : public httplib::Server {
                [this](std::shared_ptr<Connection> connection, Arrival) { deliver(std::move(connection)); }) {
     new_task_queue = [this] { return new InlineTaskQueue([this] { last_accept_ = Clock::now().time_since_epoch(); }); };
     set_idle_interval(accept_period);
-    set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // what the Keep-Alive header says
+    set_keep_alive_timeout(static_cast<time_t>(options_.idle_seconds));  // sent in the header Keep-Alive
     set_keep_alive_max_count(static_cast<std::size_t>(options_.requests_per_connection));
     // The library's default also sets SO_REUSEPORT, which would let a second server share the port unnoticed.
     set_socket_options([](socket_t socket) {

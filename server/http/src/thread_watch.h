@@ -18,7 +18,7 @@ class ThreadWatch {
   using Clock = std::chrono::steady_clock;
 
   struct Watched {
-    std::string name;                          ///< "the thread that accepts connections"
+    std::string name;                          ///< for example "the thread that accepts connections"
     std::function<Clock::duration()> silence;  ///< time since the thread last ran; any thread may call it
   };
 

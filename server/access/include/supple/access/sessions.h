@@ -20,8 +20,8 @@ class Sessions {
 
   struct Session {
     std::string key;  ///< id of the key
-    SecretHash
-        secret;  ///< hash of the secret that opened it; the session ends once the key does not accept that secret
+    /// Hash of the secret that opened the session. The session ends once the key no longer accepts that secret.
+    SecretHash secret;
     Clock::time_point end;
   };
 

@@ -47,7 +47,7 @@ struct Request {
   Peer peer{-1};
   StandIn* stand_in = nullptr;  ///< may answer while the handler runs; null for probes
   std::string id;               ///< 16 hexadecimal digits, sent as the header Supple-Request-Id of the answer
-  std::string client;           ///< whom limits for each client count: the address, or "key ID" if a key was sent
+  std::string client;           ///< identity for limits per client: the address, or "key ID" if a key was sent
   std::string key;              ///< id of the key that was sent; empty if none is needed
   /// Whether the request may see and delete what any key owns. If the server has no keys, every request may.
   bool sees_all = true;
