@@ -7,10 +7,9 @@
 
 namespace supple {
 
-/// Faults that would keep a server with these options from starting or from working, besides those found when the
-/// options were read. It checks the data folder, the key file, the folders of models and of the editor, and the helper
-/// program, and changes nothing. It does not check whether the port is free, because a server may be running with this
-/// configuration.
+/// Faults of the data folder, the key file, the folders of models and of the editor, and the helper program that would
+/// keep a server from starting or working. Changes nothing. The port is not checked, because a server may be running
+/// with this configuration.
 std::vector<std::string> configuration_faults(const ServerOptions& options);
 
 }  // namespace supple

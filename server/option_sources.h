@@ -16,14 +16,13 @@ namespace supple {
 /// configurable.
 class OptionSources {
  public:
-  /// Collects the options of `app` and of its groups, which still have their defaults. `computed` describes in words
-  /// the defaults that depend on the machine, by option (--workers). `argv` is searched for the options that the
-  /// command line sets; for these the environment is ignored.
+  /// Collects the options of `app` and of its groups. `computed` describes in words the defaults that depend on the
+  /// machine, by option (--workers). For options that `argv` sets the environment is ignored.
   OptionSources(CLI::App& app, int argc, char** argv, std::map<std::string, std::string> computed);
 
   /// Makes the values of a configuration file the defaults of the options. Invalid ones are added to `faults`.
   void read_file(const std::string& path);
-  /// Does the same for the variables of the environment. Call it after `read_file`.
+  /// Does the same for the environment, after `read_file`.
   void read_environment(char** environment);
 
   /// Errors that keep the server from starting, each with its source: an unknown key, or a value out of range.

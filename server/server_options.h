@@ -50,8 +50,8 @@ struct ServerOptions {
 
 /// Reads the configuration file, the environment and the command line; each one takes precedence over the previous one.
 /// If the command line contains a command, runs it, which may throw std::runtime_error. Returns the exit status if the
-/// process is to end at once: after help, version, an error, --check-config, or a command. Warnings about variables
-/// that are not used go to standard error.
+/// process is to end (help, version, an error, --check-config, a command). Unused variables are reported on standard
+/// error.
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options);
 
 }  // namespace supple

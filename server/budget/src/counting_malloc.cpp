@@ -1,10 +1,8 @@
-// Replaces malloc and related functions. The new functions call those of the C library and report each block to the
-// MemoryAccount of the thread, so that all memory of a computation is counted: containers, matrices, and what C
-// libraries allocate.
+// Replaces malloc and related functions by ones that also report each block to the MemoryAccount of the thread, so that
+// all memory of a computation is counted: containers, matrices, and what C libraries allocate.
 //
-// The C library allows a program to replace malloc, and offers its own functions under the names below. On a thread
-// without an account, which does not compute, the extra cost is reading one thread-local pointer. The sanitizers have
-// their own malloc; with them nothing is counted.
+// The C library allows this, and offers its own functions under the names below. A thread that does not compute has no
+// account, and only reads one thread-local pointer. The sanitizers have their own malloc; with them nothing is counted.
 
 #include "supple/budget/counting_malloc.h"
 

@@ -10,12 +10,11 @@
 
 namespace supple::http {
 
-/// Counts and limits the bytes of bodies that have not arrived completely, for each client and in total. How long such
-/// a body stays in memory depends on its sender alone, so these bodies may take only a part of the memory of requests.
-/// Any thread may call.
+/// Counts and limits the bytes of bodies that have not arrived completely, for each client and in total. They wait for
+/// their senders, so they may take only a part of the memory of requests. Any thread may call.
 class ArrivingBodies {
  public:
-  /// Number of bytes at the start of each body that are not counted, so that small bodies arrive whatever others send.
+  /// Bytes at the start of each body that are not counted, so that small bodies arrive whatever others send.
   static constexpr std::size_t uncounted_bytes = 64 * 1024;
 
   /// Limits in bytes for all clients together and for each client; 0: no limit.

@@ -8,9 +8,9 @@
 
 namespace supple::http {
 
-/// Parses a body in chunks (RFC 9112, 7.1) as its bytes arrive. It is strict: a chunk size consists of hexadecimal
-/// digits alone, an extension begins with a semicolon, a trailer has the form of a header, and no line contains a
-/// control character. Extensions and trailers have limits of length and are ignored.
+/// Parses a body in chunks (RFC 9112, 7.1) as its bytes arrive. It is strict: chunk sizes are hexadecimal digits alone,
+/// extensions begin with a semicolon, trailers have the form of headers, and no line contains a control character.
+/// Extensions and trailers are limited in length and ignored.
 class ChunkedBody {
  public:
   /// Moves the bytes of the body from `input` to the end of `body`. Returns true once the body is complete; what
@@ -19,8 +19,7 @@ class ChunkedBody {
 
  private:
   enum class State { size, data, end_of_data, trailer, done };
-  /// Removes the next line from `input` and stores it in `line` without its CR LF. Returns false if the line has not
-  /// arrived completely.
+  /// Removes the next line from `input`, without its CR LF. Returns false if it has not arrived completely.
   static bool take_line(std::string_view& input, std::string_view& line);
 
   State state_ = State::size;

@@ -24,9 +24,9 @@ constexpr int max_empty_lines = 8;  // allowed before a request; RFC 9112, 2.2 a
                        limit.setting);
 }
 
-/// Size of the buffer for the first `needed` bytes of a body of this length, in bytes. The buffer grows with what
-/// arrives, so that an announced length alone reserves little. A size is the length halved several times, rounded up,
-/// so that doubling the buffer ends at the length and wastes nothing.
+/// Bytes of buffer for the first `needed` bytes of a body of this length. The buffer grows with what arrives, so that
+/// an announced length alone costs nothing. Sizes are the length halved repeatedly, so that doubling ends at the
+/// length.
 std::size_t buffer_size(std::size_t length, std::size_t needed) {
   std::size_t capacity = length;
   while (capacity > ArrivingBodies::uncounted_bytes && (capacity + 1) / 2 >= needed) capacity = (capacity + 1) / 2;
@@ -180,7 +180,7 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
         constexpr std::string_view continue_line = "HTTP/1.1 100 Continue\r\n\r\n";
         ::send(socket_, continue_line.data(), continue_line.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
       }
-      return Arrival::complete;  // this concerns the head: state_ tells `advance` to go on with the body
+      return Arrival::complete;  // only the head is complete; `advance` goes on with the body
     }
     if (end != std::string::npos || input_.size() > max_head_bytes)
       return refuse("http.head_too_large",

@@ -23,7 +23,7 @@ class Connection {
   static constexpr std::size_t max_head_bytes = 64 * 1024;
   /// Bytes that are read from one connection before the thread goes on to others.
   static constexpr std::size_t max_turn_bytes = 512 * 1024;
-  /// Time for which `linger` discards what the client still sends.
+  /// Time for which `linger` discards input.
   static constexpr std::chrono::seconds linger_time{2};
 
   /// Called once the head has been read: sets `route`, and all of `request` but the body. The request is refused with
@@ -51,26 +51,24 @@ class Connection {
   };
   /// Reads what has arrived, but at most `max_bytes`; the rest stays in the socket's buffer until the next call.
   Arrival advance(const Admit& admit, std::size_t max_bytes = max_turn_bytes);
-  /// Ends the waiting after the deadline. A request that has begun to arrive is refused; if none has begun, the
-  /// connection is to be closed.
+  /// To be called after the deadline. Refuses a request that has begun to arrive; if none has, the result is `closed`.
   Arrival expire();
-  /// Sets the error with which a request that has arrived is to be answered.
+  /// Sets the error with which the request is answered.
   void refuse(std::exception_ptr reason) { refusal_ = std::move(reason); }
-  /// Prepares for the next request, once the last one has been answered.
+  /// Prepares for the next request.
   void begin_next();
-  /// Leaves `rest`, the end of an answer, to `send_more`. The client has `timeout` to take it, and no request is read
-  /// until then. With `is_last`, no further request is answered.
+  /// Leaves `rest`, the end of an answer, to `send_more`. No request is read before the client has taken it, for which
+  /// it has `timeout`. With `is_last`, no further request is answered.
   void send_later(std::string rest, Clock::duration timeout, bool is_last);
   enum class Sent { waiting, all, failed };
   /// Sends as much as the client takes without waiting.
   Sent send_more();
   /// Whether the answer that is being sent is the last one on this connection.
   bool sends_last() const { return is_last_; }
-  /// Closes the sending half after the last answer. What the client still sends is discarded for `linger_time`: closing
-  /// a socket with unread input resets the connection, and the client may lose the answer.
+  /// Ends sending, and lets `discard` take further input: closing a socket with unread input could destroy the answer
+  /// on its way.
   void linger();
-  /// The destructor only closes the descriptor and does not shut the connection down: another object, which has a
-  /// descriptor of its own, still sends the answer.
+  /// Keeps the destructor from shutting the connection down: another object with its own descriptor sends the answer.
   void skip_shutdown() { skips_shutdown_ = true; }
   /// Discards what has arrived. Returns false once the client has closed its end.
   bool discard();
@@ -78,7 +76,7 @@ class Connection {
   int socket() const { return socket_; }
   const std::string& client() const { return client_; }
   Clock::time_point deadline() const { return deadline_; }
-  /// Time at which the connection began to wait: for a request or, once its first byte is there, for the rest of it.
+  /// Start of the wait for a request or, after its first byte, for the rest of it.
   Clock::time_point waiting_since() const { return waiting_since_; }
   /// Whether no byte of a request has arrived.
   bool idle() const { return state_ == State::idle; }
@@ -87,35 +85,34 @@ class Connection {
   /// Whether bytes of a further request have arrived already.
   bool has_input() const { return !input_.empty(); }
 
-  /// The head of the current request; nothing if it has not arrived or could not be read.
+  /// Head of the current request; nothing if it could not be read.
   const std::optional<RequestHead>& head() const { return head_; }
-  /// The memory that the body has reserved; the handler adds to it.
+  /// Memory that the body, and later the handler, reserves.
   budget::MemoryBudget::Reservation& memory() { return memory_; }
-  /// The error with which the request is to be answered; null if it is not refused.
+  /// The error with which the request is answered; null if it is not refused.
   const std::exception_ptr& refusal() const { return refusal_; }
-  /// Whether the request may have a body that has not been read. Later bytes of the connection cannot be told apart
-  /// from that body, so that no further request can be read.
+  /// Whether the request may have a body that has not been read: then no later bytes can be understood as a request.
   bool unread() const { return unread_; }
 
   Request request;               ///< the current request, as handlers see it
   const Route* route = nullptr;  ///< route of the current request; null if none matches
-  int answered = 0;              ///< number of requests so far, counted by the thread that answers them
-  bool surplus = false;          ///< whether it exceeds the limit of connections: then only one probe is answered
+  int answered = 0;              ///< requests so far; the answering thread counts them
+  bool surplus = false;          ///< exceeds the limit of connections: may send one probe only
 
  private:
   enum class State { idle, head, body, arrived, sending, lingering };
   Arrival read_request_head(const Admit& admit);
   Arrival read_body();
-  /// Receives at most `capacity` and `remaining_turn_bytes_` bytes. Returns their number: 0 if none has arrived, -1 if
-  /// the connection has ended.
+  /// Returns the number of bytes received, within `remaining_turn_bytes_`: 0 if none has arrived, -1 if the connection
+  /// has ended.
   long receive(char* data, std::size_t capacity);
   /// Refuses a request that has not arrived completely.
   Arrival refuse_arriving(std::exception_ptr reason);
   /// Drops the empty lines before a request. Returns false if there are too many.
   bool skip_empty_lines();
-  /// Lets the body grow to `bytes`: counts and reserves the memory, then allocates it.
+  /// Reserves and allocates memory for `bytes` of the body.
   void reserve_body(std::size_t bytes);
-  /// Moves those bytes to a body of known length that have been received together with its head.
+  /// Moves the bytes that were received with the head to a body of known length.
   void take_from_input(std::size_t length);
 
   const int socket_;
@@ -128,14 +125,14 @@ class Connection {
   Clock::time_point deadline_{};
   InputBuffer input_;         ///< bytes that have arrived and belong to no request yet
   std::size_t searched_ = 0;  ///< bytes of `input_` in which no head ends
-  int empty_lines_ = 0;       ///< number of empty lines before the request
+  int empty_lines_ = 0;       ///< empty lines before the request
   std::optional<RequestHead> head_;
   ChunkedBody chunks_;
   budget::MemoryBudget::Reservation memory_;
   std::optional<ArrivingBodies::CountedBytes> arriving_;
   std::size_t remaining_turn_bytes_ = 0;  ///< bytes that `advance` may still read
   std::size_t reserved_ = 0;              ///< bytes that are reserved for the body
-  std::string unsent_;                    ///< end of the answer, which is left to `send_more`
+  std::string unsent_;                    ///< rest of the answer, for `send_more`
   std::size_t sent_ = 0;                  ///< bytes of `unsent_` that have been sent
   bool is_last_ = false;
   std::exception_ptr refusal_;

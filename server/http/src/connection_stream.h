@@ -8,8 +8,7 @@
 
 namespace supple::http {
 
-/// Sends as much of the text as the client takes without waiting, and removes that from `text`. Returns false if the
-/// client has gone.
+/// Sends, and removes from `text`, what the client takes without waiting. Returns false if it has gone.
 bool send_now(int socket, std::string_view& text);
 
 /// The stream from which httplib reads a head that has arrived already, and to which it writes the answer.
@@ -21,8 +20,8 @@ class ConnectionStream final : public httplib::Stream {
   bool is_readable() const override { return !head_.empty(); }
   bool is_writable() const override;
   ssize_t read(char* data, std::size_t size) override;
-  /// Sends everything, or returns -1. A small answer is buffered until `flush`: it leaves in one packet, and only after
-  /// the server has released the request's slot.
+  /// Sends everything, or returns -1. A small answer is buffered until `flush`, so that it leaves in one packet and
+  /// after the request's slot has been released.
   ssize_t write(const char* data, std::size_t size) override;
   /// From now on `write` and `flush` never wait for the client. What it does not take at once stays in the buffer.
   void never_wait() { never_waits_ = true; }

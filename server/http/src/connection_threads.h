@@ -10,8 +10,8 @@
 
 namespace supple::http {
 
-/// A pool of threads that answer requests. A thread is started when a task finds none idle, up to a limit, and runs
-/// until `finish`.
+/// A pool of threads that answer requests. Threads are started when they are needed, up to a limit, and run until
+/// `finish`.
 class ConnectionThreads {
  public:
   explicit ConnectionThreads(std::size_t max_threads) : max_threads_(max_threads) {}
@@ -20,7 +20,7 @@ class ConnectionThreads {
   ConnectionThreads& operator=(const ConnectionThreads&) = delete;
 
   void enqueue(std::function<void()> serve);
-  /// Allows one thread more, because one of them is occupied by a handler whose request has been answered without it.
+  /// Allows one thread more, while one is occupied by a late handler.
   void raise_limit();
   /// Undoes `raise_limit`, once the handler has returned.
   void lower_limit();

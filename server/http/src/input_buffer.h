@@ -6,15 +6,15 @@
 
 namespace supple::http {
 
-/// A queue of bytes that have arrived and are read from the front. All calls together take time proportional to the
-/// number of bytes, however small the pieces are in which they are appended and dropped.
+/// A queue of bytes that have arrived. All calls together take time proportional to the number of bytes, however small
+/// the pieces are.
 class InputBuffer {
  public:
   bool empty() const { return begin_ == bytes_.size(); }
   std::size_t size() const { return bytes_.size() - begin_; }
   std::string_view view() const { return std::string_view(bytes_).substr(begin_); }
   void append(const char* data, std::size_t count) {
-    // Fewer bytes are moved to the front than have been dropped since the last move, so that the cost stays linear.
+    // Fewer bytes are moved than have been dropped since the last move.
     if (begin_ > size()) {
       bytes_.erase(0, begin_);
       begin_ = 0;

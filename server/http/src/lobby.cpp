@@ -15,7 +15,7 @@ namespace {
 
 constexpr int max_events = 256;
 constexpr std::chrono::milliseconds deadline_period{50};  // time between two checks of the deadlines
-constexpr std::chrono::milliseconds idle_wait{500};       // longest time without a wake-up while no connection waits
+constexpr std::chrono::milliseconds idle_wait{500};       // the same while no connection waits
 constexpr std::chrono::seconds first_byte_grace{1};  // an idle connection is preferred for eviction after this time
 
 }  // namespace
@@ -34,8 +34,8 @@ Lobby::Lobby(Connection::Admit admit, Deliver deliver)
   thread_ = std::thread([this] { run(); });
 }
 
-// The descriptors stay open until here, because threads that answer requests still call `take` after `stop`. If they
-// were closed earlier, the number of `wake_event_` could belong to another file by the time such a thread writes to it.
+// The descriptors stay open until here, because other threads call `take` even after `stop`: by then the number of a
+// closed `wake_event_` could belong to another file.
 Lobby::~Lobby() {
   stop();
   ::close(wake_event_);

@@ -15,8 +15,8 @@
 
 namespace supple::http {
 
-/// The connections that wait for a request, for the rest of one, or until the client takes the rest of an answer. One
-/// thread watches all of them, so that a client that sends slowly or nothing occupies no thread.
+/// The connections that wait for a request, for the rest of one, or to send the rest of an answer. One thread watches
+/// all of them, so that a slow client occupies no thread.
 class Lobby {
  public:
   /// Called on the lobby's thread with each connection whose request has arrived or is refused.
@@ -27,15 +27,14 @@ class Lobby {
   Lobby(const Lobby&) = delete;
   Lobby& operator=(const Lobby&) = delete;
 
-  /// Adds a connection that waits, lingers, or still sends an answer. Any thread may call. After `stop` the connection
-  /// is closed.
+  /// Adds a connection. Any thread may call. After `stop` the connection is closed.
   void take(std::shared_ptr<Connection> connection);
   /// Closes one waiting connection of the client, or of any client if `client` is empty. The order of preference is:
   /// 1. connections that linger or still send an answer;
   /// 2. connections that have been idle for more than a second;
   /// 3. all others, beginning with those of the client that has most connections here.
-  /// Within a group the connection that has waited longest goes first. Returns false if there was none. It waits for
-  /// the lobby's thread, and only one other thread may call it.
+  /// Within a group the one that has waited longest goes first. Returns false if there was none. It waits for the
+  /// lobby's thread, and only one other thread may call it.
   bool evict_one(const std::string& client);
   /// Time since the thread last woke up: normally half a second at most.
   Connection::Clock::duration silence() const;
@@ -45,9 +44,9 @@ class Lobby {
  private:
   void run();
   void add(std::shared_ptr<Connection> connection);
-  /// Reads from or writes to a connection whose socket is ready.
+  /// Reads from or writes to a socket that is ready.
   void handle_ready(Connection& connection);
-  /// Sends more of an answer. Returns true once all of it is sent, false if the connection still waits or was closed.
+  /// Sends more of an answer. Returns true once all of it is sent.
   bool send_more(Connection& connection);
   /// Removes a connection, and delivers it unless it is closed.
   void hand_over(int socket, Connection::Arrival arrival);

@@ -23,7 +23,7 @@ struct RequestHead {
   bool chunked = false;
   bool expects_continue = false;
 
-  /// The value of the first header with this name, compared without regard to case; empty if there is none.
+  /// The value of the first header with this name (in any case); empty if there is none.
   std::string_view header(std::string_view name) const;
   /// Whether the client asks to close the connection after the answer: the header Connection contains `close`, or the
   /// version is HTTP/1.0 and it does not contain `keep-alive`.
@@ -31,8 +31,8 @@ struct RequestHead {
   bool has_body() const { return chunked || content_length.value_or(0) > 0; }
 };
 
-/// Position in `text` after the empty line that ends the head; npos while the head is incomplete. The first `searched`
-/// bytes are known to contain no complete head, and are not searched again.
+/// Position in `text` after the empty line that ends the head; npos while the head is incomplete. No head ends within
+/// the first `searched` bytes.
 std::size_t end_of_head(std::string_view text, std::size_t searched = 0);
 
 /// Parses a complete head. It is strict: a head that a proxy in front of this server could understand differently is

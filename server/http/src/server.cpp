@@ -39,8 +39,8 @@ constexpr std::size_t quick_threads = 4;           // number of threads that ans
 constexpr int reserve_connections = 16;            // connections beyond the limit, for probes and refusals
 constexpr int listen_backlog = 512;
 constexpr std::chrono::milliseconds accept_period{500};  // the accepting thread wakes up at least this often
-// After an answer the thread polls the same connection for its next request, so that the requests of a client that
-// sends one after another skip the lobby. The thread stops polling as soon as another request needs a thread.
+// After an answer the thread polls the connection for its next request, which saves the way through the lobby. It stops
+// when another request needs a thread.
 constexpr int max_polls = 10;
 constexpr int poll_milliseconds = 2;
 
@@ -48,7 +48,7 @@ Clock::duration seconds(double value) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(value));
 }
 
-/// The request that a thread answers, and what is known of its answer.
+/// The request that a thread answers, and its answer.
 struct Exchange {
   Connection* connection = nullptr;
   ConnectionStream* stream = nullptr;
@@ -74,8 +74,7 @@ class ChunkWriter final : public StreamWriter {
   bool gone_ = false;
 };
 
-/// The library's queue of accepted connections. It runs each task at once, on the accepting thread, because the task
-/// only hands the connection to the lobby.
+/// Runs the library's tasks on the accepting thread, because a task only hands a connection to the lobby.
 class InlineTaskQueue final : public httplib::TaskQueue {
  public:
   explicit InlineTaskQueue(std::function<void()> idle) : idle_(std::move(idle)) {}
@@ -87,8 +86,8 @@ class InlineTaskQueue final : public httplib::TaskQueue {
   const std::function<void()> idle_;
 };
 
-/// A new id of a request, 16 hexadecimal digits. Ids are consecutive numbers after a random first one, so that they are
-/// unique in this process and very probably among all processes. They are not secret.
+/// A new id of a request, 16 hexadecimal digits. Ids count on from a random number, so that they are unique in this
+/// process and very probably among all processes. They are not secret.
 std::string next_request_id() {
   static std::atomic<std::uint64_t> next{std::uint64_t{std::random_device{}()} << 32U};
   constexpr std::size_t length = 16;
@@ -115,9 +114,8 @@ std::string peer_address(int socket) {
   return text.data();
 }
 
-/// The head for the library, without the headers that this server handles itself. It contains neither Range nor
-/// Accept-Encoding: the library sends whole answers, and does not compress them, which costs more than it saves near
-/// the server.
+/// The head for the library, without the headers that this server handles itself. Without Range and Accept-Encoding
+/// answers are whole and not compressed, which would cost more than it saves near the server.
 std::string head_for_library(const RequestHead& head) {
   std::string text = head.method + " " + head.target + " HTTP/1." + std::to_string(head.minor_version) + "\r\n";
   text += head.asks_to_close() ? "Connection: close\r\n" : "Connection: Keep-Alive\r\n";
@@ -238,9 +236,8 @@ class Server::Implementation final : public httplib::Server {
     Implementation& server_;
   };
 
-  /// Answers in place of a handler that has not returned in time. The handler's thread still uses the connection and
-  /// its request. Therefore the answer is sent by a second connection object with a duplicate descriptor, and neither
-  /// object is destroyed while the other is in use.
+  /// Answers in place of a handler that has not returned in time. The handler's thread still uses the connection, so
+  /// that the answer is sent by a second object with a duplicate descriptor.
   class HandlerStandIn final : public StandIn {
    public:
     HandlerStandIn(Implementation& server, Connection& connection, Exchange& exchange, Clock::time_point begin)
@@ -279,7 +276,7 @@ class Server::Implementation final : public httplib::Server {
   void send_last(Connection& connection, std::string_view text) {
     const int socket = ::fcntl(connection.socket(), F_DUPFD_CLOEXEC, 0);
     if (socket < 0) {
-      // Too many files are open. The part of the answer that the client does not take at once is lost.
+      // Too many files are open. What the client does not take at once is lost.
       send_now(connection.socket(), text);
       ::shutdown(connection.socket(), SHUT_WR);
       return;
@@ -336,7 +333,7 @@ class Server::Implementation final : public httplib::Server {
     return true;
   }
 
-  /// Counts an eviction if there was one. Returns the number of connections.
+  /// Returns the number of connections.
   int count_eviction(bool closed_one) {
     const std::lock_guard lock(mutex_);
     if (closed_one) ++evicted_;
@@ -349,8 +346,7 @@ class Server::Implementation final : public httplib::Server {
     if (const auto found = connections_of_.find(client); --found->second == 0) connections_of_.erase(found);
   }
 
-  /// Called when the head of a request has arrived: on the lobby's thread, or on a thread that has waited for the next
-  /// request of its connection.
+  /// Called on the lobby's thread or in `next_has_arrived`, when the head of a request has arrived.
   void admit(Connection& connection) {
     const auto& head = *connection.head();
     auto& request = connection.request;
@@ -375,8 +371,8 @@ class Server::Implementation final : public httplib::Server {
     if (head.has_body()) check_body(request);
   }
 
-  /// Takes a slot, that is, counts the request among those that are being answered. Returns false if the request takes
-  /// none: it is a probe, has been refused, or is refused here because no slot is free.
+  /// Counts the request among those being answered, and refuses it if there are too many. Returns false for probes and
+  /// refusals, which need no slot.
   bool acquire_slot(Connection& connection) {
     if (connection.refusal() || (connection.route && connection.route->probe)) return false;
     const std::lock_guard lock(mutex_);
@@ -424,7 +420,7 @@ class Server::Implementation final : public httplib::Server {
     return static_cast<int>(std::ceil(std::clamp(mean_seconds_ / options_.max_requests, 1.0, max_seconds)));
   }
 
-  /// Called when a request has arrived or is refused, mostly on the lobby's thread: lets another thread answer it.
+  /// Lets another thread answer a request that has arrived or is refused.
   void deliver(std::shared_ptr<Connection> connection) {
     const bool has_slot = acquire_slot(*connection);
     auto& threads = has_slot ? threads_ : quick_;
@@ -433,7 +429,7 @@ class Server::Implementation final : public httplib::Server {
     });
   }
 
-  /// Answers requests on the connection as long as the next one follows soon. Then the lobby waits for further ones.
+  /// Answers requests while the next one follows soon. Then the lobby waits for further ones.
   void serve_connection(std::shared_ptr<Connection> connection, bool has_slot) {
     while (true) {
       const auto after = answer_on(*connection, has_slot);
@@ -473,8 +469,8 @@ class Server::Implementation final : public httplib::Server {
     answered_by_stand_in  ///< the stand-in has answered and closes it
   };
 
-  /// Answers one request. The slot is released before the last bytes of a small answer are sent, so that a client that
-  /// has received the answer finds the slot free.
+  /// Answers one request. The slot is released before the end of a small answer is sent, so that a client that has the
+  /// answer finds it free.
   After answer_on(Connection& connection, bool has_slot) {
     Exchange exchange;
     exchange.connection = &connection;
@@ -547,8 +543,8 @@ class Server::Implementation final : public httplib::Server {
     return text + "Content-Length: " + std::to_string(response.body.size()) + "\r\n\r\n" + response.body;
   }
 
-  /// Refuses a request whose head could not be read; the library is not involved. Stores in `unsent` what the client
-  /// does not take at once. Returns false if the client has gone.
+  /// Refuses a request whose head could not be read, without the library. `unsent` is what the client does not take at
+  /// once.
   bool send_refusal(const Connection& connection, std::string& unsent) {
     auto response = problem_response(connection.refusal());
     add_headers(response, {});
@@ -631,8 +627,8 @@ class Server::Implementation final : public httplib::Server {
     }
   }
 
-  /// Sends all pieces in one call of the library, because the library checks between two calls whether the server
-  /// stops, and would cut the answer off. Returns false if a piece cannot be read or sent.
+  /// Sends all pieces in one call, because between two calls the library would cut the answer off if the server stops.
+  /// Returns false if a piece cannot be read or sent.
   static bool send_pieces(const Pieces& pieces, std::size_t offset, std::size_t count, httplib::DataSink& sink) {
     constexpr std::size_t piece = 256 * 1024;
     std::string buffer(std::min(piece, count), '\0');
@@ -670,7 +666,7 @@ class Server::Implementation final : public httplib::Server {
   ArrivingBodies bodies_;
   std::atomic<Clock::duration> last_accept_{Clock::now().time_since_epoch()};
   std::atomic<bool> stopping_{false};
-  std::atomic<bool> stopped_{false};  ///< whether the library's stop, which may be called only once, has been called
+  std::atomic<bool> stopped_{false};  ///< whether the library's stop was called, which is allowed once
   mutable std::mutex mutex_;
   // The following members are guarded by the mutex.
   int connections_ = 0;

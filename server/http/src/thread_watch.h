@@ -10,9 +10,8 @@
 
 namespace supple::http {
 
-/// Watches threads on which all requests depend, and warns when one of them does not run. There is one warning when the
-/// silence of a thread exceeds a limit, and another one, with the length of the silence, once it has ended. The watch
-/// uses a thread of its own.
+/// Watches threads on which all requests depend, on a thread of its own. It warns when the silence of one exceeds a
+/// limit, and again, with the length of the silence, once it has ended.
 class ThreadWatch {
  public:
   using Clock = std::chrono::steady_clock;
@@ -22,8 +21,7 @@ class ThreadWatch {
     std::function<Clock::duration()> silence;  ///< time since the thread last ran; any thread may call it
   };
 
-  /// Silences below `max_silence` are normal; each thread is checked ten times in that time. `warn` gets the warnings,
-  /// one line each.
+  /// Each thread is checked ten times in `max_silence`. `warn` gets lines for the log.
   ThreadWatch(std::vector<Watched> threads, Clock::duration max_silence, std::function<void(const std::string&)> warn);
   ~ThreadWatch();
   ThreadWatch(const ThreadWatch&) = delete;

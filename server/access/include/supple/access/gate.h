@@ -24,8 +24,7 @@ enum class Rule {
   always           ///< for a server that others can reach
 };
 
-/// Decides which requests a client may send. Any thread may call. The calls are serialized and take a few microseconds
-/// each.
+/// Decides which requests a client may send. Any thread may call; calls are serialized and take a few microseconds.
 ///
 /// The key file is checked at most once a second, and its changes take effect without a restart. If it cannot be read
 /// any more, the keys that were read before remain valid, and the log says so. Once keys are required, they remain
@@ -53,8 +52,7 @@ class Gate {
     std::string_view authorization;  ///< value of the header Authorization, "Bearer supple_..."
     std::string_view session;        ///< token of a browser's session
   };
-  /// The key to which the credentials belong; nothing if no key is required. Throws "access.key_required" if there are
-  /// no credentials, "access.key_invalid" if they are not valid.
+  /// The key of the credentials; nothing if no key is required. Throws "access.key_required" and "access.key_invalid".
   std::optional<Key> identify(const Credentials& credentials);
   /// Whether credentials that have been accepted before are still valid: the key is neither revoked nor expired, and
   /// the session is open. This counts no request.
@@ -67,13 +65,13 @@ class Gate {
   /// Bytes that the objects of a key may take in the store; 0 if it has no limit of its own or does not exist.
   std::int64_t max_stored(const std::string& id);
 
-  /// A session that has been opened, and the key for which it is valid.
+  /// An open session and its key.
   struct SignedIn {
     std::string token;
     Key key;
   };
-  /// Opens a session for the holder of a key ("supple_..."). This counts as a request of the key. Throws
-  /// "access.key_invalid" and "access.rate".
+  /// Opens a session for the holder of a key ("supple_..."), which counts as a request. Throws "access.key_invalid" and
+  /// "access.rate".
   SignedIn sign_in(std::string_view key);
   /// Closes a session. Returns the id of its key, or an empty text if there was no such session.
   std::string sign_out(std::string_view session);

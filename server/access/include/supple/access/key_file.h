@@ -12,7 +12,7 @@ namespace supple::access {
 
 /// The file of keys. It contains salted hashes and no secrets, but only the server's user may read it (mode 0600).
 ///
-/// It is a readable text: for each key a line "key ID" and indented lines "field value", see `write_keys`.
+/// For each key it has a line "key ID" and indented lines "field value", see `write_keys`.
 class KeyFile {
  public:
   explicit KeyFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -36,7 +36,7 @@ std::string write_keys(const std::vector<Key>& keys);
 /// Parses the text of a key file. Throws std::runtime_error "line 7: ...".
 std::vector<Key> parse_keys(const std::string& text);
 
-/// Properties of a key that is to be added. The limits are those of Key.
+/// Properties of a new key; the limits are those of Key.
 struct NewKey {
   std::string name;
   Scopes scopes;

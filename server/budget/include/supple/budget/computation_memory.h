@@ -11,10 +11,10 @@ namespace supple::budget {
 
 /// Counts what one computation allocates, and enforces the limits of a budget.
 ///
-/// A computation that exceeds the limit of one request is stopped. If all computations together exceed the budget, the
-/// largest one is stopped, which need not be the one that allocates at that moment. A stop is requested through the
-/// computation's token. A large block that would exceed a limit is refused at once. Nothing is counted unless the
-/// program's malloc reports to accounts (counting_malloc.cpp). The budget must outlive this object.
+/// A computation that exceeds the limit of one request is stopped. If all together exceed the budget, the largest one
+/// is stopped, not the one that allocates last. A stop is requested through the token. A large block that would exceed
+/// a limit is refused at once. Nothing is counted unless the program's malloc reports to accounts
+/// (counting_malloc.cpp). The budget must outlive this object.
 class ComputationMemory final : public MemoryAccount {
  public:
   ComputationMemory(MemoryBudget& budget, const CancellationToken& token);
@@ -25,7 +25,7 @@ class ComputationMemory final : public MemoryAccount {
   void add(std::int64_t bytes) noexcept override;
   bool allows(std::int64_t bytes) noexcept override;
 
-  /// The largest number of bytes that the computation has had at one time.
+  /// The largest number of bytes allocated at one time.
   std::int64_t peak() const;
   /// Throws the problem for which the computation was stopped, if it was: "request.too_much_memory" (413) beyond the
   /// limit of one request, "server.out_of_memory" (503) beyond the limit of all requests or of the process.
@@ -37,12 +37,12 @@ class ComputationMemory final : public MemoryAccount {
   enum class StopCause { none, request_limit, total_limit, process_limit };
 
   // The caller of the following functions holds the budget's mutex.
-  /// Requests the stop of this computation, unless it has been requested before.
+  /// Stops this computation, unless it was stopped before.
   void stop(StopCause why, std::int64_t needed) noexcept;
-  /// Stops the largest computation of the budget. `wanted` bytes are added to the size of this one.
+  /// Stops the largest computation of the budget. `wanted` bytes more are counted for this one.
   void stop_largest(std::int64_t wanted) noexcept;
-  /// Stops the largest running computation, because the process has `resident` bytes and may have `max_resident`. While
-  /// another one is stopping it does nothing, unless the excess is more than an eighth.
+  /// Stops the largest computation, because the process has `resident` bytes. While another one is stopping, it does so
+  /// only if `max_resident` is exceeded by more than an eighth.
   static void stop_largest_in(MemoryBudget& budget, std::int64_t resident, std::int64_t max_resident) noexcept;
 
   MemoryBudget& budget_;
@@ -50,7 +50,7 @@ class ComputationMemory final : public MemoryAccount {
   std::int64_t held_ = 0;
   std::int64_t peak_ = 0;
   StopCause stop_cause_ = StopCause::none;
-  std::int64_t needed_ = 0;  // bytes that would have been in use, compared with the limit of stop_cause_
+  std::int64_t needed_ = 0;  // bytes that exceed the limit of stop_cause_
 };
 
 }  // namespace supple::budget

@@ -24,11 +24,10 @@ struct MemoryLimits {
 /// Reads the limits of the machine, of the control groups (version 2 or 1) and of the process.
 MemoryLimits memory_limits();
 
-/// Default values of the server's memory settings, in bytes. The fractions refer to the memory that the process may
-/// use.
+/// Default values of the server's memory settings, in bytes; fractions of what the process may use.
 struct MemoryDefaults {
-  std::int64_t requests = 0;  ///< what all requests reserve and all computations allocate: half
-  std::int64_t request = 0;   ///< what one request reserves or its computation allocates: a quarter, at least 1 GiB
+  std::int64_t requests = 0;  ///< all requests and computations: half
+  std::int64_t request = 0;   ///< one request: a quarter, at least 1 GiB
   std::int64_t meshes = 0;    ///< meshes that stay loaded: an eighth, at most 2 GiB
   std::int64_t helper = 0;    ///< one helper process: a quarter, at most 8 GiB
   std::int64_t process = 0;   ///< the whole server without its helpers: 11/16
@@ -41,8 +40,8 @@ void limit_arenas(int cores);
 
 class ComputationMemory;
 
-/// The budget of memory for requests: bytes that requests reserve before they allocate them, and bytes that
-/// computations have allocated. One limit holds for the sum, another one for each request. Any thread may call.
+/// Limits the bytes that requests reserve before they allocate them and that computations allocate, in total and for
+/// each request. Any thread may call.
 class MemoryBudget {
  public:
   /// Limits in bytes: `total` for all requests together (setting --memory), `max_per_request` for one request (setting
@@ -77,13 +76,12 @@ class MemoryBudget {
   void check_one(std::int64_t bytes, const std::string& what) const;
   /// Bytes that requests have reserved and computations have allocated.
   std::int64_t used() const;
-  /// Stops the largest computation if the process exceeds its limit of main memory and returning free memory to the
-  /// system does not help. The other limits do not see free blocks that the C library retains, nor blocks that no
-  /// computation has allocated. A watchdog calls this every few tens of milliseconds.
+  /// Stops the largest computation if the process exceeds its limit of main memory even after returning free memory.
+  /// That limit includes free blocks and blocks that no computation has allocated, which no other limit counts. A
+  /// watchdog calls this every few tens of milliseconds.
   void relieve();
-  /// Returns free memory to the system if a large request or computation has ended since the last call and no
-  /// computation runs. A background thread calls this from time to time: if memory were returned after every request,
-  /// the next one would have to fetch it again.
+  /// Returns free memory to the system if a large request or computation has ended since the last call and none runs. A
+  /// background thread calls this: memory that is returned after every request has to be fetched by the next one.
   void return_what_is_free();
 
  private:

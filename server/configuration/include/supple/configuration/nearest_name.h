@@ -7,9 +7,9 @@
 
 namespace supple::configuration {
 
-/// The known name that was most likely meant by a misspelled one: the name with the smallest edit distance, provided
-/// that this is at most a third of the number of letters. Upper and lower case count as the same letter, and so do "-"
-/// and "_". O(number of names times the product of the lengths).
+/// The known name that a misspelled one most likely means: the one with the smallest edit distance, if this is at most
+/// a third of the letters. Upper and lower case are the same, and so are "-" and "_". O(number of names times the
+/// product of the lengths).
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace supple::configuration

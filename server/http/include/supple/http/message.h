@@ -17,8 +17,8 @@ namespace supple::http {
 class Peer {
  public:
   explicit Peer(int socket) : socket_(socket) {}
-  /// Whether the client has closed its end of the connection or the sending half of it. This is one poll(2) without
-  /// waiting, which takes about a microsecond. Any thread may call while the request is being answered.
+  /// Whether the client has closed its end, or only the sending half of it. Takes about a microsecond (one poll(2)
+  /// without waiting). Any thread may call while the request is being answered.
   bool hung_up() const;
 
  private:
@@ -29,10 +29,9 @@ class Peer {
 class StandIn {
  public:
   virtual ~StandIn() = default;
-  /// Sends the problem, then closes the connection; what the handler returns later is discarded. With `is_replaced`,
-  /// another request may be answered at once, on one more thread: the late handler no longer counts towards
-  /// --max-requests. Any thread may call, once at most, and the handler must not return before this call has. The call
-  /// does not wait for the client.
+  /// Sends the problem without waiting for the client, then closes the connection; what the handler returns later is
+  /// discarded. With `is_replaced`, the late handler no longer counts towards --max-requests, and one more thread may
+  /// run. Any thread may call, once at most. The handler must not return before this call has.
   virtual void answer(const problem::Problem& problem, bool is_replaced) = 0;
 };
 
@@ -49,12 +48,11 @@ struct Request {
   std::string id;               ///< 16 hexadecimal digits, sent as the header Supple-Request-Id of the answer
   std::string client;           ///< identity for limits per client: the address, or "key ID" if a key was sent
   std::string key;              ///< id of the key that was sent; empty if none is needed
-  /// Whether the request may see and delete what any key owns. If the server has no keys, every request may.
+  /// Whether the request may see and delete what any key owns. Without keys every request may.
   bool sees_all = true;
   int max_waiting_jobs = 0;  ///< limit of the request's key; 0: only the limit of the queue counts
 
-  /// The value of a header, whose name is compared without regard to case; empty if it is absent. Repeated headers are
-  /// joined by ", ".
+  /// The value of a header (name in any case); empty if it is absent. Repeated headers are joined by ", ".
   std::string header(std::string_view name) const;
 
   std::vector<std::pair<std::string, std::string>> headers;
@@ -73,8 +71,8 @@ class StreamWriter {
 /// A body of known length that is read and sent piece by piece, so that it is never in memory as a whole.
 struct Pieces {
   std::uint64_t bytes = 0;
-  /// Writes `count` bytes of the body, from `offset` on, to `to`. An exception cuts the answer off and closes the
-  /// connection, because the head with its status has been sent. The handler therefore checks what it can beforehand.
+  /// Writes `count` bytes, from `offset` on. An exception cuts the answer off and closes the connection, because the
+  /// head has been sent. The handler therefore checks beforehand what it can.
   std::function<void(std::uint64_t offset, char* to, std::size_t count)> read;
 };
 
@@ -83,10 +81,9 @@ struct Response {
   std::string content_type;
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string key;  ///< for the log: id of a key that only the handler has found, such as at a sign-in; mostly empty
+  std::string key;  ///< for the log: id of a key that the handler has found, such as at a sign-in; mostly empty
   std::optional<Pieces> pieces;  ///< sent instead of `body`, with a Content-Length
-  /// Used instead of `body`: writes the answer piece by piece and returns at its end. It runs on the thread that
-  /// answers the request.
+  /// Used instead of `body`: writes the answer piece by piece, on the thread that answers the request.
   std::function<void(StreamWriter&)> stream;
 
   void set_header(std::string name, std::string value) { headers.emplace_back(std::move(name), std::move(value)); }

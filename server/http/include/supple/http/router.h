@@ -23,12 +23,11 @@ struct Route {
   std::string pattern;  ///< "/v1/meshes/{mesh}/content": a name in braces stands for one path segment
   Handler handler;
   BodyLimit body;      ///< 0 bytes: the route takes no body
-  bool probe = false;  ///< a cheap route that must work while the server is busy: it has threads of its own
+  bool probe = false;  ///< cheap, and needed while the server is busy: has threads of its own
   bool open = false;   ///< needs no key, even if other routes do
 };
 
-/// Finds the route of a request by comparing path segments. Routes are added before the server runs; afterwards any
-/// thread may search.
+/// Finds the route of a request by comparing path segments. Routes are added before the server runs.
 class Router {
  public:
   void add(Route route) { routes_.push_back(std::move(route)); }

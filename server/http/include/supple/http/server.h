@@ -23,15 +23,14 @@ struct ServerOptions {
   double write_seconds = 60;    ///< a client that takes nothing of its answer for this long is disconnected
   int requests_per_connection = 1'000'000;
   budget::MemoryBudget* memory = nullptr;  ///< bodies are reserved from it; null: no reservations
-  /// Gets a line for the log when the thread that accepts connections, or the one that reads requests, has not run for
-  /// `max_silent_seconds`, and another line once it runs again. It is called on a thread of its own. Empty: the threads
-  /// are not watched.
+  /// Gets a line for the log, on a thread of its own, when the thread that accepts connections or reads requests has
+  /// not run for `max_silent_seconds`, and once it runs again. Empty: they are not watched.
   std::function<void(const std::string&)> warn{};
   double max_silent_seconds = 5;                             ///< ten times the silence that is normal
   std::vector<std::pair<std::string, std::string>> headers;  ///< added to every answer that does not set them itself
 };
 
-/// The record of a request that has been answered, for logs and counters.
+/// Record of a request that has been answered.
 struct Answered {
   std::string id;       ///< id of the request, 16 hexadecimal digits: the answer's header Supple-Request-Id
   std::string address;  ///< address of the sender
@@ -39,7 +38,7 @@ struct Answered {
   std::string pattern;  ///< pattern of the request's route; empty if no route matches
   std::string method;   ///< empty if the head could not be read
   std::string path;
-  std::string location;  ///< URL of what the request has made (the answer's header Location); empty if there is none
+  std::string location;  ///< the answer's header Location, if the request has made something
   int status = 0;
   double seconds = 0;            ///< from the request's last byte to the answer's last byte
   std::uint64_t body_bytes = 0;  ///< length of the request's body
@@ -67,8 +66,8 @@ class Server {
   using Observe = std::function<void(const Answered&)>;
   /// Called with the text of an unexpected exception, which the client is not told.
   using Report = std::function<void(const std::string& text)>;
-  /// Called when a head has arrived, before the body is read: throws the error with which the request is refused. It
-  /// may also set the request's key and client. The route is null if none matches.
+  /// Called before a body is read: may set the request's key and client, and throws to refuse it. The route is null if
+  /// none matches.
   using Guard = std::function<void(Request& head, const Route* route)>;
 
   Server(const ServerOptions& options, Router router, Render render, Observe observe, Report report, Guard guard = {});

@@ -19,7 +19,7 @@ struct Snapshot {
   std::int64_t used_bytes = 0;    ///< bytes of the memory budget that requests and computations use
   std::int64_t budget_bytes = 0;  ///< limit of the memory budget
   std::int64_t computations = 0;  ///< immediate computations that run or wait
-  std::int64_t abandoned = 0;     ///< computations that still run although their stop was requested
+  std::int64_t abandoned = 0;     ///< computations that run on after a stop request
   std::int64_t meshes_loaded = 0;
   std::int64_t mesh_bytes = 0;  ///< estimated memory of the loaded meshes
   std::int64_t models_loaded = 0;
@@ -37,20 +37,16 @@ class Metrics {
   Metrics(const Metrics&) = delete;
   Metrics& operator=(const Metrics&) = delete;
 
-  /// Counts an answered request and its duration. `route` is the pattern of a route and not a path, so that the number
-  /// of series is bounded; "" is reported as "none".
+  /// `route` is a pattern and not a path, so that the number of series is bounded; "" is reported as "none".
   void count_request(const std::string& route, const std::string& method, int status, double seconds);
-  /// Counts a finished job and its duration.
   void count_finished_job(const std::string& kind, const std::string& state, double seconds);
-  /// Records the time of one stage of an immediate answer. `stage` is "read" (of the JSON and the mesh), "wait" (for a
-  /// compute slot) or "compute".
+  /// Records the time of a stage of an immediate answer: "read" (JSON and mesh), "wait" (for a slot) or "compute".
   void observe_stage(const std::string& stage, double seconds);
-  /// Records the largest number of bytes that a computation had allocated at one time.
+  /// Records the peak memory of a computation in bytes.
   void observe_memory(std::int64_t bytes);
-  /// Counts states whose energy or stress a model has evaluated. `model` is the id of a loaded model and never a text
-  /// from a request, so that the number of series is bounded.
+  /// Counts states whose energy or stress a model has evaluated. `model` is the id of a loaded model, never a text from
+  /// a request.
   void count_evaluations(const std::string& model, std::int64_t states);
-  /// All metrics in the text format.
   std::string text(const Snapshot& snapshot);
 
  private:

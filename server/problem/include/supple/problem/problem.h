@@ -36,16 +36,16 @@ class ProblemError : public Error {
 };
 
 /// Throws a ProblemError with this code and the text "`what` is `value`, the limit is `limit` (setting `setting`)".
-/// `pointer` is the JSON pointer of the value that exceeds the limit; empty if there is none.
+/// `pointer` is the JSON pointer of the value, if it has one.
 [[noreturn]] void throw_limit(const std::string& code, const std::string& what, double limit, double value,
                               const std::string& setting, const std::string& pointer = {});
 
-/// The problem by which a client is told of an exception. An Error keeps its code and its details, whose paths
-/// ("points/3") become JSON pointers ("/points/3"). std::bad_alloc becomes "server.out_of_memory". Any other exception
-/// becomes "server.internal", and its text is not told to the client.
+/// The problem that tells a client of an exception. An Error keeps its code and its details, whose paths ("points/3")
+/// become JSON pointers ("/points/3"). std::bad_alloc becomes "server.out_of_memory", anything else "server.internal"
+/// without its text.
 Problem problem_of(const std::exception_ptr& exception);
 
-/// The HTTP status of the problem's code, from the table of errors.
+/// The HTTP status of the problem's code.
 int status_of(const Problem& problem);
 
 }  // namespace supple::problem
