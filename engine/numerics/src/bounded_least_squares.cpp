@@ -8,25 +8,25 @@
 namespace supple::numerics {
 namespace {
 
-/// A step is accepted if it brings this share of the decrease that the model predicts,
-constexpr double least_share = 1e-4;
-/// the trust region shrinks below this share and grows above that one.
-constexpr double poor_share = 0.25;
-constexpr double good_share = 0.75;
-/// Of the trust region relative to the bounds' widths: below, steps are rounding.
-constexpr double least_radius = 1e-13;
-/// Smallest eigenvalue of a model's Hessian over its largest.
-constexpr double least_curvature = 1e-10;
+/// Limits of the ratio of a step's decrease to the decrease that the model predicts. A step is accepted above the
+/// first. The trust region shrinks below the second and grows above the third.
+constexpr double min_accepted_ratio = 1e-4;
+constexpr double shrink_ratio = 0.25;
+constexpr double growth_ratio = 0.75;
+/// Smallest radius of the trust region, relative to the bounds' widths. Shorter steps are rounding.
+constexpr double min_radius = 1e-13;
+/// Lower bound for a model's curvatures, relative to the largest.
+constexpr double min_relative_curvature = 1e-10;
 
-/// The same matrix with no eigenvalue below a share of the largest.
+/// The same matrix with its eigenvalues raised to at least min_relative_curvature times the largest magnitude.
 Eigen::MatrixXd convex(const Eigen::MatrixXd& matrix) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
   const double largest = eigen.eigenvalues().cwiseAbs().maxCoeff();
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(std::max(least_curvature * largest, 1e-300));
+  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(std::max(min_relative_curvature * largest, 1e-300));
   return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-/// A quadratic model of the decrease of |r|^2 / 2, in unknowns scaled by the bounds' widths.
+/// A quadratic model of the change of |r|^2 / 2, in unknowns scaled by the bounds' widths.
 struct Model {
   Eigen::MatrixXd hessian;
   double change(const Eigen::VectorXd& gradient, const Eigen::VectorXd& step) const {
@@ -53,7 +53,7 @@ class Solver {
     radius_ = options_.initial_radius;
     result_.norm = r_.norm();
     if (accepted) accepted(result_.x, result_.norm, 0);
-    while (!stops()) {
+    while (!terminates()) {
       execution.checkpoint(static_cast<double>(result_.iterations) / options_.max_iterations, "design");
       ++result_.iterations;
       if (advance() && accepted) accepted(result_.x, result_.norm, result_.iterations);
@@ -76,54 +76,55 @@ class Solver {
   Model gauss_newton() const { return {convex(jacobian_.transpose() * jacobian_)}; }
   Model augmented() const { return {convex(jacobian_.transpose() * jacobian_ + curvature_)}; }
 
-  /// Works out the next step, and whether there is none worth taking.
-  bool stops() {
-    if (result_.norm <= options_.target) return stop(LeastSquaresStop::reached);
-    // An estimate of the curvature that is too large would end the search early, so that both models have to agree.
-    if (use_curvature_ && promises_nothing(augmented())) use_curvature_ = false;
-    if (!use_curvature_ && promises_nothing(gauss_newton())) return stop(LeastSquaresStop::converged);
-    if (radius_ < least_radius) return stop(LeastSquaresStop::step_too_small);
-    if (result_.iterations == options_.max_iterations) return stop(LeastSquaresStop::iteration_limit);
+  /// Computes the next step. Returns whether the iteration ends, because no step is worth taking or a limit is reached.
+  bool terminates() {
+    if (result_.norm <= options_.target) return terminate(LeastSquaresStop::reached);
+    // A curvature estimate that is too large would end the search early, so both models have to agree.
+    if (use_curvature_ && predicts_no_decrease(augmented())) use_curvature_ = false;
+    if (!use_curvature_ && predicts_no_decrease(gauss_newton())) return terminate(LeastSquaresStop::converged);
+    if (radius_ < min_radius) return terminate(LeastSquaresStop::step_too_small);
+    if (result_.iterations == options_.max_iterations) return terminate(LeastSquaresStop::iteration_limit);
     return false;
   }
-  /// Makes the model's step the next one.
-  bool promises_nothing(Model model) {
+  /// Uses this model for the next step. Returns whether it predicts no decrease beyond the tolerance, for a step that
+  /// the trust region does not shorten.
+  bool predicts_no_decrease(Model model) {
     model_ = std::move(model);
-    step_ = step_of(model_, radius_);
+    step_ = trust_region_step(model_, radius_);
     const bool shortened = step_.cwiseAbs().maxCoeff() >= radius_ * (1 - 1e-12);
-    const double promised = -model_.change(gradient_, step_);
-    const double promised_norm = std::sqrt(std::max(0.0, result_.norm * result_.norm - 2 * promised));
-    return !shortened && result_.norm - promised_norm <= options_.tolerance;
+    const double predicted = -model_.change(gradient_, step_);
+    const double predicted_norm = std::sqrt(std::max(0.0, result_.norm * result_.norm - 2 * predicted));
+    return !shortened && result_.norm - predicted_norm <= options_.tolerance;
   }
-  bool stop(LeastSquaresStop why) {
-    result_.stopped = why;
+  bool terminate(LeastSquaresStop reason) {
+    result_.stopped = reason;
     return true;
   }
 
-  Eigen::VectorXd step_of(const Model& model, double radius) const {
-    const Eigen::VectorXd least = (lower_ - result_.x).cwiseQuotient(width_).cwiseMax(-radius).cwiseMin(0);
-    const Eigen::VectorXd most = (upper_ - result_.x).cwiseQuotient(width_).cwiseMin(radius).cwiseMax(0);
-    return minimize_quadratic_in_box(model.hessian, gradient_, least, most);
+  Eigen::VectorXd trust_region_step(const Model& model, double radius) const {
+    const Eigen::VectorXd step_lower_bound = (lower_ - result_.x).cwiseQuotient(width_).cwiseMax(-radius).cwiseMin(0);
+    const Eigen::VectorXd step_upper_bound = (upper_ - result_.x).cwiseQuotient(width_).cwiseMin(radius).cwiseMax(0);
+    return minimize_quadratic_in_box(model.hessian, gradient_, step_lower_bound, step_upper_bound);
   }
 
-  /// Tries the step; true if it was accepted.
+  /// Evaluates at the step's end. Returns whether the step was accepted.
   bool advance() {
     const double length = step_.cwiseAbs().maxCoeff();
     const Eigen::VectorXd x = (result_.x + step_.cwiseProduct(width_)).cwiseMax(lower_).cwiseMin(upper_);
     Eigen::VectorXd r;
     if (!evaluate(x, r)) {
-      radius_ = poor_share * length;
+      radius_ = shrink_ratio * length;
       return false;
     }
     const double change = 0.5 * (r.squaredNorm() - r_.squaredNorm());
-    const double share = change / model_.change(gradient_, step_);
+    const double ratio = change / model_.change(gradient_, step_);
     choose_model(change);
-    if (share < poor_share) {
-      radius_ = poor_share * length;
-    } else if (share > good_share && length >= 0.99 * radius_) {
+    if (ratio < shrink_ratio) {
+      radius_ = shrink_ratio * length;
+    } else if (ratio > growth_ratio && length >= 0.99 * radius_) {
       radius_ = std::min(1.0, 2 * radius_);
     }
-    if (!(share > least_share)) return false;
+    if (!(ratio > min_accepted_ratio)) return false;
     const Eigen::MatrixXd old_jacobian = jacobian_;
     const Eigen::VectorXd old_gradient = gradient_;
     result_.x = x;
@@ -134,23 +135,24 @@ class Solver {
     return true;
   }
 
-  /// The model whose prediction was closer is used next.
+  /// Chooses for the next step the model whose prediction was closer.
   void choose_model(double change) {
     const double with = std::abs(augmented().change(gradient_, step_) - change);
     const double without = std::abs(gauss_newton().change(gradient_, step_) - change);
     use_curvature_ = with < without;
   }
 
-  /// The secant update of NL2SOL: S step = J_+^T r_+ - J^T r_+ =: y, sized so that old curvature does not linger.
+  /// The secant update of NL2SOL [Dennis1981], S step = y := J_+^T r_+ - J^T r_+. The sizing factor scales down the old
+  /// S, so that outdated curvature does not persist.
   void update_curvature(const Eigen::VectorXd& old_gradient, const Eigen::VectorXd& y) {
     const Eigen::VectorXd change = gradient_ - old_gradient;
     const double slope = change.dot(step_);
     if (!(slope > 1e-14 * change.norm() * step_.norm())) return;
-    const Eigen::VectorXd known = curvature_ * step_;
-    const double old = step_.dot(known);
-    const double size = old != 0 ? std::min(1.0, std::abs(step_.dot(y) / old)) : 1;
-    const Eigen::VectorXd error = y - size * known;
-    curvature_ = size * curvature_ + (error * change.transpose() + change * error.transpose()) / slope -
+    const Eigen::VectorXd predicted_change = curvature_ * step_;
+    const double predicted_curvature = step_.dot(predicted_change);
+    const double sizing = predicted_curvature != 0 ? std::min(1.0, std::abs(step_.dot(y) / predicted_curvature)) : 1;
+    const Eigen::VectorXd error = y - sizing * predicted_change;
+    curvature_ = sizing * curvature_ + (error * change.transpose() + change * error.transpose()) / slope -
                  error.dot(step_) / (slope * slope) * change * change.transpose();
   }
 
@@ -161,8 +163,8 @@ class Solver {
   LeastSquaresOptions options_;
   LeastSquaresResult result_;
   Eigen::VectorXd r_;
-  Eigen::MatrixXd jacobian_;   ///< with respect to x / width, like all that follows
-  Eigen::VectorXd gradient_;   ///< of |r|^2 / 2
+  Eigen::MatrixXd jacobian_;   ///< dr/d(x / width), the unknowns of all members below
+  Eigen::VectorXd gradient_;   ///< gradient of |r|^2 / 2
   Eigen::MatrixXd curvature_;  ///< estimate of sum r_i Hessian(r_i)
   Model model_;
   Eigen::VectorXd step_;
@@ -171,7 +173,8 @@ class Solver {
 };
 
 /// The gradient of the model at s.
-Eigen::VectorXd slope(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient, const Eigen::VectorXd& s) {
+Eigen::VectorXd model_gradient(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
+                               const Eigen::VectorXd& s) {
   return gradient + hessian * s;
 }
 
@@ -194,43 +197,43 @@ Eigen::VectorXd minimize_quadratic_in_box(const Eigen::MatrixXd& hessian, const 
                                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   const Eigen::Index n = gradient.size();
   Eigen::VectorXd s = Eigen::VectorXd::Zero(n);
-  std::vector<bool> held(static_cast<std::size_t>(n), false);
-  const auto is_held = [&held](Eigen::Index i) { return static_cast<bool>(held[static_cast<std::size_t>(i)]); };
-  // Each round fixes a variable at its bound or ends at the minimizer over the free ones, after which one variable
-  // whose bound no longer pushes is released. The energy falls strictly from one release to the next, so that no active
-  // set returns; the limit is for rounding alone.
-  for (int round = 0; round < 50 * (static_cast<int>(n) + 1); ++round) {
+  std::vector<bool> fixed(static_cast<std::size_t>(n), false);
+  const auto is_fixed = [&fixed](Eigen::Index i) { return static_cast<bool>(fixed[static_cast<std::size_t>(i)]); };
+  // Each iteration fixes a variable at the bound that blocks the step. If none does, the minimizer over the free
+  // variables is reached, and a variable is released at whose bound the model falls inward. The model falls strictly
+  // from one release to the next, so no active set repeats; only rounding can make the limit necessary.
+  for (int iteration = 0; iteration < 50 * (static_cast<int>(n) + 1); ++iteration) {
     std::vector<Eigen::Index> free;
     for (Eigen::Index i = 0; i < n; ++i)
-      if (!is_held(i)) free.push_back(i);
-    const Eigen::VectorXd g = slope(hessian, gradient, s);
+      if (!is_fixed(i)) free.push_back(i);
+    const Eigen::VectorXd g = model_gradient(hessian, gradient, s);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
     if (!free.empty()) {
-      const Eigen::MatrixXd block = hessian(free, free);
-      const Eigen::VectorXd part = g(free);
-      const Eigen::VectorXd newton = block.ldlt().solve(part);
+      const Eigen::MatrixXd reduced_hessian = hessian(free, free);
+      const Eigen::VectorXd reduced_gradient = g(free);
+      const Eigen::VectorXd newton = reduced_hessian.ldlt().solve(reduced_gradient);
       step(free) = -newton;
     }
-    double share = 1;
+    double fraction = 1;
     Eigen::Index blocking = -1;
     for (const Eigen::Index i : free) {
-      const double room = step[i] > 0 ? upper[i] - s[i] : lower[i] - s[i];
-      if (step[i] != 0 && room / step[i] < share) {
-        share = std::max(0.0, room / step[i]);
+      const double distance = step[i] > 0 ? upper[i] - s[i] : lower[i] - s[i];
+      if (step[i] != 0 && distance / step[i] < fraction) {
+        fraction = std::max(0.0, distance / step[i]);
         blocking = i;
       }
     }
-    s += share * step;
+    s += fraction * step;
     if (blocking >= 0) {
       s[blocking] = step[blocking] > 0 ? upper[blocking] : lower[blocking];
-      held[static_cast<std::size_t>(blocking)] = true;
+      fixed[static_cast<std::size_t>(blocking)] = true;
       continue;
     }
-    const Eigen::VectorXd end = slope(hessian, gradient, s);
+    const Eigen::VectorXd end = model_gradient(hessian, gradient, s);
     Eigen::Index release = -1;
     double steepest = 1e-14 * gradient.norm();
     for (Eigen::Index i = 0; i < n; ++i) {
-      if (!is_held(i) || lower[i] == upper[i]) continue;
+      if (!is_fixed(i) || lower[i] == upper[i]) continue;
       const double inward = s[i] >= upper[i] ? end[i] : -end[i];
       if (inward > steepest) {
         steepest = inward;
@@ -238,7 +241,7 @@ Eigen::VectorXd minimize_quadratic_in_box(const Eigen::MatrixXd& hessian, const 
       }
     }
     if (release < 0) break;
-    held[static_cast<std::size_t>(release)] = false;
+    fixed[static_cast<std::size_t>(release)] = false;
   }
   return s;
 }

@@ -10,7 +10,7 @@
 namespace supple::numerics {
 namespace {
 
-/// The pattern of a compressed matrix, to see whether the next one has the same.
+/// The pattern of a compressed matrix, which tells whether the next matrix has the same one.
 struct Pattern {
   std::vector<int> outer;
   std::vector<int> inner;
@@ -40,7 +40,7 @@ struct ShiftedCholesky::Implementation {
   Eigen::MatrixXd border;
   Eigen::MatrixXd core_inverse_border;
   Eigen::LLT<Eigen::MatrixXd> schur;
-  // These are for a part L L^T of low rank: the inverse of the rest times L, and the factors of I + L^T times that.
+  // These are for a low-rank part L L^T: A^-1 L for the matrix A without it, and the factors of I + L^T A^-1 L.
   Eigen::MatrixXd low_rank;
   Eigen::MatrixXd inverse_low_rank;
   Eigen::LLT<Eigen::MatrixXd> capacitance;
@@ -92,7 +92,7 @@ struct ShiftedCholesky::Implementation {
     return capacitance.info() == Eigen::Success;
   }
 
-  /// Without what is of low rank.
+  /// Solves with the matrix without its low-rank part.
   Eigen::MatrixXd solve_bordered(const Eigen::MatrixXd& b) const {
     if (border.cols() == 0) return solve_core(b);
     Eigen::MatrixXd x(b.rows(), b.cols());

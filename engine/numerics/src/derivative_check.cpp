@@ -11,8 +11,8 @@
 namespace supple::numerics {
 namespace {
 
-/// Central differences of a vector-valued function along one line, extrapolated to step zero (Neville's scheme in the
-/// square of the step), entry by entry with the combination that shorter steps change least.
+/// Derivatives extrapolated from central differences to step zero by Neville's scheme in the square of the step. Each
+/// entry has the extrapolation that shorter steps change least.
 struct Extrapolated {
   Eigen::ArrayXd value;
   Eigen::ArrayXd uncertainty;
@@ -48,7 +48,7 @@ class Comparison {
 
   void add(Eigen::Index row, Eigen::Index column, double analytic, double numeric, double uncertainty) {
     const double error = std::abs(analytic - numeric) / scale_;
-    // Written so that a NaN counts as the worst error.
+    // The comparison is written so that a NaN counts as the largest error.
     if (error <= worst_.error && !first_) return;
     first_ = false;
     worst_ = {std::isnan(error) ? std::numeric_limits<double>::infinity() : error,
@@ -65,7 +65,8 @@ class Comparison {
   bool first_ = true;
 };
 
-/// Both triangles of any kind of Hessian; empty where there is none. A kind that is not listed does not compile.
+/// Converts any kind of Hessian to a dense matrix with both triangles, or to an empty one if there is none. A kind that
+/// is not listed does not compile.
 struct ToDense {
   Eigen::MatrixXd operator()(std::monostate) const { return {}; }
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& dense) const { return dense; }
@@ -99,7 +100,7 @@ std::string DerivativeCheck::summary() const {
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options) {
   const Evaluation base = function(Eigen::VectorXd::Zero(dimension), options.hessian ? 2 : 1);
-  // A bordered Hessian is the function's own until it is evaluated again, so that a copy is made here.
+  // The function may overwrite a bordered Hessian at its next evaluation, so a copy is made here.
   const Eigen::MatrixXd hessian = options.hessian ? std::visit(ToDense{}, base.hessian) : Eigen::MatrixXd();
   if (base.gradient.size() != dimension)
     throw std::invalid_argument("check_derivatives: the function gave no gradient of the dimension");
@@ -112,7 +113,7 @@ DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index di
   Eigen::MatrixXd numeric_hessian(dimension, dimension);
   Eigen::MatrixXd uncertainty(dimension, dimension);
   for (Eigen::Index column = 0; column < dimension; ++column) {
-    // One array per step length: the difference of the value, then those of the gradient.
+    // One array per step length: first the difference of the value, then those of the gradient.
     std::vector<Eigen::ArrayXd> differences;
     double h = options.step;
     for (int level = 0; level < options.levels; ++level, h /= 2) {

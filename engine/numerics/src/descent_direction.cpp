@@ -9,47 +9,51 @@
 namespace supple::numerics {
 namespace {
 
-/// A pair (s, y) tells of positive curvature once s . y > this * |s| |y|; others would spoil the approximation.
-constexpr double least_curvature_cosine = 1e-10;
+/// A pair (s, y) shows positive curvature if s . y > this * |s| |y|. Other pairs would spoil the approximation.
+constexpr double min_curvature_cosine = 1e-10;
 
 bool shows_curvature(const Eigen::VectorXd& s, const Eigen::VectorXd& y) {
-  return s.dot(y) > least_curvature_cosine * s.norm() * y.norm();
+  return s.dot(y) > min_curvature_cosine * s.norm() * y.norm();
 }
 
 class NewtonDirection : public DescentDirection {
  public:
-  NewtonDirection(const MinimizerOptions& options, ShiftedCholesky* kept, const CancellationToken& cancellation)
-      : options_(options), own_(kept ? nullptr : std::make_unique<ShiftedCholesky>()), cholesky_(kept ? *kept : *own_) {
+  NewtonDirection(const MinimizerOptions& options, ShiftedCholesky* shared, const CancellationToken& cancellation)
+      : options_(options),
+        own_(shared ? nullptr : std::make_unique<ShiftedCholesky>()),
+        cholesky_(shared ? *shared : *own_) {
     cholesky_.stop_with(cancellation);
   }
 
   int order() const override { return 2; }
 
-  // A regularized factorization is of another matrix: its steps converge too slowly to be used twice.
-  bool keeps(double contraction) const override { return !is_rough() && contraction <= options_.reuse_contraction; }
+  // A regularized factorization belongs to another matrix, so that its steps converge too slowly for a second use.
+  bool reuses_factorization(double contraction) const override {
+    return !uses_modified_hessian() && contraction <= options_.reuse_contraction;
+  }
 
-  Eigen::VectorXd direction(const Evaluation& at, Objective& objective) override {
-    if (std::holds_alternative<std::monostate>(at.hessian)) {
-      Eigen::VectorXd d = -cholesky_.solve(at.gradient);
-      if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+  Eigen::VectorXd direction(const Evaluation& evaluation, Objective& objective) override {
+    if (std::holds_alternative<std::monostate>(evaluation.hessian)) {
+      Eigen::VectorXd d = -cholesky_.solve(evaluation.gradient);
+      if (d.allFinite() && evaluation.gradient.dot(d) < 0) return d;
       return {};
     }
-    scale_ = matrix_scale(at.hessian);
-    convex_ = false;
-    std::optional<Hessian> nearby;
+    scale_ = matrix_scale(evaluation.hessian);
+    used_convex_hessian_ = false;
+    std::optional<Hessian> convex_hessian;
     for (; relative_ <= options_.max_regularization; raise()) {
-      bool factorized = cholesky_.factorize(nearby ? *nearby : at.hessian, regularization());
-      if (!factorized && !nearby) {
+      bool factorized = cholesky_.factorize(convex_hessian ? *convex_hessian : evaluation.hessian, regularization());
+      if (!factorized && !convex_hessian) {
         indefinite_ = indefinite_ || relative_ == 0;
-        nearby = objective.convex_hessian();
-        convex_ = nearby.has_value();
-        factorized = nearby && cholesky_.factorize(*nearby, regularization());
+        convex_hessian = objective.convex_hessian();
+        used_convex_hessian_ = convex_hessian.has_value();
+        factorized = convex_hessian && cholesky_.factorize(*convex_hessian, regularization());
       }
       if (!factorized) continue;
-      Eigen::VectorXd d = -cholesky_.solve(at.gradient);
-      if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+      Eigen::VectorXd d = -cholesky_.solve(evaluation.gradient);
+      if (d.allFinite() && evaluation.gradient.dot(d) < 0) return d;
     }
-    // The next state may be better conditioned: it starts from the least regularization again.
+    // The next state may be better conditioned, so its search starts with the smallest regularization again.
     relative_ = 0;
     return {};
   }
@@ -61,14 +65,14 @@ class NewtonDirection : public DescentDirection {
     return false;
   }
 
-  void accepted(bool whole, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::VectorXd&) override {
-    if (!whole) return;
+  void accepted(bool first_trial, const Eigen::VectorXd&, const Eigen::VectorXd&, const Eigen::VectorXd&) override {
+    if (!first_trial) return;
     relative_ *= options_.lower;
     if (relative_ < options_.first_regularization) relative_ = 0;
   }
 
   double regularization() const override { return relative_ * scale_; }
-  bool is_rough() const override { return relative_ > 0 || convex_; }
+  bool uses_modified_hessian() const override { return relative_ > 0 || used_convex_hessian_; }
   bool met_indefinite() const override { return indefinite_; }
 
  private:
@@ -80,7 +84,7 @@ class NewtonDirection : public DescentDirection {
   double relative_ = 0;
   double scale_ = 1;
   bool indefinite_ = false;
-  bool convex_ = false;  ///< the last direction is of the convex matrix nearby
+  bool used_convex_hessian_ = false;  ///< whether the last direction was computed with the objective's convex Hessian
 };
 
 class LbfgsDirection : public DescentDirection {
@@ -89,8 +93,8 @@ class LbfgsDirection : public DescentDirection {
 
   int order() const override { return 1; }
 
-  Eigen::VectorXd direction(const Evaluation& at, Objective&) override {
-    Eigen::VectorXd d = at.gradient;
+  Eigen::VectorXd direction(const Evaluation& evaluation, Objective&) override {
+    Eigen::VectorXd d = evaluation.gradient;
     std::vector<double> alpha(pairs_.size());
     for (std::size_t i = pairs_.size(); i-- > 0;) {
       const auto& [s, y] = pairs_[i];
@@ -108,9 +112,9 @@ class LbfgsDirection : public DescentDirection {
       d += (alpha[i] - y.dot(d) / s.dot(y)) * s;
     }
     d = -d;
-    if (d.allFinite() && at.gradient.dot(d) < 0) return d;
+    if (d.allFinite() && evaluation.gradient.dot(d) < 0) return d;
     pairs_.clear();
-    return -options_.first_step * at.gradient;
+    return -options_.first_step * evaluation.gradient;
   }
 
   bool retry() override {
@@ -146,7 +150,9 @@ class GradientDirection : public DescentDirection {
   explicit GradientDirection(const MinimizerOptions& options) : options_(options), length_(options.first_step) {}
 
   int order() const override { return 1; }
-  Eigen::VectorXd direction(const Evaluation& at, Objective&) override { return -length_ * at.gradient; }
+  Eigen::VectorXd direction(const Evaluation& evaluation, Objective&) override {
+    return -length_ * evaluation.gradient;
+  }
 
   bool retry() override {
     const bool learned = length_ != options_.first_step;
@@ -158,7 +164,7 @@ class GradientDirection : public DescentDirection {
                 const Eigen::VectorXd& new_gradient) override {
     const Eigen::VectorXd y = new_gradient - old_gradient;
     if (!shows_curvature(step, y)) return forget();
-    // Alternating the long and the short step length is more robust than either (Dai and Fletcher 2005).
+    // Alternating between the long and the short step length is more robust than either of them [Dai2005].
     length_ = use_long_ ? step.squaredNorm() / step.dot(y) : step.dot(y) / y.squaredNorm();
     use_long_ = !use_long_;
   }

@@ -8,30 +8,31 @@
 
 namespace supple::numerics {
 
-/// Chooses where to go next. One per minimization; remembers what earlier steps showed of the curvature.
+/// Computes descent directions for one minimization, and remembers the curvature that earlier steps have shown.
 class DescentDirection {
  public:
   virtual ~DescentDirection() = default;
-  /// The order of derivatives that `direction` reads where `keeps` does not say otherwise.
+  /// The order of derivatives that `direction` reads, unless `reuses_factorization` says that it reads gradients only.
   virtual int order() const = 0;
-  /// Whether the next direction needs no Hessian after a step that multiplied |g| by `contraction`.
-  virtual bool keeps(double /*contraction*/) const { return false; }
-  /// A direction d with g . d < 0 at the objective's current state, or an empty vector when there is none left to try.
-  virtual Eigen::VectorXd direction(const Evaluation& at, Objective& objective) = 0;
-  /// The line search found no step along the last direction: whether another one is worth a try.
+  /// Whether the next direction needs no Hessian, after a step that multiplied |g| by `contraction`.
+  virtual bool reuses_factorization(double /*contraction*/) const { return false; }
+  /// A direction d with g . d < 0 at the objective's current state. It is empty if there is none left to try.
+  virtual Eigen::VectorXd direction(const Evaluation& evaluation, Objective& objective) = 0;
+  /// Called when the line search found no step along the last direction. Returns whether `direction` can give another
+  /// one.
   virtual bool retry() = 0;
-  /// A step was accepted. `whole`: without backtracking. Vectors at the new state: the step and the old gradient, both
-  /// transported, and the new gradient. `transport` carries remembered vectors to the new state.
-  virtual void accepted(bool whole, const Eigen::VectorXd& step, const Eigen::VectorXd& old_gradient,
+  /// Called when a step was accepted. `first_trial`: without backtracking. The vectors belong to the new state: the
+  /// step and the old gradient, both transported, and the new gradient.
+  virtual void accepted(bool first_trial, const Eigen::VectorXd& step, const Eigen::VectorXd& old_gradient,
                         const Eigen::VectorXd& new_gradient) = 0;
-  /// Carries what is remembered to the trial state, before `accepted`.
+  /// Transports the remembered vectors to the trial state. Called before `accepted`.
   virtual void transport(const Objective& /*objective*/) {}
-  /// What was learned of the curvature no longer holds.
+  /// Discards what was learned about the curvature, because it no longer holds.
   virtual void forget() {}
-  /// Added to the Hessian's diagonal for the last direction.
+  /// What was added to the Hessian's diagonal for the last direction.
   virtual double regularization() const { return 0; }
-  /// Whether the last direction came from another matrix than the Hessian: its length is then a guess.
-  virtual bool is_rough() const { return regularization() > 0; }
+  /// Whether the last direction was computed with another matrix than the Hessian. Its length is then a guess.
+  virtual bool uses_modified_hessian() const { return regularization() > 0; }
   /// Whether a Hessian has been met that is not positive definite.
   virtual bool met_indefinite() const { return false; }
 };

@@ -7,20 +7,20 @@
 namespace supple::numerics {
 namespace {
 
-/// A pattern that grows loses the places that nothing fills any more, once it has so many times those that are filled.
-constexpr double worth_forgetting = 1.25;
-/// Places that are sorted or looked up between two looks for a stop request: some milliseconds.
-constexpr std::size_t places_between_looks = 1 << 16;
+/// A pattern that grows loses its unfilled positions, once it has this many times as many positions as are filled.
+constexpr double max_unfilled_ratio = 1.25;
+/// Positions that are sorted or looked up between two checks for a stop request, which takes some milliseconds.
+constexpr std::size_t positions_between_checks = 1 << 16;
 
-/// Sorts pairs of column << 32 | row and leaves each of them once.
+/// Sorts pairs of column << 32 | row and removes repetitions. O(pairs + columns + rows).
 ///
-/// They are put into columns by counting, and of each column the rows are told apart by marks before they are sorted:
-/// the places of elements come many times, a column has some dozen rows. O(pairs + columns + rows).
+/// A counting sort distributes them to columns. In each column, marks remove repeated rows before the rows are sorted:
+/// elements repeat most positions, so only some dozen different rows remain.
 void sort_without_repetition(std::vector<std::uint64_t>& pairs, const CancellationToken& cancellation) {
   const auto column_of = [](std::uint64_t pair) { return static_cast<std::size_t>(pair >> 32); };
   const auto row_of = [](std::uint64_t pair) { return static_cast<std::uint32_t>(pair); };
   StopPace pace(cancellation);
-  std::vector<std::size_t> end;  // of each column
+  std::vector<std::size_t> end;  // end of each column
   std::uint32_t last_row = 0;
   for (const std::uint64_t pair : pairs) {
     pace.look();
@@ -34,14 +34,14 @@ void sort_without_repetition(std::vector<std::uint64_t>& pairs, const Cancellati
     pace.look();
     rows[end[column_of(pair)]++] = row_of(pair);
   }
-  std::vector<std::size_t> seen_in(std::size_t{last_row} + 1);  // for each row, one more than the last column
+  std::vector<std::size_t> last_column(std::size_t{last_row} + 1);  // for each row, 1 + the last column that had it
   pairs.clear();
   std::size_t next = 0;
   for (std::size_t column = 0; column < end.size(); ++column) {
     const auto first = static_cast<std::ptrdiff_t>(pairs.size());
     for (; next < end[column]; ++next) {
       pace.look();
-      if (std::exchange(seen_in[rows[next]], column + 1) != column + 1) pairs.push_back(column << 32 | rows[next]);
+      if (std::exchange(last_column[rows[next]], column + 1) != column + 1) pairs.push_back(column << 32 | rows[next]);
     }
     std::sort(pairs.begin() + first, pairs.end());
   }
@@ -59,17 +59,17 @@ HessianEntries::HessianEntries(Numbering numbering)
 
 Eigen::Index HessianEntries::core_size() const { return numbering_.empty() ? border_ : unknowns_; }
 
-std::size_t HessianEntries::find(Place place) const {
-  const std::size_t column = place >> 32;
+std::size_t HessianEntries::find(Position position) const {
+  const std::size_t column = position >> 32;
   if (column + 1 >= column_begin_.size()) return pattern_.size();
   const auto begin = pattern_.begin();
   return index(std::lower_bound(begin + static_cast<std::ptrdiff_t>(column_begin_[column]),
-                                begin + static_cast<std::ptrdiff_t>(column_begin_[column + 1]), place) -
+                                begin + static_cast<std::ptrdiff_t>(column_begin_[column + 1]), position) -
                begin);
 }
 
-std::uint32_t HessianEntries::slot_of(Place place) const {
-  return place == held ? 0 : static_cast<std::uint32_t>(find(place)) + 1;
+std::uint32_t HessianEntries::slot_of(Position position) const {
+  return position == no_position ? 0 : static_cast<std::uint32_t>(find(position)) + 1;
 }
 
 void HessianEntries::index_columns() {
@@ -80,7 +80,7 @@ void HessianEntries::index_columns() {
 }
 
 void HessianEntries::clear() {
-  if (!unexpected_.empty() || !replaced_.empty() || cursor_ < sequence_.size()) learn();
+  if (!unexpected_.empty() || !replaced_.empty() || cursor_ < sequence_.size()) update_pattern();
   std::ranges::fill(values_, 0.0);
   border_columns_.setZero();
   cursor_ = 0;
@@ -101,12 +101,12 @@ void HessianEntries::replace_block(const std::int32_t* rows, std::size_t size, c
   replaced_rows_.insert(replaced_rows_.end(), rows, rows + size);
   for (std::size_t k = 0; k < size; ++k)
     for (std::size_t l = 0; l <= k; ++l)
-      replaced_entries_.emplace_back(place_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
+      replaced_entries_.emplace_back(position_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
   cursor_ += entries_of(blocks_[next_block_].size);
   ++next_block_;
 }
 
-void HessianEntries::note_block(const std::int32_t* rows, std::size_t size) {
+void HessianEntries::record_block(const std::int32_t* rows, std::size_t size) {
   drop_blocks();
   blocks_.push_back({cursor_, block_rows_.size(), size});
   block_rows_.insert(block_rows_.end(), rows, rows + size);
@@ -119,12 +119,12 @@ void HessianEntries::drop_blocks() {
   blocks_.resize(next_block_);
 }
 
-void HessianEntries::add_unexpected(Place place, double value) {
-  // Nothing that follows is compared with the old sequence: it would match by accident only.
+void HessianEntries::add_unexpected(Position position, double value) {
+  // The rest is not compared with the old sequence, because it would match by accident only.
   sequence_.resize(cursor_);
-  sequence_.push_back(place);
+  sequence_.push_back(position);
   unexpected_.push_back(value);
-  if (++cursor_ % places_between_looks == 0) look_for_stop();
+  if (++cursor_ % positions_between_checks == 0) check_for_stop();
 }
 
 void HessianEntries::grow_border(Eigen::Index high) {
@@ -135,43 +135,43 @@ void HessianEntries::grow_border(Eigen::Index high) {
   border_columns_.topLeftCorner(old.rows(), old.cols()) = old;
 }
 
-void HessianEntries::learn() {
-  // Those that did not come this time stand for places that the sequence no longer has.
+void HessianEntries::update_pattern() {
+  // Blocks that were not added this time refer to entries that the sequence no longer has.
   drop_blocks();
-  // Where the sequence ended early, what it lost may come back: its places stay.
+  // If the sequence ended early, the missing entries may return later, so their positions stay in the pattern.
   sequence_.resize(cursor_);
   slots_.resize(cursor_ - unexpected_.size());
   if (unexpected_.empty() && replaced_.empty()) return;
   const bool grew = add_to_pattern();
   slots_.reserve(sequence_.size());
   for (const double value : unexpected_) {
-    if (slots_.size() % places_between_looks == 0) look_for_stop();
+    if (slots_.size() % positions_between_checks == 0) check_for_stop();
     const std::uint32_t slot = slot_of(sequence_[slots_.size()]);
     values_[slot] += value;
     slots_.push_back(slot);
   }
   unexpected_.clear();
-  if (!replaced_.empty()) put_in_sequence();
+  if (!replaced_.empty()) insert_replaced_blocks();
   cursor_ = sequence_.size();
-  // Only where the pattern is another one anyway.
-  if (grew) forget_unfilled();
+  // Factorizations repeat their symbolic analysis only if the pattern changes, which it does here anyway.
+  if (grew) remove_unfilled();
 }
 
-/// The blocks that came where others were expected take their places, and what follows moves up.
-void HessianEntries::put_in_sequence() {
+/// Inserts the replaced blocks into the sequence, and moves the entries that follow them.
+void HessianEntries::insert_replaced_blocks() {
   const std::size_t from = blocks_[replaced_.front().block].cursor;
   const std::size_t from_row = blocks_[replaced_.front().block].first;
-  const std::vector<Place> places(sequence_.begin() + static_cast<std::ptrdiff_t>(from), sequence_.end());
+  const std::vector<Position> positions(sequence_.begin() + static_cast<std::ptrdiff_t>(from), sequence_.end());
   const std::vector<std::uint32_t> slots(slots_.begin() + static_cast<std::ptrdiff_t>(from), slots_.end());
   const std::vector<std::int32_t> rows(block_rows_.begin() + static_cast<std::ptrdiff_t>(from_row), block_rows_.end());
   sequence_.resize(from);
   slots_.resize(from);
   block_rows_.resize(from_row);
-  std::size_t taken = 0;  // of the old sequence, from `from` on
-  const auto take_up_to = [&](std::size_t end) {
-    for (; taken < end; ++taken) {
-      sequence_.push_back(places[taken]);
-      slots_.push_back(slots[taken]);
+  std::size_t copied = 0;  // number of old entries, from `from` on, that were copied or replaced
+  const auto copy_up_to = [&](std::size_t end) {
+    for (; copied < end; ++copied) {
+      sequence_.push_back(positions[copied]);
+      slots_.push_back(slots[copied]);
     }
   };
   const std::int32_t* row = replaced_rows_.data();
@@ -179,7 +179,7 @@ void HessianEntries::put_in_sequence() {
   auto next = replaced_.begin();
   for (std::size_t b = next->block; b < blocks_.size(); ++b) {
     Block& block = blocks_[b];
-    take_up_to(block.cursor - from);
+    copy_up_to(block.cursor - from);
     block.cursor = sequence_.size();
     const std::size_t old_first = block.first - from_row;
     block.first = block_rows_.size();
@@ -187,8 +187,8 @@ void HessianEntries::put_in_sequence() {
       block_rows_.insert(block_rows_.end(), rows.data() + old_first, rows.data() + old_first + block.size);
       continue;
     }
-    look_for_stop();
-    taken += entries_of(block.size);
+    check_for_stop();
+    copied += entries_of(block.size);
     block.size = next->size;
     block_rows_.insert(block_rows_.end(), row, row + block.size);
     row += block.size;
@@ -200,74 +200,74 @@ void HessianEntries::put_in_sequence() {
     }
     ++next;
   }
-  take_up_to(places.size());
+  copy_up_to(positions.size());
   replaced_.clear();
   replaced_rows_.clear();
   replaced_entries_.clear();
 }
 
-void HessianEntries::forget_unfilled() {
-  std::vector<std::uint32_t> moved(values_.size(), 0);
-  for (const std::uint32_t slot : slots_) moved[slot] = 1;
-  moved[0] = 0;
-  const auto filled = std::count(moved.begin(), moved.end(), 1U);
-  if (static_cast<double>(pattern_.size()) <= worth_forgetting * static_cast<double>(filled)) return;
+void HessianEntries::remove_unfilled() {
+  std::vector<std::uint32_t> new_slot(values_.size(), 0);
+  for (const std::uint32_t slot : slots_) new_slot[slot] = 1;
+  new_slot[0] = 0;
+  const auto filled = std::count(new_slot.begin(), new_slot.end(), 1U);
+  if (static_cast<double>(pattern_.size()) <= max_unfilled_ratio * static_cast<double>(filled)) return;
   std::uint32_t next = 0;
   for (std::size_t slot = 1; slot < values_.size(); ++slot) {
-    if (moved[slot] == 0) continue;
-    moved[slot] = ++next;
+    if (new_slot[slot] == 0) continue;
+    new_slot[slot] = ++next;
     pattern_[next - 1] = pattern_[slot - 1];
     values_[next] = values_[slot];
   }
   pattern_.resize(next);
   values_.resize(next + 1);
-  for (std::uint32_t& slot : slots_) slot = moved[slot];
+  for (std::uint32_t& slot : slots_) slot = new_slot[slot];
   index_columns();
 }
 
-/// Those that the pattern lacks; some come several times.
-std::vector<HessianEntries::Place> HessianEntries::fresh_places() const {
-  std::vector<Place> fresh;
-  fresh.reserve(pattern_.empty() ? replaced_entries_.size() + unexpected_.size() : 0);
-  const CancellationToken stop = cancellation();
-  StopPace pace(stop);
-  const auto take = [&](Place place) {
+/// The added positions that the pattern lacks; some of them repeat.
+std::vector<HessianEntries::Position> HessianEntries::new_positions() const {
+  std::vector<Position> added;
+  added.reserve(pattern_.empty() ? replaced_entries_.size() + unexpected_.size() : 0);
+  const CancellationToken token = cancellation();
+  StopPace pace(token);
+  const auto collect = [&](Position position) {
     pace.look();
-    if (place == held) return;
-    const std::size_t at = find(place);
-    if (at == pattern_.size() || pattern_[at] != place) fresh.push_back(place);
+    if (position == no_position) return;
+    const std::size_t at = find(position);
+    if (at == pattern_.size() || pattern_[at] != position) added.push_back(position);
   };
-  for (const auto& [place, value] : replaced_entries_) take(place);
-  std::for_each(sequence_.end() - static_cast<std::ptrdiff_t>(unexpected_.size()), sequence_.end(), take);
-  return fresh;
+  for (const auto& [position, value] : replaced_entries_) collect(position);
+  std::for_each(sequence_.end() - static_cast<std::ptrdiff_t>(unexpected_.size()), sequence_.end(), collect);
+  return added;
 }
 
 bool HessianEntries::add_to_pattern() {
-  std::vector<Place> fresh = fresh_places();
-  if (fresh.empty()) return false;
-  sort_without_repetition(fresh, cancellation());
-  std::vector<Place> merged;
+  std::vector<Position> added = new_positions();
+  if (added.empty()) return false;
+  sort_without_repetition(added, cancellation());
+  std::vector<Position> merged;
   std::vector<double> values{values_.front()};
-  std::vector<std::uint32_t> moved(values_.size());
-  merged.reserve(pattern_.size() + fresh.size());
+  std::vector<std::uint32_t> new_slot(values_.size());
+  merged.reserve(pattern_.size() + added.size());
   values.reserve(merged.capacity() + 1);
-  // What lies between two new places moves as a whole.
-  std::size_t taken = 0;
-  const auto take_up_to = [&](std::size_t end) {
-    const std::size_t shift = merged.size() - taken;
-    for (std::size_t i = taken; i < end; ++i) moved[i + 1] = static_cast<std::uint32_t>(i + 1 + shift);
+  // All entries between two new positions move by the same amount.
+  std::size_t copied = 0;
+  const auto copy_up_to = [&](std::size_t end) {
+    const std::size_t shift = merged.size() - copied;
+    for (std::size_t i = copied; i < end; ++i) new_slot[i + 1] = static_cast<std::uint32_t>(i + 1 + shift);
     const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
-    merged.insert(merged.end(), pattern_.begin() + at(taken), pattern_.begin() + at(end));
-    values.insert(values.end(), values_.begin() + at(taken + 1), values_.begin() + at(end + 1));
-    taken = end;
+    merged.insert(merged.end(), pattern_.begin() + at(copied), pattern_.begin() + at(end));
+    values.insert(values.end(), values_.begin() + at(copied + 1), values_.begin() + at(end + 1));
+    copied = end;
   };
-  for (const Place place : fresh) {
-    take_up_to(find(place));
-    merged.push_back(place);
+  for (const Position position : added) {
+    copy_up_to(find(position));
+    merged.push_back(position);
     values.push_back(0);
   }
-  take_up_to(pattern_.size());
-  for (std::uint32_t& slot : slots_) slot = moved[slot];
+  copy_up_to(pattern_.size());
+  for (std::uint32_t& slot : slots_) slot = new_slot[slot];
   pattern_ = std::move(merged);
   values_ = std::move(values);
   index_columns();
@@ -289,7 +289,7 @@ SparseMatrix HessianEntries::lower(Eigen::Index n) const {
 }
 
 SparseMatrix HessianEntries::matrix(Eigen::Index n) {
-  learn();
+  update_pattern();
   return lower(n).selfadjointView<Eigen::Lower>();
 }
 
@@ -297,7 +297,7 @@ void HessianEntries::assemble(Eigen::Index n, BorderedMatrix& into) {
   const Eigen::Index core = core_size();
   if (!unexpected_.empty() || !replaced_.empty() || into.core.rows() != core ||
       into.core.nonZeros() != static_cast<Eigen::Index>(pattern_.size())) {
-    learn();
+    update_pattern();
     into.core = lower(core);
   } else {
     std::copy(values_.begin() + 1, values_.end(), into.core.valuePtr());

@@ -9,54 +9,54 @@
 namespace supple::numerics {
 namespace {
 
-/// A symmetric tridiagonal system, diagonally dominant, that may be closed to a ring by one more coupling between its
-/// first and last unknown.
+/// A symmetric, diagonally dominant tridiagonal system. It is cyclic if its first and last unknown are coupled too.
 struct Tridiagonal {
-  std::vector<double> diagonal, beside;  ///< beside[i] couples i and i + 1
-  double closing = 0;                    ///< couples the last and the first
+  std::vector<double> diagonal, off_diagonal;  ///< off_diagonal[i] couples i and i + 1
+  double cyclic = 0;  ///< couples the last unknown and the first; 0 if the system is not cyclic
 
-  /// Without `closing`. O(n).
+  /// Solves the system without its cyclic coupling. O(n).
   std::vector<double> solve_open(std::vector<double> right) const {
     const std::size_t n = diagonal.size();
     std::vector<double> pivot = diagonal;
     for (std::size_t i = 1; i < n; ++i) {
-      const double factor = beside[i - 1] / pivot[i - 1];
-      pivot[i] -= factor * beside[i - 1];
+      const double factor = off_diagonal[i - 1] / pivot[i - 1];
+      pivot[i] -= factor * off_diagonal[i - 1];
       right[i] -= factor * right[i - 1];
     }
     for (std::size_t i = n; i-- > 0;) {
-      if (i + 1 < n) right[i] -= beside[i] * right[i + 1];
+      if (i + 1 < n) right[i] -= off_diagonal[i] * right[i + 1];
       right[i] /= pivot[i];
     }
     return right;
   }
 
-  /// The ring is the open system and a matrix of rank one (Sherman and Morrison). O(n).
+  /// Solves the system. A cyclic one is the open system plus a matrix of rank one [Sherman1950]. O(n).
   std::vector<double> solve(std::vector<double> right) const {
-    if (closing == 0) return solve_open(std::move(right));
+    if (cyclic == 0) return solve_open(std::move(right));
     const std::size_t last = diagonal.size() - 1;
     Tridiagonal open = *this;
-    // The coupling as the square of a vector with ends (1, 1): what it adds to the diagonal is taken off before.
-    open.diagonal[0] -= closing;
-    open.diagonal[last] -= closing;
+    // The coupling is added as cyclic e e^T, with e = (1, 0, ..., 0, 1). What this adds to the diagonal is subtracted
+    // first.
+    open.diagonal[0] -= cyclic;
+    open.diagonal[last] -= cyclic;
     std::vector<double> ends(diagonal.size(), 0.0);
     ends[0] = ends[last] = 1;
     const std::vector<double> direct = open.solve_open(std::move(right)), response = open.solve_open(ends);
-    const double share = closing * (direct[0] + direct[last]) / (1 + closing * (response[0] + response[last]));
+    const double factor = cyclic * (direct[0] + direct[last]) / (1 + cyclic * (response[0] + response[last]));
     std::vector<double> result(direct.size());
-    for (std::size_t i = 0; i < result.size(); ++i) result[i] = direct[i] - share * response[i];
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = direct[i] - factor * response[i];
     return result;
   }
 };
 
-/// Slopes of the C2 cubic spline: second derivatives agree at every point; at free ends they vanish.
+/// Slopes of the C2 cubic spline. Second derivatives agree at all inner points, and vanish at ends without a period.
 std::vector<double> spline_slopes(const std::vector<double>& x, const std::vector<double>& y, bool periodic) {
-  const std::size_t n = x.size() - (periodic ? 1 : 0);  // unknowns; the last point repeats the first
+  const std::size_t n = x.size() - (periodic ? 1 : 0);  // number of unknowns; the last point repeats the first
   if (n == 1) return std::vector<double>(x.size(), 0.0);
   Tridiagonal system{std::vector<double>(n, 0.0), std::vector<double>(n - 1, 0.0)};
   std::vector<double> right(n, 0.0);
-  // An interval of length h and secant s adds its second derivative at either end: (2/h)(3 s - 2 m_0 - m_1) at the
-  // left, (2/h)(m_0 + 2 m_1 - 3 s) at the right.
+  // An interval of length h with secant s and end slopes m_0, m_1 contributes its second derivatives at its ends:
+  // (2/h)(3 s - 2 m_0 - m_1) at the left and (2/h)(m_0 + 2 m_1 - 3 s) at the right one.
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double h = x[i + 1] - x[i];
     const double secant = (y[i + 1] - y[i]) / h;
@@ -64,11 +64,11 @@ std::vector<double> spline_slopes(const std::vector<double>& x, const std::vecto
     system.diagonal[i] += 2 / h;
     system.diagonal[next] += 2 / h;
     if (next > i) {
-      system.beside[i] += 1 / h;
+      system.off_diagonal[i] += 1 / h;
     } else if (n == 2) {
-      system.beside[0] += 1 / h;
+      system.off_diagonal[0] += 1 / h;
     } else {
-      system.closing += 1 / h;
+      system.cyclic += 1 / h;
     }
     right[i] += 3 * secant / h;
     right[next] += 3 * secant / h;
@@ -78,7 +78,7 @@ std::vector<double> spline_slopes(const std::vector<double>& x, const std::vecto
   return slopes;
 }
 
-/// A weighted harmonic mean of the secants on both sides, 0 where they differ in sign.
+/// A weighted harmonic mean of the secants on both sides, or 0 where they differ in sign [Fritsch1984].
 double monotone_slope(double h0, double s0, double h1, double s1) {
   if (s0 * s1 <= 0) return 0;
   const double weight = (h0 + 2 * h1) / (3 * (h0 + h1));

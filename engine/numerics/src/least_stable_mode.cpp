@@ -9,22 +9,23 @@
 namespace supple::numerics {
 namespace {
 
-/// Shifts to try, relative to the matrix's scale, from the least on: a small one separates the modes best.
+/// Shifts relative to the matrix's scale, in ascending order: a small one separates the eigenvalues of the inverse
+/// best.
 constexpr double first_shift = 1e-9;
 constexpr double shift_growth = 4;
-constexpr double last_shift = 1e3;
+constexpr double max_shift = 1e3;
 
 constexpr int lanczos_steps = 40;
-/// The Ritz value has converged once a step changes it by less, relative.
+/// The Ritz value has converged once a step changes it by at most this, relative to its magnitude.
 constexpr double ritz_tolerance = 1e-6;
 
-/// Ways along a mode whose energies differ by less, relative, are symmetric.
-constexpr double symmetric_ways = 1e-9;
+/// Decreases of the energy in the two directions that differ by less than this, relative, count as equal.
+constexpr double symmetry_tolerance = 1e-9;
 
 double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, const CancellationToken& cancellation) {
   const double scale = matrix_scale(hessian);
   double shift = first_shift * scale;
-  while (!cholesky.factorize(hessian, shift) && shift < last_shift * scale) {
+  while (!cholesky.factorize(hessian, shift) && shift < max_shift * scale) {
     cancellation.throw_if_requested();
     shift *= shift_growth;
   }
@@ -46,36 +47,36 @@ Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& 
   basis.col(0).normalize();
 
   double last = 0;
-  int made = 0;
+  int size = 0;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ritz;
-  while (made < steps) {
+  while (size < steps) {
     cancellation.throw_if_requested();
-    Eigen::VectorXd next = cholesky.solve(basis.col(made));
-    diagonal[made] = basis.col(made).dot(next);
-    // Twice: once is not enough where the first mode dominates.
-    const auto used = basis.leftCols(made + 1);
+    Eigen::VectorXd next = cholesky.solve(basis.col(size));
+    diagonal[size] = basis.col(size).dot(next);
+    // Orthogonalizes twice: once is not enough if the first mode dominates.
+    const auto used = basis.leftCols(size + 1);
     for (int pass = 0; pass < 2; ++pass) next -= used * (used.transpose() * next);
-    off_diagonal[made] = next.norm();
-    ++made;
-    ritz.computeFromTridiagonal(diagonal.head(made), off_diagonal.head(std::max(0, made - 1)));
-    const double largest = ritz.eigenvalues()[made - 1];
-    if (std::abs(largest - last) <= ritz_tolerance * std::abs(largest) || off_diagonal[made - 1] <= 1e-14 * largest)
+    off_diagonal[size] = next.norm();
+    ++size;
+    ritz.computeFromTridiagonal(diagonal.head(size), off_diagonal.head(std::max(0, size - 1)));
+    const double largest = ritz.eigenvalues()[size - 1];
+    if (std::abs(largest - last) <= ritz_tolerance * std::abs(largest) || off_diagonal[size - 1] <= 1e-14 * largest)
       break;
     last = largest;
-    basis.col(made) = next / off_diagonal[made - 1];
+    basis.col(size) = next / off_diagonal[size - 1];
   }
   Mode mode;
-  mode.direction = (basis.leftCols(made) * ritz.eigenvectors().col(made - 1)).normalized();
+  mode.direction = (basis.leftCols(size) * ritz.eigenvectors().col(size - 1)).normalized();
   Eigen::Index peak = 0;
   mode.direction.cwiseAbs().maxCoeff(&peak);
   if (mode.direction[peak] < 0) mode.direction = -mode.direction;
-  mode.curvature = 1 / ritz.eigenvalues()[made - 1] - shift;
+  mode.curvature = 1 / ritz.eigenvalues()[size - 1] - shift;
   return mode;
 }
 
 std::optional<double> lowest_along_mode(double energy, double first, int doublings,
                                         const std::function<double(double amount)>& energy_at) {
-  double least = energy;
+  double lowest = energy;
   std::optional<double> best;
   for (const double sign : {1.0, -1.0}) {
     double last = energy;
@@ -84,8 +85,8 @@ std::optional<double> lowest_along_mode(double energy, double first, int doublin
       const double value = energy_at(amount);
       if (!(value < last)) break;
       last = value;
-      if (value < least - symmetric_ways * std::abs(energy - least)) {
-        least = value;
+      if (value < lowest - symmetry_tolerance * std::abs(energy - lowest)) {
+        lowest = value;
         best = amount;
       }
     }

@@ -12,42 +12,41 @@
 namespace supple::numerics {
 namespace {
 
-/// A known ordering is given up once the factor has this many times the entries it had with its own pattern.
-constexpr double worth_reordering = 1.3;
-/// Supernodes are given up once their fronts have this many times the entries they had when they were made.
-constexpr double worth_regrouping = 1.1;
-/// Patterns of fewer unknowns are analysed anew: that takes CHOLMOD less than a millisecond.
-constexpr int unknowns_worth_keeping = 1000;
+/// The ordering is computed anew once the factor has this many times the entries that it had with its own pattern.
+constexpr double max_reordering_ratio = 1.3;
+/// The supernodes are computed anew once the panels have this many times the entries that they had at first.
+constexpr double max_regrouping_ratio = 1.1;
+/// Patterns of fewer unknowns are always analysed anew, which takes CHOLMOD less than a millisecond.
+constexpr int min_unknowns_for_reuse = 1000;
 
-/// Multiply-adds that are worth more than one thread: some milliseconds.
-constexpr double work_worth_sharing = 1e7;
-/// Shares of the whole work: no subtree that a thread takes has more than the first, and one that has less than the
-/// second is done together with what is above it.
-constexpr double largest_share = 0.1;
-constexpr double smallest_share = 0.002;
+/// Multiply-adds from which on several threads are used: some milliseconds.
+constexpr double min_parallel_work = 1e7;
+/// Limits of a subtree's work, as fractions of the total. A subtree above the first is divided. One below the second is
+/// factorized together with the supernodes above it.
+constexpr double max_subtree_fraction = 0.1;
+constexpr double min_subtree_fraction = 0.002;
 
-/// Columns of a front whose numbers one thread moves at a time, and the rows of a front that is worth that.
-constexpr int columns_at_a_time = 64;
-constexpr int rows_worth_sharing = 512;
+/// Number of columns of a front that one task processes, and number of columns from which on tasks are used.
+constexpr int columns_per_task = 64;
+constexpr int min_parallel_columns = 512;
 
-/// Calls body(first, end) for all columns in order, or for some at a time by all threads where the matrix of so many
-/// columns is large.
+/// Calls body(first, end) for all columns at once or, if there are many, in parallel for groups of columns.
 template <class Body>
 void for_columns(int columns, const Body& body) {
-  if (columns < rows_worth_sharing) return body(0, columns);
-  parallel_for((columns + columns_at_a_time - 1) / columns_at_a_time,
-               [&](int part) { body(part * columns_at_a_time, std::min(columns, (part + 1) * columns_at_a_time)); });
+  if (columns < min_parallel_columns) return body(0, columns);
+  parallel_for((columns + columns_per_task - 1) / columns_per_task,
+               [&](int part) { body(part * columns_per_task, std::min(columns, (part + 1) * columns_per_task)); });
 }
 
-/// A multiple of four rows: every column of a panel then starts at the same alignment.
+/// Rounds up to a multiple of four rows, so that all columns of a panel have the same alignment.
 int padded(int rows) { return (rows + 3) / 4 * 4; }
 
 }  // namespace
 
 void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
-  // A few more places, as contacts and paths over other faces bring them, change the best supernodes and the best
-  // ordering little; finding these anew costs more than some factorizations.
-  if (n_ == matrix.rows() && n_ >= unknowns_worth_keeping) {
+  // A few new entries, e.g. of contacts, or of geodesics across other faces, hardly change the best supernodes and the
+  // best ordering. Computing these anew would cost more than some factorizations.
+  if (n_ == matrix.rows() && n_ >= min_unknowns_for_reuse) {
     std::vector<int> first;
     for (const Supernode& node : supernodes_) first.push_back(node.first);
     group_entries(matrix, first);
@@ -57,12 +56,12 @@ void MultifrontalCholesky::analyze(const SparseMatrix& matrix) {
       return;
     }
   }
-  std::vector<int> known;
-  if (n_ == matrix.rows()) known = old_index_;
-  SymbolicAnalysis analysis = analyse(matrix, known, cancellation_, search_);
-  if (!known.empty() && analysis.entries > worth_reordering * best_entries_)
+  std::vector<int> known_ordering;
+  if (n_ == matrix.rows()) known_ordering = old_index_;
+  SymbolicAnalysis analysis = analyse(matrix, known_ordering, cancellation_, search_);
+  if (!known_ordering.empty() && analysis.entries > max_reordering_ratio * best_entries_)
     analysis = analyse(matrix, {}, cancellation_, search_);
-  if (known.empty() || analysis.entries < best_entries_) best_entries_ = analysis.entries;
+  if (known_ordering.empty() || analysis.entries < best_entries_) best_entries_ = analysis.entries;
   n_ = static_cast<int>(matrix.rows());
   set_order(std::move(analysis.old_index));
   group_entries(matrix, analysis.first);
@@ -97,12 +96,12 @@ void MultifrontalCholesky::set_fronts(const Fronts& fronts) {
   }
   supernodes_[count].first = n_;
   cancellation_.throw_if_requested();
-  make_room(factor_, static_cast<std::size_t>(panel));
+  discard_and_resize(factor_, static_cast<std::size_t>(panel));
   find_relative_rows();
   choose_subtrees();
-  size_rooms();
+  allocate_workspaces();
   cancellation_.throw_if_requested();
-  place_entries();
+  locate_entries();
 }
 
 void MultifrontalCholesky::group_entries(const SparseMatrix& matrix, const std::vector<int>& first) {
@@ -110,16 +109,16 @@ void MultifrontalCholesky::group_entries(const SparseMatrix& matrix, const std::
   supernode_of_.resize(static_cast<std::size_t>(n_));
   for (std::size_t s = 0; s < count; ++s)
     std::fill(supernode_of_.begin() + first[s], supernode_of_.begin() + first[s + 1], static_cast<int>(s));
-  constexpr int columns_between_looks = 1 << 15;
-  const auto for_each_entry = [&](const auto& take) {
+  constexpr int columns_between_checks = 1 << 15;
+  const auto for_each_entry = [&](const auto& visit) {
     for (int column = 0; column < n_; ++column) {
-      if (column % columns_between_looks == 0) cancellation_.throw_if_requested();
+      if (column % columns_between_checks == 0) cancellation_.throw_if_requested();
       const int b = new_index_[static_cast<std::size_t>(column)];
       for (int slot = matrix.outerIndexPtr()[column]; slot < matrix.outerIndexPtr()[column + 1]; ++slot) {
         const int row = matrix.innerIndexPtr()[slot];
         if (row < column) continue;
         const int a = new_index_[static_cast<std::size_t>(row)];
-        take(std::min(a, b), std::max(a, b), slot);
+        visit(std::min(a, b), std::max(a, b), slot);
       }
     }
   };
@@ -136,15 +135,15 @@ void MultifrontalCholesky::group_entries(const SparseMatrix& matrix, const std::
   });
 }
 
-/// The fronts of the grouped entries: the rows of each supernode are its pivots, those of its entries and those that
-/// its children hand on. Nothing where they have grown too much.
+/// The fronts of the grouped entries, with the old supernodes. The rows of a supernode are its pivots, those of its
+/// entries, and those of its children's update matrices. Empty if the panels have grown too much.
 std::optional<MultifrontalCholesky::Fronts> MultifrontalCholesky::fronts_of_same_supernodes() const {
   const std::size_t count = supernodes_.size() - 1;
   Fronts fronts;
   fronts.row_begin.push_back(0);
   fronts.rows.reserve(rows_.size());
-  std::vector<int> seen_by(static_cast<std::size_t>(n_), -1);
-  std::vector<int> child(count, -1);  // a child of each, and the next one of the same parent
+  std::vector<int> last_marked_by(static_cast<std::size_t>(n_), -1);
+  std::vector<int> child(count, -1);  // first child of each supernode; `sibling` is the next child of the same parent
   std::vector<int> sibling(count, -1);
   std::int64_t entries = 0;
   for (std::size_t s = 0; s < count; ++s) {
@@ -154,18 +153,18 @@ std::optional<MultifrontalCholesky::Fronts> MultifrontalCholesky::fronts_of_same
     fronts.first.push_back(begin);
     for (int k = begin; k < end; ++k) fronts.rows.push_back(k);
     const std::size_t below = fronts.rows.size();
-    const auto take = [&](int row) {
-      if (row < end || seen_by[static_cast<std::size_t>(row)] == static_cast<int>(s)) return;
-      seen_by[static_cast<std::size_t>(row)] = static_cast<int>(s);
+    const auto add_row = [&](int row) {
+      if (row < end || last_marked_by[static_cast<std::size_t>(row)] == static_cast<int>(s)) return;
+      last_marked_by[static_cast<std::size_t>(row)] = static_cast<int>(s);
       fronts.rows.push_back(row);
     };
     for (std::int64_t e = entry_begin_[s]; e < entry_begin_[s + 1]; ++e)
-      take(entries_[static_cast<std::size_t>(e)].row);
+      add_row(entries_[static_cast<std::size_t>(e)].row);
     for (int c = child[s]; c >= 0; c = sibling[static_cast<std::size_t>(c)]) {
-      const auto own = static_cast<std::size_t>(c);
-      const int pivots = supernodes_[own + 1].first - supernodes_[own].first;
-      for (int r = fronts.row_begin[own] + pivots; r < fronts.row_begin[own + 1]; ++r)
-        take(fronts.rows[static_cast<std::size_t>(r)]);
+      const auto child_index = static_cast<std::size_t>(c);
+      const int pivots = supernodes_[child_index + 1].first - supernodes_[child_index].first;
+      for (int r = fronts.row_begin[child_index] + pivots; r < fronts.row_begin[child_index + 1]; ++r)
+        add_row(fronts.rows[static_cast<std::size_t>(r)]);
     }
     std::sort(fronts.rows.begin() + static_cast<std::ptrdiff_t>(below), fronts.rows.end());
     if (fronts.rows.size() > below) {
@@ -176,14 +175,15 @@ std::optional<MultifrontalCholesky::Fronts> MultifrontalCholesky::fronts_of_same
     const auto rows = static_cast<int>(fronts.rows.size());
     entries += static_cast<std::int64_t>(padded(rows - fronts.row_begin.back())) * (end - begin);
     fronts.row_begin.push_back(rows);
-    if (static_cast<double>(entries) > worth_regrouping * static_cast<double>(front_entries_)) return std::nullopt;
+    if (static_cast<double>(entries) > max_regrouping_ratio * static_cast<double>(front_entries_)) return std::nullopt;
   }
   fronts.first.push_back(n_);
   return fronts;
 }
 
-/// What supernodes hand on waits on a stack: children come right before their parents. New places may give a supernode
-/// another parent; the order then changes, and with it the numbers of columns and rows. Whether it did.
+/// Sorts supernodes into postorder, so that children come directly before their parents: update matrices are on a
+/// stack. New entries may have given a supernode another parent. Changes the numbers of columns and rows, and returns
+/// true, if the order has changed.
 bool MultifrontalCholesky::sort_into_postorder(Fronts& fronts) {
   const std::size_t count = fronts.first.size() - 1;
   const auto pivots_of = [&](std::size_t s) { return fronts.first[s + 1] - fronts.first[s]; };
@@ -203,24 +203,24 @@ bool MultifrontalCholesky::sort_into_postorder(Fronts& fronts) {
   }
   std::vector<std::size_t> order;
   order.reserve(count);
-  std::vector<int> waiting(roots);  // the first root is the last
-  while (!waiting.empty()) {
-    const int s = waiting.back();
+  std::vector<int> to_visit(roots);  // a stack; the first root is on top
+  while (!to_visit.empty()) {
+    const int s = to_visit.back();
     const int c = child[static_cast<std::size_t>(s)];
     if (c >= 0) {
       child[static_cast<std::size_t>(s)] = sibling[static_cast<std::size_t>(c)];
-      waiting.push_back(c);
+      to_visit.push_back(c);
       continue;
     }
     order.push_back(static_cast<std::size_t>(s));
-    waiting.pop_back();
+    to_visit.pop_back();
   }
   if (std::is_sorted(order.begin(), order.end())) return false;
-  std::vector<int> moved(static_cast<std::size_t>(n_));  // the new number of each column
+  std::vector<int> new_column(static_cast<std::size_t>(n_));  // the new number of each column
   Fronts sorted;
   for (int next = 0; const std::size_t s : order) {
     sorted.first.push_back(next);
-    for (int k = fronts.first[s]; k < fronts.first[s + 1]; ++k) moved[static_cast<std::size_t>(k)] = next++;
+    for (int k = fronts.first[s]; k < fronts.first[s + 1]; ++k) new_column[static_cast<std::size_t>(k)] = next++;
   }
   sorted.first.push_back(n_);
   sorted.row_begin.push_back(0);
@@ -228,13 +228,14 @@ bool MultifrontalCholesky::sort_into_postorder(Fronts& fronts) {
   for (const std::size_t s : order) {
     const auto begin = static_cast<std::ptrdiff_t>(sorted.rows.size());
     for (int r = fronts.row_begin[s]; r < fronts.row_begin[s + 1]; ++r)
-      sorted.rows.push_back(moved[static_cast<std::size_t>(fronts.rows[static_cast<std::size_t>(r)])]);
+      sorted.rows.push_back(new_column[static_cast<std::size_t>(fronts.rows[static_cast<std::size_t>(r)])]);
     std::sort(sorted.rows.begin() + begin, sorted.rows.end());
     sorted.row_begin.push_back(static_cast<int>(sorted.rows.size()));
   }
   std::vector<int> old_index(static_cast<std::size_t>(n_));
   for (int i = 0; i < n_; ++i)
-    old_index[static_cast<std::size_t>(moved[static_cast<std::size_t>(i)])] = old_index_[static_cast<std::size_t>(i)];
+    old_index[static_cast<std::size_t>(new_column[static_cast<std::size_t>(i)])] =
+        old_index_[static_cast<std::size_t>(i)];
   set_order(std::move(old_index));
   fronts = std::move(sorted);
   return true;
@@ -251,49 +252,50 @@ void MultifrontalCholesky::find_relative_rows() {
     node.parent = supernode_of_[static_cast<std::size_t>(list[0])];
     const Supernode& parent = supernodes_[static_cast<std::size_t>(node.parent)];
     const int* at = rows_.data() + parent.row_list;
-    int place = 0;
+    int position = 0;
     for (int r = 0; r < below; ++r) {
-      while (at[place] != list[r]) ++place;
-      relative_.push_back(place);
+      while (at[position] != list[r]) ++position;
+      relative_.push_back(position);
     }
   }
 }
 
-/// Multiply-adds of a supernode's factorization, roughly.
-double MultifrontalCholesky::work_of(const Supernode& node) {
+/// Approximate number of multiply-adds of a supernode's factorization.
+double MultifrontalCholesky::operations(const Supernode& node) {
   return 0.5 * static_cast<double>(node.pivots) * node.rows * node.rows;
 }
 
-/// Divides the largest subtree into its children until there are enough of about the same work for all threads. The
-/// number of threads changes nothing.
+/// Divides the largest subtrees into their children until none has more than max_subtree_fraction of the work. The
+/// result does not depend on the number of threads.
 void MultifrontalCholesky::choose_subtrees() {
   const auto count = static_cast<int>(supernodes_.size()) - 1;
-  std::vector<double> work(static_cast<std::size_t>(count), 0);  // of the subtree of each
-  std::vector<int> begin(static_cast<std::size_t>(count));       // its first supernode
+  std::vector<double> work(static_cast<std::size_t>(count), 0);  // of each supernode's subtree
+  std::vector<int> begin(static_cast<std::size_t>(count));       // first supernode of each one's subtree
   for (int s = 0; s < count; ++s) begin[static_cast<std::size_t>(s)] = s;
-  double whole = 0;
-  std::vector<int> child(static_cast<std::size_t>(count), -1);  // a child of each, and the next one of the same parent
+  double total = 0;
+  // First child of each supernode; `sibling` is the next child of the same parent.
+  std::vector<int> child(static_cast<std::size_t>(count), -1);
   std::vector<int> sibling(static_cast<std::size_t>(count), -1);
-  std::vector<std::pair<double, int>> heap;  // of work and root
+  std::vector<std::pair<double, int>> heap;  // pairs of a subtree's work and its root
   for (int s = 0; s < count; ++s) {
-    const auto own = static_cast<std::size_t>(s);
-    const Supernode& node = supernodes_[own];
-    work[own] += work_of(node);
-    whole += work_of(node);
+    const auto s_index = static_cast<std::size_t>(s);
+    const Supernode& node = supernodes_[s_index];
+    work[s_index] += operations(node);
+    total += operations(node);
     if (node.parent < 0) {
-      heap.emplace_back(work[own], s);
+      heap.emplace_back(work[s_index], s);
       continue;
     }
     const auto parent = static_cast<std::size_t>(node.parent);
-    work[parent] += work[own];
-    begin[parent] = std::min(begin[parent], begin[own]);
-    sibling[own] = child[parent];
+    work[parent] += work[s_index];
+    begin[parent] = std::min(begin[parent], begin[s_index]);
+    sibling[s_index] = child[parent];
     child[parent] = s;
   }
   subtrees_.clear();
-  if (whole < work_worth_sharing) return;
+  if (total < min_parallel_work) return;
   std::make_heap(heap.begin(), heap.end());
-  while (!heap.empty() && heap.front().first > whole * largest_share) {
+  while (!heap.empty() && heap.front().first > total * max_subtree_fraction) {
     std::pop_heap(heap.begin(), heap.end());
     const int root = heap.back().second;
     heap.pop_back();
@@ -303,61 +305,65 @@ void MultifrontalCholesky::choose_subtrees() {
     }
   }
   std::sort(heap.begin(), heap.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  for (const auto& [amount, root] : heap)
-    if (amount > whole * smallest_share) subtrees_.push_back({begin[static_cast<std::size_t>(root)], root, {}});
+  for (const auto& [subtree_work, root] : heap)
+    if (subtree_work > total * min_subtree_fraction)
+      subtrees_.push_back({begin[static_cast<std::size_t>(root)], root, {}});
 }
 
-/// The room for the supernodes from `begin` up to `end`, whole subtrees, without those that are subtrees of their own.
-MultifrontalCholesky::RoomSize MultifrontalCholesky::room_for(int begin, int end,
-                                                              const std::vector<Subtree>& without) const {
-  RoomSize size;
+/// The memory for the supernodes from `begin` up to `end`, which are whole subtrees, except those in `excluded`.
+MultifrontalCholesky::WorkspaceSize MultifrontalCholesky::workspace_size(int begin, int end,
+                                                                         const std::vector<Subtree>& excluded) const {
+  WorkspaceSize size;
   std::size_t stacked = 0;
-  std::vector<std::size_t> waiting(static_cast<std::size_t>(end - begin), 0);  // for each, of its children
-  auto subtree = without.begin();
+  // Size of the update matrices of each one's children.
+  std::vector<std::size_t> child_updates(static_cast<std::size_t>(end - begin), 0);
+  auto subtree = excluded.begin();
   for (int s = begin; s < end; ++s) {
-    if (subtree != without.end() && s == subtree->begin) {
+    if (subtree != excluded.end() && s == subtree->begin) {
       s = subtree->root;
       ++subtree;
       continue;
     }
     const Supernode& node = supernodes_[static_cast<std::size_t>(s)];
     size.front = std::max(size.front, static_cast<std::size_t>(node.ld) * static_cast<std::size_t>(node.rows));
-    stacked -= waiting[static_cast<std::size_t>(s - begin)];
+    stacked -= child_updates[static_cast<std::size_t>(s - begin)];
     const auto below = static_cast<std::size_t>(node.rows - node.pivots);
-    if (node.parent >= 0 && node.parent < end) waiting[static_cast<std::size_t>(node.parent - begin)] += below * below;
+    if (node.parent >= 0 && node.parent < end)
+      child_updates[static_cast<std::size_t>(node.parent - begin)] += below * below;
     stacked += below * below;
     size.stacked = std::max(size.stacked, stacked);
   }
   return size;
 }
 
-void MultifrontalCholesky::size_rooms() {
-  const RoomSize upper = room_for(0, static_cast<int>(supernodes_.size()) - 1, subtrees_);
-  make_room(room_.front, upper.front);
-  make_room(room_.updates, upper.stacked);
-  of_subtrees_ = {};
+void MultifrontalCholesky::allocate_workspaces() {
+  const WorkspaceSize upper = workspace_size(0, static_cast<int>(supernodes_.size()) - 1, subtrees_);
+  discard_and_resize(workspace_.front, upper.front);
+  discard_and_resize(workspace_.updates, upper.stacked);
+  subtree_workspace_ = {};
   for (const Subtree& subtree : subtrees_) {
-    const RoomSize size = room_for(subtree.begin, subtree.root + 1, {});
-    of_subtrees_ = {std::max(of_subtrees_.front, size.front), std::max(of_subtrees_.stacked, size.stacked)};
+    const WorkspaceSize size = workspace_size(subtree.begin, subtree.root + 1, {});
+    subtree_workspace_ = {std::max(subtree_workspace_.front, size.front),
+                          std::max(subtree_workspace_.stacked, size.stacked)};
   }
 }
 
-void MultifrontalCholesky::place_entries() {
+void MultifrontalCholesky::locate_entries() {
   const std::size_t count = supernodes_.size() - 1;
   entry_slot_.resize(entries_.size());
-  entry_place_.resize(entries_.size());
-  std::vector<int> place_of(static_cast<std::size_t>(n_));  // of each row in the front at hand
+  entry_position_.resize(entries_.size());
+  std::vector<int> position_of(static_cast<std::size_t>(n_));  // position of each row in the current front
   for (std::size_t s = 0; s < count; ++s) {
     Supernode& node = supernodes_[s];
     node.entries = entry_begin_[s];
     const int* list = rows_.data() + node.row_list;
-    for (int r = 0; r < node.rows; ++r) place_of[static_cast<std::size_t>(list[r])] = r;
+    for (int r = 0; r < node.rows; ++r) position_of[static_cast<std::size_t>(list[r])] = r;
     for (std::int64_t e = entry_begin_[s]; e < entry_begin_[s + 1]; ++e) {
       const auto at = static_cast<std::size_t>(e);
       const Entry& entry = entries_[at];
       entry_slot_[at] = entry.slot;
-      entry_place_[at] = static_cast<std::int32_t>(place_of[static_cast<std::size_t>(entry.row)] +
-                                                   static_cast<std::int64_t>(entry.pivot - node.first) * node.ld);
+      entry_position_[at] = static_cast<std::int32_t>(position_of[static_cast<std::size_t>(entry.row)] +
+                                                      static_cast<std::int64_t>(entry.pivot - node.first) * node.ld);
     }
   }
   supernodes_[count].entries = entry_begin_[count];
@@ -377,26 +383,27 @@ void MultifrontalCholesky::extend_add(const Supernode& child, const double* upda
   });
 }
 
-/// Puts the front together, factorizes its pivots, and leaves what it hands on where `top` is, which moves behind it.
-bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& matrix, double shift, Room& room,
-                                               double*& top, std::vector<Waiting>& waiting) {
+/// Assembles the front and factorizes its pivots. Writes the update matrix to `top`, and moves `top` past it.
+bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& matrix, double shift,
+                                               Workspace& workspace, double*& top,
+                                               std::vector<PendingUpdate>& pending) {
   cancellation_.throw_if_requested();
   const Supernode& node = supernodes_[static_cast<std::size_t>(number)];
   const double* values = matrix.valuePtr();
-  double* front = room.front.data();
-  // What is above the diagonal is never read.
+  double* front = workspace.front.data();
+  // Only lower triangles are read.
   for_columns(node.rows, [&](int first, int end) {
     for (int c = first; c < end; ++c) std::fill_n(front + static_cast<std::int64_t>(c) * node.ld + c, node.ld - c, 0.0);
   });
   for (std::int64_t e = node.entries; e < supernodes_[static_cast<std::size_t>(number) + 1].entries; ++e)
-    front[entry_place_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
+    front[entry_position_[static_cast<std::size_t>(e)]] += values[entry_slot_[static_cast<std::size_t>(e)]];
   for (int k = 0; k < node.pivots; ++k) front[static_cast<std::int64_t>(k) * node.ld + k] += shift;
-  while (!waiting.empty() && supernodes_[static_cast<std::size_t>(waiting.back().supernode)].parent == number) {
-    const Supernode& child = supernodes_[static_cast<std::size_t>(waiting.back().supernode)];
+  while (!pending.empty() && supernodes_[static_cast<std::size_t>(pending.back().supernode)].parent == number) {
+    const Supernode& child = supernodes_[static_cast<std::size_t>(pending.back().supernode)];
     const int below = child.rows - child.pivots;
-    if (waiting.back().on_stack) top -= static_cast<std::int64_t>(below) * below;
-    extend_add(child, waiting.back().update, node, front);
-    waiting.pop_back();
+    if (pending.back().on_stack) top -= static_cast<std::int64_t>(below) * below;
+    extend_add(child, pending.back().update, node, front);
+    pending.pop_back();
   }
   if (!partial_cholesky(front, node.ld, node.rows, node.pivots, cancellation_)) {
     cancellation_.throw_if_requested();
@@ -408,7 +415,7 @@ bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& m
   });
   const int below = node.rows - node.pivots;
   if (below == 0) return true;
-  waiting.push_back({number, top, true});
+  pending.push_back({number, top, true});
   for_columns(below, [&](int first, int end) {
     for (int c = first; c < end; ++c) {
       const double* column = front + static_cast<std::int64_t>(node.pivots + c) * node.ld + node.pivots;
@@ -419,27 +426,28 @@ bool MultifrontalCholesky::factorize_supernode(int number, const SparseMatrix& m
   return true;
 }
 
-bool MultifrontalCholesky::factorize_subtree(const SparseMatrix& matrix, double shift, Subtree& subtree, Room& room) {
-  double* top = room.updates.data();
-  std::vector<Waiting> waiting;
+bool MultifrontalCholesky::factorize_subtree(const SparseMatrix& matrix, double shift, Subtree& subtree,
+                                             Workspace& workspace) {
+  double* top = workspace.updates.data();
+  std::vector<PendingUpdate> pending;
   for (int s = subtree.begin; s <= subtree.root; ++s)
-    if (!factorize_supernode(s, matrix, shift, room, top, waiting)) return false;
-  subtree.update.assign(room.updates.data(), top);
+    if (!factorize_supernode(s, matrix, shift, workspace, top, pending)) return false;
+  subtree.update.assign(workspace.updates.data(), top);
   return true;
 }
 
-/// The supernodes that are in no subtree, one after the other.
+/// Factorizes the supernodes that are in no subtree, one after the other.
 bool MultifrontalCholesky::factorize_upper(const SparseMatrix& matrix, double shift) {
   const int count = static_cast<int>(supernodes_.size()) - 1;
-  double* top = room_.updates.data();
-  std::vector<Waiting> waiting;
+  double* top = workspace_.updates.data();
+  std::vector<PendingUpdate> pending;
   auto subtree = subtrees_.begin();
   for (int s = 0; s < count; ++s) {
     if (subtree != subtrees_.end() && s == subtree->begin) {
       s = subtree->root;
-      if (supernodes_[static_cast<std::size_t>(s)].parent >= 0) waiting.push_back({s, subtree->update.data(), false});
+      if (supernodes_[static_cast<std::size_t>(s)].parent >= 0) pending.push_back({s, subtree->update.data(), false});
       ++subtree;
-    } else if (!factorize_supernode(s, matrix, shift, room_, top, waiting)) {
+    } else if (!factorize_supernode(s, matrix, shift, workspace_, top, pending)) {
       return false;
     }
   }
@@ -449,22 +457,22 @@ bool MultifrontalCholesky::factorize_upper(const SparseMatrix& matrix, double sh
 bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
   std::atomic<bool> definite = true;
   if (!subtrees_.empty()) {
-    std::mutex rooms_mutex;
+    std::mutex workspaces_mutex;
     parallel_for(static_cast<int>(subtrees_.size()), [&](int number) {
       if (!definite) return;
-      Room room;
+      Workspace workspace;
       {
-        const std::lock_guard lock(rooms_mutex);
-        if (!rooms_.empty()) {
-          room = std::move(rooms_.back());
-          rooms_.pop_back();
+        const std::lock_guard lock(workspaces_mutex);
+        if (!idle_workspaces_.empty()) {
+          workspace = std::move(idle_workspaces_.back());
+          idle_workspaces_.pop_back();
         }
       }
-      make_room(room.front, of_subtrees_.front);
-      make_room(room.updates, of_subtrees_.stacked);
-      if (!factorize_subtree(matrix, shift, subtrees_[static_cast<std::size_t>(number)], room)) definite = false;
-      const std::lock_guard lock(rooms_mutex);
-      rooms_.push_back(std::move(room));
+      discard_and_resize(workspace.front, subtree_workspace_.front);
+      discard_and_resize(workspace.updates, subtree_workspace_.stacked);
+      if (!factorize_subtree(matrix, shift, subtrees_[static_cast<std::size_t>(number)], workspace)) definite = false;
+      const std::lock_guard lock(workspaces_mutex);
+      idle_workspaces_.push_back(std::move(workspace));
     });
   }
   return definite && factorize_upper(matrix, shift);
@@ -473,7 +481,7 @@ bool MultifrontalCholesky::factorize(const SparseMatrix& matrix, double shift) {
 void MultifrontalCholesky::solve_one(double* b) const {
   const std::size_t count = supernodes_.size() - 1;
   Eigen::VectorXd x(n_);
-  Eigen::VectorXd below(longest_below());
+  Eigen::VectorXd below(max_update_rows());
   for (int i = 0; i < n_; ++i) x[i] = b[old_index_[static_cast<std::size_t>(i)]];
   for (std::size_t s = 0; s < count; ++s) {
     const Supernode& node = supernodes_[s];
@@ -492,7 +500,7 @@ void MultifrontalCholesky::solve_one(double* b) const {
   for (int i = 0; i < n_; ++i) b[old_index_[static_cast<std::size_t>(i)]] = x[i];
 }
 
-int MultifrontalCholesky::longest_below() const {
+int MultifrontalCholesky::max_update_rows() const {
   int longest = 0;
   for (const Supernode& node : supernodes_) longest = std::max(longest, node.rows - node.pivots);
   return longest;
@@ -501,9 +509,9 @@ int MultifrontalCholesky::longest_below() const {
 void MultifrontalCholesky::solve(Eigen::Ref<Eigen::MatrixXd> b) const {
   if (b.cols() == 1) return solve_one(b.data());
   const std::size_t count = supernodes_.size() - 1;
-  // Rows of solve_width numbers, in the new order.
+  // Columns of solve_width numbers, one for each unknown in the new order.
   Eigen::Matrix<double, solve_width, Eigen::Dynamic> x(solve_width, n_);
-  Eigen::Matrix<double, solve_width, Eigen::Dynamic> below(solve_width, longest_below());
+  Eigen::Matrix<double, solve_width, Eigen::Dynamic> below(solve_width, max_update_rows());
   for (Eigen::Index begin = 0; begin < b.cols(); begin += solve_width) {
     const auto width = std::min<Eigen::Index>(solve_width, b.cols() - begin);
     x.setZero();

@@ -1,4 +1,5 @@
-// Vectors of four doubles never leave this file's functions by value, so that their calling convention does not matter.
+// Vectors of four doubles are never arguments or results of external functions, so their calling convention does not
+// matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "partial_cholesky.h"
 
@@ -13,37 +14,41 @@
 namespace supple::numerics {
 namespace {
 
-/// Columns that are updated together: with two vectors of rows their sums fill half of the registers.
+/// Number of columns that are updated together. With two vectors of rows, their sums fill half of the registers.
 constexpr int block = 4;
 
-/// Fronts of so many rows no longer fit the nearer caches: their columns are factorized a panel at a time, and what a
-/// panel takes from the columns behind it is worked out from a copy whose numbers lie as they are read.
-constexpr int rows_of_large_front = 320;
-/// Columns of a panel: enough that columns behind it are read and written seldom, few enough for the nearest cache.
+/// Fronts from this number of rows on do not fit into the caches near a core. They are factorized in panels of columns.
+/// The update of the columns to the right of a panel reads a copy of it, which is stored in the order of reading.
+constexpr int min_large_front_rows = 320;
+/// Number of columns of a panel. It is large, so that the columns to its right are seldom read and written, but small
+/// enough for the nearest cache.
 constexpr int panel_columns = 48;
-/// Rows of the copy that lie together, those of one panel's column side by side.
+/// Number of rows of a tile of the copy. A tile stores the rows of one column of the panel next to each other.
 constexpr int tile_rows = 2 * lanes;
-/// Tiles that are used for all columns in turn: with panel_columns columns about 100 kB.
-constexpr int tiles_of_a_chunk = 32;
-/// Columns that one thread takes at a time, a multiple of `block`: of a chunk some tenths of a millisecond.
-constexpr int columns_of_a_part = 64;
-/// Rows of a panel that one thread takes at a time, a multiple of a tile's: of 48 columns about 100 kB.
-constexpr int rows_of_a_part = 256;
-/// Fewer parts are sooner done than handed out.
-constexpr int parts_worth_sharing = 4;
+/// Number of tiles that are used for all columns in turn: about 100 kB with panel_columns columns.
+constexpr int tiles_per_chunk = 32;
+/// Number of columns of a part, which one thread takes; a multiple of `block`. Its update by one chunk of tiles
+/// takes some tenths of a millisecond.
+constexpr int columns_per_part = 64;
+/// Number of rows of a part of a panel, which one thread takes; a multiple of tile_rows. With 48 columns these are
+/// about 100 kB.
+constexpr int rows_per_part = 256;
+/// Below this number of parts, starting threads costs more than it saves.
+constexpr int min_parallel_parts = 4;
 
-/// Calls body(i) for i in [0, count), by all threads where that is worth it.
+/// Calls body(i) for i in [0, count), in parallel if there are enough parts.
 template <class Body>
-void share(int count, const Body& body) {
-  if (count < parts_worth_sharing) {
+void for_each_part(int count, const Body& body) {
+  if (count < min_parallel_parts) {
     for (int i = 0; i < count; ++i) body(i);
   } else {
     parallel_for(count, body);
   }
 }
 
-/// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows. The
-/// column of `front` with that number is `first` columns nearer.
+/// C(rows, column..column+width) -= L(rows, 0..depth) L(column..column+width, 0..depth)^T for `vectors` * 4 rows from
+/// `row` on. `front` points to column `first` of the whole front, where L begins; `row` and `column` count from the
+/// whole front's begin.
 template <int vectors, int width>
 SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int depth, int first) {
   Lanes sum[width][vectors];
@@ -60,8 +65,8 @@ SUPPLE_INLINE void update_tile(double* front, int ld, int row, int column, int d
     }
   }
   for (int c = 0; c < width; ++c) {
-    double* to = front + static_cast<std::ptrdiff_t>(column - first + c) * ld + row;
-    for (int v = 0; v < vectors; ++v) store_lanes(to + v * lanes, load_lanes(to + v * lanes) - sum[c][v]);
+    double* target = front + static_cast<std::ptrdiff_t>(column - first + c) * ld + row;
+    for (int v = 0; v < vectors; ++v) store_lanes(target + v * lanes, load_lanes(target + v * lanes) - sum[c][v]);
   }
 }
 
@@ -96,7 +101,8 @@ SUPPLE_INLINE void update_block(double* front, int ld, int begin, int end, int c
   }
 }
 
-/// Takes what the columns from `column` up to `c` contribute to the rows of column c from `begin` up to `end`.
+/// Subtracts the contributions of the columns from `column` up to `c` from column c, in the rows from `begin` up to
+/// `end`.
 SUPPLE_INLINE void subtract_earlier(double* front, int ld, int begin, int end, int column, int c) {
   double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
   for (int k = column; k < c; ++k) {
@@ -117,30 +123,30 @@ SUPPLE_INLINE void scale_rows(double* at, int begin, int end, double factor) {
   for (; row < end; ++row) at[row] *= factor;
 }
 
-/// Cholesky factorization of `width` columns from `column` on whose updates have been made.
+/// Factorizes the `width` columns from `column` on, which have received the updates by all columns before them.
 SUPPLE_INLINE bool factorize_block(double* front, int ld, int rows, int column, int width) {
   for (int c = column; c < column + width; ++c) {
-    double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
+    double* column_values = front + static_cast<std::ptrdiff_t>(c) * ld;
     subtract_earlier(front, ld, c, rows, column, c);
-    const double pivot = at[c];
+    const double pivot = column_values[c];
     if (!(pivot > 0) || !std::isfinite(pivot)) return false;
     const double root = std::sqrt(pivot);
-    at[c] = root;
-    scale_rows(at, c + 1, rows, 1 / root);
+    column_values[c] = root;
+    scale_rows(column_values, c + 1, rows, 1 / root);
   }
   return true;
 }
 
-/// What factorize_block does to the rows from `begin` up to `end`, which lie below those that it has been called with.
+/// Continues factorize_block in the rows from `begin` up to `end`, which lie below the rows that it was called with.
 SUPPLE_INLINE void solve_block(double* front, int ld, int begin, int end, int column, int width) {
   for (int c = column; c < column + width; ++c) {
-    double* at = front + static_cast<std::ptrdiff_t>(c) * ld;
+    double* column_values = front + static_cast<std::ptrdiff_t>(c) * ld;
     subtract_earlier(front, ld, begin, end, column, c);
-    scale_rows(at, begin, end, 1 / at[c]);
+    scale_rows(column_values, begin, end, 1 / column_values[c]);
   }
 }
 
-/// C(0..8, 0..4) -= left right^T, with `depth` columns of a tile each.
+/// sum = left right^T for 8 rows and 4 columns, over `depth` columns of the two tiles.
 SUPPLE_INLINE void multiply_tiles(const double* left, const double* right, int depth, Lanes sum[block][2]) {
   for (int c = 0; c < block; ++c) sum[c][0] = sum[c][1] = constant_lanes(0);
   for (int k = 0; k < depth; ++k, left += tile_rows, right += tile_rows) {
@@ -154,7 +160,8 @@ SUPPLE_INLINE void multiply_tiles(const double* left, const double* right, int d
   }
 }
 
-/// Copies the rows from `begin` on of `width` columns of a front; missing rows of the last tile are zero.
+/// Copies the rows from `begin` up to `rows` of `width` columns of a front to tiles. Missing rows of the last tile are
+/// 0.
 SUPPLE_INLINE void copy_tiles(const double* panel, int ld, int begin, int rows, int width, double* copy) {
   for (int row = begin; row < rows; row += tile_rows)
     for (int k = 0; k < width; ++k, copy += tile_rows) {
@@ -165,24 +172,25 @@ SUPPLE_INLINE void copy_tiles(const double* panel, int ld, int begin, int rows, 
     }
 }
 
-/// What a panel takes from the columns behind it, from row and column `begin` on.
+/// The update of the columns to the right of a panel, in the rows and columns from `begin` on.
 struct PanelUpdate {
   double* front;
   int ld, begin, rows;
-  int depth;           ///< columns of the panel
-  const double* copy;  ///< of the panel's rows from `begin` on
+  int depth;           ///< number of columns of the panel
+  const double* copy;  ///< the panel's rows from `begin` on, as tiles
 
   int tiles() const { return (rows - begin + tile_rows - 1) / tile_rows; }
   const double* tile(int number) const { return copy + static_cast<std::ptrdiff_t>(number) * tile_rows * depth; }
 };
 
-/// A part of the lower triangle, counted from `begin`: the rows of some tiles, and some columns.
+/// A part of the lower triangle, counted from `begin`: some tiles of rows, and some columns.
 struct TrianglePart {
   int first_tile, end_tile;
   int first_column, end_column;
 };
 
-/// Takes the products of a panel's rows from a part of the lower triangle. Entries above the diagonal are overwritten.
+/// Subtracts the products of a panel's rows from a part of the lower triangle. Entries above the diagonal are
+/// overwritten.
 SUPPLE_INLINE void subtract_part(const PanelUpdate& update, const TrianglePart& part,
                                  const CancellationToken& cancellation) {
   const auto [front, ld, begin, rows, depth, copy] = update;
@@ -211,19 +219,19 @@ SUPPLE_AVX2 void subtract_part_avx2(const PanelUpdate& update, const TrianglePar
   subtract_part(update, part, cancellation);
 }
 
-/// The whole triangle, by all threads where it is large. Every entry changes once and in the same way, whichever thread
-/// it falls to.
+/// Updates the whole lower triangle, in parallel if it is large. Each entry is changed once and in the same way by any
+/// thread. Returns false if a stop was requested.
 bool subtract_panel(const PanelUpdate& update, const CancellationToken& cancellation) {
   std::vector<TrianglePart> parts;
   const int tiles = update.tiles();
-  // The largest first, so that no thread is left alone with one.
-  for (int chunk = (tiles - 1) / tiles_of_a_chunk * tiles_of_a_chunk; chunk >= 0; chunk -= tiles_of_a_chunk) {
-    const int end = std::min(tiles, chunk + tiles_of_a_chunk);
+  // The largest parts come first, so that no thread ends long after the others.
+  for (int chunk = (tiles - 1) / tiles_per_chunk * tiles_per_chunk; chunk >= 0; chunk -= tiles_per_chunk) {
+    const int end = std::min(tiles, chunk + tiles_per_chunk);
     const int columns = std::min(update.rows - update.begin, end * tile_rows);
-    for (int column = 0; column < columns; column += columns_of_a_part)
-      parts.push_back({chunk, end, column, std::min(columns, column + columns_of_a_part)});
+    for (int column = 0; column < columns; column += columns_per_part)
+      parts.push_back({chunk, end, column, std::min(columns, column + columns_per_part)});
   }
-  share(static_cast<int>(parts.size()), [&](int number) {
+  for_each_part(static_cast<int>(parts.size()), [&](int number) {
     const TrianglePart& part = parts[static_cast<std::size_t>(number)];
     has_avx2 ? subtract_part_avx2(update, part, cancellation) : subtract_part(update, part, cancellation);
   });
@@ -237,11 +245,11 @@ struct Panel {
   double* begin() const { return front + static_cast<std::ptrdiff_t>(first) * ld; }
 };
 
-/// Finishes some rows of a panel, and copies them to where `copy` says for the tile of row `end`.
+/// Factorizes some rows of a panel, and copies them to tiles. `copy` begins with the tile of row `end`.
 SUPPLE_INLINE void finish_rows(const Panel& panel, int begin, int end, double* copy) {
   for (int column = panel.first; column < panel.end; column += block) {
     const int width = std::min(block, panel.end - column);
-    // From the panel's own columns on: column numbers stay those of rows.
+    // The pointer begins at the panel's first column, so that only the panel's columns are multiplied.
     update_block(panel.begin(), panel.ld, begin, end, column, width, column - panel.first, panel.first);
     solve_block(panel.front, panel.ld, begin, end, column, width);
   }
@@ -254,7 +262,7 @@ SUPPLE_AVX2 void finish_rows_avx2(const Panel& panel, int begin, int end, double
 
 SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pivots,
                                          const CancellationToken& cancellation) {
-  // Kept from front to front: new memory costs as much as some of the smaller ones.
+  // The buffer is reused by later fronts: allocating it costs as much as factorizing some of the smaller ones.
   thread_local std::vector<double> copy;
   for (int first = 0; first < pivots; first += panel_columns) {
     if (cancellation.requested()) return false;
@@ -267,10 +275,10 @@ SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pi
     }
     if (end == rows) break;
     copy.resize(static_cast<std::size_t>(rows - end + tile_rows) * panel_columns);
-    share((rows - end + rows_of_a_part - 1) / rows_of_a_part, [&, to = copy.data()](int part) {
+    for_each_part((rows - end + rows_per_part - 1) / rows_per_part, [&, to = copy.data()](int part) {
       if (cancellation.requested()) return;
-      const int from = end + part * rows_of_a_part;
-      const int until = std::min(rows, from + rows_of_a_part);
+      const int from = end + part * rows_per_part;
+      const int until = std::min(rows, from + rows_per_part);
       has_avx2 ? finish_rows_avx2(panel, from, until, to) : finish_rows(panel, from, until, to);
     });
     if (!subtract_panel({front, ld, end, rows, end - first, copy.data()}, cancellation)) return false;
@@ -279,7 +287,7 @@ SUPPLE_INLINE bool factorize_large_front(double* front, int ld, int rows, int pi
 }
 
 SUPPLE_INLINE bool factorize_front(double* front, int ld, int rows, int pivots, const CancellationToken& cancellation) {
-  if (rows >= rows_of_large_front) return factorize_large_front(front, ld, rows, pivots, cancellation);
+  if (rows >= min_large_front_rows) return factorize_large_front(front, ld, rows, pivots, cancellation);
   for (int column = 0; column < pivots; column += block) {
     if (cancellation.requested()) return false;
     const int width = pivots - column < block ? pivots - column : block;

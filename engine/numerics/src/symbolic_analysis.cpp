@@ -15,24 +15,24 @@ namespace {
 
 constexpr std::string_view analysis_task = "numerics/analysis";
 
-/// Entries of a pattern that takes CHOLMOD a tenth of a second or so: where a helper is worth the way there.
-constexpr Eigen::Index many_entries = 500'000;
+/// Entries of a pattern whose analysis takes about a tenth of a second, so that sending it to a helper process pays.
+constexpr Eigen::Index min_entries_for_helper = 500'000;
 
-/// CHOLMOD's workspace and the analysis it makes, released together.
-class Analysis {
+/// CHOLMOD's workspace and its analysis, which are released together.
+class CholmodAnalysis {
  public:
-  Analysis(int n, const int* columns, const int* rows, std::vector<int> known, OrderingSearch search) {
+  CholmodAnalysis(int n, const int* columns, const int* rows, std::vector<int> ordering, OrderingSearch search) {
     cholmod_start(&common_);
     common_.print = 0;
     common_.supernodal = CHOLMOD_SUPERNODAL;
-    if (!known.empty()) {
+    if (!ordering.empty()) {
       common_.nmethods = 1;
       common_.method[0].ordering = CHOLMOD_GIVEN;
     } else if (search == OrderingSearch::thorough) {
       common_.nmethods = 2;
       common_.method[0].ordering = CHOLMOD_AMD;
       common_.method[1].ordering = CHOLMOD_METIS;
-    }  // else CHOLMOD's own strategy
+    }  // otherwise CHOLMOD's own strategy
     cholmod_sparse view{};
     view.nrow = view.ncol = static_cast<std::size_t>(n);
     view.nzmax = static_cast<std::size_t>(columns[n]);
@@ -44,19 +44,19 @@ class Analysis {
     view.dtype = CHOLMOD_DOUBLE;
     view.sorted = 1;
     view.packed = 1;
-    if (known.empty()) {
+    if (ordering.empty()) {
       const auto random = own_process_random();  // METIS draws from it
       factor_ = cholmod_analyze(&view, &common_);
     } else {
-      factor_ = cholmod_analyze_p(&view, known.data(), nullptr, 0, &common_);
+      factor_ = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common_);
     }
   }
-  ~Analysis() {
+  ~CholmodAnalysis() {
     cholmod_free_factor(&factor_, &common_);
     cholmod_finish(&common_);
   }
-  Analysis(const Analysis&) = delete;
-  Analysis& operator=(const Analysis&) = delete;
+  CholmodAnalysis(const CholmodAnalysis&) = delete;
+  CholmodAnalysis& operator=(const CholmodAnalysis&) = delete;
 
   const cholmod_factor& factor() const {
     if (!factor_) throw std::bad_alloc();
@@ -80,14 +80,14 @@ std::vector<int> read_integers(ByteReader& reader) {
   return values;
 }
 
-std::string analysed(std::string_view request) {
+std::string run_analysis_task(std::string_view request) {
   ByteReader reader(request);
   const std::vector<int> columns = read_integers(reader);
   const std::vector<int> rows = read_integers(reader);
-  const std::vector<int> known = read_integers(reader);
+  const std::vector<int> ordering = read_integers(reader);
   const auto search = static_cast<OrderingSearch>(reader.number<std::int32_t>());
   const SymbolicAnalysis analysis =
-      analyse_here(static_cast<int>(columns.size()) - 1, columns.data(), rows.data(), known, search);
+      analyse_here(static_cast<int>(columns.size()) - 1, columns.data(), rows.data(), ordering, search);
   ByteWriter answer;
   for (const auto* values : {&analysis.old_index, &analysis.first, &analysis.row_begin, &analysis.rows})
     write_integers(answer, *values);
@@ -96,9 +96,9 @@ std::string analysed(std::string_view request) {
 
 }  // namespace
 
-SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const std::vector<int>& known,
+SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const std::vector<int>& ordering,
                               OrderingSearch search) {
-  const Analysis analysis(n, columns, rows, known, search);
+  const CholmodAnalysis analysis(n, columns, rows, ordering, search);
   const cholmod_factor& l = analysis.factor();
   const auto list = [](const void* begin, std::size_t count) {
     const auto* const integers = static_cast<const int*>(begin);
@@ -113,16 +113,16 @@ SymbolicAnalysis analyse_here(int n, const int* columns, const int* rows, const 
   return result;
 }
 
-SymbolicAnalysis analyse(const SparseMatrix& matrix, const std::vector<int>& known,
+SymbolicAnalysis analyse(const SparseMatrix& matrix, const std::vector<int>& ordering,
                          const CancellationToken& cancellation, OrderingSearch search) {
   cancellation.throw_if_requested();
   const auto n = static_cast<int>(matrix.rows());
-  const auto helpers = matrix.nonZeros() >= many_entries ? helper_processes() : nullptr;
-  if (!helpers) return analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), known, search);
+  const auto helpers = matrix.nonZeros() >= min_entries_for_helper ? helper_processes() : nullptr;
+  if (!helpers) return analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), ordering, search);
   ByteWriter request;
   write_integers(request, {matrix.outerIndexPtr(), static_cast<std::size_t>(n) + 1});
   write_integers(request, {matrix.innerIndexPtr(), static_cast<std::size_t>(matrix.nonZeros())});
-  write_integers(request, known);
+  write_integers(request, ordering);
   request.number(static_cast<std::int32_t>(search));
   Execution execution;
   execution.cancellation = cancellation;
@@ -137,7 +137,7 @@ SymbolicAnalysis analyse(const SparseMatrix& matrix, const std::vector<int>& kno
 
 HelperTasks helper_tasks() {
   HelperTasks tasks;
-  tasks.emplace(analysis_task, analysed);
+  tasks.emplace(analysis_task, run_analysis_task);
   return tasks;
 }
 

@@ -4,9 +4,9 @@
 
 namespace supple::numerics {
 
-Unknowns::Unknowns(const std::vector<bool>& held, Eigen::MatrixXd directions) : directions_(std::move(directions)) {
-  numbering_.reserve(held.size());
-  for (const bool is_held : held) numbering_.push_back(is_held ? -1 : static_cast<std::int32_t>(core_++));
+Unknowns::Unknowns(const std::vector<bool>& fixed, Eigen::MatrixXd directions) : directions_(std::move(directions)) {
+  numbering_.reserve(fixed.size());
+  for (const bool is_fixed : fixed) numbering_.push_back(is_fixed ? -1 : static_cast<std::int32_t>(core_++));
 }
 
 Eigen::VectorXd Unknowns::expand(const Eigen::VectorXd& y) const {

@@ -8,26 +8,26 @@
 
 namespace supple::numerics {
 
-/// Makes room for a vector's values without setting them.
+/// An allocator that does not initialize values when a vector grows.
 template <class Value>
 struct UnsetAllocator : std::allocator<Value> {
   template <class Other>
   struct rebind {
     using other = UnsetAllocator<Other>;
   };
-  void construct(Value* at) noexcept { ::new (static_cast<void*>(at)) Value; }
+  void construct(Value* address) noexcept { ::new (static_cast<void*>(address)) Value; }
   template <class... Arguments>
-  void construct(Value* at, Arguments&&... arguments) {
-    std::construct_at(at, std::forward<Arguments>(arguments)...);
+  void construct(Value* address, Arguments&&... arguments) {
+    std::construct_at(address, std::forward<Arguments>(arguments)...);
   }
 };
 
-/// Numbers that a larger size leaves unset. Zeroing a gigabyte takes most of a second, in which nobody looks for a stop
-/// request; here whoever writes to a page first is the first to touch it.
+/// Numbers that are uninitialized after `resize`. Zeroing a gigabyte takes most of a second, during which nobody checks
+/// for a stop request. Uninitialized memory is first touched by the code that writes to it.
 using UnsetNumbers = std::vector<double, UnsetAllocator<double>>;
 
-/// Room for so many numbers; those that were there are lost.
-inline void make_room(UnsetNumbers& numbers, std::size_t size) {
+/// Resizes the vector without copying: its old values are lost and the new ones uninitialized.
+inline void discard_and_resize(UnsetNumbers& numbers, std::size_t size) {
   numbers.clear();
   numbers.resize(size);
 }

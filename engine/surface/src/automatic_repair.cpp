@@ -11,13 +11,13 @@
 namespace supple::surface {
 namespace {
 
-/// Whether repairs may help against a fault.
+/// Whether repairs may remove this fault.
 bool is_repairable(const Error& fault) {
   return fault.code() == "mesh.degenerate_face" || fault.code() == "mesh.non_manifold_edge" ||
          fault.code() == "mesh.non_manifold_vertex" || fault.code() == "mesh.not_orientable";
 }
 
-/// The fault that TriangleMesh::build finds, nothing where it finds none. Throws faults that no repair is for.
+/// The fault that TriangleMesh::build finds, or nothing. Throws faults that no repair removes.
 std::optional<Error> fault_of(const TriangleSoup& soup, const Execution& execution) {
   try {
     TriangleMesh::build(soup.positions, soup.faces, {}, execution);
@@ -29,7 +29,7 @@ std::optional<Error> fault_of(const TriangleSoup& soup, const Execution& executi
 }
 
 bool has_cracks(const TriangleSoup& soup, const Execution& execution) {
-  return find_cracks(soup.positions, soup.faces, Crossings::apart, execution).vertices > 0;
+  return find_cracks(soup.positions, soup.faces, MultipleEdges::separate, execution).vertices > 0;
 }
 
 /// A soup after repairs that leave no fault.
@@ -38,7 +38,7 @@ struct Repaired {
   RepairOutcome outcome;
 };
 
-/// Adds one repair after the other, from `first` on, until no fault is left. Nothing where one is left at the end.
+/// Makes repairs one after the other, from `first` on, until there is no fault. Returns nothing if a fault remains.
 std::optional<Repaired> try_repairs(const TriangleSoup& soup, std::size_t first, const MeshLimits& limits,
                                     const Execution& execution) {
   RepairOptions options;
@@ -56,10 +56,10 @@ std::optional<Repaired> try_repairs(const TriangleSoup& soup, std::size_t first,
   return std::nullopt;
 }
 
-/// The repairs that make the soup sound, with the fault that it had.
+/// The fault of a soup, and the result of the repairs that remove it.
 struct Attempt {
   std::optional<Error> fault;
-  std::optional<Repaired> repaired;  ///< nothing where no repairs help, or where none are needed
+  std::optional<Repaired> repaired;  ///< empty if no repairs help, or if none are needed
 };
 
 Attempt attempt_repairs(const TriangleSoup& soup, std::optional<Error> fault, const MeshLimits& limits,
@@ -72,7 +72,7 @@ Attempt attempt_repairs(const TriangleSoup& soup, std::optional<Error> fault, co
   return attempt;
 }
 
-/// "weld,drop_degenerate": the repairs that were made.
+/// The names of the repairs that were made, e.g. "weld,drop_degenerate".
 std::string names_of(const RepairOutcome& outcome) {
   std::string names;
   for (std::size_t i = 0; i < repair_names.size(); ++i) {
@@ -81,7 +81,7 @@ std::string names_of(const RepairOutcome& outcome) {
   return names;
 }
 
-/// The fault with a further clause in its sentence.
+/// The fault, with a clause added to its message.
 Error with_advice(const Error& fault, const std::string& advice) {
   std::string sentence = fault.what();
   if (sentence.ends_with('.')) sentence.pop_back();
@@ -104,7 +104,7 @@ RepairOutcome repair_automatically(TriangleSoup& soup, const MeshLimits& limits,
 
 TriangleMesh build_with_advice(const TriangleSoup& soup, const MeshLimits& limits, const Execution& execution) {
   try {
-    // The soup stays, for the repairs that a fault calls for.
+    // The soup is copied, because it is needed for repairs if there is a fault.
     return TriangleMesh::build(soup.positions, soup.faces, soup.warnings, execution);
   } catch (const Error& fault) {
     if (!is_repairable(fault)) throw;
@@ -118,7 +118,7 @@ std::vector<std::string> crack_warnings(const TriangleMesh& mesh, const Executio
   std::int32_t h = 0;
   while (h < mesh.halfedge_count() && mesh.twin(h) >= 0) ++h;
   if (h == mesh.halfedge_count()) return {};
-  const Cracks cracks = find_cracks(mesh.positions(), mesh.faces(), Crossings::apart, execution);
+  const Cracks cracks = find_cracks(mesh.positions(), mesh.faces(), MultipleEdges::separate, execution);
   if (cracks.vertices == 0) return {};
   const bool one = cracks.vertices == 1;
   std::string sentence = "The surface is open along cracks: " + std::to_string(cracks.vertices);

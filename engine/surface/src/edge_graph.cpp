@@ -6,7 +6,7 @@
 namespace supple::surface {
 namespace {
 
-constexpr std::int64_t kVerticesPerCheckpoint = 8192;
+constexpr std::int64_t vertices_per_checkpoint = 8192;
 
 }  // namespace
 
@@ -19,7 +19,7 @@ EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfaceP
   field.vertex_sources.assign(distances.size(), -1);
   std::vector<BucketQueue::Bucket> queued(distances.size(), BucketQueue::kNotQueued);
   BucketQueue queue;
-  // Half the mean edge: a vertex settles mostly once; the others are corrected.
+  // With buckets of half a mean edge, most vertices are settled once. The others are corrected.
   queue.start(0, 0.5 * m.mean_edge_length());
   const auto improve = [&](std::int32_t v, double distance, std::int32_t source) {
     if (!(distance < distances[v]) || distance > limit) return;
@@ -41,7 +41,7 @@ EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfaceP
   while (queue.pop(v, bucket)) {
     if (queued[v] != bucket) continue;
     queued[v] = BucketQueue::kNotQueued;
-    if (++settled % kVerticesPerCheckpoint == 0) execution.cancellation.throw_if_requested();
+    if (++settled % vertices_per_checkpoint == 0) execution.cancellation.throw_if_requested();
     const double distance = distances[v];
     const std::int32_t source = field.vertex_sources[v];
     const std::int32_t first = m.outgoing(v);

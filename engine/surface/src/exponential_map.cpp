@@ -21,17 +21,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Index = std::int32_t;
 
-/// A path that comes this close to a vertex, as a fraction of the face's longest edge, passes through it: some tens of
-/// times the rounding of a position on an edge.
+/// A path that comes this close to a vertex, relative to the face's longest edge, passes through it. This is some tens
+/// of times the rounding of a position on an edge.
 constexpr double vertex_tolerance = 1e-14;
-/// A direction that leaves the surface at its boundary by no more than this angle (radians) runs along the boundary.
+/// A direction that points out of the surface by at most this angle (radians) runs along the boundary.
 constexpr double boundary_angle_tolerance = 1e-14;
 
-/// From where the path enters its face: not at all, over the reference halfedge, or from the halfedge's tail.
+/// The part of its face through which the path entered it: none (it starts inside), the reference halfedge, or the tail
+/// of this.
 enum class Entrance { inside, side, corner };
 
-/// A moving point. Everything is written relative to a reference halfedge of its face: the corners are its tail, its
-/// head and the apex, the plane's first axis runs along it and the second into the face.
+/// A moving point, written relative to a reference halfedge of its face. The corners are its tail, its head and the
+/// apex. In the face's plane, the first axis points along the halfedge and the second into the face.
 struct State {
   Index halfedge;
   Vector3d weights;  // barycentric, in the order tail, head, apex
@@ -39,7 +40,7 @@ struct State {
   Entrance entry;
 };
 
-/// Where the path leaves a face: over side k (from corner k to k + 1), or through corner k.
+/// The point where the path leaves a face: on side k (from corner k to k + 1), or at corner k.
 struct Exit {
   int k;
   bool through_corner;
@@ -74,8 +75,8 @@ Vector3d weights_of(const SurfacePoint& point, Index h) {
   return weights;
 }
 
-/// Clamps rounding below 0 and lets the largest weight take the rounding of the sum.
-Vector3d cleaned(const Vector3d& weights) {
+/// Clamps rounding below 0. The largest weight absorbs the rounding of the sum.
+Vector3d clamped(const Vector3d& weights) {
   Vector3d w = weights.cwiseMax(0.0).cwiseMin(1.0);
   int largest = 0;
   w.maxCoeff(&largest);
@@ -83,7 +84,7 @@ Vector3d cleaned(const Vector3d& weights) {
   return w;
 }
 
-/// The side that the path leaves its face over, given on which side of the path each corner lies (positive: left).
+/// The side through which the path leaves its face. `sides_of_corners` is positive for corners to the left of the path.
 int exit_side(Entrance entry, const Vector3d& sides_of_corners) {
   if (entry == Entrance::corner) return 1;
   if (entry == Entrance::side) return sides_of_corners[2] > 0 ? 1 : 2;
@@ -100,8 +101,8 @@ int exit_side(Entrance entry, const Vector3d& sides_of_corners) {
 }
 
 Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
-  // Each corner's place relative to the point: its distance to the left of the path, and how far ahead it lies. Written
-  // in differences of corners, so that small weights keep their digits.
+  // Position of each corner relative to the point: the distance to the left of the path, and the distance ahead. It is
+  // computed from differences of corners, so that small weights keep their digits.
   Vector3d left, ahead;
   double longest = 0;
   for (int k = 0; k < 3; ++k) {
@@ -113,8 +114,9 @@ Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
   }
   int corner = -1;
   for (int k = 0; k < 3; ++k) {
-    const bool met = std::abs(left[k]) <= vertex_tolerance * longest && ahead[k] > 0;
-    if (met && !(state.entry == Entrance::corner && k == 0) && (corner < 0 || ahead[k] < ahead[corner])) corner = k;
+    const bool hits_corner = std::abs(left[k]) <= vertex_tolerance * longest && ahead[k] > 0;
+    if (hits_corner && !(state.entry == Entrance::corner && k == 0) && (corner < 0 || ahead[k] < ahead[corner]))
+      corner = k;
   }
   if (corner >= 0) return {corner, true, Vector3d::Unit(corner), ahead[corner]};
 
@@ -128,19 +130,20 @@ Exit leave_face(const State& state, const std::array<Vector2d, 3>& sides) {
   return {k, false, weights, std::max(0.0, (1 - t) * ahead[k] + t * ahead[end])};
 }
 
-/// The state beyond the halfedge `over`, which must have a twin. `side` is that halfedge in the plane of `direction`.
-State enter_over(const TriangleMesh& mesh, Index over, double weight_of_tail, double weight_of_head,
-                 const Vector2d& direction, const Vector2d& side) {
+/// The state beyond the halfedge `crossed`, which must have a twin. `side` is this halfedge in the plane of
+/// `direction`.
+State cross_halfedge(const TriangleMesh& mesh, Index crossed, double weight_of_tail, double weight_of_head,
+                     const Vector2d& direction, const Vector2d& side) {
   const Vector2d turned(-direction.dot(side), std::max(0.0, cross(direction, side)));
-  return {mesh.twin(over), {weight_of_head, weight_of_tail, 0}, turned.normalized(), Entrance::side};
+  return {mesh.twin(crossed), {weight_of_head, weight_of_tail, 0}, turned.normalized(), Entrance::side};
 }
 
 State leave_corner(Index outgoing, double angle) {
   return {outgoing, Vector3d::UnitX(), {std::cos(angle), std::sin(angle)}, Entrance::corner};
 }
 
-/// Turns counterclockwise from `outgoing` by `angle` >= 0 (radians) around its tail. Where the fan ends first, the last
-/// corner is returned with an angle beyond it.
+/// Turns counterclockwise from `outgoing` by `angle` >= 0 (radians) around its tail. If the fan ends first, the last
+/// corner is returned, and `beyond` receives the angle that is left.
 State turn_counterclockwise(const TriangleMesh& mesh, Index outgoing, double angle, double* beyond = nullptr) {
   while (angle > mesh.corner_angle(outgoing)) {
     const Index next = mesh.rotate(outgoing);
@@ -173,7 +176,7 @@ Departure depart_from_corner(const TriangleMesh& mesh, Index outgoing, const Vec
   const double corner_angle = mesh.corner_angle(outgoing);
   const Vector2d direction = halfedge_frame(mesh, outgoing).transpose() * tangent;
   double angle = std::atan2(direction[1], direction[0]);
-  // Outside of the corner, turn from its nearer side.
+  // A direction outside of the corner is measured from the corner's nearer side.
   if (angle < 0.5 * corner_angle - std::numbers::pi) angle += 2 * std::numbers::pi;
   const double total = mesh.vertex_angle(v);
   double beyond = 0;
@@ -186,7 +189,7 @@ Departure depart_from_corner(const TriangleMesh& mesh, Index outgoing, const Vec
     angle = total - std::fmod(-angle, total);
     return {turn_counterclockwise(mesh, outgoing, angle, &beyond), false};
   }
-  // Clockwise towards the first face of the fan.
+  // Turns clockwise towards the first face of the fan.
   while (angle < 0 && mesh.twin(outgoing) >= 0) {
     outgoing = TriangleMesh::next(mesh.twin(outgoing));
     angle += mesh.corner_angle(outgoing);
@@ -194,7 +197,7 @@ Departure depart_from_corner(const TriangleMesh& mesh, Index outgoing, const Vec
   return {leave_corner(outgoing, std::max(angle, 0.0)), angle < -boundary_angle_tolerance};
 }
 
-/// Finds the face that the path starts into.
+/// Finds the face into which the path starts.
 Departure depart(const TriangleMesh& mesh, const SurfacePoint& start, const Vector3d& tangent) {
   const Index first = 3 * index(start.face);
   if (const int corner = corner_of(start); corner >= 0) return depart_from_corner(mesh, first + corner, tangent);
@@ -204,7 +207,7 @@ Departure depart(const TriangleMesh& mesh, const SurfacePoint& start, const Vect
               side < 0 ? Entrance::inside : Entrance::side};
   if (side < 0 || state.direction[1] >= 0) return {state, false};
   if (mesh.twin(h) < 0) return {state, state.direction[1] < -boundary_angle_tolerance};
-  return {enter_over(mesh, h, state.weights[0], state.weights[1], state.direction, Vector2d(1, 0)), false};
+  return {cross_halfedge(mesh, h, state.weights[0], state.weights[1], state.direction, Vector2d(1, 0)), false};
 }
 
 PathPoint path_point(const TriangleMesh& mesh, const SurfacePoint& point) {
@@ -231,50 +234,50 @@ ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& sta
   }
   const Eigen::Matrix<double, 3, 2> start_frame = tangent_frame(mesh, from.face);
   const Vector2d in_face = start_frame.transpose() * tangent;
-  const double asked = in_face.stableNorm();
+  const double requested_length = in_face.stableNorm();
   ExponentialMap result;
   result.end = from;
   result.end_direction.setZero();
   if (record_trace) result.trace.push_back(path_point(mesh, from));
-  if (asked == 0) return result;
+  if (requested_length == 0) return result;
 
-  auto [state, leaves_surface] = depart(mesh, from, start_frame * (in_face / asked));
-  double remaining = asked;
+  auto [state, leaves_surface] = depart(mesh, from, start_frame * (in_face / requested_length));
+  double remaining = requested_length;
   result.reached_boundary = leaves_surface;
   StopPace pace(cancellation);
   for (std::int64_t crossings = 0; !result.reached_boundary; ++crossings) {
     pace.look();
     if (crossings > max_crossings) {
       throw Error("exponential_map.too_long", "The path crosses more than " + std::to_string(max_crossings) + " edges.",
-                  {{"tangent", "has length " + std::to_string(asked) + ", too long for the limit of " +
+                  {{"tangent", "has length " + std::to_string(requested_length) + ", too long for the limit of " +
                                    std::to_string(max_crossings) + " edge crossings (max_crossings)"}});
     }
     const std::array<Vector2d, 3> sides = plane_sides(mesh, state.halfedge);
     const Exit exit = leave_face(state, sides);
     if (exit.travel >= remaining) {
       const double fraction = exit.travel > 0 ? remaining / exit.travel : 0;
-      state.weights = cleaned(state.weights + fraction * (exit.weights - state.weights));
+      state.weights = clamped(state.weights + fraction * (exit.weights - state.weights));
       remaining = 0;
       break;
     }
     remaining -= exit.travel;
     const Index leaving = following(state.halfedge, exit.k);
-    const bool ends = exit.through_corner ? mesh.is_boundary(mesh.tail(leaving)) : mesh.twin(leaving) < 0;
-    if (ends) {
+    const bool ends_at_boundary = exit.through_corner ? mesh.is_boundary(mesh.tail(leaving)) : mesh.twin(leaving) < 0;
+    if (ends_at_boundary) {
       state.weights = exit.weights;
       result.reached_boundary = true;
       break;
     }
     if (record_trace) result.trace.push_back(path_point(mesh, surface_point(state.halfedge, exit.weights)));
     state = exit.through_corner ? pass_vertex(mesh, state, exit.k, sides[exit.k])
-                                : enter_over(mesh, leaving, exit.weights[exit.k], exit.weights[(exit.k + 1) % 3],
-                                             state.direction, sides[exit.k]);
+                                : cross_halfedge(mesh, leaving, exit.weights[exit.k], exit.weights[(exit.k + 1) % 3],
+                                                 state.direction, sides[exit.k]);
   }
 
-  result.length = asked - remaining;
+  result.length = requested_length - remaining;
   result.end_direction = halfedge_frame(mesh, state.halfedge) * state.direction;
   if (leaves_surface) {
-    result.end_direction = start_frame * (in_face / asked);
+    result.end_direction = start_frame * (in_face / requested_length);
   } else {
     result.end = surface_point(state.halfedge, state.weights);
   }

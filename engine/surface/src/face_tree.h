@@ -12,8 +12,9 @@
 
 namespace supple::surface {
 
-/// The bounding boxes of a mesh's faces in a balanced tree: node k with the places [begin, end) has the children
-/// 2 k + 1 and 2 k + 2, which share its places in halves. Built in O(n log n); about 30 bytes per face.
+/// The bounding boxes of a mesh's faces in a balanced tree. Node k contains the faces order_[begin] to order_[end - 1].
+/// Its children 2 k + 1 and 2 k + 2 contain one half each. Building takes O(n log n); memory is about 30 bytes per
+/// face.
 class FaceTree {
  public:
   using Box = Eigen::AlignedBox3d;
@@ -26,14 +27,14 @@ class FaceTree {
     if (!order_.empty()) build(0, 0, static_cast<std::int32_t>(order_.size()), pace);
   }
 
-  /// Calls visit(f) for each face whose box meets the given one.
+  /// Calls visit(f) for each face whose box intersects the given one.
   template <typename Visit>
   void visit_overlaps(const Box& box, Visit&& visit) const {
     if (!order_.empty()) search_box(0, 0, static_cast<std::int32_t>(order_.size()), box, visit);
   }
 
-  /// Calls visit(f, limit) for each face whose box is no further from p than the square root of `limit`, the near ones
-  /// first; visit may lower the limit, which begins at infinity.
+  /// Calls visit(f, limit) for each face whose box is at most sqrt(limit) from p, in ascending order of the boxes'
+  /// distances as far as the tree allows. `limit` is infinite at first, and `visit` may lower it.
   template <typename Visit>
   void visit_nearest(const Eigen::Vector3d& p, Visit&& visit) const {
     double limit = std::numeric_limits<double>::infinity();
@@ -51,22 +52,22 @@ class FaceTree {
 
   void build(std::size_t k, std::int32_t begin, std::int32_t end, StopPace& pace) {
     Box box;
-    for (std::int32_t at = begin; at < end; ++at) {
+    for (std::int32_t i = begin; i < end; ++i) {
       pace.look();
-      box.extend(box_of(order_[at]));
+      box.extend(box_of(order_[i]));
     }
     if (boxes_.size() <= k) boxes_.resize(k + 1);
     boxes_[k] = box;
     if (end - begin <= leaf_size) return;
     Eigen::Index axis = 0;
     box.sizes().maxCoeff(&axis);
-    const auto middle = [&](std::int32_t f) {
+    const auto triple_centroid = [&](std::int32_t f) {
       const Triangle& face = faces_[f];
       return positions_[face[0]][axis] + positions_[face[1]][axis] + positions_[face[2]][axis];
     };
     const std::int32_t half = begin + (end - begin) / 2;
     std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end,
-                     [&](std::int32_t a, std::int32_t b) { return middle(a) < middle(b); });
+                     [&](std::int32_t a, std::int32_t b) { return triple_centroid(a) < triple_centroid(b); });
     build(2 * k + 1, begin, half, pace);
     build(2 * k + 2, half, end, pace);
   }
@@ -75,8 +76,8 @@ class FaceTree {
   void search_box(std::size_t k, std::int32_t begin, std::int32_t end, const Box& box, Visit& visit) const {
     if (!boxes_[k].intersects(box)) return;
     if (end - begin <= leaf_size) {
-      for (std::int32_t at = begin; at < end; ++at)
-        if (box_of(order_[at]).intersects(box)) visit(order_[at]);
+      for (std::int32_t i = begin; i < end; ++i)
+        if (box_of(order_[i]).intersects(box)) visit(order_[i]);
       return;
     }
     const std::int32_t half = begin + (end - begin) / 2;
@@ -88,7 +89,7 @@ class FaceTree {
   void search_point(std::size_t k, std::int32_t begin, std::int32_t end, const Eigen::Vector3d& p, double& limit,
                     Visit& visit) const {
     if (end - begin <= leaf_size) {
-      for (std::int32_t at = begin; at < end; ++at) visit(order_[at], limit);
+      for (std::int32_t i = begin; i < end; ++i) visit(order_[i], limit);
       return;
     }
     const std::int32_t half = begin + (end - begin) / 2;

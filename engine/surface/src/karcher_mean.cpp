@@ -17,34 +17,35 @@
 namespace supple::surface {
 namespace {
 
-/// Positions of the moving point that a mean is expected to need once it has a start, for the choice of the search:
-/// rounded means over the benchmark's meshes (docs/bench/karcher.md).
+/// Expected number of positions at which a mean evaluates distances after its start, by method. The choice of the
+/// search uses them. They are rounded means over the benchmark's meshes (docs/bench/karcher.md).
 constexpr std::int64_t expected_evaluations_newton = 9;
 constexpr std::int64_t expected_evaluations_lbfgs = 12;
 constexpr std::int64_t expected_evaluations_descent = 15;
 
-/// Of more points than this, the start is sought among the ones of least mean squared straight distance.
+/// Maximum number of points that are compared as starts.
 constexpr std::size_t max_start_candidates = 5;
 
-/// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
-constexpr double shortest_step = 1e-16;
-/// A line search on an exact model either succeeds within a few halvings or stands before a kink, which snapping
-/// handles.
-constexpr int most_backtracks = 30;
-/// Beyond this multiple of the Hessian's diagonal a step is a thousand times shorter than the gradient step.
-constexpr double most_regularization = 1e3;
+/// Steps shorter than this fraction of the mesh diagonal do not move a point in double precision.
+constexpr double min_step = 1e-16;
+/// On an exact model, a line search succeeds within a few halvings, or the state is at a kink. The minimizer tries
+/// kinks by themselves.
+constexpr int max_backtracks = 30;
+/// At this multiple of the Hessian's diagonal, a step is a thousand times shorter than the gradient step.
+constexpr double max_regularization = 1e3;
 
-/// Around a suspicious stop, E is probed in this many directions at this share of the mean edge length: near enough to
-/// see the slope of a kink, far enough for it to stand out of rounding.
+/// If the minimizer ends at a kink, near a cut locus or without a step, E is probed in this many directions, at this
+/// fraction of the mean edge length. It is near enough to show the slope of a kink, and far enough for the slope to
+/// exceed rounding.
 constexpr int probe_directions = 16;
 constexpr double probe_radius = 1e-3;
-/// A probe is lower once it undercuts E by this share, well above E's rounding.
-constexpr double probe_gain = 1e-12;
+/// A probe counts as lower if it decreases E by more than this fraction, which is well above E's rounding.
+constexpr double min_probe_decrease = 1e-12;
 constexpr int max_probes = 20;
 
 struct Problem {
-  std::vector<SurfacePoint> anchors;  ///< of positive weight
-  std::vector<double> weights;        ///< of sum 1
+  std::vector<SurfacePoint> anchors;  ///< those of positive weight
+  std::vector<double> weights;        ///< scaled to the sum 1
   std::optional<SurfacePoint> start;
 };
 
@@ -64,7 +65,7 @@ std::vector<double> checked_weights(const KarcherProblem& problem) {
       faults.push_back({where, "is negative"});
   }
   if (!faults.empty()) throw Error("karcher.weights", "Weights must be finite and not negative.", std::move(faults));
-  // Scaled by the largest first, so that the sum neither overflows nor underflows.
+  // Dividing by the largest weight first prevents overflow and underflow of the sum.
   const double largest = *std::ranges::max_element(problem.weights);
   if (!(largest > 0))
     throw Error("karcher.weights", "At least one weight must be positive.", {{"weights", "are all zero"}});
@@ -95,13 +96,13 @@ Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
 
   Problem result;
   std::int32_t component = -1;
-  std::vector<Error::Detail> elsewhere;
+  std::vector<Error::Detail> unreachable;
   const auto check_component = [&](const SurfacePoint& point, const std::string& where) {
-    const std::int32_t own = mesh.component(index(point.face));
-    if (component < 0) component = own;
-    if (own != component)
-      elsewhere.push_back(
-          {where, "lies on component " + std::to_string(own) + ", points/0 on component " + std::to_string(component)});
+    const std::int32_t point_component = mesh.component(index(point.face));
+    if (component < 0) component = point_component;
+    if (point_component != component)
+      unreachable.push_back({where, "lies on component " + std::to_string(point_component) +
+                                        ", points/0 on component " + std::to_string(component)});
   };
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     const std::string where = "points/" + std::to_string(i);
@@ -115,23 +116,24 @@ Problem checked(const TriangleMesh& mesh, const KarcherProblem& problem) {
     result.start = checked_point(mesh, *problem.start, "start");
     check_component(*result.start, "start");
   }
-  if (!elsewhere.empty())
+  if (!unreachable.empty())
     throw Error("karcher.unreachable", "The points lie on different components of the mesh, so they have no mean.",
-                std::move(elsewhere));
+                std::move(unreachable));
   return result;
 }
 
-/// The anchors that are worth a look as starts: all, or of many the ones of least mean squared straight distance, which
-/// costs no search.
+/// The anchors that are compared as starts. If there are many, they are those nearest in space to the weighted
+/// centroid, which have the smallest mean squared straight distance. Computing these needs no search.
 std::vector<std::size_t> start_candidates(const TriangleMesh& mesh, const Problem& problem) {
   std::vector<std::size_t> candidates(problem.anchors.size());
   std::iota(candidates.begin(), candidates.end(), std::size_t{0});
   if (candidates.size() <= max_start_candidates) return candidates;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (std::size_t i = 0; i < candidates.size(); ++i) centre += problem.weights[i] * position(mesh, problem.anchors[i]);
-  std::vector<double> away(candidates.size());
-  for (const std::size_t i : candidates) away[i] = (position(mesh, problem.anchors[i]) - centre).squaredNorm();
-  std::ranges::stable_sort(candidates, {}, [&](std::size_t i) { return away[i]; });
+  std::vector<double> squared_distances(candidates.size());
+  for (const std::size_t i : candidates)
+    squared_distances[i] = (position(mesh, problem.anchors[i]) - centre).squaredNorm();
+  std::ranges::stable_sort(candidates, {}, [&](std::size_t i) { return squared_distances[i]; });
   candidates.resize(max_start_candidates);
   std::ranges::sort(candidates);
   return candidates;
@@ -155,8 +157,8 @@ SurfacePoint best_start(AnchorDistances& distances, const TriangleMesh& mesh, co
   return start;
 }
 
-/// Vertices of one component far in space from all places that were taken before; linear time for each place and each
-/// vertex asked for.
+/// Finds vertices of one component that are far in space from all excluded positions. O(vertices) for each position and
+/// each vertex found.
 class FarVertices {
  public:
   FarVertices(const TriangleMesh& mesh, std::int32_t component)
@@ -165,9 +167,9 @@ class FarVertices {
       if (mesh.component(index(vertex_point(mesh, VertexId{v}).face)) != component)
         nearest_[static_cast<std::size_t>(v)] = -1;
   }
-  void take(const Eigen::Vector3d& place) {
+  void exclude(const Eigen::Vector3d& position) {
     for (std::size_t v = 0; v < nearest_.size(); ++v)
-      nearest_[v] = std::min(nearest_[v], (mesh_.positions()[v] - place).squaredNorm());
+      nearest_[v] = std::min(nearest_[v], (mesh_.positions()[v] - position).squaredNorm());
   }
   SurfacePoint farthest() const {
     const auto v = static_cast<std::int32_t>(std::ranges::max_element(nearest_) - nearest_.begin());
@@ -176,7 +178,7 @@ class FarVertices {
 
  private:
   const TriangleMesh& mesh_;
-  std::vector<double> nearest_;  ///< squared distance of each vertex to the nearest place; -1 of other components
+  std::vector<double> nearest_;  ///< squared distance to the nearest excluded position; -1 on other components
 };
 
 std::int64_t expected_evaluations(MinimizationMethod method) {
@@ -191,18 +193,19 @@ std::int64_t expected_evaluations(MinimizationMethod method) {
   return expected_evaluations_descent;
 }
 
-/// Changes to the search that the request or the counts so far call for, and says so in the bill.
+/// Chooses the search that the request or the counts so far demand, and bills the reason.
 void choose_search(AnchorDistances& distances, const KarcherProblem& problem, const Execution& execution) {
   const AnchorSearchFacts facts = distances.facts(problem.starts * expected_evaluations(problem.method));
   AnchorSearchChoice choice = cheapest_search(facts);
   if (problem.kept_fields == KarcherProblem::KeptFields::on) choice = {AnchorSearch::fields, "asked for"};
   if (problem.kept_fields == KarcherProblem::KeptFields::off) {
-    const bool few = facts.windows_per_pair > 0;
-    choice = {few ? AnchorSearch::pairs : AnchorSearch::one_to_many, "asked not to"};
+    const bool pairs_were_searched = facts.windows_per_pair > 0;
+    choice = {pairs_were_searched ? AnchorSearch::pairs : AnchorSearch::one_to_many, "asked not to"};
   }
-  const bool kept = choice.search == AnchorSearch::fields;
+  const bool stores_fields = choice.search == AnchorSearch::fields;
   const bool guided = choice.search == AnchorSearch::guided;
-  if (execution.cost) execution.cost->add_effect("kept_fields", kept, choice.why, kept ? facts.anchors : 0);
+  if (execution.cost)
+    execution.cost->add_effect("kept_fields", stores_fields, choice.why, stores_fields ? facts.anchors : 0);
   if (execution.cost)
     execution.cost->add_effect(
         "guided_searches", guided,
@@ -224,20 +227,20 @@ numerics::MinimizerOptions minimizer_options(const KarcherProblem& problem, doub
       break;
   }
   options.gradient_tolerance = problem.tolerance * diagonal;
-  options.step_tolerance = shortest_step * diagonal;
-  options.max_backtracks = most_backtracks;
-  options.max_regularization = most_regularization;
+  options.step_tolerance = min_step * diagonal;
+  options.max_backtracks = max_backtracks;
+  options.max_regularization = max_regularization;
   return options;
 }
 
-/// Directions evenly spread around a point, each as the point written in the face that the direction enters and a unit
-/// vector in it.
+/// Evenly distributed directions around a point. Each consists of the point in the face that the direction enters, and
+/// a unit vector in that face.
 std::vector<VertexCone::Direction> spread_directions(const TriangleMesh& mesh, const SurfacePoint& point) {
   std::vector<VertexCone::Direction> directions;
   const int corner = corner_of(point);
   if (corner >= 0) {
     const VertexCone cone(mesh, mesh.faces()[index(point.face)][corner]);
-    // Half a spacing off the ends, so that no direction of a boundary vertex runs along the boundary.
+    // The directions are half a spacing from the ends, so that none runs along the boundary at a boundary vertex.
     for (int k = 0; k < probe_directions; ++k)
       directions.push_back(cone.direction((k + 0.5) / probe_directions * cone.total_angle()));
     return directions;
@@ -256,47 +259,50 @@ class Search {
          const std::vector<double>& weights, const SurfacePoint& start, const Execution& execution)
       : mesh_(mesh),
         term_(std::make_shared<SquaredDistances>(mesh, distances, weights)),
-        // All derivatives come with the distances.
+        // All derivatives are computed with the distances.
         system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .least_order = 2}),
         options_(minimizer_options(problem, mesh_.diagonal())),
-        most_iterations_(problem.max_iterations),
+        max_iterations_(problem.max_iterations),
         execution_(execution) {}
 
   KarcherMean run() {
     numerics::MinimizerStop stop{};
     for (int probes = 0;; ++probes) {
-      options_.max_iterations = most_iterations_ - mean_.iterations;
+      options_.max_iterations = max_iterations_ - mean_.iterations;
       const numerics::MinimizerResult result = numerics::minimize(system_, options_, execution_);
       append(result);
       stop = result.stop;
-      // Only at a cut locus, on a tip or without a step can a lower value be next to the stop.
+      // Only at a cut locus, at a tip or if no step was found can a point next to this one be lower.
       if (stop == numerics::MinimizerStop::iteration_limit || probes == max_probes ||
-          mean_.iterations >= most_iterations_)
+          mean_.iterations >= max_iterations_)
         break;
-      if (stop == numerics::MinimizerStop::converged && !kinked(found()) && away_from_cut_loci(found())) break;
+      if (stop == numerics::MinimizerStop::converged && !is_at_kink(evaluated_state()) &&
+          away_from_cut_loci(evaluated_state()))
+        break;
       if (!probe()) break;
     }
     mean_.mean = system_.state().point();
     mean_.position = position(mesh_, mean_.mean);
     mean_.objective = mean_.history.back().objective;
     mean_.gradient_norm = mean_.history.back().gradient_norm;
-    const bool kink = stop == numerics::MinimizerStop::converged && kinked(found());
+    const bool kink = stop == numerics::MinimizerStop::converged && is_at_kink(evaluated_state());
     mean_.stopped = kink ? "kink" : std::string(numerics::to_string(stop));
     return std::move(mean_);
   }
 
-  /// Makes sure that the current state is evaluated. Later evaluations of it cost nothing.
+  /// Evaluates the current state. Later evaluations of it cost nothing.
   void evaluate() { system_.evaluate(2); }
 
  private:
   /// The current state, with its distances.
-  const KarcherState& found() {
+  const KarcherState& evaluated_state() {
     evaluate();
     return system_.state();
   }
 
   void append(const numerics::MinimizerResult& result) {
-    // After a probe the first state is the one that the probe moved to: one iteration of the length of the probe.
+    // After a probe, the first state is the one to which the probe moved. It counts as an iteration with the probe's
+    // length.
     const bool probed = !mean_.history.empty();
     mean_.iterations += result.iterations + (probed ? 1 : 0);
     for (const numerics::MinimizerStep& step : result.history)
@@ -306,17 +312,17 @@ class Search {
 
   double probe_length() const { return probe_radius * mesh_.mean_edge_length(); }
 
-  /// Moves the state to a lower point nearby if there is one.
+  /// Moves the state to a lower point nearby, if there is one.
   bool probe() {
-    double best = mean_.history.back().objective * (1 - probe_gain);
+    double best = mean_.history.back().objective * (1 - min_probe_decrease);
     std::optional<SurfacePoint> lower;
     for (const auto& direction : spread_directions(mesh_, system_.state().point())) {
-      const ExponentialMap walked =
+      const ExponentialMap geodesic =
           exponential_map(mesh_, direction.vertex, probe_length() * direction.vector, execution_.cancellation, false);
-      const double value = term_->value_at(walked.end, execution_);
+      const double value = term_->value_at(geodesic.end, execution_);
       if (value < best) {
         best = value;
-        lower = walked.end;
+        lower = geodesic.end;
       }
     }
     if (lower) system_.set_state(KarcherState(mesh_, *lower));
@@ -327,7 +333,7 @@ class Search {
   std::shared_ptr<SquaredDistances> term_;
   numerics::System<KarcherState> system_;
   numerics::MinimizerOptions options_;
-  int most_iterations_;
+  int max_iterations_;
   const Execution& execution_;
   KarcherMean mean_;
 };
@@ -336,28 +342,31 @@ class Search {
 
 KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution) {
   const TriangleMesh& mesh = solver.mesh();
-  const Problem own = checked(mesh, problem);
+  const Problem checked_problem = checked(mesh, problem);
   execution.checkpoint(0, "search");
-  AnchorDistances distances(solver, own.anchors);
-  const SurfacePoint start = own.start ? *own.start : best_start(distances, mesh, own, execution);
-  // Of several searches each would begin with no progress again.
-  const Execution each = problem.starts == 1 ? execution : Execution{execution.cancellation, nullptr, execution.cost};
-  Search search(mesh, problem, distances, own.weights, start, each);
-  // Without a count of what a pair search costs here, the start's own searches give one.
+  AnchorDistances distances(solver, checked_problem.anchors);
+  const SurfacePoint start =
+      checked_problem.start ? *checked_problem.start : best_start(distances, mesh, checked_problem, execution);
+  // Each of several searches would report its progress from 0 again.
+  const Execution search_execution =
+      problem.starts == 1 ? execution : Execution{execution.cancellation, nullptr, execution.cost};
+  Search search(mesh, problem, distances, checked_problem.weights, start, search_execution);
+  // The choice of the search needs the cost of a pair search on this mesh. If none is known yet, the evaluation at the
+  // start gives one.
   if (distances.facts(0).windows_per_pair == 0) search.evaluate();
   choose_search(distances, problem, execution);
   KarcherMean mean = search.run();
   if (problem.starts > 1) {
-    FarVertices places(mesh, mesh.component(index(start.face)));
-    places.take(position(mesh, start));
-    places.take(mean.position);
+    FarVertices far_vertices(mesh, mesh.component(index(start.face)));
+    far_vertices.exclude(position(mesh, start));
+    far_vertices.exclude(mean.position);
     for (int s = 1; s < problem.starts; ++s) {
       execution.checkpoint(static_cast<double>(s) / problem.starts, "step");
-      const SurfacePoint far = places.farthest();
-      KarcherMean other = Search(mesh, problem, distances, own.weights, far, each).run();
-      places.take(position(mesh, far));
-      places.take(other.position);
-      if (!(other.objective < mean.objective * (1 - probe_gain))) continue;
+      const SurfacePoint far = far_vertices.farthest();
+      KarcherMean other = Search(mesh, problem, distances, checked_problem.weights, far, search_execution).run();
+      far_vertices.exclude(position(mesh, far));
+      far_vertices.exclude(other.position);
+      if (!(other.objective < mean.objective * (1 - min_probe_decrease))) continue;
       mean = std::move(other);
       mean.start = s;
     }

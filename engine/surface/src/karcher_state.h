@@ -9,23 +9,23 @@
 
 namespace supple::surface {
 
-/// A point that moves on a surface, and what was found of its distances to the anchors.
+/// A point that moves on a surface, with its geodesics to the anchors.
 class KarcherState {
  public:
-  /// `mesh` outlives the state.
+  /// `mesh` must outlive the state.
   KarcherState(const TriangleMesh& mesh, const SurfacePoint& point)
       : mesh_(&mesh), point_(point), on_tip_(on_cone_tip(mesh, point)) {}
 
-  /// What moves look at on their way; without it nothing stops them.
+  /// Sets the token that moves check.
   void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
 
   const SurfacePoint& point() const { return point_; }
   bool on_tip() const { return on_tip_; }
 
-  /// One for each anchor: with derivatives, on a tip with directions instead; null before they are found.
-  const std::vector<AnchorGeodesic>* found() const { return found_.get(); }
-  void set_found(std::vector<AnchorGeodesic> found) {
-    found_ = std::make_shared<const std::vector<AnchorGeodesic>>(std::move(found));
+  /// The geodesics to all anchors, with derivatives or, at a tip, with directions. Null before they are computed.
+  const std::vector<AnchorGeodesic>* geodesics() const { return geodesics_.get(); }
+  void set_geodesics(std::vector<AnchorGeodesic> geodesics) {
+    geodesics_ = std::make_shared<const std::vector<AnchorGeodesic>>(std::move(geodesics));
   }
 
   static constexpr std::string_view motion = "step";
@@ -39,9 +39,9 @@ class KarcherState {
   CancellationToken cancellation_;
   SurfacePoint point_;
   bool on_tip_;
-  double turn_ = 0;  ///< of the coordinates along the last move
+  double turn_ = 0;  ///< angle (radians) by which the last move turned the coordinates
   bool isometric_ = true;
-  std::shared_ptr<const std::vector<AnchorGeodesic>> found_;
+  std::shared_ptr<const std::vector<AnchorGeodesic>> geodesics_;
 };
 
 }  // namespace supple::surface

@@ -14,20 +14,21 @@ using Index = std::int32_t;
 Index tail(const std::vector<Triangle>& faces, Index h) { return faces[h / 3][h % 3]; }
 Index head(const std::vector<Triangle>& faces, Index h) { return faces[h / 3][(h + 1) % 3]; }
 
-// Whether the two faces of an edge walk it in opposite directions, as neighbours of equal orientation do.
+// Whether the two faces of an edge traverse it in opposite directions, as neighbours of equal orientation do.
 bool agree(const std::vector<Triangle>& faces, Index h, Index partner) {
   return tail(faces, h) == head(faces, partner);
 }
 
-// Turning (a, b, c) into (a, c, b) reverses the order of the three edges.
+// The new number of h if its face (a, b, c) is turned into (a, c, b), which reverses the order of the three edges.
 Index turned_halfedge(Index h) { return h - h % 3 + (2 - h % 3); }
 
-/// Pairs the halfedges of edges of two faces, and calls on_excess(v, w, halfedges) for each edge of more, v < w.
-template <typename OnExcess>
-std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution,
-                             OnExcess&& on_excess) {
+/// Pairs the halfedges of edges with two faces. Calls report(v, w, halfedges) for each edge with more, v < w.
+template <typename Report>
+std::vector<Index> pair_or_report(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution,
+                                  Report&& report) {
   StopPace pace(execution.cancellation);
-  // Counting sort by the smaller vertex of each edge, then a small sort by the larger: faster than sorting all edges.
+  // Counting sort by the smaller vertex of each edge, then a small sort by the larger. This is faster than sorting all
+  // edges.
   struct Entry {
     Index larger;
     Index halfedge;
@@ -47,7 +48,7 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
     entries[ends[smaller]++] = {larger, h};
   }
 
-  std::vector<Index> partners(halfedge_count, -1), excess;
+  std::vector<Index> partners(halfedge_count, -1), edge_halfedges;
   for (Index v = 0; v < vertex_count; ++v) {
     pace.look();
     const auto first = entries.begin() + starts[v], last = entries.begin() + starts[v + 1];
@@ -60,9 +61,9 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
         partners[it[0].halfedge] = it[1].halfedge;
         partners[it[1].halfedge] = it[0].halfedge;
       } else if (group_end - it > 2) {
-        excess.clear();
-        for (auto entry = it; entry != group_end; ++entry) excess.push_back(entry->halfedge);
-        on_excess(v, it->larger, excess);
+        edge_halfedges.clear();
+        for (auto entry = it; entry != group_end; ++entry) edge_halfedges.push_back(entry->halfedge);
+        report(v, it->larger, edge_halfedges);
       }
       it = group_end;
     }
@@ -74,11 +75,12 @@ std::vector<Index> pair_with(Index vertex_count, const std::vector<Triangle>& fa
 
 std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle>& faces, const Execution& execution) {
   FaultList faults;
-  auto partners = pair_with(vertex_count, faces, execution, [&](Index v, Index w, const std::vector<Index>& halfedges) {
-    faults.add([&]() -> Error::Detail {
-      return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
-    });
-  });
+  auto partners =
+      pair_or_report(vertex_count, faces, execution, [&](Index v, Index w, const std::vector<Index>& halfedges) {
+        faults.add([&]() -> Error::Detail {
+          return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
+        });
+      });
   faults.throw_if_any("mesh.non_manifold_edge", "edge is shared by more than two faces",
                       "edges are shared by more than two faces");
   return partners;
@@ -86,8 +88,8 @@ std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle
 
 std::vector<Index> pair_manifold_halfedges(Index vertex_count, const std::vector<Triangle>& faces,
                                            std::int64_t& non_manifold_edges, const Execution& execution) {
-  return pair_with(vertex_count, faces, execution,
-                   [&](Index, Index, const std::vector<Index>&) { ++non_manifold_edges; });
+  return pair_or_report(vertex_count, faces, execution,
+                        [&](Index, Index, const std::vector<Index>&) { ++non_manifold_edges; });
 }
 
 Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partners, const Execution& execution) {
@@ -95,7 +97,7 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
   const Index face_count = static_cast<Index>(faces.size());
   Orientation result;
   result.components.assign(face_count, -1);
-  std::vector<std::uint8_t> turn(face_count, 0);
+  std::vector<std::uint8_t> is_turned(face_count, 0);
   std::vector<Index> queue;
   queue.reserve(face_count);
   FaultList faults;
@@ -112,13 +114,13 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
         const Index partner = partners[h];
         if (partner < 0) continue;
         const Index g = partner / 3;
-        const std::uint8_t wanted = turn[f] ^ static_cast<std::uint8_t>(!agree(faces, h, partner));
+        const std::uint8_t wanted = is_turned[f] ^ static_cast<std::uint8_t>(!agree(faces, h, partner));
         if (result.components[g] < 0) {
           result.components[g] = result.component_count;
-          turn[g] = wanted;
+          is_turned[g] = wanted;
           turned += wanted;
           queue.push_back(g);
-        } else if (turn[g] != wanted && h < partner) {
+        } else if (is_turned[g] != wanted && h < partner) {
           faults.add([&]() -> Error::Detail {
             return {name_of_edge(tail(faces, h), head(faces, h)),
                     "is where faces " + std::to_string(f) + " and " + std::to_string(g) + " cannot be made to agree"};
@@ -128,7 +130,7 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
     }
     const std::int64_t size = static_cast<std::int64_t>(queue.size() - first);
     if (2 * turned > size) {
-      for (std::size_t i = first; i < queue.size(); ++i) turn[queue[i]] ^= 1;
+      for (std::size_t i = first; i < queue.size(); ++i) is_turned[queue[i]] ^= 1;
       turned = size - turned;
     }
     result.turned_faces += turned;
@@ -139,13 +141,13 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
   if (result.turned_faces == 0) return result;
 
   std::vector<Index> renumbered(partners.size());
-  const auto new_index = [&](Index h) { return turn[h / 3] ? turned_halfedge(h) : h; };
+  const auto new_index = [&](Index h) { return is_turned[h / 3] ? turned_halfedge(h) : h; };
   for (Index h = 0; h < static_cast<Index>(partners.size()); ++h) {
     renumbered[new_index(h)] = partners[h] < 0 ? -1 : new_index(partners[h]);
   }
   partners = std::move(renumbered);
   for (Index f = 0; f < face_count; ++f) {
-    if (turn[f]) std::swap(faces[f][1], faces[f][2]);
+    if (is_turned[f]) std::swap(faces[f][1], faces[f][2]);
   }
   return result;
 }

@@ -9,30 +9,31 @@
 
 namespace supple::surface {
 
-/// Where a surface is open only because corners that belong together differ, mostly in their last digits.
+/// Cracks of a surface: it is open there only because corners that belong together differ, mostly in their last digits.
 struct Cracks {
-  std::vector<std::int32_t> first;  ///< of each vertex the earliest one that it belongs to; itself where there is none
+  std::vector<std::int32_t> first;  ///< for each vertex, the earliest one that it belongs to, or itself
   std::int64_t vertices = 0;        ///< vertices that belong to an earlier one
-  double gap = 0;                   ///< the greatest distance of such a vertex from its first one, in mesh units
+  double gap = 0;                   ///< the largest distance of such a vertex from its first one, in mesh units
 };
 
-/// What counts as a crack where more than two edges meet in one place.
-enum class Crossings {
-  apart,   ///< nothing: to join them would make an edge of more than two faces
-  joined,  ///< edges of equal coordinates, as wherever files without vertex numbers are read
+/// How to treat places where more than two boundary edges coincide.
+enum class MultipleEdges {
+  separate,  ///< they are no cracks, because joining them would make an edge with more than two faces
+  joined,    ///< boundary edges of equal coordinates are joined, as when files without vertex numbers are read
 };
 
-/// Finds the cracks of a surface. Two edges with one face each lie on a crack if both of their ends belong together:
-/// if they are equal; or no further apart than 4 units in the last place of single precision at the largest
-/// coordinate; or than 1e-5 of the bounding box's diagonal, which is the last of six digits. The first of these three
-/// that closes a crack is taken. Ends are never further apart than 1/8 of the shortest edge at either of them; exactly
-/// two edges meet (see Crossings for more); and the two faces do not lie on each other. So vertices inside a surface
-/// are never joined, and neither are the sides of thin walls and of thin sheets.
+/// Finds the cracks of a surface. Two edges with one face each form a crack if their end points belong together in
+/// pairs. End points belong together if they are equal, or else within 4 units in the last place of single precision at
+/// the largest coordinate, or else within 1e-5 of the bounding box's diagonal (the last of six digits). The first of
+/// these distances that closes a crack is used.
 ///
-/// Degenerate faces are as if they were not there. Faces need not agree about their orientation, and the surface may
-/// have edges of more faces. All vertices of faces exist and are finite. O(n), plus O(b log b) for the b edges with one
-/// face.
+/// Further conditions prevent wrong joints: the distance is at most 1/8 of the shortest edge at either end point;
+/// exactly two edges coincide (otherwise see MultipleEdges); and the two faces are not folded onto each other. So
+/// vertices inside a surface are never joined, and neither are the sides of thin walls and of thin sheets.
+///
+/// Degenerate faces are ignored. Faces need not agree in orientation, and edges may have more than two faces. All
+/// vertices of faces must exist and be finite. O(n), plus O(b log b) for the b edges with one face.
 Cracks find_cracks(const std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces,
-                   Crossings crossings, const Execution& execution = {});
+                   MultipleEdges multiple_edges, const Execution& execution = {});
 
 }  // namespace supple::surface

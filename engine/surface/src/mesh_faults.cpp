@@ -44,26 +44,26 @@ void check_indices(std::int64_t vertices, const std::vector<Triangle>& faces) {
                       "faces name a vertex that does not exist");
 }
 
-// Whether the height over the longest side is lost in the rounding of the coordinates, or the area underflows.
+// Whether the height above the longest side is below the rounding of the coordinates, or the area underflows.
 bool area_vanishes(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d u = b - a, v = c - a;
   const double doubled_area = u.cross(v).norm();
   const double longest = std::sqrt(std::max({u.squaredNorm(), v.squaredNorm(), (c - b).squaredNorm()}));
   const double magnitude = a.cwiseAbs().cwiseMax(b.cwiseAbs()).cwiseMax(c.cwiseAbs()).maxCoeff();
   const double rounding = 2 * std::numeric_limits<double>::epsilon() * (magnitude + longest);
-  return !(doubled_area > rounding * longest) || doubled_area < 2 * smallest_area;
+  return !(doubled_area > rounding * longest) || doubled_area < 2 * min_area;
 }
 
-bool is_valid(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= largest_coordinate; }
+bool is_valid(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= max_coordinate; }
 
 bool repeats_vertex(const Triangle& face) { return face[0] == face[1] || face[1] == face[2] || face[2] == face[0]; }
 
 }  // namespace
 
-void FaultList::throw_if_any(const std::string& code, const std::string& what_one, const std::string& what) {
+void FaultList::throw_if_any(const std::string& code, const std::string& singular, const std::string& plural) {
   if (count_ == 0) return;
-  std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? what_one : what);
-  if (count_ > detailed) sentence += "; the first " + std::to_string(detailed) + " are named";
+  std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? singular : plural);
+  if (count_ > max_detailed) sentence += "; the first " + std::to_string(max_detailed) + " are named";
   throw Error(code, sentence + ".", std::move(details_));
 }
 
@@ -73,9 +73,9 @@ std::string name_of_edge(std::int32_t a, std::int32_t b) {
   return "edge " + std::to_string(std::min(a, b)) + " " + std::to_string(std::max(a, b));
 }
 
-std::int64_t place_unused_vertices(std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
+std::int64_t reset_unused_vertices(std::vector<Eigen::Vector3d>& positions, const std::vector<Triangle>& faces) {
   std::vector<std::uint8_t> used;
-  std::int64_t placed = 0;
+  std::int64_t count = 0;
   for (std::size_t v = 0; v < positions.size(); ++v) {
     if (is_valid(positions[v])) continue;
     if (used.empty()) {
@@ -86,13 +86,13 @@ std::int64_t place_unused_vertices(std::vector<Eigen::Vector3d>& positions, cons
     }
     if (used[v]) continue;
     positions[v].setZero();
-    ++placed;
+    ++count;
   }
-  return placed;
+  return count;
 }
 
-std::string unused_vertices_warning(std::int64_t placed) {
-  return std::to_string(placed) + (placed == 1 ? " vertex that no face uses has" : " vertices that no face uses have") +
+std::string unused_vertices_warning(std::int64_t count) {
+  return std::to_string(count) + (count == 1 ? " vertex that no face uses has" : " vertices that no face uses have") +
          " coordinates that are not finite or too large; they are 0 in the mesh.";
 }
 

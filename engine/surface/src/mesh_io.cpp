@@ -16,7 +16,7 @@ bool begins_with_off_keyword(std::string_view bytes) {
   while (scanner.next_line()) {
     scanner.cut_comment();
     const std::string_view word = scanner.token();
-    // Keywords of OFF in other dimensions, such as 4OFF, are told by the reader.
+    // Keywords of OFF in other dimensions, such as 4OFF, are reported by the reader.
     if (!word.empty()) return (word.size() <= 8 && word.ends_with("OFF")) || read_off_keyword(word);
   }
   return false;

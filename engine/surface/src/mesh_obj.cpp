@@ -6,7 +6,7 @@
 namespace supple::surface {
 namespace {
 
-/// Statements of the OBJ format (Wavefront, appendix B1) that say nothing about triangles.
+/// Statements of the OBJ format (Wavefront, appendix B1) that do not concern triangles.
 constexpr std::string_view ignored_statements[] = {
     "vt",     "vn",    "vp",       "g",        "s",     "o",          "mg",        "usemtl", "mtllib", "usemap",
     "maplib", "bevel", "c_interp", "d_interp", "lod",   "shadow_obj", "trace_obj", "cstype", "deg",    "bmat",
@@ -18,32 +18,32 @@ constexpr std::string_view skipped_elements[] = {"l", "p"};
 Eigen::Vector3d read_position(TextScanner& scanner) {
   Eigen::Vector3d p;
   for (int i = 0; i < 3; ++i) p[i] = scanner.number(scanner.statement_token(), "a coordinate");
-  // A weight or a colour may follow; whatever else does shows that the line is not what it seems to be.
+  // A weight or a colour may follow. Anything else shows that the line is malformed.
   for (auto token = scanner.statement_token(); !token.empty(); token = scanner.statement_token())
     scanner.check_number(token, "a number or the end of the line");
   return p;
 }
 
-/// Checks what may follow a vertex number, the numbers of a texture coordinate and a normal, as in "/1/3" or "//3".
-void check_further_numbers(const TextScanner& scanner, std::string_view corner, std::string_view further) {
+/// Checks what follows a vertex number: the numbers of a texture coordinate and a normal, as in "/1/3" or "//3".
+void check_rest_of_corner(const TextScanner& scanner, std::string_view corner, std::string_view rest) {
   int parts = 0;
-  char before = '/';
-  for (const char c : further) {
+  char previous = '/';
+  for (const char c : rest) {
     const bool digit = c >= '0' && c <= '9';
     if (!digit) {
-      const bool begins_number = c != '/' && before == '/', after_sign = before == '-' || before == '+';
+      const bool begins_number = c != '/' && previous == '/', after_sign = previous == '-' || previous == '+';
       parts += c == '/';
       if ((c == '/' && after_sign) || (c != '/' && !(begins_number && (c == '-' || c == '+')))) {
         throw_malformed_line(scanner.line_number(),
                              "expected numbers of a texture coordinate and a normal, found " + in_quotes(corner));
       }
     }
-    before = c;
+    previous = c;
   }
   if (parts > 2) throw_malformed_line(scanner.line_number(), "expected at most three numbers in " + in_quotes(corner));
 }
 
-/// The vertex of "7", "7/1", "7//3", "7/1/3" or "-2/...", counted from 0.
+/// The vertex, counted from 0, of a corner such as "7", "7/1", "7//3", "7/1/3" or "-2/...".
 std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std::int64_t vertices_so_far) {
   std::size_t end = 0;
   while (end < token.size() && token[end] != '/') ++end;
@@ -54,7 +54,7 @@ std::int32_t read_corner(const TextScanner& scanner, std::string_view token, std
     throw_malformed_line(scanner.line_number(), "vertex number " + std::to_string(number) + " does not exist; " +
                                                     std::to_string(vertices_so_far) + " vertices precede this line");
   }
-  if (end < token.size()) check_further_numbers(scanner, token, token.substr(end));
+  if (end < token.size()) check_rest_of_corner(scanner, token, token.substr(end));
   return static_cast<std::int32_t>(v);
 }
 

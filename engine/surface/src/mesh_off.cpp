@@ -8,8 +8,8 @@
 namespace supple::surface {
 namespace {
 
-/// How the elements of a file are laid out. `lines`: each element begins a line and may go on in the next ones, and a
-/// colour may follow it. `words`: line ends mean nothing, as in a file on a single line.
+/// The layout of a file's elements. `lines`: each element begins a line and may continue on the next ones, and a colour
+/// may follow it. `words`: line ends have no meaning, as in a file on a single line.
 enum class Layout { lines, words };
 
 std::int64_t read_count(const TextScanner& scanner, std::string_view token, const char* what) {
@@ -18,7 +18,7 @@ std::int64_t read_count(const TextScanner& scanner, std::string_view token, cons
   return count;
 }
 
-/// Reads the words of an OFF file in one of the layouts.
+/// Reads the words of an OFF file in one of the two layouts.
 class OffReader {
  public:
   OffReader(std::string_view bytes, Layout layout, const MeshLimits& limits, const Execution& execution)
@@ -37,13 +37,13 @@ class OffReader {
   }
 
  private:
-  /// The next word of this line or those that follow, empty at the end of the text; comments are skipped.
+  /// The next word of this line or the following ones. It is empty at the end of the text; comments are skipped.
   std::string_view word() {
     const std::string_view found = scanner_.token();
-    return found.empty() ? word_of_next_lines() : found;
+    return found.empty() ? word_on_next_lines() : found;
   }
 
-  std::string_view word_of_next_lines() {
+  std::string_view word_on_next_lines() {
     continued_ = continued_ || inside_element_;
     while (scanner_.next_line()) {
       pace_.look();
@@ -58,13 +58,13 @@ class OffReader {
     const std::optional<OffKeyword> keyword = read_off_keyword(first);
     if (!keyword)
       throw_malformed_line(scanner_.line_number(), "expected OFF of three dimensions, found " + in_quotes(first));
-    further_numbers_ = keyword->further_numbers;
-    const std::string_view count = keyword->glued.empty() ? word() : keyword->glued;
+    extra_numbers_ = keyword->extra_numbers;
+    const std::string_view count = keyword->suffix.empty() ? word() : keyword->suffix;
     if (count == "BINARY") throw_malformed_line(scanner_.line_number(), "binary OFF is not read; write it as text");
     vertices_ = read_count(scanner_, count, "the number of vertices");
     const std::int64_t line = scanner_.line_number();
     faces_ = read_count(scanner_, word(), "the number of faces");
-    // The number of edges may be left out at the end of a line.
+    // The number of edges may be missing at the end of a line.
     const bool one_line = scanner_.line_number() == line;
     if (const std::string_view edges = one_line && layout_ == Layout::lines ? scanner_.token() : word(); !edges.empty())
       scanner_.integer(edges, "the number of edges");
@@ -85,9 +85,9 @@ class OffReader {
       inside_element_ = true;
     }
     if (layout_ == Layout::words) {
-      for (int i = 0; i < further_numbers_; ++i) scanner_.check_number(word(), "a number of a normal or a colour");
+      for (int i = 0; i < extra_numbers_; ++i) scanner_.check_number(word(), "a number of a normal or a colour");
     } else {
-      dropped_ = (drop_rest_of_line() && further_numbers_ == 0) || dropped_;
+      dropped_ = (drop_rest_of_line() && extra_numbers_ == 0) || dropped_;
     }
     builder_.add_vertex(p);
   }
@@ -117,7 +117,7 @@ class OffReader {
 
   void begin_element() { inside_element_ = false; }
 
-  /// Drops the colour that may follow, and says whether there was any.
+  /// Drops the colour that may follow. Returns whether there was one.
   bool drop_rest_of_line() {
     bool any = false;
     for (std::string_view token = scanner_.token(); !token.empty(); token = scanner_.token()) {
@@ -145,22 +145,22 @@ class OffReader {
   TextScanner scanner_;
   SoupBuilder builder_;
   StopPace pace_;
-  int further_numbers_ = 0;
+  int extra_numbers_ = 0;
   std::int64_t vertices_ = 0;
   std::int64_t faces_ = 0;
   std::vector<std::int32_t> corners_;
   bool inside_element_ = false;
-  bool dropped_ = false;    ///< whether numbers after a vertex were dropped that the keyword does not announce
-  bool continued_ = false;  ///< whether an element went on in another line
+  bool dropped_ = false;    ///< whether numbers after a vertex were dropped although the keyword does not announce them
+  bool continued_ = false;  ///< whether an element continued on another line
 };
 
 }  // namespace
 
 std::optional<OffKeyword> read_off_keyword(std::string_view word) {
-  // "nOFF" has n dimensions while "NOFF" has normals: capitals count, unless the whole word is in small letters.
+  // "nOFF" has n dimensions, while "NOFF" has normals. So capitals matter, unless the whole word is in lower case.
   std::string letters(word.substr(0, std::min<std::size_t>(word.size(), 8)));
-  const bool small = std::none_of(letters.begin(), letters.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
-  if (small)
+  const bool is_lower_case = std::none_of(letters.begin(), letters.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+  if (is_lower_case)
     for (char& c : letters) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 'a' + 'A' : c);
   std::string_view rest = letters;
   OffKeyword keyword;
@@ -171,12 +171,12 @@ std::optional<OffKeyword> read_off_keyword(std::string_view word) {
   for (const Prefix& prefix : {Prefix{"ST", 2}, Prefix{"C", 4}, Prefix{"N", 3}}) {
     if (!rest.starts_with(prefix.letters)) continue;
     rest.remove_prefix(prefix.letters.size());
-    keyword.further_numbers += prefix.numbers;
+    keyword.extra_numbers += prefix.numbers;
   }
   if (!rest.starts_with("OFF")) return std::nullopt;
-  keyword.glued = word.substr(letters.size() - rest.size() + 3);
+  keyword.suffix = word.substr(letters.size() - rest.size() + 3);
   const bool digits =
-      std::all_of(keyword.glued.begin(), keyword.glued.end(), [](char c) { return c >= '0' && c <= '9'; });
+      std::all_of(keyword.suffix.begin(), keyword.suffix.end(), [](char c) { return c >= '0' && c <= '9'; });
   return digits ? std::optional(keyword) : std::nullopt;
 }
 
@@ -185,7 +185,7 @@ TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits, const Ex
     return OffReader(bytes, Layout::lines, limits, execution).read();
   } catch (const Error& fault) {
     if (fault.code() != "mesh.malformed") throw;
-    // Most faulty files are faulty in either layout: their fault is told as that of the usual one.
+    // Most malformed files are malformed in either layout, and then the error of the usual layout is thrown.
     try {
       return OffReader(bytes, Layout::words, limits, execution).read();
     } catch (const Error& other) {

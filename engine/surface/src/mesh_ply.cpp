@@ -106,7 +106,7 @@ Header read_header(std::string_view bytes) {
     if (word == "end_header") {
       if (!has_format) throw_malformed_line(scanner.line_number(), "the header has no format line");
       header.body = scanner.rest();
-      // Where lines end with CR alone, an LF after the last one is data.
+      // If lines end with CR alone, an LF after the last one is data.
       const bool cr_alone = bytes.starts_with("ply\r") && !bytes.starts_with("ply\r\n");
       const std::size_t body_at = bytes.size() - header.body.size();
       if (cr_alone && bytes.substr(0, body_at).ends_with("\r\n")) header.body = bytes.substr(body_at - 1);
@@ -150,7 +150,8 @@ class TextBody {
     return scanner_.number(token, "a number");
   }
   void begin_element() { begins_element_ = true; }
-  /// Refuses numbers after the last element where lines show that they hold more numbers than the header says.
+  /// Fails if numbers follow the last element and the lines show that they contain more numbers than the header
+  /// announces.
   void check_rest() const {
     if (begins_lines_ && follows_in_line_) {
       fail("numbers are left over; the lines hold more of them than the header announces for their elements");
@@ -165,12 +166,12 @@ class TextBody {
     const double values = property.count_type ? number(*property.count_type) : 1;
     if (!(values >= 0 && values < 0x1p53)) fail("the length of a list is not a number from 0 to 2^53");
     for (std::int64_t i = static_cast<std::int64_t>(values); i > 0; --i) {
-      look();
+      check_for_stop();
       number(property.type);
     }
   }
-  /// To be called for each value of a list, and each element that is skipped.
-  void look() { pace_.look(); }
+  /// Called for each value of a list, and for each element that is skipped.
+  void check_for_stop() { pace_.look(); }
   bool at_end() { return scanner_.token_across_lines().empty(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
 
@@ -180,7 +181,7 @@ class TextBody {
   std::int64_t last_line_ = 0;
   bool begins_element_ = false;
   bool begins_lines_ = false;     ///< whether some vertex, face or strip begins a line
-  bool follows_in_line_ = false;  ///< whether some begins within a line
+  bool follows_in_line_ = false;  ///< whether some vertex, face or strip begins within a line
 };
 
 /// Reads the numbers of a binary body.
@@ -193,7 +194,7 @@ class BinaryBody {
         pace_(cancellation) {}
 
   double number(Scalar type) {
-    const std::uint64_t bits = take(size_of(type));
+    const std::uint64_t bits = read_bits(size_of(type));
     switch (type) {
       case Scalar::int8:
         return static_cast<std::int8_t>(bits);
@@ -221,42 +222,42 @@ class BinaryBody {
       return;
     }
     for (std::int64_t i = 0; i < element.count; ++i) {
-      look();
+      check_for_stop();
       for (const Property& property : element.properties) skip_property(property);
     }
   }
-  void look() { pace_.look(); }
+  void check_for_stop() { pace_.look(); }
   void skip_property(const Property& property) {
     skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
   }
   void begin_element() {}
   void check_rest() const {}
-  bool at_end() const { return at_ == bytes_.size(); }
-  [[noreturn]] void fail(const std::string& message) const { throw_malformed_byte(header_size_ + at_, message); }
+  bool at_end() const { return offset_ == bytes_.size(); }
+  [[noreturn]] void fail(const std::string& message) const { throw_malformed_byte(header_size_ + offset_, message); }
 
  private:
-  std::uint64_t take(std::size_t size) {
-    if (bytes_.size() - at_ < size) fail("expected a number, found the end of the file");
+  std::uint64_t read_bits(std::size_t size) {
+    if (bytes_.size() - offset_ < size) fail("expected a number, found the end of the file");
     std::uint64_t bits = 0;
     for (std::size_t i = 0; i < size; ++i) {
-      const std::size_t from = big_endian_ ? at_ + i : at_ + size - 1 - i;
+      const std::size_t from = big_endian_ ? offset_ + i : offset_ + size - 1 - i;
       bits = bits << 8 | static_cast<unsigned char>(bytes_[from]);
     }
-    at_ += size;
+    offset_ += size;
     return bits;
   }
   void skip_values(double count, std::size_t size) {
-    const std::size_t left = bytes_.size() - at_;
-    const std::size_t room = left / size;
-    if (!(count >= 0) || count > static_cast<double>(room)) {
-      fail("expected more values than the " + std::to_string(left) + " bytes that are left can hold");
+    const std::size_t remaining_bytes = bytes_.size() - offset_;
+    const std::size_t capacity = remaining_bytes / size;
+    if (!(count >= 0) || count > static_cast<double>(capacity)) {
+      fail("expected more values than the " + std::to_string(remaining_bytes) + " bytes that are left can hold");
     }
-    at_ += static_cast<std::size_t>(count) * size;
+    offset_ += static_cast<std::size_t>(count) * size;
   }
 
   std::string_view bytes_;
   std::size_t header_size_;
-  std::size_t at_ = 0;
+  std::size_t offset_ = 0;
   bool big_endian_;
   StopPace pace_;
 };
@@ -282,15 +283,15 @@ void read_vertices(Body& body, const Element& element, SoupBuilder& builder) {
   }
 }
 
-/// A number that must be an integer of [0, limit).
+/// Reads a number that must be an integer in [0, limit).
 template <typename Body>
-std::int64_t whole_number(Body& body, Scalar type, double limit, const char* what) {
+std::int64_t integer_below(Body& body, Scalar type, double limit, const char* what) {
   const double value = body.number(type);
   if (value >= 0 && value < limit && value == std::floor(value)) return static_cast<std::int64_t>(value);
   body.fail(std::string(what) + " is not an integer from 0 to " + std::to_string(static_cast<std::int64_t>(limit) - 1));
 }
 
-/// The place of the list of vertex numbers among the properties of an element.
+/// The index of the list of vertex numbers among the properties of an element.
 template <typename Body>
 int find_vertex_list(const Body& body, const Element& element) {
   int list = element.find("vertex_indices");
@@ -313,10 +314,10 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
         continue;
       }
       corners.clear();
-      const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of corners");
+      const std::int64_t size = integer_below(body, *property.count_type, 0x1p31, "the number of corners");
       for (std::int64_t corner = 0; corner < size; ++corner) {
-        body.look();
-        const std::int64_t v = whole_number(body, property.type, static_cast<double>(vertices), "a vertex number");
+        body.check_for_stop();
+        const std::int64_t v = integer_below(body, property.type, static_cast<double>(vertices), "a vertex number");
         corners.push_back(static_cast<std::int32_t>(v));
       }
       builder.add_polygon(corners);
@@ -324,14 +325,15 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
   }
 }
 
-/// Makes triangles of the vertices of a strip, each with the two before it, every second one turned so that all agree.
+/// Makes triangles from the vertices of a strip: each vertex forms one with the two before it. Every second triangle is
+/// turned, so that all orientations agree.
 class StripReader {
  public:
   explicit StripReader(SoupBuilder& builder) : builder_(builder) {}
 
   void restart() { length_ = 0; }
   void add(std::int32_t v) {
-    // A strip repeats a vertex to turn around a corner: such a triangle stands for none.
+    // A strip repeats a vertex to turn around a corner. Triangles with a repeated vertex are no faces.
     const bool is_face = length_ >= 2 && first_ != second_ && second_ != v && v != first_;
     if (is_face) {
       const bool turned = length_ % 2 == 1;
@@ -349,7 +351,7 @@ class StripReader {
   std::int64_t length_ = 0;
 };
 
-/// Reads triangle strips: a list of vertex numbers in which -1 ends a strip and the next one begins.
+/// Reads triangle strips: lists of vertex numbers in which -1 separates two strips.
 template <typename Body>
 void read_strips(Body& body, const Element& element, std::int64_t vertices, SoupBuilder& builder) {
   const int list = find_vertex_list(body, element);
@@ -363,9 +365,9 @@ void read_strips(Body& body, const Element& element, std::int64_t vertices, Soup
         body.skip_property(property);
         continue;
       }
-      const std::int64_t size = whole_number(body, *property.count_type, 0x1p31, "the number of vertices of a strip");
+      const std::int64_t size = integer_below(body, *property.count_type, 0x1p31, "the number of vertices of a strip");
       for (std::int64_t k = 0; k < size; ++k) {
-        body.look();
+        body.check_for_stop();
         const double v = body.number(property.type);
         if (v == -1) {
           strip.restart();
@@ -399,8 +401,8 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
   builder.check_announced(vertices->count, face_count);
   builder.reserve(plausible_count(vertices->count, header.body.size(), 3),
                   plausible_count(face_count, header.body.size(), 4));
-  std::int64_t left_out = 0;
-  std::string_view first_left_out;
+  std::int64_t skipped = 0;
+  std::string_view first_skipped;
   for (const Element& element : header.elements) {
     if (&element == vertices) {
       read_vertices(body, element, builder);
@@ -410,12 +412,12 @@ TriangleSoup read_body(Body body, const Header& header, const MeshLimits& limits
       read_strips(body, element, vertices->count, builder);
     } else {
       body.skip(element);
-      if (left_out++ == 0) first_left_out = element.name;
+      if (skipped++ == 0) first_skipped = element.name;
     }
   }
-  if (left_out > 0) {
-    builder.add_warning("Elements other than vertex and face were left out: " + in_quotes(first_left_out) +
-                        (left_out > 1 ? " and " + std::to_string(left_out - 1) + " more." : "."));
+  if (skipped > 0) {
+    builder.add_warning("Elements other than vertex and face were left out: " + in_quotes(first_skipped) +
+                        (skipped > 1 ? " and " + std::to_string(skipped - 1) + " more." : "."));
   }
   if (!body.at_end()) {
     body.check_rest();

@@ -19,11 +19,11 @@ void check_limit(std::int64_t count, std::int64_t limit, const char* what) {
   if (count > limit) throw_too_large(count, limit, what);
 }
 
-/// Whether zeros between printable characters show text in UTF-16 that has no byte order mark.
+/// Whether the bytes are text in UTF-16 without a byte order mark: printable characters alternate with zeros.
 bool looks_like_utf16(std::string_view bytes, std::size_t first_letter) {
-  constexpr std::size_t looked_at = 32;
-  if (bytes.size() < looked_at) return false;
-  for (std::size_t i = 0; i < looked_at; ++i) {
+  constexpr std::size_t checked_bytes = 32;
+  if (bytes.size() < checked_bytes) return false;
+  for (std::size_t i = 0; i < checked_bytes; ++i) {
     const char c = bytes[i];
     const bool printable = (c >= ' ' && c <= '~') || c == '\t' || c == '\r' || c == '\n';
     if (i % 2 == first_letter ? !printable : c != '\0') return false;
@@ -102,7 +102,7 @@ void SoupBuilder::cut_polygons() {
     const std::span<Triangle> fan(soup_.faces.data() + polygon.first_triangle, polygon.corners - 2);
     corners.assign({fan[0][0], fan[0][1]});
     for (const Triangle& triangle : fan) corners.push_back(triangle[2]);
-    // The check of the mesh names the faces of vertices that do not exist.
+    // The check of the mesh reports faces whose vertices do not exist.
     const auto exists = [&](std::int32_t v) { return v >= 0 && v < vertex_count(); };
     if (!std::all_of(corners.begin(), corners.end(), exists)) continue;
     positions.clear();
@@ -115,7 +115,7 @@ void SoupBuilder::cut_polygons() {
         return {name_of_face(polygon.number),
                 size + (outcome == PolygonCutter::Outcome::crosses_itself
                             ? "crosses itself"
-                            : "is not convex; the limit is " + std::to_string(PolygonCutter::most_corners))};
+                            : "is not convex; the limit is " + std::to_string(PolygonCutter::max_corners))};
       });
       continue;
     }

@@ -13,33 +13,33 @@
 
 namespace supple::surface {
 
-/// What the readers of the single formats share. All throw as read_mesh promises.
+/// Functions that read the formats. All throw what read_mesh describes.
 TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
 TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
 TriangleSoup read_ply(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
 TriangleSoup read_stl(std::string_view bytes, const MeshLimits& limits, const Execution& execution);
-/// Whether the bytes have the exact size that their count field gives a binary STL file.
+/// Whether the size of the bytes is exactly that of a binary STL file with the announced number of facets.
 bool is_binary_stl(std::string_view bytes);
-/// Whether the first word after blank lines and comments (lines that begin with #, ;, ! or //) is "solid", in small
-/// letters or capitals: the file is ASCII STL, or a binary one whose header begins so.
+/// Whether the first word after blank lines and comments (lines that begin with #, ;, ! or //) is "solid", in lower
+/// case or capitals. The file is then ASCII STL, or binary STL whose header begins with this word.
 bool begins_with_solid(std::string_view bytes);
 
-/// The first word of an OFF file: what it says of the vertices, and what is glued to it.
+/// The first word of an OFF file.
 struct OffKeyword {
-  int further_numbers = 0;  ///< that each vertex has after its position: texture coordinates, a colour, a normal
-  std::string_view glued;   ///< the rest of the word, as in "OFF4"; empty for none
+  int extra_numbers = 0;    ///< count of numbers after each vertex' position: texture coordinates, a colour, a normal
+  std::string_view suffix;  ///< the rest of the word, as in "OFF4"; often empty
 };
-/// Nothing where the word is no keyword of an OFF file in three dimensions.
+/// Empty if the word is no keyword of an OFF file in three dimensions.
 std::optional<OffKeyword> read_off_keyword(std::string_view word);
 
-/// Throws "mesh.malformed" at "byte 0" for text in UTF-16 or UTF-32 and for files of other kinds (ZIP, glTF, STEP and
-/// the like), and names what they are.
+/// Throws "mesh.malformed" at "byte 0" for text in UTF-16 or UTF-32, and for files of other kinds such as ZIP, glTF or
+/// STEP. The message names the kind.
 void refuse_foreign_files(std::string_view bytes);
 
 /// Collects vertices and polygons within the limits.
 class SoupBuilder {
  public:
-  /// Looks for a stop request while it is given vertices and polygons, and while it cuts them.
+  /// Checks for a stop request when it gets vertices and polygons, and when it triangulates.
   SoupBuilder(const MeshLimits& limits, const Execution& execution)
       : limits_(limits), execution_(execution), pace_(execution.cancellation) {}
 
@@ -47,21 +47,21 @@ class SoupBuilder {
   void check_announced(std::int64_t vertices, std::int64_t faces) const;
   void reserve(std::size_t vertices, std::size_t faces);
   void add_vertex(const Eigen::Vector3d& p);
-  /// Skips polygons with fewer than three corners; larger ones are cut into triangles by `finish`, since their vertices
-  /// may follow.
+  /// Skips polygons with fewer than three corners. Those with more than three are triangulated by `finish`, because
+  /// their vertices may follow later in the file.
   void add_polygon(std::span<const std::int32_t> corners);
   void add_warning(std::string text) { soup_.warnings.push_back(std::move(text)); }
 
   const Execution& execution() const { return execution_; }
   std::int64_t vertex_count() const { return static_cast<std::int64_t>(soup_.positions.size()); }
-  /// The soup with its polygons cut, see PolygonCutter, and the warnings about them. Throws "mesh.invalid_polygon",
-  /// which names the faces by their numbers in the file.
+  /// The soup with its polygons triangulated (see PolygonCutter), and warnings about them. Throws
+  /// "mesh.invalid_polygon", with the numbers that the faces have in the file.
   TriangleSoup finish() &&;
 
  private:
-  /// A polygon of more than three corners: until it is cut, the fan from its first corner stands for it.
+  /// A polygon with more than three corners. The fan from its first corner represents it until it is triangulated.
   struct Polygon {
-    std::int64_t number;  ///< of the face in the file, from 0
+    std::int64_t number;  ///< number of the face in the file, from 0
     std::size_t first_triangle;
     std::size_t corners;
   };
@@ -76,7 +76,7 @@ class SoupBuilder {
   std::vector<Polygon> larger_polygons_;
 };
 
-/// A count that files write before data, as a number of elements worth reserving: no more than `bytes` could hold.
+/// The number of elements to reserve memory for: the announced count, but at most as many as `bytes` can contain.
 std::size_t plausible_count(std::int64_t announced, std::size_t bytes, std::size_t bytes_per_element);
 
 }  // namespace supple::surface

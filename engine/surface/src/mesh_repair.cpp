@@ -30,20 +30,20 @@ double diagonal_of(const TriangleSoup& soup) {
   return (upper - lower).norm();
 }
 
-/// Keeps the faces for which keep(f) holds and says in `new_faces` where they are. Returns how many were dropped.
-template <typename Keep>
-std::int64_t drop_faces(std::vector<Triangle>& faces, std::vector<Index>& new_faces, Keep&& keep) {
-  std::vector<Index> moved(faces.size(), -1);
-  Index kept = 0;
+/// Drops the faces for which is_retained(f) is false, and updates `new_faces`. Returns the number of dropped faces.
+template <typename Predicate>
+std::int64_t drop_faces(std::vector<Triangle>& faces, std::vector<Index>& new_faces, Predicate&& is_retained) {
+  std::vector<Index> new_index(faces.size(), -1);
+  Index retained = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    if (!keep(f)) continue;
-    moved[f] = kept;
-    faces[kept++] = faces[f];
+    if (!is_retained(f)) continue;
+    new_index[f] = retained;
+    faces[retained++] = faces[f];
   }
-  const std::int64_t dropped = static_cast<std::int64_t>(faces.size()) - kept;
-  faces.resize(kept);
+  const std::int64_t dropped = static_cast<std::int64_t>(faces.size()) - retained;
+  faces.resize(retained);
   for (Index& f : new_faces) {
-    if (f >= 0) f = moved[f];
+    if (f >= 0) f = new_index[f];
   }
   return dropped;
 }
@@ -70,8 +70,8 @@ std::vector<std::uint8_t> find_duplicates(const std::vector<Triangle>& faces, co
   return duplicate;
 }
 
-/// The corners h = 3 f + i of the faces in sets: those around a vertex that edges of two faces join. Says of each
-/// corner the least of its set.
+/// Fans of corners h = 3 f + i: the corners around a vertex whose faces are connected by edges with two faces. A fan is
+/// identified by its least corner.
 class CornerFans {
  public:
   CornerFans(const std::vector<Triangle>& faces, const std::vector<Index>& partners) : parents_(3 * faces.size()) {
@@ -80,60 +80,61 @@ class CornerFans {
     for (Index h = 0; h < static_cast<Index>(parents_.size()); ++h) {
       const Index partner = partners[h];
       if (partner < h) continue;
-      // The faces may walk their edge in the same direction or in opposite ones.
+      // The faces may traverse their edge in the same direction or in opposite ones.
       const bool same = tail(h) == tail(partner);
       unite(h, same ? partner : TriangleMesh::next(partner));
       unite(TriangleMesh::next(h), same ? TriangleMesh::next(partner) : partner);
     }
   }
 
-  Index least(Index corner) {
+  Index representative(Index corner) {
     while (parents_[corner] != corner) corner = parents_[corner] = parents_[parents_[corner]];
     return corner;
   }
 
  private:
   void unite(Index a, Index b) {
-    a = least(a);
-    b = least(b);
+    a = representative(a);
+    b = representative(b);
     parents_[std::max(a, b)] = std::min(a, b);
   }
 
   std::vector<Index> parents_;
 };
 
-/// Gives each fan of faces a vertex of its own. `copies` receives the vertex that each new one, numbered from
-/// `vertices` on, is a copy of.
-void split(std::vector<Triangle>& faces, Index vertices, std::vector<Index>& copies, RepairOutcome& outcome,
-           const Execution& execution) {
+/// Gives each fan of faces a vertex of its own. New vertices are numbered from `vertices` on, and `copies` receives the
+/// vertex of which each is a copy.
+void split_fans(std::vector<Triangle>& faces, Index vertices, std::vector<Index>& copies, RepairOutcome& outcome,
+                const Execution& execution) {
   const std::vector<Index> partners = pair_manifold_halfedges(vertices, faces, outcome.split_edges, execution);
   CornerFans fans(faces, partners);
   execution.cancellation.throw_if_requested();
-  std::vector<Index> names(3 * faces.size(), -1);  // of the fans, by their least corners
-  std::vector<std::uint8_t> met(vertices, 0);      // 1 once a fan has the vertex, 2 once another has a copy
-  for (Index h = 0; h < static_cast<Index>(names.size()); ++h) {
+  // Vertex of each fan, indexed by its least corner; -1 if it has none yet.
+  std::vector<Index> fan_vertices(3 * faces.size(), -1);
+  std::vector<std::uint8_t> vertex_uses(vertices, 0);  // 1 once a fan uses the vertex, 2 once another fan uses a copy
+  for (Index h = 0; h < static_cast<Index>(fan_vertices.size()); ++h) {
     Index& corner = faces[h / 3][h % 3];
-    const Index v = corner, fan = fans.least(h);
-    if (names[fan] < 0) {
-      if (met[v] == 0) {
-        names[fan] = v;
-        met[v] = 1;
+    const Index v = corner, fan = fans.representative(h);
+    if (fan_vertices[fan] < 0) {
+      if (vertex_uses[v] == 0) {
+        fan_vertices[fan] = v;
+        vertex_uses[v] = 1;
       } else {
-        outcome.split_vertices += met[v] == 1;
-        met[v] = 2;
-        names[fan] = vertices + static_cast<Index>(copies.size());
+        outcome.split_vertices += vertex_uses[v] == 1;
+        vertex_uses[v] = 2;
+        fan_vertices[fan] = vertices + static_cast<Index>(copies.size());
         copies.push_back(v);
       }
     }
-    corner = names[fan];
+    corner = fan_vertices[fan];
   }
 }
 
-/// Says of each given vertex which vertices its faces have now, or else_place(v) where it has no face left. One entry
-/// for each corner at most, however many vertices were welded and split at one place.
-template <typename ElsePlace>
+/// Writes for each given vertex which vertices its faces have now, or fallback_vertex(v) if no face remains. The memory
+/// is at most one entry for each corner, however many vertices were welded and split in one place.
+template <typename Fallback>
 void write_vertex_map(const std::vector<Triangle>& given_faces, const std::vector<Triangle>& faces,
-                      RepairOutcome& outcome, ElsePlace&& else_place) {
+                      RepairOutcome& outcome, Fallback&& fallback_vertex) {
   const std::size_t given = outcome.vertex_starts.size() - 1;
   const auto for_each_corner = [&](auto&& visit) {
     for (std::size_t f = 0; f < given_faces.size(); ++f) {
@@ -145,16 +146,17 @@ void write_vertex_map(const std::vector<Triangle>& given_faces, const std::vecto
   for_each_corner([&](Index from, Index) { ++starts[from + 1]; });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   std::vector<std::int64_t> ends(starts.begin(), starts.end() - 1);
-  std::vector<Index> places(starts.back());
-  for_each_corner([&](Index from, Index to) { places[ends[from]++] = to; });
+  std::vector<Index> targets(starts.back());
+  for_each_corner([&](Index from, Index to) { targets[ends[from]++] = to; });
   for (std::size_t v = 0; v < given; ++v) {
-    const auto begin = places.begin() + starts[v];
-    auto end = places.begin() + starts[v + 1];
+    const auto begin = targets.begin() + starts[v];
+    auto end = targets.begin() + starts[v + 1];
     std::sort(begin, end);
     end = std::unique(begin, end);
     outcome.new_vertices.insert(outcome.new_vertices.end(), begin, end);
     if (begin == end) {
-      if (const Index place = else_place(static_cast<Index>(v)); place >= 0) outcome.new_vertices.push_back(place);
+      if (const Index vertex = fallback_vertex(static_cast<Index>(v)); vertex >= 0)
+        outcome.new_vertices.push_back(vertex);
     }
     outcome.vertex_starts[v + 1] = static_cast<std::int64_t>(outcome.new_vertices.size());
   }
@@ -206,9 +208,9 @@ bool RepairOutcome::made(Repair repair) const {
 
 RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, const MeshLimits& limits,
                           const Execution& execution) {
-  const auto look = [&execution] { execution.cancellation.throw_if_requested(); };
-  if (const std::int64_t placed = place_unused_vertices(soup.positions, soup.faces); placed > 0)
-    soup.warnings.push_back(unused_vertices_warning(placed));
+  const auto check_for_stop = [&execution] { execution.cancellation.throw_if_requested(); };
+  if (const std::int64_t reset_count = reset_unused_vertices(soup.positions, soup.faces); reset_count > 0)
+    soup.warnings.push_back(unused_vertices_warning(reset_count));
   check_references(soup.positions, soup.faces, execution);
   RepairOutcome outcome;
   const Index given = static_cast<Index>(soup.positions.size());
@@ -216,7 +218,7 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
   std::vector<Index> first(given);
   std::iota(first.begin(), first.end(), 0);
   if (options.has(Repair::weld) && !options.weld_tolerance) {
-    Cracks cracks = find_cracks(soup.positions, soup.faces, Crossings::joined, execution);
+    Cracks cracks = find_cracks(soup.positions, soup.faces, MultipleEdges::joined, execution);
     outcome.weld_distance = cracks.gap;
     first = std::move(cracks.first);
   } else if (options.has(Repair::weld)) {
@@ -233,17 +235,17 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
     }
   }
 
-  look();
+  check_for_stop();
   outcome.new_faces.resize(soup.faces.size());
   std::iota(outcome.new_faces.begin(), outcome.new_faces.end(), 0);
   if (options.has(Repair::drop_degenerate)) {
     outcome.dropped_degenerate_faces = drop_faces(
         soup.faces, outcome.new_faces, [&](std::size_t f) { return !is_degenerate(soup.positions, soup.faces[f]); });
   }
-  look();
+  check_for_stop();
   if (options.has(Repair::drop_duplicates)) {
     const std::vector<std::uint8_t> duplicate = find_duplicates(soup.faces, execution);
-    look();
+    check_for_stop();
     outcome.dropped_duplicate_faces =
         drop_faces(soup.faces, outcome.new_faces, [&](std::size_t f) { return !duplicate[f]; });
   }
@@ -254,33 +256,33 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
     for (const Index v : face) has_faces[v] = 1;
   }
 
-  std::vector<Index> moved(given, -1);
-  Index kept = 0;
+  std::vector<Index> new_index(given, -1);
+  Index retained = 0;
   for (Index v = 0; v < given; ++v) {
     if (first[v] != v) {
       ++outcome.welded_vertices;
     } else if (had_faces[v] && !has_faces[v]) {
       ++outcome.removed_vertices;
     } else {
-      moved[v] = kept;
-      soup.positions[kept++] = soup.positions[v];
+      new_index[v] = retained;
+      soup.positions[retained++] = soup.positions[v];
     }
   }
-  soup.positions.resize(kept);
+  soup.positions.resize(retained);
   for (Triangle& face : soup.faces) {
-    for (Index& v : face) v = moved[v];
+    for (Index& v : face) v = new_index[v];
   }
 
   std::vector<Index> copies;
   if (options.has(Repair::split_non_manifold)) {
     check_areas(soup.positions, soup.faces, execution);
-    split(soup.faces, kept, copies, outcome, execution);
-    check_vertex_count(static_cast<std::int64_t>(kept) + static_cast<std::int64_t>(copies.size()), limits);
+    split_fans(soup.faces, retained, copies, outcome, execution);
+    check_vertex_count(static_cast<std::int64_t>(retained) + static_cast<std::int64_t>(copies.size()), limits);
     for (const Index v : copies) soup.positions.push_back(soup.positions[v]);
   }
 
-  look();
-  write_vertex_map(given_faces, soup.faces, outcome, [&](Index v) { return moved[first[v]]; });
+  check_for_stop();
+  write_vertex_map(given_faces, soup.faces, outcome, [&](Index v) { return new_index[first[v]]; });
   report_in_warnings(outcome, soup.warnings);
   return outcome;
 }

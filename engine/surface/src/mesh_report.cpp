@@ -10,12 +10,12 @@
 namespace supple::surface {
 namespace {
 
-/// Faces with a smaller angle (radians) are worth a warning: interpolation and finite elements suffer from them.
+/// Faces with a smaller angle (radians) cause a warning, because interpolation and finite elements suffer from them.
 constexpr double sliver_angle = 1e-3;
-/// A saddle vertex has more than 2 pi by this relative margin, so that the rounding of flat vertices does not count.
+/// Relative excess over 2 pi above which a vertex is a saddle, so that rounding at flat vertices does not count.
 constexpr double saddle_margin = 1e-12;
 
-// Follows the halfedges without twin: the next one starts where the fan of the head ends.
+// Follows halfedges without a twin. The next one along the boundary begins where the fan of the head ends.
 std::int64_t count_boundary_loops(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> seen(mesh.halfedge_count(), 0);
   std::int64_t loops = 0;

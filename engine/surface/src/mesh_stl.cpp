@@ -13,27 +13,27 @@ namespace {
 constexpr std::size_t header_size = 84;  // 80 free bytes and the number of facets
 constexpr std::size_t facet_size = 50;   // normal and corners as 12 floats, 2 bytes of attributes
 
-std::uint32_t little_endian_u32(std::string_view bytes, std::size_t at) {
+std::uint32_t little_endian_u32(std::string_view bytes, std::size_t offset) {
   std::uint32_t value = 0;
-  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
+  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[offset + i]);
   return value;
 }
 
 std::uint32_t announced_facets(std::string_view bytes) { return little_endian_u32(bytes, header_size - 4); }
 
-/// Joins equal corners. Three corners make a face.
+/// Merges equal corners to vertices. Three successive corners form a face.
 TriangleSoup join_corners(const std::vector<Eigen::Vector3d>& corners, SoupBuilder builder) {
   const std::vector<std::int32_t> first = first_equal_points(corners, builder.execution());
-  std::vector<std::int32_t> numbers(corners.size());
+  std::vector<std::int32_t> vertex_of_corner(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (first[i] == static_cast<std::int32_t>(i)) {
-      numbers[i] = static_cast<std::int32_t>(builder.vertex_count());
+      vertex_of_corner[i] = static_cast<std::int32_t>(builder.vertex_count());
       builder.add_vertex(corners[i]);
     } else {
-      numbers[i] = numbers[first[i]];
+      vertex_of_corner[i] = vertex_of_corner[first[i]];
     }
   }
-  for (std::size_t i = 0; i < corners.size(); i += 3) builder.add_polygon(std::span(numbers).subspan(i, 3));
+  for (std::size_t i = 0; i < corners.size(); i += 3) builder.add_polygon(std::span(vertex_of_corner).subspan(i, 3));
   return std::move(builder).finish();
 }
 
@@ -64,19 +64,20 @@ TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits, const
   for (std::size_t facet = 0; facet < facets; ++facet) {
     pace.look();
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const std::size_t at = header_size + facet * facet_size + 12 * (corner + 1);
-      corners.emplace_back(std::bit_cast<float>(little_endian_u32(bytes, at)),
-                           std::bit_cast<float>(little_endian_u32(bytes, at + 4)),
-                           std::bit_cast<float>(little_endian_u32(bytes, at + 8)));
+      const std::size_t offset = header_size + facet * facet_size + 12 * (corner + 1);
+      corners.emplace_back(std::bit_cast<float>(little_endian_u32(bytes, offset)),
+                           std::bit_cast<float>(little_endian_u32(bytes, offset + 4)),
+                           std::bit_cast<float>(little_endian_u32(bytes, offset + 8)));
     }
   }
   return join_corners(corners, std::move(builder));
 }
 
-/// Whether the found word is `word` (in small letters), in small letters or capitals.
+/// Whether `found` is `word` (given in lower case), in lower case or capitals.
 bool is_word(std::string_view found, std::string_view word) {
-  return std::equal(found.begin(), found.end(), word.begin(), word.end(),
-                    [](char c, char small) { return c == small || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == small); });
+  return std::equal(found.begin(), found.end(), word.begin(), word.end(), [](char c, char lower_case) {
+    return c == lower_case || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == lower_case);
+  });
 }
 
 void expect(const TextScanner& scanner, std::string_view found, std::string_view word) {
@@ -84,7 +85,7 @@ void expect(const TextScanner& scanner, std::string_view found, std::string_view
   throw_malformed_line(scanner.line_number(), "expected " + std::string(word) + ", found " + in_quotes(found));
 }
 
-/// The next word outside of comments, which fill a line each; empty at the end of the text.
+/// The next word outside of comments, which are whole lines. It is empty at the end of the text.
 std::string_view next_word(TextScanner& scanner) {
   std::string_view word = scanner.token_across_lines();
   while (word.starts_with("#") || word.starts_with(";") || word.starts_with("!") || word.starts_with("//")) {
@@ -122,15 +123,15 @@ class AsciiReader {
  private:
   std::string_view next() { return pending_.empty() ? next_word(scanner_) : std::exchange(pending_, {}); }
 
-  /// What remains of the line is the solid's name, up to the first facet if that is in the same line.
+  /// Skips the solid's name, which is the rest of the line. A first facet on the same line is not skipped.
   void skip_name() {
-    std::string_view word = scanner_.token(), before;
-    while (!word.empty() && !(is_word(before, "facet") && is_word(word, "normal"))) {
-      before = word;
+    std::string_view word = scanner_.token(), previous;
+    while (!word.empty() && !(is_word(previous, "facet") && is_word(word, "normal"))) {
+      previous = word;
       word = scanner_.token();
     }
     facet_begun_ = !word.empty();
-    if (facet_begun_) pending_ = before;
+    if (facet_begun_) pending_ = previous;
   }
 
   void read_facet(std::string_view word) {
@@ -154,11 +155,11 @@ class AsciiReader {
   SoupBuilder builder_;
   StopPace pace_;
   std::vector<Eigen::Vector3d> corners_;
-  std::string_view pending_;  ///< a word that was looked at already
+  std::string_view pending_;  ///< a word that was read in advance
   bool facet_begun_ = false;  ///< whether "facet normal" was read with the solid's name
 };
 
-/// Whether no control character is near the beginning, as there is in the header of nearly every binary file.
+/// Whether no control character is near the beginning. Nearly every binary file has one in its header.
 bool looks_like_text(std::string_view bytes) {
   const std::string_view beginning = bytes.substr(0, 512);
   return std::all_of(beginning.begin(), beginning.end(), [](char c) {

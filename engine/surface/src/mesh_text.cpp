@@ -14,14 +14,14 @@ namespace {
   throw Error("mesh.malformed", "The mesh file is malformed at " + where + ": " + message + ".", {{where, message}});
 }
 
-// from_chars takes no leading plus, files may.
+// std::from_chars accepts no leading plus, but files may have one.
 std::string_view without_plus(std::string_view token) {
   if (token.size() > 1 && token[0] == '+' && token[1] != '-') token.remove_prefix(1);
   return token;
 }
 
-/// What the word says if it is a number that is not finite as the C library of Microsoft writes it: "1.#INF",
-/// "-1.#IND", "1.#QNAN", "1.#SNAN", or "1.#J" where these were rounded. Nothing for any other word.
+/// The value of a number that is not finite as Microsoft's C library writes it: "1.#INF", "-1.#IND", "1.#QNAN",
+/// "1.#SNAN", or "1.#J" if these were rounded. Empty for any other word.
 std::optional<double> microsoft_non_finite(std::string_view digits) {
   if (!digits.empty() && digits[0] == '-') digits.remove_prefix(1);
   if (!digits.starts_with("1.#")) return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<double> microsoft_non_finite(std::string_view digits) {
   return std::nullopt;
 }
 
-/// Ends a refusal where the token would be a number if its comma were a point.
+/// A hint for an error message, if the token would be a number with a point instead of its comma.
 std::string decimal_comma_hint(std::string_view token) {
   std::string with_point(token);
   const std::size_t comma = with_point.find(',');
@@ -45,7 +45,7 @@ std::string decimal_comma_hint(std::string_view token) {
   return error == std::errc() && end == last ? "; decimals take a point, not a comma" : "";
 }
 
-/// To read a number of a hundred million digits takes seconds.
+/// Maximum number of characters: reading a number of a hundred million digits takes seconds.
 constexpr std::size_t max_number_length = 1 << 16;
 
 }  // namespace
@@ -59,11 +59,11 @@ void throw_malformed_byte(std::size_t offset, const std::string& message) {
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t longest = 24;
+  constexpr std::size_t max_length = 24;
   if (text.empty()) return "nothing";
   std::string result = "'";
-  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > longest ? "...'" : "'");
+  for (const char c : text.substr(0, max_length)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > max_length ? "...'" : "'");
 }
 
 std::string_view without_byte_order_mark(std::string_view bytes) {
@@ -103,12 +103,12 @@ std::string_view TextScanner::token_before_backslash(std::string_view found) {
 }
 
 void TextScanner::skip_statement() {
-  const auto goes_on = [this] {
+  const auto continues = [this] {
     std::string_view line = line_;
     while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
     return line.ends_with('\\');
   };
-  while (goes_on() && next_line()) {
+  while (continues() && next_line()) {
   }
 }
 

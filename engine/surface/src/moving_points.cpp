@@ -9,8 +9,8 @@
 namespace supple::surface {
 namespace {
 
-/// Points that one task moves: each takes about a microsecond.
-constexpr std::size_t points_of_a_task = 512;
+/// Number of points that one task moves; each takes about a microsecond.
+constexpr std::size_t points_per_task = 512;
 
 }  // namespace
 
@@ -39,23 +39,23 @@ Eigen::VectorXd MovingPoints::move(const TriangleMesh& mesh, const Eigen::Vector
   const auto move_point = [&](std::size_t i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
     turns_[i] = 0;
-    const Eigen::Vector2d own = step.segment<2>(row);
-    if (own.isZero(0)) return;
-    const Retraction moved = retract(mesh, points_[i], own, cancellation_);
+    const Eigen::Vector2d point_step = step.segment<2>(row);
+    if (point_step.isZero(0)) return;
+    const Retraction moved = retract(mesh, points_[i], point_step, cancellation_);
     travelled.segment<2>(row) = moved.travelled;
     if (moved.isometric && on_tip_[i] == 0) turns_[i] = moved.turn;
     points_[i] = moved.end;
     on_tip_[i] = on_cone_tip(mesh, moved.end) ? 1 : 0;
   };
-  const std::size_t tasks = (points_.size() + points_of_a_task - 1) / points_of_a_task;
-  const auto move_some = [&](int task) {
-    const std::size_t begin = static_cast<std::size_t>(task) * points_of_a_task;
-    for (std::size_t i = begin; i < std::min(points_.size(), begin + points_of_a_task); ++i) move_point(i);
+  const std::size_t tasks = (points_.size() + points_per_task - 1) / points_per_task;
+  const auto move_task = [&](int task) {
+    const std::size_t begin = static_cast<std::size_t>(task) * points_per_task;
+    for (std::size_t i = begin; i < std::min(points_.size(), begin + points_per_task); ++i) move_point(i);
   };
   if (tasks > 1)
-    parallel_for(static_cast<int>(tasks), move_some);
+    parallel_for(static_cast<int>(tasks), move_task);
   else
-    move_some(0);
+    move_task(0);
   return travelled;
 }
 

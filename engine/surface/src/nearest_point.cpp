@@ -18,15 +18,15 @@ Eigen::Vector3d nearest_in_triangle(const Eigen::Vector3d& p, const std::array<E
     weights[i] = normal.dot((c - b).cross(p - b));
   }
   if (weights.minCoeff() > 0) return weights / weights.sum();
-  // Outside of the prism over the triangle the nearest point lies on a side.
-  double least = std::numeric_limits<double>::infinity();
+  // Outside of the prism over the triangle, the nearest point lies on a side.
+  double smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     const Eigen::Vector3d &a = corners[i], &b = corners[(i + 1) % 3];
     const Eigen::Vector3d side = b - a;
     const double t = std::clamp(side.dot(p - a) / side.squaredNorm(), 0.0, 1.0);
     const double squared = (a + t * side - p).squaredNorm();
-    if (!(squared < least)) continue;
-    least = squared;
+    if (!(squared < smallest)) continue;
+    smallest = squared;
     weights.setZero();
     weights[i] = 1 - t;
     weights[(i + 1) % 3] = t;
@@ -37,8 +37,8 @@ Eigen::Vector3d nearest_in_triangle(const Eigen::Vector3d& p, const std::array<E
 }  // namespace
 
 struct NearestPointSearch::Implementation {
-  Implementation(const TriangleMesh& searched, const Execution& execution)
-      : mesh(searched), tree(searched.positions(), searched.faces(), execution) {}
+  Implementation(const TriangleMesh& searched_mesh, const Execution& execution)
+      : mesh(searched_mesh), tree(searched_mesh.positions(), searched_mesh.faces(), execution) {}
   const TriangleMesh& mesh;
   FaceTree tree;
 };

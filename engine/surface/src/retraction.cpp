@@ -9,12 +9,12 @@ namespace {
 
 using std::numbers::pi;
 
-/// A vertex whose angle is within this of 2 pi (radians) is treated as a point of a flat face.
-constexpr double flat_angle = 1e-12;
+/// A vertex whose total angle differs from 2 pi by at most this (radians) is treated as a point of a flat face.
+constexpr double flat_angle_tolerance = 1e-12;
 
-/// The share of a length that was walked: all of it unless the boundary ended the path.
-double walked_share(const ExponentialMap& walked, double length) {
-  return walked.reached_boundary && length > 0 ? std::min(1.0, walked.length / length) : 1.0;
+/// The fraction of a length that was travelled: 1 unless the boundary ended the path.
+double travelled_fraction(const ExponentialMap& geodesic, double length) {
+  return geodesic.reached_boundary && length > 0 ? std::min(1.0, geodesic.length / length) : 1.0;
 }
 
 Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen::Vector2d step,
@@ -25,8 +25,9 @@ Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen
   if (angle < 0) angle += 2 * pi;
   const double length = step.norm();
   const VertexCone::Direction direction = cone.direction(std::min(angle / cone_stretch(cone), cone.total_angle()));
-  const ExponentialMap walked = exponential_map(mesh, direction.vertex, length * direction.vector, cancellation, false);
-  return {walked.end, walked_share(walked, length) * step, 0, false};
+  const ExponentialMap geodesic =
+      exponential_map(mesh, direction.vertex, length * direction.vector, cancellation, false);
+  return {geodesic.end, travelled_fraction(geodesic, length) * step, 0, false};
 }
 
 }  // namespace
@@ -41,7 +42,7 @@ bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point) {
   const int corner = corner_of(point);
   if (corner < 0) return false;
   const std::int32_t vertex = mesh.faces()[index(point.face)][corner];
-  return mesh.is_boundary(vertex) || std::abs(mesh.vertex_angle(vertex) - 2 * pi) > flat_angle;
+  return mesh.is_boundary(vertex) || std::abs(mesh.vertex_angle(vertex) - 2 * pi) > flat_angle_tolerance;
 }
 
 Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Eigen::Vector2d& step,
@@ -63,10 +64,10 @@ Retraction retract(const TriangleMesh& mesh, const SurfacePoint& point, const Ei
       slid = true;
     }
   }
-  const ExponentialMap walked = exponential_map(mesh, point, tangent, cancellation, false);
-  const double share = walked_share(walked, tangent.norm());
-  const Eigen::Vector2d travelled = slid ? Eigen::Vector2d(share * (frame.transpose() * tangent)) : share * step;
-  return {walked.end, travelled, walked.transport_angle, !slid && !on_cone_tip(mesh, walked.end)};
+  const ExponentialMap geodesic = exponential_map(mesh, point, tangent, cancellation, false);
+  const double fraction = travelled_fraction(geodesic, tangent.norm());
+  const Eigen::Vector2d travelled = slid ? Eigen::Vector2d(fraction * (frame.transpose() * tangent)) : fraction * step;
+  return {geodesic.end, travelled, geodesic.transport_angle, !slid && !on_cone_tip(mesh, geodesic.end)};
 }
 
 }  // namespace supple::surface

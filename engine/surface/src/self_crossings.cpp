@@ -12,10 +12,10 @@
 namespace supple::surface {
 namespace {
 
-/// Six times the volume of the tetrahedron a b c d, or 0 where rounding may have changed its sign (the bound is that of
-/// Shewchuk 1997, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", stage A).
-double certain_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                      const Eigen::Vector3d& d) {
+/// Six times the volume of the tetrahedron a b c d, or 0 if rounding may have changed its sign. The error bound is that
+/// of stage A in [Shewchuk1997].
+double certified_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
+                        const Eigen::Vector3d& d) {
   const Eigen::Vector3d u = a - d, v = b - d, w = c - d;
   const double volume = u.dot(v.cross(w));
   const auto terms = [](double x, double y, double z, double t) { return std::abs(x * y) + std::abs(z * t); };
@@ -26,16 +26,16 @@ double certain_volume(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const 
   return std::abs(volume) > bound * permanent ? volume : 0;
 }
 
-/// Where the segment p q runs through the inside of the triangle, if it certainly does: the fraction from p to q, else
-/// negative.
+/// The fraction from p to q at which the segment intersects the inside of the triangle; negative if this is not
+/// certain.
 double crossing_fraction(const Eigen::Vector3d& p, const Eigen::Vector3d& q,
                          const std::array<Eigen::Vector3d, 3>& triangle) {
-  const double above = certain_volume(triangle[0], triangle[1], triangle[2], p);
-  const double below = certain_volume(triangle[0], triangle[1], triangle[2], q);
+  const double above = certified_volume(triangle[0], triangle[1], triangle[2], p);
+  const double below = certified_volume(triangle[0], triangle[1], triangle[2], q);
   if (!(above * below < 0)) return -1;
   int turns = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double volume = certain_volume(p, q, triangle.at(i), triangle.at((i + 1) % 3));
+    const double volume = certified_volume(p, q, triangle.at(i), triangle.at((i + 1) % 3));
     if (volume == 0) return -1;
     turns += volume > 0 ? 1 : -1;
   }
@@ -52,12 +52,13 @@ std::string place_text(const Eigen::Vector3d& place) {
 
 }  // namespace
 
-std::vector<SelfCrossing> find_self_crossings(const TriangleMesh& mesh, std::size_t most, const Execution& execution) {
+std::vector<SelfCrossing> find_self_crossings(const TriangleMesh& mesh, std::size_t max_count,
+                                              const Execution& execution) {
   const auto& positions = mesh.positions();
   const FaceTree tree(positions, mesh.faces(), execution);
   StopPace pace(execution.cancellation);
   std::vector<SelfCrossing> crossings;
-  for (std::int32_t h = 0; h < mesh.halfedge_count() && crossings.size() < most; ++h) {
+  for (std::int32_t h = 0; h < mesh.halfedge_count() && crossings.size() < max_count; ++h) {
     if (mesh.twin(h) > h) continue;  // each edge once
     const std::int32_t tail = mesh.tail(h), head = mesh.head(h);
     const Eigen::Vector3d &p = positions[tail], &q = positions[head];
@@ -69,7 +70,7 @@ std::vector<SelfCrossing> find_self_crossings(const TriangleMesh& mesh, std::siz
       for (const std::int32_t v : face)
         if (v == tail || v == head) return;
       const double fraction = crossing_fraction(p, q, {positions[face[0]], positions[face[1]], positions[face[2]]});
-      if (fraction < 0 || crossings.size() >= most) return;
+      if (fraction < 0 || crossings.size() >= max_count) return;
       crossings.push_back({TriangleMesh::face_of(h), f, p + fraction * (q - p)});
     });
   }
@@ -77,8 +78,8 @@ std::vector<SelfCrossing> find_self_crossings(const TriangleMesh& mesh, std::siz
 }
 
 void require_no_self_crossings(const TriangleMesh& mesh, const Execution& execution) {
-  constexpr std::size_t named = 20;
-  const auto crossings = find_self_crossings(mesh, named, execution);
+  constexpr std::size_t max_named = 20;
+  const auto crossings = find_self_crossings(mesh, max_named, execution);
   if (crossings.empty()) return;
   std::vector<Error::Detail> details;
   details.reserve(crossings.size());

@@ -7,7 +7,7 @@
 namespace supple::surface {
 namespace {
 
-/// Points closer than this, relative to the mean edge, differ by rounding alone.
+/// Points closer than this, relative to the mean edge, differ only by rounding.
 constexpr double point_rounding = 1e-13;
 
 std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
@@ -22,7 +22,7 @@ Eigen::VectorXd KarcherState::move(const Eigen::VectorXd& step) {
   const Retraction moved = retract(*mesh_, point_, step, cancellation_);
   point_ = moved.end;
   on_tip_ = on_cone_tip(*mesh_, point_);
-  found_.reset();
+  geodesics_.reset();
   turn_ = moved.turn;
   isometric_ = moved.isometric && !from_tip;
   return moved.travelled;
@@ -36,28 +36,29 @@ bool KarcherState::transport(Eigen::VectorXd& tangent) const {
   return true;
 }
 
-bool kinked(const KarcherState& state) {
-  return state.on_tip() && std::ranges::any_of(*state.found(), [](const AnchorGeodesic& g) {
+bool is_at_kink(const KarcherState& state) {
+  return state.on_tip() && std::ranges::any_of(*state.geodesics(), [](const AnchorGeodesic& g) {
            return g.neighbour.has_value() && !g.coincident;
          });
 }
 
 bool away_from_cut_loci(const KarcherState& state) {
-  return std::ranges::all_of(*state.found(), &AnchorGeodesic::certain);
+  return std::ranges::all_of(*state.geodesics(), &AnchorGeodesic::certain);
 }
 
 SquaredDistances::SquaredDistances(const TriangleMesh& mesh, AnchorDistances& distances, std::vector<double> weights)
     : mesh_(mesh), distances_(distances), weights_(std::move(weights)) {}
 
 void SquaredDistances::prepare(KarcherState& state, int /*order*/, const Execution& execution) {
-  if (state.found()) return;
+  if (state.geodesics()) return;
   const auto need = state.on_tip() ? AnchorDistances::Need::directions : AnchorDistances::Need::derivatives;
-  state.set_found(distances_.at(state.point(), need, execution));
+  state.set_geodesics(distances_.at(state.point(), need, execution));
 }
 
-double SquaredDistances::value_of(const std::vector<AnchorGeodesic>& found) const {
+double SquaredDistances::value_of(const std::vector<AnchorGeodesic>& geodesics) const {
   double value = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) value += 0.5 * weights_[i] * found[i].distance * found[i].distance;
+  for (std::size_t i = 0; i < geodesics.size(); ++i)
+    value += 0.5 * weights_[i] * geodesics[i].distance * geodesics[i].distance;
   return value;
 }
 
@@ -66,14 +67,14 @@ double SquaredDistances::value_at(const SurfacePoint& point, const Execution& ex
 }
 
 void SquaredDistances::add(const KarcherState& state, int order, numerics::EnergySum& sum) const {
-  const std::vector<AnchorGeodesic>& found = *state.found();
-  sum.value += value_of(found);
+  const std::vector<AnchorGeodesic>& geodesics = *state.geodesics();
+  sum.value += value_of(geodesics);
   if (order < 1) return;
   if (state.on_tip()) return add_on_tip(state, sum);
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const AnchorGeodesic& g = found[i];
+  for (std::size_t i = 0; i < geodesics.size(); ++i) {
+    const AnchorGeodesic& g = geodesics[i];
     if (g.coincident) {
       hessian += weights_[i] * Eigen::Matrix2d::Identity();
       continue;
@@ -89,8 +90,8 @@ void SquaredDistances::add(const KarcherState& state, int order, numerics::Energ
 void SquaredDistances::add_on_tip(const KarcherState& state, numerics::EnergySum& sum) const {
   const VertexCone cone(mesh_, vertex_of(mesh_, state.point()));
   std::vector<ArrivingPath> arrivals;
-  for (std::size_t i = 0; i < state.found()->size(); ++i) {
-    const AnchorGeodesic& g = (*state.found())[i];
+  for (std::size_t i = 0; i < state.geodesics()->size(); ++i) {
+    const AnchorGeodesic& g = (*state.geodesics())[i];
     if (!g.neighbour || g.coincident) continue;
     const double angle = cone.angle_to(*g.neighbour);
     if (std::isfinite(angle)) arrivals.push_back({angle, weights_[i] * g.distance});
@@ -107,18 +108,18 @@ std::vector<SquaredDistances::Kink> SquaredDistances::kinks(const KarcherState& 
                                                             double reach) const {
   const Eigen::Vector3d here = position(mesh_, current.point());
   std::vector<Kink> kinks;
-  const auto look_at_face = [&](FaceId face) {
+  const auto add_kinks_of = [&](FaceId face) {
     for (const std::int32_t vertex : mesh_.faces()[index(face)]) {
-      const double away = (mesh_.positions()[vertex] - here).norm();
-      if (away > reach || vertex == vertex_of(mesh_, current.point())) continue;
+      const double distance = (mesh_.positions()[vertex] - here).norm();
+      if (distance > reach || vertex == vertex_of(mesh_, current.point())) continue;
       if (std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
       if (!VertexCone(mesh_, vertex).bends_paths()) continue;
-      kinks.push_back({KarcherState(mesh_, vertex_point(mesh_, VertexId{vertex})), vertex, away,
-                       away <= point_rounding * mesh_.mean_edge_length()});
+      kinks.push_back({KarcherState(mesh_, vertex_point(mesh_, VertexId{vertex})), vertex, distance,
+                       distance <= point_rounding * mesh_.mean_edge_length()});
     }
   };
-  for (const KarcherState& state : tried) look_at_face(state.point().face);
-  look_at_face(current.point().face);
+  for (const KarcherState& state : tried) add_kinks_of(state.point().face);
+  add_kinks_of(current.point().face);
   return kinks;
 }
 

@@ -9,8 +9,7 @@
 namespace supple::surface {
 namespace {
 
-/// How far barycentric coordinates may be off: enough for those computed in single precision or printed with six
-/// digits.
+/// Tolerance of barycentric coordinates. It accepts those computed in single precision or printed with six digits.
 constexpr double barycentric_tolerance = 1e-5;
 
 std::string text(const Eigen::Vector3d& b) {
@@ -51,7 +50,7 @@ SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, 
   }
   Eigen::Vector3d b = point.barycentric.cwiseMax(0.0);
   if (std::abs(b.sum() - 1) > 4 * std::numeric_limits<double>::epsilon()) b /= b.sum();
-  // The largest coordinate takes the rounding, so that small ones keep all their digits.
+  // The largest coordinate absorbs the rounding of the sum, so that small ones keep all their digits.
   int largest = 0;
   b.maxCoeff(&largest);
   b[largest] = 1 - (b[(largest + 1) % 3] + b[(largest + 2) % 3]);

@@ -4,8 +4,8 @@
 
 namespace supple::surface {
 
-/// The normal of the triangle a b c, as long as twice its area. From its two shorter sides: where one side is much
-/// shorter than the others, the product of these cancels.
+/// The normal of the triangle a b c, whose length is twice the area. It is computed from the two shorter sides: if one
+/// side is much shorter than the others, their product suffers from cancellation.
 inline Eigen::Vector3d doubled_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a, bc = c - b, ca = a - c;
   const double squared[3] = {ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()};

@@ -29,8 +29,8 @@ std::int64_t coincident_vertices(const std::vector<Eigen::Vector3d>& positions, 
 
 TriangleMesh TriangleMesh::build(std::vector<Eigen::Vector3d> positions, std::vector<Triangle> faces,
                                  std::vector<std::string> warnings, const Execution& execution) {
-  if (const std::int64_t placed = place_unused_vertices(positions, faces); placed > 0)
-    warnings.push_back(unused_vertices_warning(placed));
+  if (const std::int64_t reset_count = reset_unused_vertices(positions, faces); reset_count > 0)
+    warnings.push_back(unused_vertices_warning(reset_count));
   check_references(positions, faces, execution);
   check_areas(positions, faces, execution);
   TriangleMesh mesh;
@@ -91,7 +91,7 @@ TriangleMesh TriangleMesh::with_positions(std::vector<Eigen::Vector3d> positions
 void TriangleMesh::measure(const Execution& execution) {
   StopPace pace(execution.cancellation);
   const std::int32_t halfedges = halfedge_count();
-  // The checks bound coordinates and areas, so that no square below overflows or underflows.
+  // Coordinates and areas were checked before, so that no square below overflows or underflows.
   lengths_.resize(halfedges);
   angles_.resize(halfedges);
   double length_sum = 0;

@@ -11,8 +11,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// A cone within this angle (radians) of the flat one counts as flat: corner angles are sums of rounded ones.
-constexpr double angle_rounding = 1e-12;
+/// Relative excess over the flat angle that counts as rounding, because total angles are sums of rounded corner angles.
+constexpr double relative_angle_tolerance = 1e-12;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ VertexCone::VertexCone(const TriangleMesh& mesh, std::int32_t vertex) : mesh_(me
   }
 }
 
-bool VertexCone::bends_paths() const { return total_angle_ > (open_ ? pi : 2 * pi) * (1 + angle_rounding); }
+bool VertexCone::bends_paths() const { return total_angle_ > (open_ ? pi : 2 * pi) * (1 + relative_angle_tolerance); }
 
 double VertexCone::between(double a, double b) const {
   const double turn = std::abs(a - b);
@@ -69,7 +69,8 @@ VertexCone::Direction VertexCone::direction(double angle) const {
 
 SteepestDescent steepest_descent(const VertexCone& cone, std::span<const ArrivingPath> arrivals) {
   const double total = cone.total_angle();
-  // Beyond this turn from an arrival its term is constant (a bend), or another way round is shorter.
+  // Beyond this angle from an arrival, its term is constant (the path bends at the vertex), or the turn in the other
+  // direction is shorter.
   const double reach = cone.open() ? pi : std::min(pi, total / 2);
 
   std::vector<double> breaks{0, total};
@@ -98,7 +99,8 @@ SteepestDescent steepest_descent(const VertexCone& cone, std::span<const Arrivin
     const double begin = breaks[i];
     const double end = breaks[i + 1];
     consider(end);
-    // Within the interval every term is constant or -w cos(u - a) with a unrolled next to the interval.
+    // Within the interval, every term is constant or -w cos(u - a), where a is the arrival's angle plus the multiple of
+    // the total angle that is nearest to the interval.
     const double middle = (begin + end) / 2;
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (const ArrivingPath& arrival : arrivals) {

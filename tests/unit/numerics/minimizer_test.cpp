@@ -41,7 +41,7 @@ class Crease : public Objective {
   }
   void accept() override { x_ = trial_; }
   void reject() override { trial_ = x_; }
-  std::optional<double> snap() override {
+  std::optional<double> try_nonsmooth_candidates() override {
     if (trial_[0] == 0) return std::nullopt;
     ++snaps;
     trial_[0] = 0;
@@ -325,7 +325,7 @@ class Creeping : public Objective {
   }
   void accept() override {}
   void reject() override { is_trial_ = false; }
-  std::optional<double> snap() override {
+  std::optional<double> try_nonsmooth_candidates() override {
     ++steps_;
     return 1e-3;
   }
@@ -363,8 +363,8 @@ TEST(Minimizer, EndsAfterAFewStepsThatLeaveStateAndValueAsTheyAre) {
   class InPlace : public Creeping {
    public:
     InPlace() : Creeping(0) {}
-    std::optional<double> snap() override {
-      Creeping::snap();
+    std::optional<double> try_nonsmooth_candidates() override {
+      Creeping::try_nonsmooth_candidates();
       return 0;
     }
   };

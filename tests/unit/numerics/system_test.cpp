@@ -300,7 +300,7 @@ TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
   system.reject();
   system.move(Eigen::VectorXd::Constant(1, 0.2));
   system.evaluate(0);
-  const std::optional<double> distance = system.snap();
+  const std::optional<double> distance = system.try_nonsmooth_candidates();
   ASSERT_TRUE(distance);
   EXPECT_EQ(*distance, 1);
   EXPECT_EQ(bend->seen, 2U);
@@ -308,11 +308,11 @@ TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
   EXPECT_EQ(bend->seen_angles, (std::vector<double>{0.5, 0.2})) << "in the order of the trials";
   EXPECT_EQ(system.evaluate(0).value, 0);
   system.reject();
-  EXPECT_FALSE(system.snap()) << "all of them were tried from this state";
+  EXPECT_FALSE(system.try_nonsmooth_candidates()) << "all of them were tried from this state";
   EXPECT_EQ(system.evaluate(0).value, 1) << "the current state is as it was";
   system.move(Eigen::VectorXd::Constant(1, 0.2));
   system.accept();
-  EXPECT_TRUE(system.snap()) << "from another state they may be tried again";
+  EXPECT_TRUE(system.try_nonsmooth_candidates()) << "from another state they may be tried again";
   EXPECT_EQ(bend->seen, 0U);
 }
 
@@ -330,7 +330,7 @@ TEST(System, DoesNotSnapToAKinkThatLiesHigherUnlessItIsTheSamePlace) {
   for (const bool same : {false, true}) {
     System<CircleState> system({0.5, 0, true}, {std::make_shared<Here>(same)}, Unknowns(1));
     system.evaluate(1);
-    EXPECT_EQ(system.snap().has_value(), same);
+    EXPECT_EQ(system.try_nonsmooth_candidates().has_value(), same);
   }
 }
 

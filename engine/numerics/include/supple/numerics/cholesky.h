@@ -9,16 +9,17 @@
 
 namespace supple::numerics {
 
-/// Below this many unknowns a sparse matrix is factorized as a dense one: the sparse bookkeeping costs more than the
-/// n^3 / 3 operations it saves.
+/// Below this number of unknowns a sparse matrix is factorized as a dense one: the sparse bookkeeping would cost more
+/// than the n^3 / 3 operations that it saves.
 inline constexpr Eigen::Index dense_cholesky_limit = 64;
 
-/// The Cholesky factorization of H + shift I. Dense matrices and small ones are factorized by Eigen's LLT, O(n^3).
-/// Sparse matrices are factorized by a multifrontal method with CHOLMOD's ordering and supernodes (Chen, Davis, Hager
-/// and Rajamanickam 2008), whose symbolic analysis is kept as long as the pattern stays the same. For a bordered matrix
-/// the core is factorized in this way, and the Schur complement of the corner as a dense matrix. The part of low rank
-/// is included by the formula of Sherman, Morrison and Woodbury (1950), and the rest has to be positive definite
-/// without it.
+/// The Cholesky factorization of H + shift I.
+///
+/// Dense matrices and small ones are factorized by Eigen's LLT, O(n^3). Sparse matrices are factorized by a
+/// multifrontal method with CHOLMOD's ordering and supernodes [Chen2008]. Its symbolic analysis is reused as long as
+/// the pattern stays the same. For a bordered matrix the core is factorized in this way, and the Schur complement of
+/// the corner as a dense matrix. The low-rank part is included by the Sherman-Morrison-Woodbury formula [Sherman1950];
+/// the matrix without it has to be positive definite.
 class ShiftedCholesky {
  public:
   ShiftedCholesky();
@@ -35,18 +36,19 @@ class ShiftedCholesky {
   /// Solves with the core of a bordered matrix alone, for every column of `b`.
   Eigen::MatrixXd solve_core(const Eigen::MatrixXd& b) const;
 
-  /// How often a sparse pattern was analysed.
+  /// The number of symbolic analyses so far.
   int analyses() const;
 
-  /// From now on factorizations throw what the token throws, some milliseconds after a stop is requested. The ordering
-  /// of a large pattern cannot be interrupted, and therefore runs in a helper process if there are any.
+  /// Sets the token: later factorizations throw what it throws, some milliseconds after a stop is requested. The
+  /// ordering of a large pattern cannot be interrupted, and therefore runs in a helper process if there are any.
   void stop_with(const CancellationToken& cancellation);
 
-  /// From now on sparse patterns are ordered in less time, perhaps with a factor of more entries: for matrices that are
-  /// factorized only a few times.
+  /// Makes later orderings faster, perhaps with more entries in the factor. It pays for matrices that are factorized
+  /// only a few times.
   void order_quickly();
 
-  /// From now on bills the stages "factorization" and "solve" to the ledger, which must outlive this. Null means none.
+  /// Sets the ledger to which the stages "factorization" and "solve" are billed; it must outlive this object. Null
+  /// means none.
   void bill_to(CostLedger* cost);
 
  private:
@@ -54,9 +56,9 @@ class ShiftedCholesky {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// The root of the mean square of the rows' norms, which is the scale of a shift; 1 for zero. It is the same for each
-/// orthonormal frame in which parts of the unknowns are written, so that the regularization does not depend on the
-/// frames. Of a bordered matrix it is that of the core. O(entries).
+/// The scale of a regularizing shift: the root of the mean square of the rows' norms, and 1 for a zero matrix. For a
+/// bordered matrix only the core counts. Turning the orthonormal frames in which parts of the unknowns are written does
+/// not change it, so the regularization does not depend on the frames. O(entries).
 double matrix_scale(const Hessian& hessian);
 
 }  // namespace supple::numerics

@@ -8,10 +8,10 @@
 
 namespace supple::numerics {
 
-/// How far analytic derivatives are from finite differences, and where they are worst.
+/// The largest differences between analytic derivatives and finite differences.
 ///
 /// The error of an entry is |analytic - numeric| / (largest analytic entry of the same array), so that nothing is
-/// divided by an entry that vanishes. An array of zeros is measured absolutely.
+/// divided by an entry that vanishes. For an array of zeros the error is absolute.
 struct DerivativeCheck {
   struct Worst {
     double error = 0;
@@ -19,37 +19,39 @@ struct DerivativeCheck {
     Eigen::Index column = 0;  ///< 0 for the gradient
     double analytic = 0;
     double numeric = 0;
-    /// The extrapolation's own estimate of the error of the numeric entry, in the same measure. An error below it means
+    /// The error of the numeric entry as the extrapolation estimates it, in the same measure. A smaller `error` means
     /// nothing.
     double uncertainty = 0;
   };
   Worst gradient;
   Worst hessian;  ///< empty (error 0) only where the options leave Hessians out
 
-  /// One sentence with both worst entries.
+  /// A sentence about the entries with the largest errors.
   std::string summary() const;
 };
 
 struct DerivativeCheckOptions {
-  /// The length of the longest finite-difference step. It is halved `levels - 1` times. Of all extrapolated differences
-  /// the one is used that shorter steps change least (Ridders 1982). Choose a length well inside the smooth region.
+  /// Length of the longest finite-difference step, which is halved `levels - 1` times. Among all extrapolated
+  /// differences, the one is used that shorter steps change least [Ridders1982]. The length should be well inside the
+  /// region where the function is smooth.
   double step = 1e-2;
   int levels = 8;
   bool hessian = true;
-  /// The gradients at displaced states are given in frames that have turned along with the state (a chart that is
-  /// rebased), with no transport back. Differences of such gradients are the Hessian plus an antisymmetric matrix, the
-  /// frames' torsion times the gradient: straight lines do not feel it, and only the symmetric part is compared.
+  /// Whether gradients at displaced states are written in frames that have turned with the state (a chart that is
+  /// rebased), without transport back. Differences of such gradients are the Hessian plus an antisymmetric matrix: the
+  /// frames' torsion times the gradient. Only the symmetric part is then compared.
   bool frames_turn = false;
 };
 
-/// A function near a base state: value and derivatives at the state that lies `step` away, with the gradient expressed
-/// in the frame of the base state. Only the base state (a zero step) is asked for the Hessian.
+/// A function near a base state. It returns the value and derivatives at the state that lies `step` away, with the
+/// gradient written in the frame of the base state. The Hessian is asked for at the base state only (a zero step).
 using LocalFunction = std::function<Evaluation(const Eigen::VectorXd& step, int order)>;
 
 /// Compares the gradient with central differences of the value, and the Hessian with central differences of the
-/// gradient. Takes 2 levels n evaluations of order 1. Checks every kind of Hessian, including bordered ones. Throws
-/// std::invalid_argument if the function gives no gradient of n entries, or no n x n Hessian although the options ask
-/// for one, because what was not checked must not pass.
+/// gradient. Takes 2 levels n evaluations of order 1. Works for every kind of Hessian, including bordered ones.
+///
+/// Throws std::invalid_argument if the function returns no gradient of n entries, or no n x n Hessian although the
+/// options ask for one: a derivative that is missing must not pass.
 DerivativeCheck check_derivatives(const LocalFunction& function, Eigen::Index dimension,
                                   const DerivativeCheckOptions& options = {});
 

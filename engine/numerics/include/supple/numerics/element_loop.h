@@ -10,12 +10,13 @@
 
 namespace supple::numerics {
 
-/// Works out a term's elements side by side and adds them one after another: the sum has the same bits for any number
-/// of threads.
+/// Evaluates a term's elements in parallel and adds them one after another, so that the sum has the same bits for any
+/// number of threads.
 ///
-/// evaluate(i, local) writes what element i gives, all of it, to `local`. It runs on any thread and changes nothing
-/// else. add(i, local) runs on the calling thread, in ascending order of i; where it returns false, the rest is left
-/// out. `grain` elements are one task, worth some 20 us. Takes about 1 MB of memory where it runs in parallel.
+/// evaluate(i, local) writes the complete result of element i to `local`. It runs on any thread and changes nothing
+/// else. add(i, local) runs on the calling thread, in ascending order of i. If it returns false, the remaining elements
+/// are skipped. `grain` is the number of elements of one task, which should take some 20 us. A parallel run takes about
+/// 1 MB of memory.
 template <class Local, class Evaluate, class Add>
 void add_elements(std::size_t count, std::size_t grain, const Evaluate& evaluate, const Add& add) {
   static_assert(std::is_trivially_default_constructible_v<Local>, "what an element gives is left as it is until then");
@@ -27,13 +28,13 @@ void add_elements(std::size_t count, std::size_t grain, const Evaluate& evaluate
     }
     return;
   }
-  // What one round gives stays in the cache until it is added.
+  // The results of one batch stay in the cache until they are added.
   constexpr std::size_t bytes = 1 << 20;
   const std::size_t tasks = std::max<std::size_t>(2, bytes / (grain * sizeof(Local)));
-  const std::size_t round = std::min(count, tasks * grain);
-  const auto locals = std::make_unique_for_overwrite<Local[]>(round);
-  for (std::size_t first = 0; first < count; first += round) {
-    const std::size_t size = std::min(round, count - first);
+  const std::size_t batch = std::min(count, tasks * grain);
+  const auto locals = std::make_unique_for_overwrite<Local[]>(batch);
+  for (std::size_t first = 0; first < count; first += batch) {
+    const std::size_t size = std::min(batch, count - first);
     parallel_for(static_cast<int>((size + grain - 1) / grain), [&](int task) {
       const std::size_t begin = static_cast<std::size_t>(task) * grain;
       for (std::size_t i = begin; i < std::min(size, begin + grain); ++i) evaluate(first + i, locals[i]);

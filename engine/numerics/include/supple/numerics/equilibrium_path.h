@@ -14,47 +14,48 @@
 
 namespace supple::numerics {
 
-/// How a path of equilibria is followed. Lengths of load steps are in the unit in which the scene measures its loads.
+/// Options of an equilibrium path. Load steps are measured in the unit of the scene's loads.
 struct PathOptions {
-  /// The options of each minimization. Its tolerance, its limit of iterations and saddle_contraction are set by the
-  /// path.
+  /// Options of each minimization. The path overwrites its gradient_tolerance, max_iterations and saddle_contraction.
   MinimizerOptions minimizer{};
-  int max_iterations = 60;  ///< Newton iterations for one load step before it is halved
-  /// The way from an unstable equilibrium to a stable one is long, and shorter load steps would not shorten it. This
-  /// factor multiplies max_iterations there.
+  int max_iterations = 60;  ///< Newton iterations of one minimization, before its load step is halved
+  /// Factor of max_iterations for a minimization that begins at a state to which an unstable equilibrium was left. Such
+  /// a state is far from the stable equilibrium, and a shorter load step would not bring it nearer.
   int more_iterations_after_leaving = 4;
   double largest_step = 1;
-  double smallest_step = 1e-6;  ///< a load step is not divided below this
-  /// A load step that took no more iterations than this lets the next one grow by the factor.
+  double smallest_step = 1e-6;  ///< a load step is not divided below this length
+  /// After a load step of at most this many Newton iterations, the next one may be longer by the factor `step_growth`.
   int quick_iterations = 6;
   double step_growth = 2;
 
-  /// Whether an equilibrium that is not stable is left along its least stable mode, to the side of lower energy.
+  /// Whether an unstable equilibrium is left along its least stable mode, to the side of lower energy.
   bool leave_unstable = true;
-  int max_branch_changes = 12;       ///< how often it is left, since the counts were last taken
+  /// Maximum number of times that an equilibrium is left, between two calls of take_counts.
+  int max_branch_changes = 12;
   double saddle_contraction = 0.03;  ///< see MinimizerOptions::saddle_contraction
-  /// Steps along an unstable mode, in the scene's unit: the first step, and how often it is doubled.
+  /// Steps along an unstable mode: length of the first one, in the scene's unit, and maximum number of doublings.
   double first_mode_step = 1e-3;
   int mode_doublings = 10;
-  /// A curvature above minus this share of the Hessian's scale (matrix_scale) is rounding and no reason to leave.
+  /// An equilibrium counts as stable if its least curvature is at least -zero_curvature * matrix_scale(H): smaller
+  /// negative ones are rounding.
   double zero_curvature = 1e-13;
 };
 
 enum class PathStop {
   converged,
-  iteration_limit,  ///< the smallest load step did not converge
-  step_too_small,   ///< no descent was found
+  iteration_limit,  ///< the smallest load step did not converge within the iterations
+  step_too_small,   ///< no descent direction led to a lower energy
 };
 
 /// What the scene is told about a load step that ended at an equilibrium.
 struct Arrival {
-  double share = 1;         ///< share of the announced change
-  bool same_branch = true;  ///< whether no unstable equilibrium was left on the way
-  bool indefinite = false;  ///< whether a minimization on the way met a Hessian that is not positive definite
+  double share = 1;         ///< fraction of the announced change of the load, in (0, 1]
+  bool same_branch = true;  ///< whether this load step left no unstable equilibrium
+  bool indefinite = false;  ///< whether one of its minimizations met a Hessian that is not positive definite
 };
 
-/// The scene that a path follows. It has the energy and its state, and it says what a load step changes, how the next
-/// state is predicted, and what is computed at an equilibrium. The path does everything else.
+/// The scene whose equilibria a path follows. It has the energy and its state. It says what a load step changes, how
+/// the next state is predicted, and what is computed at an equilibrium. The path does everything else.
 template <class Scene>
 concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::State state, const Eigen::VectorXd& mode,
                              const MinimizerResult& result, const Arrival& arrival, double number) {
@@ -62,40 +63,40 @@ concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::St
   { scene.objective() } -> std::convertible_to<Objective&>;
   /// The factorization. It keeps its symbolic analysis and, after a minimization, the last factors.
   { scene.cholesky() } -> std::convertible_to<ShiftedCholesky&>;
-  /// The current state with everything that was computed at it. Putting it back makes it the current one.
+  /// The current state with everything that was computed at it. `set_state` makes such a state the current one again.
   { fixed.state() } -> std::convertible_to<typename Scene::State>;
   scene.set_state(state);
-  /// The tolerance for the current state, in the unit of the energy's gradient.
+  /// The tolerance of |g| at the current state, in the unit of the energy's gradient.
   { scene.gradient_tolerance() } -> std::convertible_to<double>;
   /// Whether a minimization that converged has to be repeated, because the energy or the tolerance has changed.
   { scene.unsettled(result) } -> std::convertible_to<bool>;
-  /// Computes what is wanted at an equilibrium. Returns false if it is not stable.
+  /// Computes the scene's results at an equilibrium. Returns false if the equilibrium is not stable.
   { scene.finish(result) } -> std::convertible_to<bool>;
-  /// Computes the same at an equilibrium that is not stable and stays so. Returns false if that is not possible.
+  /// Computes the same results at an unstable equilibrium that is not left. Returns false if that is not possible.
   { scene.finish_unstable() } -> std::convertible_to<bool>;
-  /// Computes the tangent of the state with respect to the announced change of the load. Called at the start of a load
-  /// step.
+  /// Computes the tangent of the state with respect to the announced change of the load. It is called at the start of a
+  /// load step.
   scene.begin_step();
-  /// Makes the predicted equilibrium after this share of the announced change the current state. Returns false if there
-  /// is no valid one.
+  /// Predicts the equilibrium after this fraction of the announced change, and makes it the current state. Returns
+  /// false if the prediction is not a valid state.
   { scene.predict(number) } -> std::convertible_to<bool>;
   scene.arrived(arrival);
-  /// A direction of the unknowns as a direction of all degrees of freedom. Its length is such that
-  /// PathOptions::first_mode_step times it is a first step.
+  /// `unit_mode` scales a direction of all degrees of freedom such that PathOptions::first_mode_step times it is a
+  /// first step. `expand` writes a direction of the unknowns as one of all degrees of freedom.
   { fixed.unit_mode(mode) } -> std::convertible_to<Eigen::VectorXd>;
   { fixed.expand(mode) } -> std::convertible_to<Eigen::VectorXd>;
-  /// Makes the state that lies `number` times the mode away from `state` the current one. Returns false if it is
+  /// Moves from `state` by `number` times the mode and makes the result the current state. Returns false if it is
   /// invalid.
   { scene.move_along(state, mode, number) } -> std::convertible_to<bool>;
-  /// Called when the current state is one to which an unstable equilibrium was left.
+  /// Called when an unstable equilibrium was left and the current state is the lower one that was found.
   scene.left_branch();
 };
 
-/// Follows equilibria while loads change. Each load step predicts the next state, minimizes the energy, checks whether
-/// the equilibrium is stable, and goes down along its least stable mode if it is not. A step that fails is halved, and
-/// quick steps let the next one grow.
+/// Follows equilibria while loads change. Each load step predicts the next state, minimizes the energy and checks
+/// whether the equilibrium is stable. If it is not, the path descends along the least stable mode. A load step that
+/// fails is halved, and after one of few iterations the next may be longer.
 ///
-/// The scene and what the execution points to must outlive the path.
+/// The scene, and what the execution points to, must outlive the path.
 template <PathScene Scene>
 class EquilibriumPath {
  public:
@@ -104,90 +105,90 @@ class EquilibriumPath {
   EquilibriumPath(Scene& scene, const PathOptions& options, Execution execution)
       : scene_(scene), options_(options), execution_(std::move(execution)), step_(options.largest_step) {}
 
-  /// Finds the equilibrium at the present loads. Returns false if none was found; `stopped` says why.
+  /// Finds the equilibrium at the present loads. Returns false if none was found; `stopped()` then says why.
   bool settle() { return minimize(false); }
 
   enum class Progress { arrived, underway, failed };
-  /// Makes one load step of the change that the scene has announced, whose length is `size`. If it fails, the state is
-  /// the one before.
+  /// Makes one load step towards the change that the scene has announced, whose length is `size`. If it fails, the
+  /// state from before is restored.
   Progress step(double size) {
     if (size == 0) return Progress::arrived;
     const Snapshot start = snapshot();
     scene_.begin_step();
-    double share = std::min(1.0, step_ / size);
-    // A remainder of a rounding error's size would be a step of its own.
-    if (share > 1 - 1e-9) share = 1;
+    double fraction = std::min(1.0, step_ / size);
+    // Otherwise the rounding error of the last fraction would be left as a load step of its own.
+    if (fraction > 1 - 1e-9) fraction = 1;
     while (true) {
       execution_.cancellation.throw_if_requested();
       const Counts before = counts_;
       indefinite_ = false;
-      if (scene_.predict(share) && minimize(false)) {
+      if (scene_.predict(fraction) && minimize(false)) {
         ++counts_.load_steps;
         if (counts_.iterations - before.iterations <= options_.quick_iterations)
-          step_ = std::min(options_.largest_step, std::max(step_, share * size * options_.step_growth));
-        scene_.arrived({share, counts_.branches_left == before.branches_left, indefinite_});
-        return share == 1 ? Progress::arrived : Progress::underway;
+          step_ = std::min(options_.largest_step, std::max(step_, fraction * size * options_.step_growth));
+        scene_.arrived({fraction, counts_.branches_left == before.branches_left, indefinite_});
+        return fraction == 1 ? Progress::arrived : Progress::underway;
       }
-      const PathStop why = stopped_;
+      const PathStop why = termination_;
       restore(start);
-      stopped_ = why;
+      termination_ = why;
       counts_.branches_left = before.branches_left;
-      if (share * size / 2 < options_.smallest_step) {
-        if (stopped_ == PathStop::converged) stopped_ = PathStop::step_too_small;
+      if (fraction * size / 2 < options_.smallest_step) {
+        if (termination_ == PathStop::converged) termination_ = PathStop::step_too_small;
         return Progress::failed;
       }
-      share /= 2;
-      step_ = share * size;
+      fraction /= 2;
+      step_ = fraction * size;
     }
   }
 
-  /// From now on steps are at most so long. The next step is tried at that length.
+  /// Sets the maximum length of load steps from now on. The next step is tried at that length.
   void set_largest_step(double size) { options_.largest_step = step_ = size; }
 
-  /// Sets the limit of iterations of each minimization from now on.
-  void set_max_iterations(int most) { options_.max_iterations = most; }
+  /// Sets the maximum number of iterations of each minimization from now on.
+  void set_max_iterations(int iterations) { options_.max_iterations = iterations; }
 
-  /// Adds `mode` (all degrees of freedom) to the state as far as the energy falls, and finds the equilibrium there.
-  /// Returns false if the energy falls nowhere.
+  /// Moves along `mode` (all degrees of freedom) as far as the energy falls, and finds the equilibrium from there.
+  /// Returns false if the energy falls nowhere along the mode.
   bool leave_along(const Eigen::VectorXd& mode) { return move_along(mode) && minimize(true); }
 
-  /// From an equilibrium, looks for another one from `state` at the same loads. Goes over to it if it is stable and its
-  /// energy is lower by more than the share `same_energy`: closer ones are mirror images.
+  /// Looks for another equilibrium at the same loads, starting from `state`. The path adopts it if it is stable and if
+  /// its energy is lower by more than `same_energy`, relative to the energy; mirror images differ by less.
   bool prefer_lower_from(const State& state, double same_energy) {
     return prefer_lower_from(state, same_energy, result_.value, [this] { return result_.value; });
   }
-  /// The same for energies other than those that the path minimizes: `energy` is that of the present state, and
-  /// `energy_there()` that of the other one, when it is the present one.
+  /// The same, comparing energies other than those that the path minimizes. `energy` belongs to the present state.
+  /// `other_energy()` is called when the other equilibrium is the current state, and returns its energy.
   template <class Energy>
-  bool prefer_lower_from(const State& state, double same_energy, double energy, const Energy& energy_there) {
+  bool prefer_lower_from(const State& state, double same_energy, double energy, const Energy& other_energy) {
     const Snapshot found = snapshot();
     const int branches = counts_.branches_left;
     scene_.set_state(state);
-    const bool lower = minimize(false) && stable_ && energy_there() < energy - same_energy * std::abs(energy);
+    const bool lower = minimize(false) && stable_ && other_energy() < energy - same_energy * std::abs(energy);
     counts_.branches_left = branches + (lower ? 1 : 0);
     if (!lower) restore(found);
-    stopped_ = PathStop::converged;
+    termination_ = PathStop::converged;
     return lower;
   }
 
-  /// All that is known at the current state.
+  /// The current state, and everything that the path knows about it.
   struct Snapshot {
     State state;
     MinimizerResult result;
     bool stable = true;
     PathStop stopped = PathStop::converged;
   };
-  Snapshot snapshot() const { return {std::as_const(scene_).state(), result_, stable_, stopped_}; }
+  Snapshot snapshot() const { return {std::as_const(scene_).state(), result_, stable_, termination_}; }
   void restore(const Snapshot& snapshot) {
     scene_.set_state(snapshot.state);
     result_ = snapshot.result;
     stable_ = snapshot.stable;
-    stopped_ = snapshot.stopped;
+    termination_ = snapshot.stopped;
   }
 
   bool stable() const { return stable_; }
-  PathStop stopped() const { return stopped_; }              ///< how the last attempt ended
-  const MinimizerResult& result() const { return result_; }  ///< of the last minimization at this state
+  PathStop stopped() const { return termination_; }          ///< how the last minimization ended
+  const MinimizerResult& result() const { return result_; }  ///< result of the last minimization at this state
 
   struct Counts {
     int iterations = 0;
@@ -196,50 +197,50 @@ class EquilibriumPath {
   };
   const Counts& counts() const { return counts_; }
   Counts take_counts() { return std::exchange(counts_, {}); }
-  /// What was made on trial is not counted.
+  /// Overwrites the counts, so that a trial computation is not counted.
   void set_counts(const Counts& counts) { counts_ = counts; }
   void set_branches_left(int branches) { counts_.branches_left = branches; }
 
  private:
-  /// How often one minimization is repeated because the scene was not settled.
+  /// Maximum number of repetitions of one minimization at the scene's request (`unsettled`).
   static constexpr int max_repeats = 10;
 
-  /// `left`: the state is one to which an unstable one was left, and may be far from equilibrium.
-  bool minimize(bool left) {
-    // The terms and the factorization write their own bills.
+  /// `after_leaving`: whether an unstable equilibrium was just left, so that the state may be far from equilibrium.
+  bool minimize(bool after_leaving) {
+    // The minimizer bills nothing here: the terms and the factorization write to the ledger themselves.
     const Execution inner{execution_.cancellation, nullptr, nullptr};
     MinimizerOptions options = options_.minimizer;
     options.saddle_contraction = options_.leave_unstable ? options_.saddle_contraction : 0;
     for (int repeats = 0;;) {
       options.gradient_tolerance = scene_.gradient_tolerance();
-      options.max_iterations = options_.max_iterations * (left ? options_.more_iterations_after_leaving : 1);
+      options.max_iterations = options_.max_iterations * (after_leaving ? options_.more_iterations_after_leaving : 1);
       result_ = numerics::minimize(scene_.objective(), options, inner, &scene_.cholesky());
       counts_.iterations += result_.iterations;
       indefinite_ = indefinite_ || result_.indefinite;
       if (result_.stop == MinimizerStop::saddle) {
         if (leave_least_stable_mode()) {
-          left = true;
+          after_leaving = true;
         } else {
           options.saddle_contraction = 0;
         }
         continue;
       }
       if (result_.stop != MinimizerStop::converged) {
-        stopped_ =
+        termination_ =
             result_.stop == MinimizerStop::iteration_limit ? PathStop::iteration_limit : PathStop::step_too_small;
         return false;
       }
-      stopped_ = PathStop::converged;
+      termination_ = PathStop::converged;
       if (repeats++ < max_repeats && scene_.unsettled(std::as_const(result_))) continue;
       stable_ = scene_.finish(std::as_const(result_));
       if (stable_) return true;
       indefinite_ = true;
       if (!leave_least_stable_mode()) return scene_.finish_unstable();
-      left = true;
+      after_leaving = true;
     }
   }
 
-  /// False, and the state is as it was, where there is nothing to leave or no state of less energy.
+  /// Returns false and restores the state if the equilibrium is stable, may not be left, or no lower state was found.
   bool leave_least_stable_mode() {
     if (!options_.leave_unstable || counts_.branches_left >= options_.max_branch_changes) return false;
     Objective& objective = scene_.objective();
@@ -276,7 +277,7 @@ class EquilibriumPath {
   MinimizerResult result_;
   bool stable_ = true;
   bool indefinite_ = false;
-  PathStop stopped_ = PathStop::converged;
+  PathStop termination_ = PathStop::converged;
   double step_;  ///< length of the next load step
   Counts counts_;
 };

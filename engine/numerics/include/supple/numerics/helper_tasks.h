@@ -4,7 +4,7 @@
 
 namespace supple::numerics {
 
-/// What a helper process does for this room: the ordering of large sparse matrices.
+/// The task that this room gives to helper processes: the ordering of large sparse matrices.
 HelperTasks helper_tasks();
 
 }  // namespace supple::numerics

@@ -8,17 +8,17 @@
 namespace supple::numerics {
 
 enum class Interpolation {
-  cubic,     ///< twice continuously differentiable spline; natural ends
-  monotone,  ///< once continuously differentiable; never leaves the range of two neighbours (Fritsch and Butland 1984)
+  cubic,     ///< twice continuously differentiable spline; second derivatives vanish at the ends
+  monotone,  ///< once continuously differentiable; stays between two neighbouring values [Fritsch1984]
   linear,
 };
 std::string_view to_string(Interpolation interpolation);
 
-/// A curve y(x) through points. Without a period it goes on linearly beyond its ends.
+/// A curve y(x) through points. Without a period it continues linearly beyond its ends.
 class Interpolant {
  public:
-  /// Takes n >= 1 points with x strictly increasing and finite. With a period > 0, the last x lies less than the period
-  /// beyond the first one. Anything else is a mistake of the caller and asserts. O(n).
+  /// Takes n >= 1 points with x strictly increasing and finite. With a period > 0, the last x is less than a period
+  /// beyond the first one. Anything else is an error of the caller and asserts. O(n).
   Interpolant(std::span<const double> x, std::span<const double> y, Interpolation interpolation,
               std::optional<double> period = std::nullopt);
 

@@ -6,7 +6,8 @@
 
 #include "supple/base/lanes.h"
 
-/// Instrumented, functions that hold hundreds of these take minutes to compile.
+/// Not forced inline in builds with sanitizers: functions with hundreds of inlined operations would take minutes to
+/// compile.
 #ifdef SUPPLE_SANITIZED
 #define SUPPLE_JET_INLINE inline
 #else
@@ -15,8 +16,9 @@
 
 namespace supple::numerics {
 
-/// A number with its first and second derivatives by n variables: forward-mode differentiation, exact to rounding. The
-/// second ones are kept as a lower triangle, row by row. An operation costs about 2 n^2 multiply-adds.
+/// A number with its first and second derivatives with respect to n variables: forward-mode differentiation, exact to
+/// rounding. The second derivatives are stored as a lower triangle, row by row. An operation costs about 2 n^2
+/// multiply-adds.
 template <int n>
 struct Jet {
   static constexpr int variables = n;
@@ -35,7 +37,7 @@ struct Jet {
   double hessian(int i, int j) const { return second[i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i]; }
 };
 
-/// f(a) for a function with value f and derivatives d, dd at a.
+/// f(a) for a function with value f, first derivative d and second derivative dd at a.
 template <int n>
 SUPPLE_JET_INLINE Jet<n> compose(const Jet<n>& a, double f, double d, double dd) {
   Jet<n> r(f);
@@ -141,7 +143,7 @@ SUPPLE_JET_INLINE Jet<n> atan2(const Jet<n>& y, const Jet<n>& x) {
   return r;
 }
 
-/// Vectors of numbers or jets. Eigen's own are avoided: its expressions copy jets.
+/// Vectors of numbers or jets. They replace Eigen's vectors, whose expressions copy jets.
 template <typename T>
 struct Vector3 {
   T x, y, z;

@@ -20,17 +20,17 @@ namespace supple::numerics {
 
 struct SystemOptions {
   Execution
-      execution{};  ///< whose ledger is billed for every term, and whose stop ends evaluations; outlives the system
-  /// Derivatives up to this order are evaluated wherever the value is asked for: most trial states are accepted, and
-  /// these cost little more than the value.
+      execution{};  ///< its ledger is billed for every term, and its token stops evaluations; it outlives the system
+  /// Derivatives up to this order are evaluated whenever the value is asked for. It pays if most trial states are
+  /// accepted and derivatives cost little more than the value.
   int least_order = 0;
-  /// The sums of another system with the same unknowns and the same terms: its Hessian's places are known. Used by one
-  /// system at a time.
+  /// The sums of another system with the same unknowns and terms, so that the Hessian's pattern is known. Only one
+  /// system may use them at a time.
   std::shared_ptr<EnergySum> sums{};
 };
 
-/// A state and the terms that a scene calls for, as one objective: E = the sum of the terms. The only objective for
-/// sums of energies: what is held, the trial state, what was evaluated, and the bill are kept here and nowhere else.
+/// A state and the terms of a scene as one objective: E is the sum of the terms. No other class implements `Objective`
+/// for sums of energies. It owns the unknowns, the trial state, the last evaluation and the bill.
 template <State S>
 class System : public Objective {
  public:
@@ -44,52 +44,52 @@ class System : public Objective {
         sums_(options_.sums ? options_.sums : std::make_shared<EnergySum>()) {
     if constexpr (Stoppable<S>) state_.stop_with(options_.execution.cancellation);
     if (!options_.sums) sums_->hessian = HessianEntries(unknowns_.numbering());
-    keeps_tried_ = std::ranges::any_of(terms_, [](const auto& term) { return term->has_kinks(); });
+    records_trials_ = std::ranges::any_of(terms_, [](const auto& term) { return term->has_kinks(); });
   }
 
   /// The current state.
   const S& state() const { return state_; }
-  /// Makes another state the current one and forgets the trial state. It is one that the terms looked ahead to, or
-  /// `look_ahead` is called next.
+  /// Makes another state the current one and discards the trial state. If the terms have not looked ahead to it,
+  /// `look_ahead` has to be called next.
   void set_state(S state) {
     trial_.reset();
     state_ = std::move(state);
     if constexpr (Stoppable<S>) state_.stop_with(options_.execution.cancellation);
-    framed_ = false;
+    has_frame_ = false;
     forget();
     forget_trials();
   }
-  /// A term has changed: what was evaluated no longer holds.
-  void forget() { evaluated_ = -1; }
+  /// Discards the last evaluation, because a term has changed.
+  void forget() { evaluated_order_ = -1; }
 
   const Unknowns& unknowns() const { return unknowns_; }
   const Terms& terms() const { return terms_; }
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return unknowns_.expand(y); }
   Eigen::VectorXd restrict(const Eigen::VectorXd& x) const { return unknowns_.restrict(x); }
 
-  /// The share of the way between two states that every term allows. The terms are then ready for all states on that
-  /// part of it.
+  /// The fraction of the step between two states that every term allows. The terms are then ready for all states on
+  /// that part of it.
   double look_ahead(const S& from, const S& to) {
-    double share = 1;
+    double fraction = 1;
     std::optional<S> end;
     for (const auto& term : terms_) {
       const double allowed = std::clamp(term->look_ahead(from, end ? *end : to, options_.execution.cost), 0.0, 1.0);
       if (allowed >= 1) continue;
-      share *= allowed;
+      fraction *= allowed;
       if constexpr (Retractable<S>) {
         end = to;
-        end->go_back(from, share);
+        end->shorten_move(from, fraction);
       }
     }
-    return share;
+    return fraction;
   }
-  /// The terms get ready for the current state, after it was replaced or one of them has changed.
+  /// Prepares the terms for the current state, after it was replaced or one of them has changed.
   void look_around() { look_ahead(state_, state_); }
 
   Eigen::Index dimension() const override { return unknowns_.size(); }
 
   Evaluation evaluate(int order) override {
-    sum_up(order);
+    evaluate_terms(order);
     Evaluation evaluation;
     evaluation.value = sums_->value;
     if (order >= 1) evaluation.gradient = unknowns_.restrict(sums_->gradient);
@@ -98,16 +98,16 @@ class System : public Objective {
   }
 
   std::optional<Hessian> convex_hessian() override {
-    if (trial_ || evaluated_ < 2 ||
+    if (trial_ || evaluated_order_ < 2 ||
         std::ranges::none_of(terms_, [](const auto& term) { return term->active() && term->has_convex_hessian(); }))
       return std::nullopt;
-    evaluated_ = -1;
+    evaluated_order_ = -1;
     sums_->convex = true;
     hessian_.swap(convex_);
-    sum_up(2);
+    evaluate_terms(2);
     hessian_.swap(convex_);
     sums_->convex = false;
-    evaluated_ = 1;  // what was added up is not the Hessian
+    evaluated_order_ = 1;  // the sum is not the Hessian
     return std::shared_ptr<const BorderedMatrix>(convex_);
   }
 
@@ -118,35 +118,35 @@ class System : public Objective {
       const StageTimer timer(S::motion.empty() ? nullptr : options_.execution.cost, S::motion);
       travelled = unknowns_.restrict(trial_->move(unknowns_.expand(step)));
     }
-    if (const double share = look_ahead(state_, *trial_); share < 1) {
-      travelled *= share;
+    if (const double fraction = look_ahead(state_, *trial_); fraction < 1) {
+      travelled *= fraction;
       if constexpr (Retractable<S>) {
-        trial_->go_back(state_, share);
+        trial_->shorten_move(state_, fraction);
       } else {
         trial_ = state_;
         travelled = unknowns_.restrict(trial_->move(unknowns_.expand(travelled)));
       }
     }
-    if (keeps_tried_) reach_ = std::max(reach_, travelled.norm());
+    if (records_trials_) longest_step_ = std::max(longest_step_, travelled.norm());
     return travelled;
   }
 
   void accept() override {
     state_ = std::move(*trial_);
     trial_.reset();
-    framed_ = framed_trial_;
+    has_frame_ = trial_has_frame_;
     value_ = trial_value_;
     forget_trials();
   }
 
   void reject() override {
-    // With what was worked out for it.
-    if (keeps_tried_ && trial_) tried_.push_back(std::move(*trial_));
+    // The terms may use the trial state, with everything that was computed at it, to find kinks.
+    if (records_trials_ && trial_) trials_.push_back(std::move(*trial_));
     trial_.reset();
     forget();
   }
 
-  /// The least of the terms' largest steps.
+  /// The smallest of the terms' largest steps.
   double largest_step(const Eigen::VectorXd& step) const override {
     const Eigen::VectorXd all = unknowns_.expand(step);
     double largest = std::numeric_limits<double>::infinity();
@@ -161,78 +161,78 @@ class System : public Objective {
     return true;
   }
 
-  /// Tries the kinks that the terms know of nearby, each once for a current state.
-  std::optional<double> snap() override {
-    if (!keeps_tried_) return std::nullopt;
+  /// Tries the terms' kinks near the current state and the trial states. Each is tried once for a current state.
+  std::optional<double> try_nonsmooth_candidates() override {
+    if (!records_trials_) return std::nullopt;
     double best = trial_ ? std::min(value_, trial_value_) : value_;
     std::optional<S> found;
-    if (trial_) tried_.push_back(*trial_);
+    if (trial_) trials_.push_back(*trial_);
     std::optional<S> before = std::exchange(trial_, std::nullopt);
     double distance = 0;
     for (const auto& term : terms_) {
-      for (auto& kink : term->kinks(state_, tried_, reach_)) {
-        if (std::ranges::find(kinks_tried_, kink.id) != kinks_tried_.end()) continue;
-        kinks_tried_.push_back(kink.id);
+      for (auto& kink : term->kinks(state_, trials_, longest_step_)) {
+        if (std::ranges::find(tried_kinks_, kink.id) != tried_kinks_.end()) continue;
+        tried_kinks_.push_back(kink.id);
         set_trial(std::move(kink.state));
         const double value = evaluate(0).value;
-        // A state that rounding alone keeps from the kink has the kink's value, or one below it by rounding. Trial
-        // states so close to it that they hardly fall below are no reason to pass it by.
+        // A kink from which only rounding separates the state has the state's value, or one below it by rounding. It is
+        // still taken if trial states close to it are lower by hardly more than rounding.
         const bool is_worse =
-            value > value_ + same_value * std::abs(value_) || value > best + smallest_decrease * std::abs(best);
-        if (kink.same_place ? is_worse : !(value < best)) continue;
+            value > value_ + value_tolerance * std::abs(value_) || value > best + min_decrease * std::abs(best);
+        if (kink.coincides ? is_worse : !(value < best)) continue;
         best = value;
         distance = kink.distance;
         found = std::move(trial_);
       }
     }
-    const bool snapped = found.has_value();
-    trial_ = snapped ? std::move(found) : std::move(before);
-    framed_trial_ = false;
+    const bool improved = found.has_value();
+    trial_ = improved ? std::move(found) : std::move(before);
+    trial_has_frame_ = false;
     forget();
-    return snapped ? std::optional<double>(distance) : std::nullopt;
+    return improved ? std::optional<double>(distance) : std::nullopt;
   }
 
-  // The results of the last evaluation:
+  // Results of the last evaluation:
   double energy() const { return sums_->value; }
-  /// Derivatives by all degrees of freedom at the current state; those by held ones are reactions.
+  /// Derivatives with respect to all degrees of freedom at the current state. The entries of fixed ones are reactions.
   const Eigen::VectorXd& full_gradient() {
-    sum_up(1);
+    evaluate_terms(1);
     return sums_->gradient;
   }
-  // The Hessian of the last evaluation of order 2, without what is of low rank: the core of the unknowns, and the
-  // border for all of the border's degrees of freedom, not only along the directions.
+  // The Hessian of the last evaluation of order 2, without its low-rank part. The core is that of the unknowns. The
+  // border has all degrees of freedom of the border, not only their movements along the directions.
   const SparseMatrix& core() const { return hessian_->core; }
   const Eigen::MatrixXd& border() const { return border_; }
   const Eigen::MatrixXd& corner() const { return corner_; }
 
  private:
-  /// Values that differ by less than this, relative, differ by rounding.
-  static constexpr double same_value = 1e-12;
-  /// Decreases by less than this, relative, are those of a step on which no progress is made.
-  static constexpr double smallest_decrease = 1e-10;
+  /// Relative difference below which two values are equal up to rounding.
+  static constexpr double value_tolerance = 1e-12;
+  /// Relative decrease below which a step makes no progress.
+  static constexpr double min_decrease = 1e-10;
 
   void set_trial(S state) {
     trial_ = std::move(state);
-    framed_trial_ = false;
+    trial_has_frame_ = false;
     trial_value_ = std::numeric_limits<double>::infinity();
     forget();
   }
 
   void forget_trials() {
-    tried_.clear();
-    kinks_tried_.clear();
-    reach_ = 0;
+    trials_.clear();
+    tried_kinks_.clear();
+    longest_step_ = 0;
   }
 
-  /// Makes `sums_` those of the present state, the trial state if there is one, up to the order at least.
-  void sum_up(int order) {
-    if (order <= evaluated_) return;
+  /// Evaluates the terms at the trial state if there is one, otherwise at the current state, at least up to this order.
+  void evaluate_terms(int order) {
+    if (order <= evaluated_order_) return;
     order = std::max(order, options_.least_order);
     S& state = trial_ ? *trial_ : state_;
-    bool& framed = trial_ ? framed_trial_ : framed_;
-    if (order >= 1 && !framed) {
+    bool& has_frame = trial_ ? trial_has_frame_ : has_frame_;
+    if (order >= 1 && !has_frame) {
       state.take_frame();
-      framed = true;
+      has_frame = true;
     }
     sums_->cancellation = &options_.execution.cancellation;
     sums_->hessian.stop_with(&options_.execution.cancellation);
@@ -246,7 +246,7 @@ class System : public Objective {
       if (CostLedger* cost = options_.execution.cost)
         term->bill(*cost, std::chrono::duration<double>(Clock::now() - start).count());
     }
-    evaluated_ = order;
+    evaluated_order_ = order;
     (trial_ ? trial_value_ : value_) = sums_->value;
     if (order >= 2) assemble(state.dimension());
   }
@@ -267,29 +267,30 @@ class System : public Objective {
 
   S state_;
   std::optional<S> trial_;
-  bool framed_ = false;  ///< the state has the frame of the place where it is
-  bool framed_trial_ = false;
+  bool has_frame_ = false;  ///< whether the state has taken the frame of its place
+  bool trial_has_frame_ = false;
   Terms terms_;
   Unknowns unknowns_;
   SystemOptions options_;
 
   std::shared_ptr<EnergySum> sums_;
-  int evaluated_ = -1;  ///< order of derivatives of the present state that the sums hold; -1 for none
-  double value_ = std::numeric_limits<double>::infinity();  ///< of the current state
+  /// Order of derivatives that the sums hold for the trial state, or else for the current one; -1 for none.
+  int evaluated_order_ = -1;
+  double value_ = std::numeric_limits<double>::infinity();  ///< energy of the current state
   double trial_value_ = std::numeric_limits<double>::infinity();
   std::shared_ptr<BorderedMatrix> hessian_ = std::make_shared<BorderedMatrix>();
   std::shared_ptr<BorderedMatrix> convex_ = std::make_shared<BorderedMatrix>();
   Eigen::MatrixXd border_;
   Eigen::MatrixXd corner_;
 
-  // Since the current state became that, where a term has kinks:
-  bool keeps_tried_ = false;
-  std::vector<S> tried_;  ///< trial states
-  std::vector<std::int64_t> kinks_tried_;
-  double reach_ = 0;  ///< the longest step that was travelled
+  // Recorded since the last change of the current state, if a term has kinks:
+  bool records_trials_ = false;
+  std::vector<S> trials_;  ///< trial states
+  std::vector<std::int64_t> tried_kinks_;
+  double longest_step_ = 0;  ///< longest step that was travelled
 };
 
-/// Compares a term's derivatives at a state with finite differences, along the state's retraction; see DerivativeCheck.
+/// Compares a term's derivatives at a state with finite differences along the state's retraction; see DerivativeCheck.
 template <State S>
 DerivativeCheck check_derivatives(Term<S>& term, const std::type_identity_t<S>& state,
                                   const DerivativeCheckOptions& options = {}) {

@@ -7,20 +7,21 @@
 
 namespace supple::numerics {
 
-/// The part of a state's degrees of freedom that a minimization may change. Each of the first ones is free or held. The
-/// last few are the border: they couple with all others and move along given directions only.
+/// The part of a state's degrees of freedom that a minimization may change.
 ///
-/// The unknowns are the free degrees of freedom in their order, then one number for each direction.
+/// The last few degrees of freedom are the border: they couple with all others, and move along given directions only.
+/// Each of the others is free or fixed. The unknowns are the free ones in their order, then one number for each
+/// direction.
 class Unknowns {
  public:
   /// All degrees of freedom, without a border.
   explicit Unknowns(Eigen::Index degrees_of_freedom)
       : Unknowns(std::vector<bool>(static_cast<std::size_t>(degrees_of_freedom), false)) {}
-  /// `held` says for each degree of freedom whether it is held.
-  explicit Unknowns(const std::vector<bool>& held) : Unknowns(held, Eigen::MatrixXd(0, 0)) {}
-  /// The border's degrees of freedom follow those of `held`: as many as `directions` has rows; its columns are
-  /// orthonormal.
-  Unknowns(const std::vector<bool>& held, Eigen::MatrixXd directions);
+  /// `fixed` says for each degree of freedom whether it is fixed.
+  explicit Unknowns(const std::vector<bool>& fixed) : Unknowns(fixed, Eigen::MatrixXd(0, 0)) {}
+  /// The degrees of freedom of the border follow those of `fixed`. `directions` has a row for each of them, and
+  /// orthonormal columns.
+  Unknowns(const std::vector<bool>& fixed, Eigen::MatrixXd directions);
 
   Eigen::Index degrees_of_freedom() const { return below_border() + directions_.rows(); }
   Eigen::Index below_border() const { return static_cast<Eigen::Index>(numbering_.size()); }
@@ -29,11 +30,13 @@ class Unknowns {
   const Numbering& numbering() const { return numbering_; }
   const Eigen::MatrixXd& directions() const { return directions_; }
 
-  /// A change y of the unknowns as a change of all degrees of freedom; 0 for those that are held.
+  /// Writes a change y of the unknowns as a change of all degrees of freedom, which is 0 for fixed ones.
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const;
-  /// The part of a change of all degrees of freedom, or of derivatives by them, that belongs to the unknowns.
+  /// The entries of x that belong to the unknowns. x is a change of all degrees of freedom, or a vector of derivatives
+  /// with respect to them.
   Eigen::VectorXd restrict(const Eigen::VectorXd& x) const;
-  /// The rows of the core's unknowns at the places of their degrees of freedom below the border; 0 for held ones.
+  /// Copies the rows of the core's unknowns to the rows of their degrees of freedom below the border. Rows of fixed
+  /// ones are 0.
   Eigen::MatrixXd expand_core(const Eigen::MatrixXd& rows) const;
 
  private:

@@ -15,24 +15,24 @@ struct KarcherProblem {
   std::vector<SurfacePoint> points;  ///< at least one
   std::vector<double> weights;       ///< nonnegative, not all zero; empty for equal weights
   MinimizationMethod method = MinimizationMethod::newton;
-  /// The search stops when |grad E| <= tolerance * mesh diagonal. E has the unit of a squared length, and its gradient
-  /// that of a length.
+  /// The search has converged when |grad E| <= tolerance * mesh diagonal. E has the unit of a squared length, and its
+  /// gradient that of a length.
   double tolerance = 1e-9;
   int max_iterations = 200;
   /// The point where the search starts. Without it, the search starts from the given point with the smallest objective.
-  /// If there are more than five points, only the five nearest in space to the weighted centroid are considered.
+  /// If more than five points are given, only the five nearest in space to the weighted centroid are considered.
   std::optional<SurfacePoint> start;
   /// The number of searches, at least one. Each search after the first begins at a vertex that is far in space from all
   /// previous starts and minima, and costs as much as the first. The lowest minimum is the answer.
   int starts = 1;
-  /// "on" keeps a distance field for each point, and "off" searches for pairs. "automatic" chooses the cheaper one,
-  /// judging by the size of the mesh and the number of points.
+  /// "on" stores a distance field for each point, and "off" searches for pairs. "automatic" chooses the cheaper one,
+  /// according to the size of the mesh and the number of points.
   enum class KeptFields { automatic, on, off } kept_fields = KeptFields::automatic;
 };
 
 struct KarcherStep {
   double objective = 0;
-  double gradient_norm = 0;   ///< |grad E| in mesh units; at a vertex the slope of steepest descent
+  double gradient_norm = 0;   ///< |grad E| in mesh units; at a vertex, the magnitude of the steepest negative slope
   double step_length = 0;     ///< length moved on the surface to reach this state; 0 for the start
   double regularization = 0;  ///< added to the Hessian's diagonal
 };
@@ -40,22 +40,24 @@ struct KarcherStep {
 struct KarcherMean {
   SurfacePoint mean;
   Eigen::Vector3d position;
-  /// E = sum w_i g_i^2 / (2 sum w_i) (thesis eq. 3.16, weighted). Mesh units squared.
+  /// E = sum w_i g_i^2 / (2 sum w_i), weighted [Thesis, eq. 3.16]. Mesh units squared.
   double objective = 0;
   double gradient_norm = 0;
   int iterations = 0;                ///< iterations of the search that found this mean
   std::vector<KarcherStep> history;  ///< the start of that search and every iteration
   int start = 0;                     ///< the number of that search, counted from 0
-  /// "converged"; "kink" (a minimum at a saddle or boundary vertex where E has no derivative: no direction descends,
-  /// and gradient_norm, there the slope of steepest descent, is 0); "step_too_small"; or "iteration_limit".
+  /// How the search ended: "converged"; "kink" (a minimum at a saddle or boundary vertex where E has no derivative: no
+  /// direction descends, and gradient_norm, there the slope of steepest descent, is 0); "step_too_small"; or
+  /// "iteration_limit".
   std::string stopped;
 };
 
 /// Finds the point of least weighted mean squared geodesic distance. It is a local minimum. The problem may have
-/// several minima, and `starts` looks for a lower one. Bills the effects "kept_fields", "guided_searches" and
+/// several minima, and `starts` searches for a lower one. Bills the effects "kept_fields", "guided_searches" and
 /// "multi_start".
-/// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.invalid_option"
-/// (tolerance, iterations, starts), "karcher.unreachable" (points on different components, each named), "point.*".
+///
+/// Throws "karcher.no_points", "karcher.weights" (count, sign, sum, non-finite), "karcher.invalid_option" (tolerance,
+/// iterations, starts), "karcher.unreachable" (points on different components, each named), "point.*".
 KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& problem, const Execution& execution = {});
 
 }  // namespace supple::surface

@@ -18,31 +18,37 @@ struct MeshLimits {
 struct TriangleSoup {
   std::vector<Eigen::Vector3d> positions;
   std::vector<Triangle> faces;
-  std::vector<std::string> warnings;  ///< for example about polygons that were cut, or elements that were skipped
+  std::vector<std::string> warnings;  ///< e.g. about polygons that were triangulated, or elements that were skipped
 };
 
-/// The format that the first bytes show ("ply\n", "OFF", "solid"/binary STL by its size, otherwise OBJ).
+/// The format that the first bytes show: "ply\n", "OFF", "solid", or binary STL by its size; otherwise OBJ.
 MeshFormat detect_format(std::string_view bytes);
 
-/// Reads OBJ (v, f with v/vt/vn and negative indices), OFF (with counts, comments, COFF/NOFF colours skipped), PLY 1.0
-/// (ascii, binary little and big endian; any scalar types; list faces; other elements skipped) or STL (ascii and
-/// binary; vertices with equal coordinates are merged). Polygons are cut into triangles where they stand: convex ones
-/// into fans from their first corner, others by clipping ears as seen along their normal. Never reads past the end
-/// whatever the bytes say, and reserves no more memory than the bytes could fill. O(bytes), and O(n^2) for each polygon
+/// Reads a mesh file.
+///
+/// - OBJ: v, and f with v/vt/vn and negative indices.
+/// - OFF: with counts and comments; colours (COFF) and normals (NOFF) are skipped.
+/// - PLY 1.0: ascii, binary little and big endian, any scalar types, list faces; other elements are skipped.
+/// - STL: ascii and binary; vertices with equal coordinates are merged.
+///
+/// The triangles of a polygon take its place in the order of faces. Convex polygons become fans from their first
+/// corner, others are triangulated by clipping ears in the projection along their normal. Reading never passes the end,
+/// whatever the bytes are, and reserves no more memory than the bytes could fill. O(bytes), and O(n^2) for each polygon
 /// of n corners that no fan covers.
 ///
-/// Throws "mesh.malformed" with "line 12" or "byte 84" and what was expected, "mesh.too_large" with the limit and the
-/// value, "mesh.invalid_polygon" with the numbers that the faces have in the file ("face 17", counted from 0, skipped
-/// ones included) where a polygon crosses itself, or is not covered by a fan and has more than 4096 corners. Stops
-/// within some 50 ms of a request to.
+/// Throws "mesh.malformed" with "line 12" or "byte 84" and what was expected, and "mesh.too_large" with the limit and
+/// the value. Throws "mesh.invalid_polygon" if a polygon crosses itself, or if a fan does not cover it and it has more
+/// than 4096 corners. Details name faces as the file counts them ("face 17", from 0, skipped ones included). Ends
+/// within some 50 ms after a stop is requested.
 TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimits& limits = {},
                        const Execution& execution = {});
 
-/// Reads a mesh of the detected format (read_mesh) and builds it (TriangleMesh::build), with the warnings of both.
+/// Reads a mesh of the detected format (read_mesh) and builds it (TriangleMesh::build). Its warnings are those of both.
 TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {}, const Execution& execution = {});
 
 std::string write_obj(const TriangleMesh& mesh, const Execution& execution = {});
-/// Binary little-endian PLY with double coordinates and int32 indices: the canonical form, equal for equal meshes.
+/// Binary little-endian PLY with double coordinates and int32 indices. It is the canonical form: equal meshes give
+/// equal bytes.
 std::string write_ply(const TriangleMesh& mesh, const Execution& execution = {});
 
 }  // namespace supple::surface

@@ -9,7 +9,7 @@
 
 namespace supple::surface {
 
-/// What a user wants to know about a mesh before working on it. Lengths are in mesh units.
+/// Properties of a mesh that a user checks before using it. Lengths are in mesh units.
 struct MeshReport {
   std::int64_t vertices = 0;
   std::int64_t faces = 0;

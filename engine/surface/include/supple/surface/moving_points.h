@@ -8,14 +8,14 @@
 
 namespace supple::surface {
 
-/// Points that move on a surface, as a part of a numerics::State. Each point has two tangent coordinates. They are
-/// those of tangent_frame of the point's face or, on the tip of a cone (a vertex), those of cone_coordinates.
+/// Points that move on a surface, as a part of a numerics::State. Each point has two tangent coordinates. They refer to
+/// tangent_frame of the point's face or, at the tip of a cone (a vertex), to cone_coordinates.
 class MovingPoints {
  public:
   MovingPoints() = default;
   MovingPoints(const TriangleMesh& mesh, std::vector<SurfacePoint> points);
 
-  /// What moves look at on their way; without it nothing stops them.
+  /// Sets the token that moves check.
   void stop_with(const CancellationToken& cancellation) { cancellation_ = cancellation; }
   const CancellationToken& cancellation() const { return cancellation_; }
 
@@ -28,25 +28,25 @@ class MovingPoints {
   double turn(std::size_t point) const { return turns_[point]; }
 
   Eigen::Index dimension() const { return 2 * static_cast<Eigen::Index>(points_.size()); }
-  /// Moves each point along its own straightest path, in parallel. A boundary stops only the point that meets it.
-  /// `step` has at least dimension() entries, of which the first belong to the points. Returns the step that was made.
-  /// Throws what exponential_map throws; then the points are somewhere on their ways.
+  /// Moves each point along its own straightest geodesic, in parallel. A boundary stops only the point that meets it.
+  /// `step` has at least dimension() entries, of which the first belong to the points. Returns the step that was
+  /// travelled. Throws what exponential_map throws; some points have moved then.
   Eigen::VectorXd move(const TriangleMesh& mesh, const Eigen::VectorXd& step);
-  /// Turns each point's part of a tangent vector in the way in which its last move turned the coordinates. A move to or
-  /// from a tip has no transport. There the coordinates stay as they are, which is an isometry too, so that one point
-  /// at a vertex does not make the others forget their curvature.
+  /// Turns each point's part of a tangent vector by the angle by which its last move turned the coordinates. A move
+  /// from or to a tip has no transport. There the coordinates stay as they are, which is an isometry too, so that a
+  /// point at a vertex does not make the minimizer discard the curvature of the others.
   void transport(Eigen::VectorXd& tangent) const;
 
-  /// Puts one point in another place.
+  /// Sets one point.
   void place(const TriangleMesh& mesh, std::size_t point, const SurfacePoint& at);
-  /// Has to be called after the surface has moved under the points: it looks again which of them are on tips.
+  /// Must be called after the surface has moved under the points: determines again which of them are on tips.
   void look_at(const TriangleMesh& mesh);
 
  private:
   CancellationToken cancellation_;
   std::vector<SurfacePoint> points_;
   std::vector<std::uint8_t> on_tip_;
-  std::vector<double> turns_;  ///< of each point's coordinates along the last move
+  std::vector<double> turns_;  ///< angle (radians) by which the last move turned each point's coordinates
 };
 
 }  // namespace supple::surface

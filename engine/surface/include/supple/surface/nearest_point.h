@@ -12,12 +12,12 @@ namespace supple::surface {
 /// The point of a surface that is nearest to a point in space.
 struct NearestPoint {
   SurfacePoint point;
-  Eigen::Vector3d position;  ///< of the point, in mesh units
-  double distance = 0;       ///< between the two, in mesh units
+  Eigen::Vector3d position;  ///< position of `point`, in mesh units
+  double distance = 0;       ///< distance of the given point from it, in mesh units
 };
 
-/// Finds nearest points by a tree of the faces' bounding boxes. Building it takes O(n log n), some tenths of a second
-/// for a million faces, and about 30 bytes per face; a search takes O(log n) for points near the surface. Searches may
+/// Finds nearest points with a tree of the faces' bounding boxes. Building it takes O(n log n), some tenths of a second
+/// for a million faces, and about 30 bytes per face. A search takes O(log n) for points near the surface. Searches may
 /// run in parallel.
 class NearestPointSearch {
  public:
@@ -26,9 +26,9 @@ class NearestPointSearch {
   NearestPointSearch(NearestPointSearch&&) noexcept;
   ~NearestPointSearch();
 
-  /// The nearest point; of equally near ones that of the face with the least number. Exact up to rounding: a point of
-  /// an edge or a vertex has coordinates that are exactly 0 and 1 there. The coordinates of p are finite and of a
-  /// magnitude up to 1e70.
+  /// The nearest point. If several are equally near, it is the one whose face has the least number. Exact up to
+  /// rounding: a point on an edge or a vertex has coordinates that are exactly 0 or 1. The coordinates of p are finite
+  /// and at most 1e70 in magnitude.
   NearestPoint find(const Eigen::Vector3d& p) const;
 
  private:

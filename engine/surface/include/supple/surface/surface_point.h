@@ -17,9 +17,9 @@ struct SurfacePoint {
 /// The vertex as a point of one of its faces. Throws "point.vertex_out_of_range" or "point.isolated_vertex".
 SurfacePoint vertex_point(const TriangleMesh& mesh, VertexId v);
 
-/// Checks face and barycentric coordinates, and returns the point with coordinates clamped to [0, 1] whose sum is 1 up
-/// to rounding. Throws "point.face_out_of_range", "point.non_finite", or "point.outside_face" where a coordinate is
-/// below -1e-5 or their sum is off 1 by more than 1e-5. `where` names the point in the error ("pairs/3/from").
+/// Checks face and barycentric coordinates. Returns the point with coordinates clamped to [0, 1], whose sum is 1 up to
+/// rounding. Throws "point.face_out_of_range", "point.non_finite", or "point.outside_face" if a coordinate is below
+/// -1e-5 or their sum differs from 1 by more than 1e-5. `where` names the point in the error ("pairs/3/from").
 SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, const std::string& where = "point");
 
 Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point);
