@@ -14,13 +14,13 @@ namespace supple::design {
 namespace {
 
 constexpr int candidates_per_parameter = 40;
-/// Tables that are kept for each model.
-constexpr std::size_t max_tables = 32;
-/// Enough to tell good candidates from bad ones, and what single precision gives everywhere.
-constexpr neural::UniaxialOptions rough{.tolerance = 1e-2, .max_iterations = 12, .max_halvings = 6};
+/// Maximum number of cached tables of one model.
+constexpr std::size_t max_cached_tables = 32;
+/// Accuracy that suffices to compare candidates, and that single precision reaches at every strain.
+constexpr neural::UniaxialOptions rough_options{.tolerance = 1e-2, .max_iterations = 12, .max_halvings = 6};
 
-/// The corners of the box come first, for extreme responses are there, unless they were most of all; then points of a
-/// Sobol sequence.
+/// Candidate `index` of `count`. The corners of the box come first, because extreme responses are there, and then
+/// points of a Sobol sequence. Corners are left out if they would be more than half of all candidates.
 Eigen::VectorXd candidate(const SobolSequence& sequence, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                           int index, int count) {
   std::vector<Eigen::Index> free;
@@ -31,7 +31,7 @@ Eigen::VectorXd candidate(const SobolSequence& sequence, const Eigen::VectorXd& 
   const auto point = sequence.point(static_cast<std::uint32_t>(std::max(0, index - corners)));
   Eigen::VectorXd parameters = lower;
   for (std::size_t k = 0; k < free.size(); ++k) {
-    // Upper corners are the bounds themselves, without the rounding of a sum.
+    // Upper corners are exactly at the bounds, because they are assigned and not computed by a sum.
     if (index >= corners) {
       parameters[free[k]] += point[k] * (upper[free[k]] - lower[free[k]]);
     } else if (index >> k & 1) {
@@ -71,15 +71,15 @@ struct Candidates::Content {
     tables.splice(tables.begin(), tables, found);
     return found->second;
   }
-  void keep(Key key, std::shared_ptr<const Table> table) {
+  void add(Key key, std::shared_ptr<const Table> table) {
     const std::lock_guard lock(mutex);
     tables.emplace_front(std::move(key), std::move(table));
-    if (tables.size() > max_tables) tables.pop_back();
+    if (tables.size() > max_cached_tables) tables.pop_back();
   }
 
   neural::SingleEvaluator evaluator;
   std::mutex mutex;
-  std::list<std::pair<Key, std::shared_ptr<const Table>>> tables;  ///< the latest first
+  std::list<std::pair<Key, std::shared_ptr<const Table>>> tables;  ///< the most recently used first
 };
 
 Candidates::Candidates(const neural::Network& network) : content_(std::make_unique<Content>(network)) {}
@@ -92,7 +92,7 @@ std::shared_ptr<const Candidates::Table> Candidates::table(const Eigen::VectorXd
                                                            const Buildable& buildable,
                                                            const Execution& execution) const {
   auto key = key_of(lower, upper, count, profiles);
-  if (auto known = content_->find(key)) return known;
+  if (auto cached = content_->find(key)) return cached;
   const StageTimer timer(execution.cost, "candidates");
   std::vector<Sample> samples;
   for (const auto& profile : profiles) {
@@ -103,7 +103,7 @@ std::shared_ptr<const Candidates::Table> Candidates::table(const Eigen::VectorXd
   table->parameters.resize(lower.size(), count);
   table->y.setConstant(static_cast<Eigen::Index>(samples.size()), count, std::numeric_limits<double>::quiet_NaN());
   const SobolSequence sequence("candidates", 1);
-  Equilibria<float> equilibria(content_->evaluator, loadings_of(samples), rough);
+  Equilibria<float> equilibria(content_->evaluator, loadings_of(samples), rough_options);
   for (int c = 0; c < count; ++c) {
     execution.cancellation.throw_if_requested();
     table->parameters.col(c) = candidate(sequence, lower, upper, c, count);
@@ -116,7 +116,7 @@ std::shared_ptr<const Candidates::Table> Candidates::table(const Eigen::VectorXd
     }
   }
   if (execution.cost) execution.cost->add_quantity("evaluations", static_cast<double>(equilibria.evaluations()));
-  content_->keep(std::move(key), table);
+  content_->add(std::move(key), table);
   return table;
 }
 

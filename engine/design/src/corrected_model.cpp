@@ -7,13 +7,13 @@
 namespace supple::design {
 namespace {
 
-constexpr double least_search_tolerance = 1e-8;
-/// Where nobody can say how far the network is off: a share of the target's scale.
-constexpr double unknown_bar = 0.1;
+constexpr double min_search_tolerance = 1e-8;
+/// Length of the error bar of a sample for which the model has none, as a fraction of the target's scale.
+constexpr double assumed_error_bar = 0.1;
 
 }  // namespace
 
-ProfileSamples turned(ProfileSamples samples, const Eigen::VectorXd& parameters) {
+ProfileSamples oriented(ProfileSamples samples, const Eigen::VectorXd& parameters) {
   samples.orientation = orientation_in(parameters);
   return samples;
 }
@@ -24,10 +24,10 @@ CorrectedModel::CorrectedModel(const DesignSpace& space, const DesignProblem& pr
       lower_(bounds_.free_part(bounds_.lower)),
       width_(bounds_.free_part(bounds_.upper) - lower_),
       moduli_(problem.moduli, space.model.provenance.youngs_modulus),
-      limits_asked_(problem.limits),
-      limits_(space_, problem.limits),
+      structure_limits_(problem.limits),
+      limit_residuals_(space_, problem.limits),
       tolerance_(tolerance),
-      search_tolerance_(std::max(tolerance, least_search_tolerance)) {
+      search_tolerance_(std::max(tolerance, min_search_tolerance)) {
   for (const Target& target : problem.targets) {
     targets_.push_back(sample_target(target));
     weights_.push_back(target.weight);
@@ -40,7 +40,7 @@ Eigen::Index CorrectedModel::samples() const {
   return n;
 }
 
-Eigen::VectorXd CorrectedModel::shares(const Eigen::VectorXd& parameters) const {
+Eigen::VectorXd CorrectedModel::normalized(const Eigen::VectorXd& parameters) const {
   return (bounds_.free_part(parameters) - lower_).cwiseQuotient(width_);
 }
 
@@ -49,7 +49,7 @@ Eigen::VectorXd CorrectedModel::free_parameters(const Eigen::VectorXd& x) const 
 }
 
 Eigen::VectorXd CorrectedModel::parameters_at(const Eigen::VectorXd& x) const {
-  return all_parameters(bounds_.held, bounds_.free, free_parameters(x));
+  return all_parameters(bounds_.fixed_values, bounds_.free, free_parameters(x));
 }
 
 Eigen::VectorXd CorrectedModel::scales() const {
@@ -63,7 +63,7 @@ Eigen::VectorXd CorrectedModel::scales() const {
   return result;
 }
 
-std::vector<Eigen::VectorXd> CorrectedModel::parts_of(const Eigen::VectorXd& values) const {
+std::vector<Eigen::VectorXd> CorrectedModel::split_by_target(const Eigen::VectorXd& values) const {
   std::vector<Eigen::VectorXd> parts;
   Eigen::Index at = 0;
   for (const SampledTarget& target : targets_) {
@@ -100,7 +100,7 @@ CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& paramete
   const std::span<const double> span(parameters.data(), static_cast<std::size_t>(parameters.size() - 1));
   for (const SampledTarget& target : targets_) {
     const Eigen::Index n = target.y.size();
-    const Profile profile = evaluate_profile(space_.model, space_.evaluator, span, turned(target.samples, parameters),
+    const Profile profile = evaluate_profile(space_.model, space_.evaluator, span, oriented(target.samples, parameters),
                                              equilibrium_tolerance);
     result.values.segment(at, n) = profile.y;
     if (profile.error_bar.size() > 0)
@@ -114,14 +114,14 @@ CorrectedModel::Values CorrectedModel::values_at(const Eigen::VectorXd& paramete
   at = 0;
   for (std::size_t t = 0; t < targets_.size(); ++t) {
     for (Eigen::Index k = 0; k < targets_[t].y.size(); ++k, ++at)
-      sum += weights_[t] * targets_[t].weights[k] * std::pow(std::isfinite(bars[at]) ? bars[at] : unknown_bar, 2);
+      sum += weights_[t] * targets_[t].weights[k] * std::pow(std::isfinite(bars[at]) ? bars[at] : assumed_error_bar, 2);
     weights += weights_[t];
   }
   result.bar = std::sqrt(sum / weights);
   return result;
 }
 
-std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd& x) const {
+std::optional<CorrectedModel::Values> CorrectedModel::feasible_values(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd parameters = parameters_at(x);
   if (space_.buildable && !space_.buildable(family_part(parameters))) return std::nullopt;
   if (!excess_at(parameters).empty()) return std::nullopt;
@@ -131,18 +131,18 @@ std::optional<CorrectedModel::Values> CorrectedModel::find(const Eigen::VectorXd
 }
 
 TargetResiduals CorrectedModel::residuals(const Correction& correction) const {
-  TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free, search_tolerance_,
+  TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.fixed_values, bounds_.free, search_tolerance_,
                             space_.buildable);
   residuals.choose_among(moduli_);
-  residuals.keep_within(limits_);
-  // The solver works with parameters.
+  residuals.add_limits(limit_residuals_);
+  // The residuals are functions of the parameters themselves, and the correction is one of normalized parameters.
   residuals.correct(
       {correction.offset, correction.slope * width_.cwiseInverse().asDiagonal(), free_parameters(correction.at)});
   return residuals;
 }
 
-CorrectedModel::Step CorrectedModel::step_within(const Correction& correction, double radius,
-                                                 const CancellationToken& cancellation) const {
+CorrectedModel::Step CorrectedModel::trust_region_step(const Correction& correction, double radius,
+                                                       const CancellationToken& cancellation) const {
   TargetResiduals corrected = residuals(correction);
   const Eigen::VectorXd lower = (correction.at.array() - radius).max(0);
   const Eigen::VectorXd upper = (correction.at.array() + radius).min(1);
@@ -154,9 +154,9 @@ CorrectedModel::Step CorrectedModel::step_within(const Correction& correction, d
 }
 
 double distance_to_nearest(const Eigen::VectorXd& x, const std::vector<Eigen::VectorXd>& others) {
-  double least = infinite;
-  for (const Eigen::VectorXd& other : others) least = std::min(least, (x - other).cwiseAbs().maxCoeff());
-  return least;
+  double nearest = infinite;
+  for (const Eigen::VectorXd& other : others) nearest = std::min(nearest, (x - other).cwiseAbs().maxCoeff());
+  return nearest;
 }
 
 }  // namespace supple::design

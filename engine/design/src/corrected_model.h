@@ -14,77 +14,79 @@
 
 namespace supple::design {
 
-/// The deviation of what is not known.
+/// Deviation of a design for which none can be computed.
 inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// The network of a problem as polish sees it: designs are free parameters as shares of the bounds' widths,
-/// "parameters" are all as in FreeParameters, the orientation the last of them. Values are those of all samples of all
-/// targets, one target after the other. `space` outlives it.
+/// The network of a problem, with corrections, as polish uses it. `x` are the free parameters, normalized to [0, 1] by
+/// their bounds. `parameters` are all parameters as in FreeParameters, with the orientation last. `values` are those of
+/// all samples of all targets, one target after the other. `space` must outlive it.
 class CorrectedModel {
  public:
-  /// `tolerance` of equilibria, where simulations are compared; searches do with 1e-8.
+  /// `tolerance` is that of equilibria which are compared with simulations. Searches use it too, but at least 1e-8.
   CorrectedModel(const DesignSpace& space, const DesignProblem& problem, double tolerance);
 
   const std::vector<SampledTarget>& targets() const { return targets_; }
-  const Eigen::VectorXd& width() const { return width_; }  ///< of the free parameters' bounds
+  const Eigen::VectorXd& width() const { return width_; }  ///< widths of the free parameters' bounds
   Eigen::Index samples() const;
   double search_tolerance() const { return search_tolerance_; }
 
-  Eigen::VectorXd shares(const Eigen::VectorXd& parameters) const;
+  Eigen::VectorXd normalized(const Eigen::VectorXd& parameters) const;
   Eigen::VectorXd free_parameters(const Eigen::VectorXd& x) const;
   Eigen::VectorXd parameters_at(const Eigen::VectorXd& x) const;
 
-  /// The targets' scale at each sample; with the least modulus there is, as values are of the model's.
+  /// The targets' scale at each sample, divided by the least stress factor that the moduli allow.
   Eigen::VectorXd scales() const;
-  std::vector<Eigen::VectorXd> parts_of(const Eigen::VectorXd& values) const;  ///< for each target; NaN for no values
-  /// The relative root mean square deviation of values; infinite where one is missing. Values are of the model's
-  /// modulus, here as everywhere, and are compared with the best modulus there is.
+  /// One vector for each target; NaN if `values` is empty.
+  std::vector<Eigen::VectorXd> split_by_target(const Eigen::VectorXd& values) const;
+  /// The relative root mean square deviation of values at the best modulus; infinite if a value is missing. Here as
+  /// everywhere, the values themselves are at the modulus of the model's data.
   double deviation(const Eigen::VectorXd& values) const;
-  /// The best modulus for values.
+  /// The modulus at which the values fit the targets best.
   ModulusChoice::Chosen modulus_for(const Eigen::VectorXd& values) const;
-  /// What is beyond the limits, as a sentence; empty if nothing is.
+  /// The violated limits as sentences; empty if no limit is violated.
   std::string excess_at(const Eigen::VectorXd& parameters) const {
-    return excess(space_, limits_asked_, family_part(parameters));
+    return excess(space_, structure_limits_, family_part(parameters));
   }
 
   struct Values {
-    Eigen::VectorXd values;  ///< of the network alone; NaN where an equilibrium is missing
-    double bar = 0;          ///< relative root mean square of their error bars, as deviations
+    Eigen::VectorXd values;  ///< values of the network without correction; NaN where an equilibrium is missing
+    double bar = 0;          ///< root mean square of the error bars, relative to the targets' scales
   };
   Values at(const Eigen::VectorXd& parameters) const { return values_at(parameters, tolerance_); }
-  /// Roughly, as searches do; nothing where there is no structure, or no equilibrium at every sample.
-  std::optional<Values> find(const Eigen::VectorXd& x) const;
+  /// The values at the tolerance of searches. None if the design has no structure, violates a limit, or has no
+  /// equilibrium at some sample.
+  std::optional<Values> feasible_values(const Eigen::VectorXd& x) const;
 
-  /// Deviations of the network with a correction, everything of which is by shares of the widths; a function of
-  /// free_parameters.
+  /// Residuals of the network with a correction in normalized parameters. They are a function of free_parameters.
   TargetResiduals residuals(const Correction& correction) const;
   struct Step {
     Eigen::VectorXd x;
-    double promised = infinite;  ///< deviation
+    double predicted = infinite;  ///< deviation by the corrected network
   };
-  /// The best design of the corrected network within so much of the correction's place.
-  Step step_within(const Correction& correction, double radius, const CancellationToken& cancellation) const;
+  /// The design that minimizes the deviation of the corrected network within the distance `radius` (in each normalized
+  /// parameter) from the point of the correction.
+  Step trust_region_step(const Correction& correction, double radius, const CancellationToken& cancellation) const;
 
  private:
   Values values_at(const Eigen::VectorXd& parameters, double equilibrium_tolerance) const;
 
   DesignSpace space_;
   FreeParameters bounds_;
-  Eigen::VectorXd lower_;  ///< of the free parameters
+  Eigen::VectorXd lower_;  ///< lower bounds of the free parameters
   Eigen::VectorXd width_;
   std::vector<SampledTarget> targets_;
   std::vector<double> weights_;
   ModulusChoice moduli_;
-  StructureLimits limits_asked_;
-  LimitRows limits_;
+  StructureLimits structure_limits_;
+  LimitResiduals limit_residuals_;
   double tolerance_;
   double search_tolerance_;
 };
 
-/// The samples for a structure with these parameters, in its orientation.
-ProfileSamples turned(ProfileSamples samples, const Eigen::VectorXd& parameters);
+/// The samples in the orientation of the parameters.
+ProfileSamples oriented(ProfileSamples samples, const Eigen::VectorXd& parameters);
 
-/// The largest difference of a parameter from the nearest of other designs; infinite without any.
+/// The distance, in the maximum norm, to the nearest of other designs; infinite if there are none.
 double distance_to_nearest(const Eigen::VectorXd& x, const std::vector<Eigen::VectorXd>& others);
 
 }  // namespace supple::design

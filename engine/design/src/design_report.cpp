@@ -10,17 +10,18 @@
 namespace supple::design {
 namespace {
 
-/// How close to a bound a parameter is called at it, as a share of the bounds' widths.
-constexpr double bound_share = 1e-6;
+/// Distance from a bound below which the message says that a parameter is at the bound, as a fraction of the bounds'
+/// width.
+constexpr double bound_fraction = 1e-6;
 
-std::string percent(double share) {
+std::string percent(double fraction) {
   std::ostringstream text;
   text.precision(3);
-  text << 100 * share << " %";
+  text << 100 * fraction << " %";
   return text.str();
 }
 
-/// Where a profile is sampled, as a person says it: a strain, or a direction in degrees.
+/// A sample in words: a strain, or a direction in degrees.
 std::string place(Task task, double x) {
   std::ostringstream text;
   text.precision(3);
@@ -31,10 +32,10 @@ std::string place(Task task, double x) {
   return text.str();
 }
 
-/// Nothing where all samples are in range.
-std::string message_about_trust(const Design& design, const char* gap) {
+/// Sentences about the samples that are not in range, after `separator`. Empty if all samples are in range.
+std::string message_about_trust(const Design& design, const char* separator) {
   long outside = 0;
-  long doubtful = 0;
+  long uncertain = 0;
   long samples = 0;
   for (const auto& profile : design.profiles) {
     samples += static_cast<long>(profile.in_range.size());
@@ -42,14 +43,14 @@ std::string message_about_trust(const Design& design, const char* gap) {
       if (profile.in_range[i]) continue;
       const bool has_bar =
           profile.error_bar.size() > 0 && std::isfinite(profile.error_bar[static_cast<Eigen::Index>(i)]);
-      ++(has_bar ? doubtful : outside);
+      ++(has_bar ? uncertain : outside);
     }
   }
   std::ostringstream text;
   if (outside > 0)
-    text << gap << outside << " of " << samples << " samples lie outside of what the model was trained on.";
-  if (doubtful > 0)
-    text << (outside > 0 ? " " : gap) << doubtful << " of " << samples
+    text << separator << outside << " of " << samples << " samples lie outside of what the model was trained on.";
+  if (uncertain > 0)
+    text << (outside > 0 ? " " : separator) << uncertain << " of " << samples
          << " samples have error bars beyond which the model is not trusted; verify them by simulation.";
   return text.str();
 }
@@ -63,7 +64,7 @@ std::string message_about(const Design& design, const neural::Model& model, cons
     Eigen::Index worst = 0;
     main.target.deviations(main.achieved).cwiseAbs().maxCoeff(&worst);
     const std::string deviation = percent(design.error.relative_rms) + " (root mean square)";
-    // The mean says nothing about samples at which the model is not trusted.
+    // The model's mean error does not apply to samples at which the model is not trusted.
     const bool is_trusted = std::all_of(design.profiles.begin(), design.profiles.end(), [](const auto& profile) {
       return std::all_of(profile.in_range.begin(), profile.in_range.end(), [](auto flag) { return flag != 0; });
     });
@@ -77,7 +78,7 @@ std::string message_about(const Design& design, const neural::Model& model, cons
            << deviation << ", most ";
     text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << ".";
     for (const Eigen::Index k : free) {
-      const double rounding = bound_share * (model.network.upper[k] - model.network.lower[k]);
+      const double rounding = bound_fraction * (model.network.upper[k] - model.network.lower[k]);
       const bool low = design.parameters[k] <= model.network.lower[k] + rounding;
       if (low || design.parameters[k] >= model.network.upper[k] - rounding)
         text << " Parameter " << k + 1 << " is at its " << (low ? "lower" : "upper") << " bound.";
@@ -87,7 +88,7 @@ std::string message_about(const Design& design, const neural::Model& model, cons
   return text.str();
 }
 
-void tell_of_simulation(Design& design, const Polished& polished) {
+void report_simulation(Design& design, const Polished& polished) {
   if (!polished.target_error) return;
   bool reached = true;
   for (std::size_t t = 0; t < polished.targets.size(); ++t) {
@@ -107,22 +108,22 @@ void tell_of_simulation(Design& design, const Polished& polished) {
   design.reached = reached;
 }
 
-void bound_profile(DesignProfile& profile, const SampledTarget& coarse, const Eigen::MatrixXd& y) {
+void fill_envelope(DesignProfile& profile, const SampledTarget& coarse, const Eigen::MatrixXd& y) {
   std::vector<double> x;
   std::vector<double> low;
   std::vector<double> high;
   for (Eigen::Index i = 0; i < y.rows(); ++i) {
-    double least = std::numeric_limits<double>::infinity();
-    double most = -least;
+    double min_value = std::numeric_limits<double>::infinity();
+    double max_value = -min_value;
     for (Eigen::Index c = 0; c < y.cols(); ++c) {
       if (!std::isfinite(y(i, c))) continue;
-      least = std::min(least, y(i, c));
-      most = std::max(most, y(i, c));
+      min_value = std::min(min_value, y(i, c));
+      max_value = std::max(max_value, y(i, c));
     }
-    if (least > most) continue;
+    if (min_value > max_value) continue;
     x.push_back(coarse.samples.x[static_cast<std::size_t>(i)]);
-    low.push_back(least);
-    high.push_back(most);
+    low.push_back(min_value);
+    high.push_back(max_value);
   }
   if (x.empty()) return;
   const std::optional<double> period =

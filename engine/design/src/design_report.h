@@ -9,18 +9,16 @@
 
 namespace supple::design {
 
-/// In sentences: how far a design that does not reach its target is from it, which of the `free` parameters are at
-/// their bounds, and how many samples lie outside of what the model was trained on. Empty where there is nothing to
-/// say.
+/// Sentences about a design: its deviation from a target that it does not reach, which of the `free` parameters are at
+/// their bounds, and how many samples the model is not trusted at. Empty if none of these applies.
 std::string message_about(const Design& design, const neural::Model& model, const std::vector<Eigen::Index>& free);
 
-/// Gives the simulation the last word on whether the target is reached, and says so in the design's message. Nothing
-/// changes where it did not get to every sample.
-void tell_of_simulation(Design& design, const Polished& polished);
+/// Sets whether the target is reached by the simulation instead of the model, and says so in the design's message.
+/// Nothing changes if the simulation does not reach every sample.
+void report_simulation(Design& design, const Polished& polished);
 
-/// Fills a profile's `lowest` and `highest`: the extremes of the candidates' profiles `y`, one column each, at the
-/// samples of `coarse`, interpolated to all samples, and the profile itself. Left empty where no candidate has any
-/// value.
-void bound_profile(DesignProfile& profile, const SampledTarget& coarse, const Eigen::MatrixXd& y);
+/// Fills a profile's `lowest` and `highest`: the extremes of the candidates' profiles `y` (one column each) at the
+/// samples of `coarse`, interpolated to all samples, and of `achieved`. They stay empty if no candidate has any value.
+void fill_envelope(DesignProfile& profile, const SampledTarget& coarse, const Eigen::MatrixXd& y);
 
 }  // namespace supple::design

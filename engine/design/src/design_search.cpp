@@ -1,4 +1,4 @@
-// The search for one family's design.
+// The search for the best design of one family.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -21,46 +21,48 @@
 namespace supple::design {
 namespace {
 
-/// Further starting points are tried while the relative root mean square deviation is larger: what is reached by less
-/// may be a local minimum.
-constexpr double good_share = 1e-3;
-/// What deviates less is near: the search begins with all samples.
-constexpr double near_share = 0.1;
-/// What suffices of a search with few samples, and of equilibria while a search is under way.
+/// Relative root mean square deviation up to which a reached target needs no further starting points. A larger
+/// deviation may be a local minimum.
+constexpr double good_deviation = 1e-3;
+/// Relative root mean square deviation up to which a search from the first starting point uses all samples at once.
+constexpr double near_deviation = 0.1;
+/// Tolerance of searches with few samples, and maximum tolerance of equilibria during a search.
 constexpr double coarse_tolerance = 1e-4;
 constexpr double search_tolerance = 1e-6;
-/// Equilibria are so much more accurate than what the search distinguishes, or it would chase their errors.
-constexpr double search_margin = 1e-2;
-/// Starting points are at least this far apart, as a share of the bounds' widths.
+/// Tolerance of equilibria, as a fraction of the search's tolerance. With less accurate equilibria the search would
+/// follow their errors.
+constexpr double equilibrium_tolerance_ratio = 1e-2;
+/// Minimum distance of starting points, as a fraction of the bounds' widths.
 constexpr double min_start_distance = 0.035;
-/// If the nearest design is not trusted, up to this many candidates are judged by deviation and doubt together, and
-/// then up to as many designs around the best of them.
-constexpr int max_judged_designs = 32;
-/// Those are at this distance from it at first, and at least at the other one, as shares of the bounds' widths.
-constexpr double first_distance = 0.1;
+/// Maximum number of candidates that are evaluated if the model is uncertain about the best design, and maximum number
+/// of designs around the best one that are then evaluated.
+constexpr int max_trust_evaluations = 32;
+/// Initial and final distance of the pattern search around the best design, as fractions of the bounds' widths.
+constexpr double initial_distance = 0.1;
 constexpr double min_distance = 0.01;
-/// Every other starting point is chosen and followed by deviations that count less beyond this share of the target's
-/// scale: where profiles jump, squares of a few samples hide that all others agree.
-constexpr double outlier_share = 0.1;
-/// If a search in which outliers count less ends with a smaller deviation than this, only a few samples are off.
-constexpr double deviation_with_few_outliers = 0.03;
-/// The number of starting points, if the request leaves it open.
-constexpr int starts_in_one_space = 24;
-/// Each of several starting points is first followed for this many iterations with a few samples only.
-constexpr int lead_iterations = 30;
-/// The best of the places where this ends are then refined with all samples: one for this many starting points, and no
-/// more than `max_refined_leads`.
-constexpr int starts_of_a_refined_lead = 4;
-constexpr int max_refined_leads = 4;
-/// Two of these places that are nearer to each other, as a share of the bounds' widths, count as one.
-constexpr double same_lead = 0.01;
-/// Searches from one starting point, each from the equilibria that are found from rest where the one before ended.
-constexpr int rounds_from_rest = 3;
+/// Threshold of outliers, as a fraction of the target's scale, for every other starting point. Where profiles jump, the
+/// squares of a few samples would hide that all others agree.
+constexpr double outlier_fraction = 0.1;
+/// Maximum deviation, with reduced outliers, of a minimum at which only a few samples are outliers.
+constexpr double max_deviation_with_outliers = 0.03;
+/// Default number of starting points in a single space.
+constexpr int default_starts = 24;
+/// Iterations of the search with few samples from each of several starting points.
+constexpr int coarse_iterations = 30;
+/// The best of the minima with few samples are then refined with all samples: one for this many starting points, but at
+/// most `max_refined_minima`.
+constexpr int starts_per_refined_minimum = 4;
+constexpr int max_refined_minima = 4;
+/// Minima with few samples that are closer than this count as one; fraction of the bounds' widths.
+constexpr double same_minimum_radius = 0.01;
+/// Maximum number of searches from one starting point. Each begins at the end of the one before, with equilibria that
+/// are computed anew from rest.
+constexpr int max_searches_from_rest = 3;
 
-/// What stays the same from one starting point to the next.
+/// A search from several starting points for one material.
 class Search {
  public:
-  /// `problem` has one material at most; `materials` are all that the structure may be made of.
+  /// `problem` has at most one range of moduli; `materials` are the ranges of all materials.
   Search(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
          const ModulusChoice& materials)
       : space_(space),
@@ -77,7 +79,7 @@ class Search {
     for (const auto& target : problem.targets) {
       targets_.push_back(sample_target(target));
       weights_.push_back(target.weight);
-      // A value that has an amount added meets the target where the value itself meets the target less that amount.
+      // Adding a correction to the model's values is the same as subtracting it from the target.
       if (!problem.corrections.empty())
         targets_.back().y -=
             factor_for(target.task, moduli_.single().value()) * problem.corrections[targets_.size() - 1];
@@ -89,10 +91,11 @@ class Search {
     progress_ = &progress;
     const StageTimer timer(execution.cost, "optimization");
     const bool all_fixed = bounds_.free.empty();
-    if (problem_.initial || all_fixed) follow(all_fixed ? bounds_.held : start_of_request());
-    const bool enough = all_fixed || options_.multi_start == Switch::off;
-    if (best_.starts == 0 || (!enough && (options_.multi_start == Switch::on || !good()))) try_candidates();
-    if (found_ && is_doubtful_ && !enough) look_for_trusted();
+    if (problem_.initial || all_fixed) search_from(all_fixed ? bounds_.fixed_values : requested_start());
+    const bool no_further_starts = all_fixed || options_.multi_start == Switch::off;
+    if (best_.starts == 0 || (!no_further_starts && (options_.multi_start == Switch::on || !is_good())))
+      try_candidates();
+    if (found_ && is_uncertain_ && !no_further_starts) search_trusted_designs();
     if (!found_ && beyond_limits_)
       throw Error("design.beyond_limits",
                   "No design of the family " + space_.model.family +
@@ -114,99 +117,103 @@ class Search {
   }
 
  private:
-  /// What `initial` says of all parameters.
-  Eigen::VectorXd start_of_request() const {
+  /// All parameters of the request's starting point.
+  Eigen::VectorXd requested_start() const {
     return FreeParameters::all_of(*problem_.initial,
-                                  problem_.initial_orientation.value_or(orientation_in(bounds_.held)));
+                                  problem_.initial_orientation.value_or(orientation_in(bounds_.fixed_values)));
   }
 
-  /// Optimizes from one starting point and keeps the result if it is the best. Where there are many samples a few of
-  /// them come first, unless it is near already: that finds the neighbourhood at a fraction of the cost.
-  void follow(const Eigen::VectorXd& start) {
-    const bool near = begin(start) <= near_share;
+  /// Optimizes from one starting point and keeps the result if it is the best. Targets with many samples are first
+  /// optimized with a few of them, which finds the neighbourhood of a minimum at a fraction of the cost. This is not
+  /// done if the starting point is near the target.
+  void search_from(const Eigen::VectorXd& start) {
+    const bool near = evaluate_start(start) <= near_deviation;
     const Eigen::VectorXd x = bounds_.free_part(start);
     const bool coarsely = !near && many_samples() && !bounds_.free.empty();
-    refine(coarsely ? look_around(x, options_.max_iterations, 0).x : x);
+    refine(coarsely ? coarse_search(x, options_.max_iterations, 0).x : x);
   }
 
-  /// The first starting point's profile is part of the answer. Its relative root mean square deviation, or infinity.
-  double begin(const Eigen::VectorXd& start) {
+  /// Counts a starting point. The profile of the first one is part of the answer. Returns its relative root mean square
+  /// deviation, and infinity for the others or if it has no equilibrium.
+  double evaluate_start(const Eigen::VectorXd& start) {
     ++best_.starts;
     if (!initial_.empty()) return std::numeric_limits<double>::infinity();
     auto residuals = exact_residuals();
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(bounds_.free_part(start), r);
     for (std::size_t t = 0; t < targets_.size(); ++t) initial_.push_back(residuals.values(t));
-    count(residuals);
+    count_evaluations(residuals);
     return defined ? r.norm() : std::numeric_limits<double>::infinity();
   }
 
-  /// Optimizes as far as it takes to know the neighbourhood, for `outlier` as in TargetResiduals.
-  numerics::LeastSquaresResult approach(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
-                                        int iterations, double outlier) {
+  /// Optimizes with coarse_tolerance. `outlier_threshold` is that of TargetResiduals.
+  numerics::LeastSquaresResult rough_search(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
+                                            int iterations, double outlier_threshold) {
     return optimize(targets, x,
                     {.tolerance = std::max(coarse_tolerance, options_.tolerance),
                      .max_iterations = std::min(iterations, options_.max_iterations)},
-                    outlier);
+                    outlier_threshold);
   }
-  /// The same with a few samples only.
-  numerics::LeastSquaresResult look_around(const Eigen::VectorXd& x, int iterations, double outlier) {
-    return approach(candidates_.targets(), x, iterations, outlier);
+  /// Optimizes with coarse_tolerance and few samples.
+  numerics::LeastSquaresResult coarse_search(const Eigen::VectorXd& x, int iterations, double outlier_threshold) {
+    return rough_search(candidates_.targets(), x, iterations, outlier_threshold);
   }
 
-  /// Optimizes by all samples and keeps the result if it is the best. Where strains have several equilibria, the search
-  /// may have followed others than those that are found from rest: then it goes on from these. Where `outlier` is
-  /// positive, outliers count less at first.
-  void refine(Eigen::VectorXd x, double outlier = 0) {
+  /// Optimizes with all samples and keeps the result if it is the best. If a strain has several equilibria, the search
+  /// may have followed others than those that are found from rest. Then it is repeated from the latter. If
+  /// `outlier_threshold` is positive, a search with reduced outliers comes first.
+  void refine(Eigen::VectorXd x, double outlier_threshold = 0) {
     if (bounds_.free.empty()) {
-      finish(x, DesignStop::no_free_parameters);
+      compare_with_best(x, DesignStop::no_free_parameters);
       return;
     }
-    if (outlier > 0) x = approach(targets_, x, lead_iterations, outlier).x;
-    for (int round = 0; round < rounds_from_rest; ++round) {
+    if (outlier_threshold > 0) x = rough_search(targets_, x, coarse_iterations, outlier_threshold).x;
+    for (int pass = 0; pass < max_searches_from_rest; ++pass) {
       const auto result =
           optimize(targets_, x, {.tolerance = options_.tolerance, .max_iterations = options_.max_iterations});
       x = result.x;
-      if (finish(x, static_cast<DesignStop>(result.stopped)) <= result.norm + good_share) return;
+      if (compare_with_best(x, static_cast<DesignStop>(result.stopped)) <= result.norm + good_deviation) return;
     }
   }
 
-  /// Where nothing is searched for, what the parameters do is told whether or not they can be built.
+  /// Residuals at the tolerance of the answer. If all parameters are fixed, a design is described even if it cannot be
+  /// built.
   TargetResiduals exact_residuals() const {
-    TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.held, bounds_.free,
+    TargetResiduals residuals(space_.evaluator, targets_, weights_, bounds_.fixed_values, bounds_.free,
                               options_.equilibrium_tolerance, bounds_.free.empty() ? Buildable{} : space_.buildable);
     residuals.choose_among(moduli_);
     return residuals;
   }
 
-  /// Residuals as searches minimize them.
+  /// Residuals that searches minimize.
   TargetResiduals search_residuals(const std::vector<SampledTarget>& targets, double equilibrium_tolerance,
-                                   double outlier) const {
-    TargetResiduals residuals(space_.evaluator, targets, weights_, bounds_.held, bounds_.free, equilibrium_tolerance,
-                              space_.buildable, outlier);
+                                   double outlier_threshold) const {
+    TargetResiduals residuals(space_.evaluator, targets, weights_, bounds_.fixed_values, bounds_.free,
+                              equilibrium_tolerance, space_.buildable, outlier_threshold);
     residuals.choose_among(moduli_);
-    residuals.keep_within(limits_);
+    residuals.add_limits(limits_);
     return residuals;
   }
 
   numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
-                                        const numerics::LeastSquaresOptions& options, double outlier = 0) {
-    TargetResiduals residuals = search_residuals(
-        targets,
-        std::max(std::min(search_tolerance, search_margin * options.tolerance), options_.equilibrium_tolerance),
-        outlier);
+                                        const numerics::LeastSquaresOptions& options, double outlier_threshold = 0) {
+    TargetResiduals residuals =
+        search_residuals(targets,
+                         std::max(std::min(search_tolerance, equilibrium_tolerance_ratio * options.tolerance),
+                                  options_.equilibrium_tolerance),
+                         outlier_threshold);
     auto result = numerics::minimize_least_squares(
         residuals, x, bounds_.free_part(bounds_.lower), bounds_.free_part(bounds_.upper), options,
         Execution{execution_->cancellation},
         [&](const Eigen::VectorXd&, double, int iteration) { report(residuals, targets, iteration); });
     best_.iterations += result.iterations;
-    count(residuals);
+    count_evaluations(residuals);
     return result;
   }
 
-  int max_starts() const { return options_.starts > 0 ? options_.starts : starts_in_one_space; }
+  int max_starts() const { return options_.starts > 0 ? options_.starts : default_starts; }
 
-  void count(const TargetResiduals& residuals) {
+  void count_evaluations(const TargetResiduals& residuals) {
     evaluations_ += residuals.evaluations();
     restarts_ += residuals.restarts();
   }
@@ -216,22 +223,22 @@ class Search {
                        [](const SampledTarget& target) { return target.y.size() > 2 * coarse_samples; });
   }
 
-  /// Works the profiles out from rest and compares with the best design. Returns the relative root mean square
-  /// deviation, infinite where there is no equilibrium.
-  double finish(const Eigen::VectorXd& x, DesignStop stopped) {
+  /// Computes the profiles from rest, and keeps the design if its merit is the best so far. Returns the relative root
+  /// mean square deviation; infinite if an equilibrium is missing.
+  double compare_with_best(const Eigen::VectorXd& x, DesignStop stopped) {
     auto residuals = exact_residuals();
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(x, r);
-    count(residuals);
+    count_evaluations(residuals);
     if (!defined) return std::numeric_limits<double>::infinity();
-    // Its merit is at least its deviation, so that most designs need no error bars.
+    // The merit is at least the deviation, so that most designs need no error bars.
     if (found_ && r.norm() >= merit_) return r.norm();
-    // What nothing is searched for is told even beyond the limits.
+    // If all parameters are fixed, the design is described even if it violates the limits.
     if (auto beyond = bounds_.free.empty() ? std::string()
                                            : excess(space_, problem_.limits, family_part(residuals.last_parameters()));
         !beyond.empty()) {
-      if (!beyond_limits_ || r.norm() < least_beyond_) {
-        least_beyond_ = r.norm();
+      if (!beyond_limits_ || r.norm() < deviation_beyond_limits_) {
+        deviation_beyond_limits_ = r.norm();
         beyond_limits_ = std::move(beyond);
       }
       return r.norm();
@@ -239,13 +246,13 @@ class Search {
     std::vector<ProfileTrust> trusts;
     const auto origin = bounds_.free.empty() ? neural::Origin::given : neural::Origin::searched;
     for (std::size_t t = 0; t < targets_.size(); ++t) trusts.push_back(residuals.trust(space_.model, t, origin));
-    const Doubt doubt = weighs_trust() ? doubt_about(targets_, weights_, trusts) : Doubt{};
-    nearest_ = std::min(nearest_, r.norm());
-    const double merit = std::hypot(r.norm(), doubt.size);
+    const Uncertainty uncertainty = weighs_trust() ? uncertainty_of(targets_, weights_, trusts) : Uncertainty{};
+    min_deviation_ = std::min(min_deviation_, r.norm());
+    const double merit = std::hypot(r.norm(), uncertainty.size);
     if (found_ && merit >= merit_) return r.norm();
     merit_ = merit;
-    best_.doubt = doubt.size;
-    is_doubtful_ = doubt.has_long_bars;
+    best_.uncertainty = uncertainty.size;
+    is_uncertain_ = uncertainty.has_long_bars;
     found_ = true;
     best_.parameters = family_part(residuals.last_parameters());
     best_.orientation = orientation_in(residuals.last_parameters());
@@ -273,23 +280,24 @@ class Search {
     return r.norm();
   }
 
-  /// Whoever says where to begin looks for a design near there.
+  /// Whether error bars count in the merit. A request with a starting point asks for a design near it, so that
+  /// automatic means off.
   bool weighs_trust() const {
     return options_.trust == Switch::on || (options_.trust == Switch::automatic && !problem_.initial);
   }
   void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
     if (execution_->progress) {
-      const double share = static_cast<double>(iteration) / options_.max_iterations;
-      execution_->progress->report(std::min(0.99, (best_.starts - 1 + share) / max_starts()), "optimization");
+      const double fraction = static_cast<double>(iteration) / options_.max_iterations;
+      execution_->progress->report(std::min(0.99, (best_.starts - 1 + fraction) / max_starts()), "optimization");
     }
     if (!*progress_) return;
-    // All deviations count in full here, even if the search lessens some of them.
+    // These deviations are complete, also if the search reduces outliers.
     std::vector<Eigen::VectorXd> achieved;
     for (std::size_t t = 0; t < targets.size(); ++t) achieved.push_back(residuals.values(t));
     const double norm = relative_deviation(targets, weights_, 0, achieved);
-    if (reported_ && norm >= least_reported_) return;
+    if (reported_ && norm >= min_reported_deviation_) return;
     reported_ = true;
-    least_reported_ = norm;
+    min_reported_deviation_ = norm;
     const Eigen::VectorXd parameters = family_part(residuals.last_parameters());
     const double largest = targets[0].deviations(achieved[0]).cwiseAbs().maxCoeff();
     (*progress_)({0,
@@ -301,148 +309,154 @@ class Search {
                   best_.iterations + iteration});
   }
 
-  /// A way to judge candidates.
+  /// The candidates in the order of one criterion.
   struct Ranking {
-    double outlier = 0;                                       ///< as in TargetResiduals
-    std::vector<std::pair<double, Eigen::Index>> candidates;  ///< errors and candidates, the best first
+    double outlier_threshold = 0;                             ///< threshold of outliers, as in TargetResiduals
+    std::vector<std::pair<double, Eigen::Index>> candidates;  ///< errors and candidates, ordered by increasing error
     std::size_t next = 0;
   };
 
-  /// Where a search by a few samples ended.
-  struct Lead {
-    double deviation = 0;  ///< by these samples, for `outlier`
-    double outlier = 0;    ///< by which the search goes on
+  /// The end of a search with few samples.
+  struct CoarseMinimum {
+    double deviation = 0;          ///< deviation at these samples, with `outlier_threshold`
+    double outlier_threshold = 0;  ///< for the search with all samples
     Eigen::VectorXd x;
   };
 
-  /// Where outliers led to an end at which many samples are off, none of them is an outlier: squares count there.
-  Lead lead_of(const numerics::LeastSquaresResult& result, double outlier) {
-    if (outlier == 0 || result.norm <= deviation_with_few_outliers) return {result.norm, outlier, result.x};
+  /// The minimum at the end of a search. If outliers were reduced and the deviation is still large, many samples are
+  /// off. There are no outliers then, and the search with all samples uses plain squares.
+  CoarseMinimum coarse_minimum_of(const numerics::LeastSquaresResult& result, double outlier_threshold) {
+    if (outlier_threshold == 0 || result.norm <= max_deviation_with_outliers)
+      return {result.norm, outlier_threshold, result.x};
     TargetResiduals residuals = search_residuals(candidates_.targets(), search_tolerance, 0);
     Eigen::VectorXd r;
     const bool defined = residuals.residuals(result.x, r);
-    count(residuals);
+    count_evaluations(residuals);
     return {defined ? r.norm() : std::numeric_limits<double>::infinity(), 0, result.x};
   }
 
-  Ranking ranking(double outlier) const { return {outlier, candidates_.ranked(outlier)}; }
+  Ranking ranking(double outlier_threshold) const { return {outlier_threshold, candidates_.ranked(outlier_threshold)}; }
 
-  /// The best candidate that is not near one of those taken, if there is one: with its error.
+  /// The best remaining candidate that is not near one of those taken, with its error.
   std::optional<std::pair<double, Eigen::VectorXd>> next_start(Ranking& ranking,
                                                                const std::vector<Eigen::VectorXd>& taken) const {
     while (ranking.next < ranking.candidates.size()) {
       const auto& [error, candidate] = ranking.candidates[ranking.next++];
       const Eigen::VectorXd start = candidates_.at(candidate);
-      if (!among(taken, start, min_start_distance)) return std::pair{error, start};
+      if (!is_near_any(taken, start, min_start_distance)) return std::pair{error, start};
     }
     return std::nullopt;
   }
 
-  /// Follows the best candidates, far enough from each other, until one reaches the target: by turns the best when
-  /// outliers count less and when all deviations count. Where there are many samples, all by a few of them, and then
-  /// those by all that promise most.
+  /// Searches from the best candidates, which are far enough from each other, until one search reaches the target.
+  /// Candidates are taken in turn from the rankings with reduced outliers and with plain squares. Targets with many
+  /// samples are first optimized with few samples from all starting points; the best minima are then refined with all
+  /// samples.
   void try_candidates() {
     candidates_.evaluate(*execution_);
-    std::array rankings{ranking(outlier_share), ranking(0)};
+    std::array rankings{ranking(outlier_fraction), ranking(0)};
     std::vector<Eigen::VectorXd> taken;
-    if (problem_.initial) taken.push_back(start_of_request());
+    if (problem_.initial) taken.push_back(requested_start());
     const bool only_one = options_.multi_start == Switch::off;
-    std::vector<Lead> leads;
-    for (std::size_t turn = 0;; turn = 1 - turn) {
+    std::vector<CoarseMinimum> minima;
+    for (std::size_t ranking_index = 0;; ranking_index = 1 - ranking_index) {
       if (best_.starts >= max_starts() || (only_one && found_)) break;
-      if (good() && options_.multi_start != Switch::on) break;
-      const auto start = next_start(rankings[turn], taken);
-      if (!start || (!std::isfinite(start->first) && (found_ || !leads.empty()))) break;
+      if (is_good() && options_.multi_start != Switch::on) break;
+      const auto start = next_start(rankings[ranking_index], taken);
+      if (!start || (!std::isfinite(start->first) && (found_ || !minima.empty()))) break;
       taken.push_back(start->second);
       if (only_one || !many_samples()) {
-        follow(start->second);
+        search_from(start->second);
         continue;
       }
-      begin(start->second);
-      const auto end = look_around(bounds_.free_part(start->second), lead_iterations, rankings[turn].outlier);
-      if (!end.defined) continue;
-      auto lead = lead_of(end, rankings[turn].outlier);
-      if (lead.deviation <= good_share)
-        refine(lead.x, lead.outlier);
+      evaluate_start(start->second);
+      const auto coarse_result =
+          coarse_search(bounds_.free_part(start->second), coarse_iterations, rankings[ranking_index].outlier_threshold);
+      if (!coarse_result.defined) continue;
+      auto minimum = coarse_minimum_of(coarse_result, rankings[ranking_index].outlier_threshold);
+      if (minimum.deviation <= good_deviation)
+        refine(minimum.x, minimum.outlier_threshold);
       else
-        leads.push_back(std::move(lead));
+        minima.push_back(std::move(minimum));
     }
-    refine_leads(std::move(leads));
+    refine_minima(std::move(minima));
   }
 
-  /// Looks for designs that are less near to the target but trusted more, among the candidates and then around the best
-  /// one. Error bars have jumps, where a sample begins to be trusted, so that no derivatives are used.
-  void look_for_trusted() {
+  /// Looks for designs with a smaller merit, which may have a larger deviation: among the candidates, and then around
+  /// the best design. Error bars are discontinuous where a sample begins to be trusted, so that no derivatives are
+  /// used.
+  void search_trusted_designs() {
     const auto begin = std::chrono::steady_clock::now();
-    judge_candidates();
-    judge_around_the_best();
+    compare_candidates();
+    pattern_search();
     trust_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
-  void judge_candidates() {
+  void compare_candidates() {
     candidates_.evaluate(*execution_);
     std::vector<Eigen::VectorXd> tried;
     for (const auto& [error, candidate] : candidates_.ranked(0)) {
-      if (!(error < merit_) || tried.size() >= max_judged_designs) return;
+      if (!(error < merit_) || tried.size() >= max_trust_evaluations) return;
       const Eigen::VectorXd all = candidates_.at(candidate);
-      if (among(tried, all, min_start_distance)) continue;
+      if (is_near_any(tried, all, min_start_distance)) continue;
       tried.push_back(all);
-      judge(bounds_.free_part(all));
+      evaluate_for_trust(bounds_.free_part(all));
     }
   }
 
-  /// A pattern search, which halves its distance where no neighbour is better.
-  void judge_around_the_best() {
+  /// Changes one parameter of the best design after the other. The distance is halved if no neighbour is better.
+  void pattern_search() {
     const Eigen::VectorXd lower = bounds_.free_part(bounds_.lower);
     const Eigen::VectorXd width = bounds_.free_part(bounds_.upper) - lower;
-    const int last = judged_ + max_judged_designs;
-    double distance = first_distance;
+    const int last = trust_evaluations_ + max_trust_evaluations;
+    double distance = initial_distance;
     while (distance >= min_distance) {
       const double before = merit_;
       for (Eigen::Index k = 0; k < width.size(); ++k) {
-        for (const double side : {-distance, distance}) {
-          if (!is_doubtful_ || judged_ >= last) return;
+        for (const double offset : {-distance, distance}) {
+          if (!is_uncertain_ || trust_evaluations_ >= last) return;
           Eigen::VectorXd x = bounds_.free_part(FreeParameters::all_of(best_.parameters, best_.orientation));
-          const double here = x[k];
-          x[k] = std::clamp(here + side * width[k], lower[k], lower[k] + width[k]);
-          if (x[k] != here) judge(x);
+          const double old_value = x[k];
+          x[k] = std::clamp(old_value + offset * width[k], lower[k], lower[k] + width[k]);
+          if (x[k] != old_value) evaluate_for_trust(x);
         }
       }
       if (!(merit_ < before)) distance /= 2;
     }
   }
 
-  void judge(const Eigen::VectorXd& x) {
-    ++judged_;
-    finish(x, DesignStop::trusted);
+  void evaluate_for_trust(const Eigen::VectorXd& x) {
+    ++trust_evaluations_;
+    compare_with_best(x, DesignStop::trusted);
   }
 
-  void refine_leads(std::vector<Lead> leads) {
-    std::stable_sort(leads.begin(), leads.end(),
-                     [](const Lead& a, const Lead& b) { return a.deviation < b.deviation; });
-    const auto most =
-        static_cast<std::size_t>(std::clamp(max_starts() / starts_of_a_refined_lead, 1, max_refined_leads));
+  void refine_minima(std::vector<CoarseMinimum> minima) {
+    std::stable_sort(minima.begin(), minima.end(),
+                     [](const CoarseMinimum& a, const CoarseMinimum& b) { return a.deviation < b.deviation; });
+    const auto max_refined =
+        static_cast<std::size_t>(std::clamp(max_starts() / starts_per_refined_minimum, 1, max_refined_minima));
     std::vector<Eigen::VectorXd> refined;
-    for (const auto& lead : leads) {
-      if (good() && options_.multi_start != Switch::on) return;
-      if (found_ && (refined.size() >= most || !(lead.deviation < 2 * merit_))) return;
-      const Eigen::VectorXd all = all_parameters(bounds_.held, bounds_.free, lead.x);
-      if (among(refined, all, same_lead)) continue;
+    for (const auto& minimum : minima) {
+      if (is_good() && options_.multi_start != Switch::on) return;
+      if (found_ && (refined.size() >= max_refined || !(minimum.deviation < 2 * merit_))) return;
+      const Eigen::VectorXd all = all_parameters(bounds_.fixed_values, bounds_.free, minimum.x);
+      if (is_near_any(refined, all, same_minimum_radius)) continue;
       refined.push_back(all);
-      refine(lead.x, lead.outlier);
+      refine(minimum.x, minimum.outlier_threshold);
     }
   }
 
-  /// Whether one of the points is so near, as a share of the bounds' widths.
-  bool among(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& point, double distance) const {
-    const double turn = orientation_in(bounds_.upper) - orientation_in(bounds_.lower);
-    const Eigen::VectorXd width = FreeParameters::all_of(network_.upper - network_.lower, turn > 0 ? turn : 1);
+  /// Whether one of the points is closer than `distance`, a fraction of the bounds' widths in the maximum norm.
+  bool is_near_any(const std::vector<Eigen::VectorXd>& points, const Eigen::VectorXd& point, double distance) const {
+    const double orientation_range = orientation_in(bounds_.upper) - orientation_in(bounds_.lower);
+    const Eigen::VectorXd width =
+        FreeParameters::all_of(network_.upper - network_.lower, orientation_range > 0 ? orientation_range : 1);
     return std::any_of(points.begin(), points.end(), [&](const Eigen::VectorXd& other) {
       return (point - other).cwiseQuotient(width).cwiseAbs().maxCoeff() < distance;
     });
   }
 
-  bool good() const { return best_.reached && best_.error.relative_rms <= good_share && !is_doubtful_; }
+  bool is_good() const { return best_.reached && best_.error.relative_rms <= good_deviation && !is_uncertain_; }
 
   void add_envelope() {
     const bool wanted =
@@ -459,15 +473,15 @@ class Search {
     Eigen::Index at = 0;
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       const auto n = candidates_.targets()[t].y.size();
-      const auto [least, most] = materials_.limits();
+      const auto [min_factor, max_factor] = materials_.limits();
       const Task task = candidates_.targets()[t].samples.task;
       Eigen::MatrixXd y(n, 2 * candidates_.count());
       for (Eigen::Index c = 0; c < candidates_.count(); ++c) {
         const Eigen::VectorXd values = candidates_.values(c).segment(at, n);
-        y.col(2 * c) = factor_for(task, least) * values;
-        y.col(2 * c + 1) = factor_for(task, most) * values;
+        y.col(2 * c) = factor_for(task, min_factor) * values;
+        y.col(2 * c + 1) = factor_for(task, max_factor) * values;
       }
-      bound_profile(best_.profiles[t], candidates_.targets()[t], y);
+      fill_envelope(best_.profiles[t], candidates_.targets()[t], y);
       at += n;
     }
   }
@@ -488,12 +502,14 @@ class Search {
     execution_->cost->add_effect("multi_start", ran, why, best_.starts);
   }
 
-  /// What stops a design from coming closer may be its material.
+  /// The material may be the reason why no design comes closer.
   std::string message_about_modulus() const {
     if (best_.reached || problem_.moduli.empty()) return {};
-    const auto& [least, most] = problem_.moduli[best_.material];
-    if (!(least < most) || (best_.youngs_modulus > least && best_.youngs_modulus < most)) return {};
-    return std::string(" Young's modulus is at its ") + (best_.youngs_modulus == least ? "lower" : "upper") + " limit.";
+    const auto& [min_modulus, max_modulus] = problem_.moduli[best_.material];
+    if (!(min_modulus < max_modulus) || (best_.youngs_modulus > min_modulus && best_.youngs_modulus < max_modulus))
+      return {};
+    return std::string(" Young's modulus is at its ") + (best_.youngs_modulus == min_modulus ? "lower" : "upper") +
+           " limit.";
   }
 
   void bill() const {
@@ -505,13 +521,13 @@ class Search {
         "orientation", bounds_.orientation_is_free(),
         bounds_.orientation_is_free() ? "the request leaves a range" : "the request leaves no choice");
     if (space_.model.calibration) {
-      const bool has_chosen = nearest_ < best_.error.relative_rms;
+      const bool has_chosen = min_deviation_ < best_.error.relative_rms;
       execution_->cost->add_effect("trust", has_chosen,
                                    options_.trust == Switch::off ? "the request turns it off"
                                    : !weighs_trust()             ? "the request says where to begin"
                                    : has_chosen ? "the model's error bars are long at a design that seems nearer"
                                                 : "the nearest design is trusted as much as any",
-                                   judged_, trust_seconds_);
+                                   trust_evaluations_, trust_seconds_);
     }
     execution_->cost->add_effect("limits", limits_.are_needed(),
                                  limits_.are_needed() ? "the request has limits" : "the request has none");
@@ -531,56 +547,60 @@ class Search {
   FreeParameters bounds_;
   const ModulusChoice& materials_;
   ModulusChoice moduli_;
-  LimitRows limits_;
-  std::optional<std::string> beyond_limits_;  ///< what was, of the best design beyond the limits
-  double least_beyond_ = 0;                   ///< its deviation
-  std::vector<Eigen::VectorXd> initial_;      ///< values at the first starting point, of each target
+  LimitResiduals limits_;
+  /// Violated limits of the design with the least deviation beyond the limits.
+  std::optional<std::string> beyond_limits_;
+  double deviation_beyond_limits_ = 0;    ///< deviation of that design
+  std::vector<Eigen::VectorXd> initial_;  ///< values of each target at the first starting point
   RankedCandidates candidates_;
   Design best_;
   double merit_ = 0;  ///< sqrt(d^2 + u^2) of the best design, see DesignOptions::trust
-  bool is_doubtful_ = false;
-  int judged_ = 0;            ///< designs that were looked at because the nearest one was not trusted
-  double trust_seconds_ = 0;  ///< that this took
-  double nearest_ = std::numeric_limits<double>::infinity();  ///< deviation of the nearest design, trusted or not
+  bool is_uncertain_ = false;
+  int trust_evaluations_ = 0;  ///< designs that were evaluated because the best one was uncertain
+  double trust_seconds_ = 0;   ///< time of these evaluations, s
+  /// Least deviation of all designs, trusted or not.
+  double min_deviation_ = std::numeric_limits<double>::infinity();
   bool found_ = false;
   bool reported_ = false;
-  double least_reported_ = 0;
+  double min_reported_deviation_ = 0;
   std::int64_t evaluations_ = 0;
   std::int64_t restarts_ = 0;
 };
 
-/// The counts of all searches belong to the design that is best.
+/// Adds the counts of another search to those of the best design.
 void add_counts(Design& best, const Design& other) {
   best.iterations += other.iterations;
   best.starts += other.starts;
   best.evaluations += other.evaluations;
 }
 
-/// The best design of several materials. Each of them is searched for by itself: a search that may change the material
-/// at every step ends where two materials are equally good, and its starting points are those of the materials that
-/// look best from afar. The first material that reaches the target with a design that is trusted ends the search.
+/// The best design of several materials. Each material has a search of its own. A search that chose the material at
+/// every step would end where two materials are equally good, and its starting points would be those of the materials
+/// that fit best far from a minimum. The first material whose design reaches the target and is trusted ends the search.
 Design best_of_materials(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
                          const ModulusChoice& materials, const Execution& execution, const OnProgress& progress) {
   std::optional<Design> best;
   std::optional<Error> refusal;
-  double least_reported = std::numeric_limits<double>::infinity();
+  double min_reported_deviation = std::numeric_limits<double>::infinity();
   OnProgress improvements;
   if (progress)
-    improvements = [&](const DesignProgress& news) {
-      if (news.error.relative_rms >= least_reported) return;
-      least_reported = news.error.relative_rms;
-      progress(news);
+    improvements = [&](const DesignProgress& update) {
+      if (update.error.relative_rms >= min_reported_deviation) return;
+      min_reported_deviation = update.error.relative_rms;
+      progress(update);
     };
   const std::size_t count = problem.moduli.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const double share = 1 / static_cast<double>(count);
-    const PartOfExecution part(execution, share * static_cast<double>(i), share);
-    DesignProblem alone = problem;
-    alone.moduli = {problem.moduli[i]};
+    const double fraction = 1 / static_cast<double>(count);
+    const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
+    DesignProblem single_material_problem = problem;
+    single_material_problem.moduli = {problem.moduli[i]};
     try {
-      Design design = Search(space, alone, options, materials).run(part.execution(), improvements);
+      Design design = Search(space, single_material_problem, options, materials).run(part.execution(), improvements);
       design.material = i;
-      const auto merit = [](const Design& of) { return std::hypot(of.error.relative_rms, of.doubt); };
+      const auto merit = [](const Design& candidate) {
+        return std::hypot(candidate.error.relative_rms, candidate.uncertainty);
+      };
       const bool is_better = !best || merit(design) < merit(*best);
       if (best) add_counts(is_better ? design : *best, is_better ? *best : design);
       if (is_better) best = std::move(design);
@@ -588,7 +608,7 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
       if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
       if (!refusal) refusal = error;
     }
-    const bool is_good = best && best->reached && best->error.relative_rms <= good_share && best->doubt == 0;
+    const bool is_good = best && best->reached && best->error.relative_rms <= good_deviation && best->uncertainty == 0;
     if (is_good && options.multi_start != Switch::on) break;
   }
   if (!best) throw Error(*refusal);

@@ -27,7 +27,7 @@ bool Equilibria<Real>::follow(const typename Evaluator::Design& design, const Ei
   steps.reserve(samples_.size());
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     steps.emplace_back(sensitivity(i) * change);
-    // Where the material turns one way, the load's direction in it turns the other way.
+    // If the material turns by an angle, the load's direction turns by the opposite angle relative to it.
     if (turn != 0) steps.back() -= direction_sensitivity(i) * turn;
   }
   if (turn != 0) turn_to(orientation_ + turn);
@@ -48,9 +48,10 @@ Eigen::Matrix2Xd Equilibria<Real>::sensitivity(std::size_t i) const {
   const Sample& sample = samples_[i];
   const auto& free = sample.newton.frame().free;
   const Eigen::Matrix2d h = free.transpose() * sample.state.tangent * free;
-  const Eigen::Matrix2Xd right = free.transpose() * sample.state.stress_by_parameters;
-  Eigen::Matrix2Xd result(2, right.cols());
-  for (Eigen::Index p = 0; p < right.cols(); ++p) result.col(p) = -neural::convex_solve(h, right.col(p));
+  const Eigen::Matrix2Xd right_hand_sides = free.transpose() * sample.state.stress_by_parameters;
+  Eigen::Matrix2Xd result(2, right_hand_sides.cols());
+  for (Eigen::Index p = 0; p < right_hand_sides.cols(); ++p)
+    result.col(p) = -neural::convex_solve(h, right_hand_sides.col(p));
   return result;
 }
 
@@ -126,7 +127,7 @@ void Equilibria<Real>::read(Eigen::Index column, Equilibrium& state) const {
   state.energy_density = evaluation_.energy_density[column];
   state.stress = evaluation_.stress.col(column);
   state.tangent = neural::symmetric_matrix(evaluation_.tangent.col(column));
-  // Rows of the evaluation run through the parameters first.
+  // In a column of the evaluation, the parameters of one stress component are consecutive.
   const Eigen::Index parameters = evaluation_.stress_by_parameters.rows() / 3;
   state.stress_by_parameters.resize(3, parameters);
   for (Eigen::Index row = 0; row < 3; ++row)

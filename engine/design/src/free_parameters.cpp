@@ -8,7 +8,7 @@
 namespace supple::design {
 namespace {
 
-/// Beyond a bound by less is rounding, as a share of the bounds' width.
+/// A value beyond a bound by less than this counts as rounding; fraction of the bounds' width.
 constexpr double bound_rounding = 1e-9;
 
 void check_bounds(const neural::Network& network, std::string where, Eigen::Index k, double value,
@@ -24,7 +24,7 @@ void check_bounds(const neural::Network& network, std::string where, Eigen::Inde
 FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& problem)
     : lower(all_of(space.model.network.lower, problem.orientation.least)),
       upper(all_of(space.model.network.upper, problem.orientation.most)),
-      held(0.5 * (lower + upper)) {
+      fixed_values(0.5 * (lower + upper)) {
   const neural::Network& network = space.model.network;
   const Eigen::Index n = network.lower.size();
   const std::string count = "The family " + space.model.family + " has " + std::to_string(n) + " parameters";
@@ -42,9 +42,9 @@ FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& pr
       free.push_back(k);
       continue;
     }
-    held[k] = *problem.fixed[static_cast<std::size_t>(k)];
-    check_bounds(network, "fixed/" + std::to_string(k), k, held[k], faults);
-    lower[k] = upper[k] = held[k];
+    fixed_values[k] = *problem.fixed[static_cast<std::size_t>(k)];
+    check_bounds(network, "fixed/" + std::to_string(k), k, fixed_values[k], faults);
+    lower[k] = upper[k] = fixed_values[k];
   }
   if (orientation_is_free()) free.push_back(n);
   if (!faults.empty())
@@ -59,9 +59,9 @@ Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {
 }
 
 std::vector<Eigen::Index> FreeParameters::free_of_family() const {
-  auto places = free;
-  if (orientation_is_free()) places.pop_back();
-  return places;
+  auto indices = free;
+  if (orientation_is_free()) indices.pop_back();
+  return indices;
 }
 
 Eigen::VectorXd FreeParameters::all_of(const Eigen::VectorXd& parameters, double orientation) {
@@ -70,10 +70,10 @@ Eigen::VectorXd FreeParameters::all_of(const Eigen::VectorXd& parameters, double
   return all;
 }
 
-Eigen::VectorXd all_parameters(Eigen::VectorXd held, const std::vector<Eigen::Index>& free,
+Eigen::VectorXd all_parameters(Eigen::VectorXd fixed_values, const std::vector<Eigen::Index>& free,
                                const Eigen::VectorXd& part) {
-  for (std::size_t k = 0; k < free.size(); ++k) held[free[k]] = part[static_cast<Eigen::Index>(k)];
-  return held;
+  for (std::size_t k = 0; k < free.size(); ++k) fixed_values[free[k]] = part[static_cast<Eigen::Index>(k)];
+  return fixed_values;
 }
 
 }  // namespace supple::design

@@ -11,14 +11,17 @@
 namespace supple::design {
 namespace {
 
-/// Where their number is left open: the other spaces are chances enough.
-constexpr int starts_in_each_space = 4;
-/// The error that is assumed of a model whose errors nobody measured, so that any model with known errors comes first.
-constexpr double unknown_model_error = 1;
+/// Default number of starting points in each of several spaces. One space alone has more, because here the other spaces
+/// are further chances.
+constexpr int default_starts_per_space = 4;
+/// Relative stress error that is assumed of a model without a measured error. It is larger than any measured one, so
+/// that models with a known error come first.
+constexpr double assumed_model_error = 1;
 
-/// A deviation that is far below the model's own error says nothing about the structure.
-double expected_deviation(double relative_rms, std::optional<double> model_error, double doubt = 0) {
-  return std::hypot(relative_rms, std::max(model_error.value_or(unknown_model_error), doubt));
+/// Expected deviation of the real structure. The model's error counts too, because a deviation far below it says
+/// nothing about the structure.
+double expected_deviation(double relative_rms, std::optional<double> model_error, double uncertainty = 0) {
+  return std::hypot(relative_rms, std::max(model_error.value_or(assumed_model_error), uncertainty));
 }
 
 }  // namespace
@@ -44,23 +47,25 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   std::optional<Error> beyond_limits;
   std::size_t done = 0;
   const bool several = spaces.size() > 1;
-  DesignOptions of_each = options;
-  if (several && options.starts == 0) of_each.starts = starts_in_each_space;
+  DesignOptions space_options = options;
+  if (several && options.starts == 0) space_options.starts = default_starts_per_space;
   parallel_for(static_cast<int>(spaces.size()), [&](int index) {
     const auto i = static_cast<std::size_t>(index);
-    OnProgress of_space;
+    OnProgress report_space;
     if (progress)
-      of_space = [&, i](const DesignProgress& news) {
+      report_space = [&, i](const DesignProgress& update) {
         const std::lock_guard lock(mutex);
-        const double expected = expected_deviation(news.error.relative_rms, neural::mean_stress_error(spaces[i].model));
+        const double expected =
+            expected_deviation(update.error.relative_rms, neural::mean_stress_error(spaces[i].model));
         if (best && expected >= *best) return;
         best = expected;
-        progress({i, news.parameters, news.orientation, news.samples, news.achieved, news.error, news.iteration});
+        progress({i, update.parameters, update.orientation, update.samples, update.achieved, update.error,
+                  update.iteration});
       };
     const Execution inner{execution.cancellation, several ? nullptr : execution.progress,
                           execution.cost ? &bills[i] : nullptr};
     try {
-      found[i] = find_design(spaces[i], problem, of_each, inner, of_space);
+      found[i] = find_design(spaces[i], problem, space_options, inner, report_space);
       found[i]->space = i;
     } catch (const Error& error) {
       if (!several || (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits")) throw;
@@ -86,7 +91,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   if (ranking.empty())
     throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
   const auto expected = [](const Design& design) {
-    return expected_deviation(design.error.relative_rms, design.model_error, design.doubt);
+    return expected_deviation(design.error.relative_rms, design.model_error, design.uncertainty);
   };
   std::stable_sort(ranking.begin(), ranking.end(),
                    [&](const Design& a, const Design& b) { return expected(a) < expected(b); });

@@ -20,22 +20,23 @@ namespace {
 using Points = MeasuredPoints;
 
 constexpr double half_turn = std::numbers::pi;
-/// Averages of neighbours that are fitted, at most, for each control point there may be, and at least in all.
-constexpr std::size_t fitted_for_each = 16;
-constexpr std::size_t min_fitted = 400;
+/// Numbers of averages that are fitted if there are more points: this many for each control point, and at least
+/// min_averages.
+constexpr std::size_t averages_per_control_point = 16;
+constexpr std::size_t min_averages = 400;
 constexpr int min_control_points = 2;
 constexpr int max_control_points = 64;
-/// Knots lie at least this far apart, in shares of the range.
-constexpr double min_gap = 0.004;
-/// A knot whose value and place follow nothing but scatter lessens the sum of squares by about twice its variance: one
-/// that is worth having does by more than this multiple.
-constexpr double significant = 8;
+/// Minimum distance of knots, as a fraction of the range of x.
+constexpr double min_knot_distance = 0.004;
+/// Minimum decrease of the sum of squares by a knot, as a multiple of the points' variance. A knot whose value and
+/// position fit noise alone decreases the sum by about twice the variance.
+constexpr double min_variance_multiple = 8;
 
 [[noreturn]] void refuse_curve(const std::string& where, const std::string& message) {
   throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
 }
 
-/// What is fitted becomes a target.
+/// Control points must satisfy the limits of targets.
 void refuse_beyond_targets(const Points& points) {
   for (const auto& p : points) {
     if (p.cwiseAbs().maxCoeff() <= largest_coordinate) continue;
@@ -51,7 +52,7 @@ double root_mean_square(const Points& points) {
   return std::sqrt(sum / static_cast<double>(points.size()));
 }
 
-/// The points in the order of x. Points of the same x become one point, whose y is their average.
+/// The points in increasing order of x. Points of equal x become one point, whose y is their average.
 Points sorted(Points points) {
   std::stable_sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
   Points out;
@@ -65,78 +66,80 @@ Points sorted(Points points) {
   return out;
 }
 
-/// Averages of neighbours, with how many points each stands for.
-struct Fitted {
+/// Averages of neighbouring points, and the number of points in each average.
+struct Averages {
   Points points;
   Eigen::VectorXd weights;
 };
 
-Fitted averaged(const Points& points, int control_points) {
+Averages averages_of(const Points& points, int control_points) {
   const std::size_t n = points.size();
   const std::size_t groups =
-      std::min(n, std::max(min_fitted, fitted_for_each * static_cast<std::size_t>(control_points)));
-  Fitted fitted;
-  fitted.points.reserve(groups);
-  fitted.weights.resize(static_cast<Eigen::Index>(groups));
+      std::min(n, std::max(min_averages, averages_per_control_point * static_cast<std::size_t>(control_points)));
+  Averages averages;
+  averages.points.reserve(groups);
+  averages.weights.resize(static_cast<Eigen::Index>(groups));
   for (std::size_t g = 0; g < groups; ++g) {
     const std::size_t begin = g * n / groups, end = (g + 1) * n / groups;
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (std::size_t i = begin; i < end; ++i) sum += points[i];
     const auto count = static_cast<double>(end - begin);
-    fitted.points.emplace_back(sum / count);
-    fitted.weights[static_cast<Eigen::Index>(g)] = count;
+    averages.points.emplace_back(sum / count);
+    averages.weights[static_cast<Eigen::Index>(g)] = count;
   }
-  return fitted;
+  return averages;
 }
 
-/// Root mean square of what the cubic through its two neighbours on either side misses a point by, as the scatter of
-/// one point: a smooth curve has next to none.
-double scatter_of(const Points& points) {
+/// Estimated standard deviation of the points' noise, almost zero for a smooth curve. Each point is compared with the
+/// cubic polynomial through its two neighbours on either side. The squared difference is divided by its expected value
+/// for independent noise of variance 1.
+double noise_of(const Points& points) {
   constexpr std::array<std::size_t, 4> neighbours{0, 1, 3, 4};
   if (points.size() < 6) return 0;
   double sum = 0;
   for (std::size_t i = 0; i + 4 < points.size(); ++i) {
     const double x = points[i + 2].x();
-    double miss = points[i + 2].y(), variance = 1;
+    double difference = points[i + 2].y(), variance = 1;
     for (const std::size_t j : neighbours) {
       double weight = 1;
       for (const std::size_t k : neighbours) {
         if (k != j) weight *= (x - points[i + k].x()) / (points[i + j].x() - points[i + k].x());
       }
-      miss -= weight * points[i + j].y();
+      difference -= weight * points[i + j].y();
       variance += weight * weight;
     }
-    sum += miss * miss / variance;
+    sum += difference * difference / variance;
   }
   return std::sqrt(sum / static_cast<double>(points.size() - 4));
 }
 
-/// A curve through knots, whose values are fitted; one of them may be held at the origin.
+/// A curve through knots, whose values are fitted by weighted least squares. The value of one knot may be fixed at
+/// zero.
 class KnotFit {
  public:
-  KnotFit(const Fitted& data, numerics::Interpolation interpolation, std::optional<double> repeats)
-      : data_(data), interpolation_(interpolation), repeats_(repeats) {}
+  KnotFit(const Averages& data, numerics::Interpolation interpolation, std::optional<double> x_period)
+      : data_(data), interpolation_(interpolation), x_period_(x_period) {}
 
   struct Result {
     std::vector<double> y;
     double mean_square = INFINITY;
-    Eigen::VectorXd residuals;  ///< of the averages
+    Eigen::VectorXd residuals;  ///< residuals of the averages
   };
 
-  /// `held`: index of the knot whose value is zero; -1 for none.
-  Result operator()(const std::vector<double>& x, int held) const {
+  /// `fixed` is the index of the knot whose value is fixed at zero, or -1.
+  Result operator()(const std::vector<double>& x, int fixed) const {
     const auto n = static_cast<Eigen::Index>(data_.points.size());
     const auto k = static_cast<Eigen::Index>(x.size());
-    Result result{start_values(x, held), INFINITY, {}};
-    // Cubic and linear curves are linear in their knots' values: one step. The monotone one bends where slopes change
-    // their sign, and a few steps settle it.
+    Result result{start_values(x, fixed), INFINITY, {}};
+    // Cubic and linear curves depend linearly on the values of their knots, so that one Gauss-Newton step suffices. The
+    // monotone curve depends on them nonlinearly, with kinks where slopes change sign, and takes a few steps.
     const int steps = interpolation_ == numerics::Interpolation::monotone ? 6 : 1;
     evaluate(x, result);
     for (int step = 0; step < steps; ++step) {
       Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(n, k);
       const double h = interpolation_ == numerics::Interpolation::monotone ? 1e-6 * scale() : scale();
       for (Eigen::Index j = 0; j < k; ++j) {
-        if (j == held) continue;
+        if (j == fixed) continue;
         Result moved = result;
         moved.y[static_cast<std::size_t>(j)] += h;
         evaluate(x, moved);
@@ -144,10 +147,10 @@ class KnotFit {
       }
       const Eigen::MatrixXd weighted = data_.weights.asDiagonal() * jacobian;
       Eigen::MatrixXd normal = jacobian.transpose() * weighted;
-      // A knot that no point determines keeps its value.
+      // Regularization: a knot keeps its value if no point determines it.
       normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff() + 1e-300;
       const Eigen::VectorXd change = -normal.ldlt().solve(weighted.transpose() * result.residuals);
-      if (!improve(x, change, result)) break;
+      if (!line_search(x, change, result)) break;
     }
     return result;
   }
@@ -155,22 +158,22 @@ class KnotFit {
   double scale() const { return scale_; }
 
  private:
-  std::vector<double> start_values(const std::vector<double>& x, int held) const {
+  std::vector<double> start_values(const std::vector<double>& x, int fixed) const {
     std::vector<double> y;
     for (const double at : x) {
       const auto next = std::lower_bound(data_.points.begin(), data_.points.end(), at,
                                          [](const auto& p, double value) { return p.x() < value; });
       y.push_back(next == data_.points.end() ? data_.points.back().y() : next->y());
     }
-    if (held >= 0) y[static_cast<std::size_t>(held)] = 0;
+    if (fixed >= 0) y[static_cast<std::size_t>(fixed)] = 0;
     return y;
   }
 
-  /// Goes along the change, less far where that is no improvement. False where nothing was.
-  bool improve(const std::vector<double>& x, const Eigen::VectorXd& change, Result& result) const {
-    for (const double share : {1.0, 0.5, 0.25, 0.125, 0.0625}) {
+  /// Adds the largest of some fractions of the change that decreases the mean square. False if none does.
+  bool line_search(const std::vector<double>& x, const Eigen::VectorXd& change, Result& result) const {
+    for (const double fraction : {1.0, 0.5, 0.25, 0.125, 0.0625}) {
       Result next = result;
-      for (Eigen::Index j = 0; j < change.size(); ++j) next.y[static_cast<std::size_t>(j)] += share * change[j];
+      for (Eigen::Index j = 0; j < change.size(); ++j) next.y[static_cast<std::size_t>(j)] += fraction * change[j];
       evaluate(x, next);
       if (!(next.mean_square < result.mean_square)) continue;
       result = std::move(next);
@@ -180,7 +183,7 @@ class KnotFit {
   }
 
   void evaluate(const std::vector<double>& x, Result& result) const {
-    const numerics::Interpolant curve(x, result.y, interpolation_, repeats_);
+    const numerics::Interpolant curve(x, result.y, interpolation_, x_period_);
     result.residuals.resize(static_cast<Eigen::Index>(data_.points.size()));
     double sum = 0;
     for (Eigen::Index i = 0; i < result.residuals.size(); ++i) {
@@ -191,19 +194,19 @@ class KnotFit {
     result.mean_square = sum / data_.weights.sum();
   }
 
-  const Fitted& data_;
+  const Averages& data_;
   numerics::Interpolation interpolation_;
-  std::optional<double> repeats_;
+  std::optional<double> x_period_;
   double scale_ = std::max(1e-300, root_mean_square(data_.points));
 };
 
-/// Knots and the curve that is fitted through them.
+/// Knots, and the curve that is fitted through them.
 class KnotSearch {
  public:
-  KnotSearch(const KnotFit& fit, const Fitted& data, std::vector<double> knots, std::optional<double> held,
+  KnotSearch(const KnotFit& fit, const Averages& data, std::vector<double> knots, std::optional<double> fixed,
              const CancellationToken& cancellation)
-      : fit_(fit), data_(data), knots_(std::move(knots)), held_(held), cancellation_(cancellation) {
-    gap_ = min_gap * (data.points.back().x() - data.points.front().x());
+      : fit_(fit), data_(data), knots_(std::move(knots)), fixed_(fixed), cancellation_(cancellation) {
+    min_distance_ = min_knot_distance * (data.points.back().x() - data.points.front().x());
     result_ = fitted(knots_);
   }
 
@@ -211,9 +214,9 @@ class KnotSearch {
   const KnotFit::Result& result() const { return result_; }
   int count() const { return static_cast<int>(knots_.size()); }
 
-  /// One knot more, at the centre of mass of the squared deviation between two knots: where that deviation is largest,
-  /// or the next interval where one more knot is an improvement. False where none is.
-  bool add() {
+  /// Adds a knot in an interval between two knots, at the centre of mass of the squared deviations there. Intervals are
+  /// tried in the order of decreasing sums of squared deviations, until a knot is an improvement. False if none is.
+  bool add_knot() {
     std::vector<double> mass(knots_.size() + 1, 0), moment(knots_.size() + 1, 0);
     std::size_t interval = 0;
     for (std::size_t i = 0; i < data_.points.size(); ++i) {
@@ -229,38 +232,38 @@ class KnotSearch {
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return mass[a] > mass[b]; });
     for (const std::size_t k : order) {
       if (!(mass[k] > 0)) return false;
-      const double lower = k == 0 ? data_.points.front().x() - gap_ : knots_[k - 1];
-      const double upper = k == knots_.size() ? data_.points.back().x() + gap_ : knots_[k];
-      if (upper - lower < 2 * gap_) continue;
+      const double lower = k == 0 ? data_.points.front().x() - min_distance_ : knots_[k - 1];
+      const double upper = k == knots_.size() ? data_.points.back().x() + min_distance_ : knots_[k];
+      if (upper - lower < 2 * min_distance_) continue;
       std::vector<double> knots = knots_;
       knots.insert(knots.begin() + static_cast<std::ptrdiff_t>(k),
-                   std::clamp(moment[k] / mass[k], lower + gap_, upper - gap_));
+                   std::clamp(moment[k] / mass[k], lower + min_distance_, upper - min_distance_));
       if (!accept(std::move(knots))) continue;
-      settle(k == 0 ? 0 : k - 1, k + 2);
+      move_knots(k == 0 ? 0 : k - 1, k + 2);
       return true;
     }
     return false;
   }
 
-  /// Moves all inner knots where that lessens the deviation.
-  void settle(int sweeps) {
+  /// Moves inner knots as long as that decreases the mean square, in at most `sweeps` sweeps.
+  void move_knots(int sweeps) {
     for (int sweep = 0; sweep < sweeps; ++sweep) {
-      if (!settle(0, knots_.size())) return;
+      if (!move_knots(0, knots_.size())) return;
     }
   }
 
-  /// Leaves out knots while the mean square stays below `allowed`, first those that matter least.
-  void thin(double allowed) {
+  /// Removes knots, those with the least effect first, as long as the mean square is at most `allowed`.
+  void remove_knots(double allowed) {
     while (knots_.size() > 2) {
       std::vector<double> best;
-      double least = allowed;
+      double min_mean_square = allowed;
       for (std::size_t k = 1; k + 1 < knots_.size(); ++k) {
-        if (held_ && knots_[k] == *held_) continue;
+        if (fixed_ && knots_[k] == *fixed_) continue;
         std::vector<double> knots = knots_;
         knots.erase(knots.begin() + static_cast<std::ptrdiff_t>(k));
         const double mean_square = fitted(knots).mean_square;
-        if (!(mean_square <= least)) continue;
-        least = mean_square;
+        if (!(mean_square <= min_mean_square)) continue;
+        min_mean_square = mean_square;
         best = std::move(knots);
       }
       if (best.empty()) return;
@@ -270,17 +273,17 @@ class KnotSearch {
   }
 
  private:
-  /// Moves each inner knot of a part by shares of the way to its neighbours while that lessens the deviation. Whether
-  /// any has moved.
-  bool settle(std::size_t begin, std::size_t end) {
+  /// Moves each inner knot of a range by fractions of the distance to its neighbours if that decreases the mean square.
+  /// Returns whether any knot has moved.
+  bool move_knots(std::size_t begin, std::size_t end) {
     bool moved = false;
     for (std::size_t k = std::max<std::size_t>(begin, 1); k < end && k + 1 < knots_.size(); ++k) {
-      if (held_ && knots_[k] == *held_) continue;
-      for (const double share : {-0.5, -0.2, 0.2, 0.5}) {
-        const double way = share < 0 ? knots_[k] - knots_[k - 1] : knots_[k + 1] - knots_[k];
+      if (fixed_ && knots_[k] == *fixed_) continue;
+      for (const double fraction : {-0.5, -0.2, 0.2, 0.5}) {
+        const double distance = fraction < 0 ? knots_[k] - knots_[k - 1] : knots_[k + 1] - knots_[k];
         std::vector<double> knots = knots_;
-        knots[k] += share * way;
-        if (knots[k] - knots[k - 1] < gap_ || knots[k + 1] - knots[k] < gap_) continue;
+        knots[k] += fraction * distance;
+        if (knots[k] - knots[k - 1] < min_distance_ || knots[k + 1] - knots[k] < min_distance_) continue;
         moved |= accept(std::move(knots));
       }
     }
@@ -289,11 +292,11 @@ class KnotSearch {
 
   KnotFit::Result fitted(const std::vector<double>& knots) const {
     cancellation_.throw_if_requested();
-    int held = -1;
-    for (std::size_t k = 0; held_ && k < knots.size(); ++k) {
-      if (knots[k] == *held_) held = static_cast<int>(k);
+    int fixed = -1;
+    for (std::size_t k = 0; fixed_ && k < knots.size(); ++k) {
+      if (knots[k] == *fixed_) fixed = static_cast<int>(k);
     }
-    return fit_(knots, held);
+    return fit_(knots, fixed);
   }
 
   bool accept(std::vector<double> knots) {
@@ -305,11 +308,11 @@ class KnotSearch {
   }
 
   const KnotFit& fit_;
-  const Fitted& data_;
+  const Averages& data_;
   std::vector<double> knots_;
-  std::optional<double> held_;
+  std::optional<double> fixed_;
   const CancellationToken& cancellation_;
-  double gap_ = 0;
+  double min_distance_ = 0;
   KnotFit::Result result_;
 };
 
@@ -321,7 +324,7 @@ void check(const ReductionOptions& options) {
   }
 }
 
-/// The points that count, in the order of the measurement; those of directions modulo pi.
+/// The points that count, in the order of the measurement. Directions are taken modulo pi.
 Points counted(const MeasuredCurve& curve, const ReductionOptions& options, SetAside& set_aside) {
   Points points;
   points.reserve(curve.points.size());
@@ -344,9 +347,9 @@ Points counted(const MeasuredCurve& curve, const ReductionOptions& options, SetA
   return points;
 }
 
-void keep_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
+void select_first_loading(Points& points, Switch wanted, ReducedCurve& reduced, const Execution& execution) {
   reduced.first_loading =
-      wanted == Switch::on || (wanted == Switch::automatic && turning_back(points) > noticeable_fraction);
+      wanted == Switch::on || (wanted == Switch::automatic && reversal(points) > noticeable_fraction);
   std::string why = "the request asks for it";
   if (wanted == Switch::off) why = "the request leaves it out";
   if (wanted == Switch::automatic) {
@@ -387,7 +390,7 @@ bool passes_origin(const Points& points, Task task, Switch wanted, const Executi
   return passes;
 }
 
-/// What was measured at zero strain: between its neighbours, or the nearest end's value.
+/// The measured y at x = 0: interpolated between the neighbours, or the value of the nearest end.
 double value_at_zero(const Points& points) {
   const auto next =
       std::lower_bound(points.begin(), points.end(), 0.0, [](const auto& p, double x) { return p.x() < x; });
@@ -398,10 +401,10 @@ double value_at_zero(const Points& points) {
   return (1 - t) * before->y() + t * next->y();
 }
 
-std::vector<double> first_knots(const Points& points, bool periodic, bool origin) {
+std::vector<double> initial_knots(const Points& points, bool periodic, bool origin) {
   const double lower = points.front().x(), upper = points.back().x(), range = upper - lower;
   if (periodic) {
-    // Four directions at least, unless all lie in a part of half a turn.
+    // At least four directions, even if all points lie within a part of half a turn.
     const double step = std::min(range, 0.75 * half_turn) / 3;
     return {lower, lower + step, lower + 2 * step, lower + 3 * step};
   }
@@ -411,8 +414,8 @@ std::vector<double> first_knots(const Points& points, bool periodic, bool origin
   return {0, upper};
 }
 
-/// The error of the final curve against every point that counts.
-void judge(const numerics::Interpolant& curve, ReducedCurve& reduced) {
+/// Computes the deviation of the final curve from all points that count.
+void measure_error(const numerics::Interpolant& curve, ReducedCurve& reduced) {
   double sum = 0;
   for (const auto& p : reduced.points) {
     const double deviation = std::abs(curve(p.x()) - p.y());
@@ -438,7 +441,7 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   if (points.size() < 2)
     refuse_curve("points", "must have at least two points that are finite and within the range asked for");
   if (!periodic) {
-    keep_first_loading(points, options.loading, reduced, execution);
+    select_first_loading(points, options.loading, reduced, execution);
     cut_after_rupture(points, options.rupture, reduced, execution);
   } else if (execution.cost) {
     execution.cost->add_effect("loading", false, "directions are not loaded and unloaded");
@@ -450,35 +453,35 @@ ReducedCurve reduce(const MeasuredCurve& curve, const ReductionOptions& options,
   reduced.through_origin = passes_origin(reduced.points, curve.task, options.origin, execution);
   if (reduced.through_origin) reduced.offset = value_at_zero(reduced.points);
 
-  const Fitted data = averaged(reduced.points, options.max_control_points);
+  const Averages data = averages_of(reduced.points, options.max_control_points);
   const KnotFit fit(data, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt);
   const double scale = root_mean_square(reduced.points);
-  const double scatter = scatter_of(reduced.points);
-  if (scale > 0) reduced.noise = scatter / scale;
-  std::vector<double> knots = first_knots(reduced.points, periodic, reduced.through_origin);
+  const double noise_deviation = noise_of(reduced.points);
+  if (scale > 0) reduced.noise = noise_deviation / scale;
+  std::vector<double> knots = initial_knots(reduced.points, periodic, reduced.through_origin);
   KnotSearch search(fit, data, std::move(knots), reduced.through_origin ? std::optional(0.0) : std::nullopt,
                     execution.cancellation);
-  // What averages of many points scatter by is less than what single ones do.
-  const double variance =
-      scatter * scatter * static_cast<double>(data.points.size()) / static_cast<double>(reduced.points.size());
-  const double worthwhile = significant * variance / static_cast<double>(data.points.size());
+  // An average of several points has a smaller variance than a single point.
+  const double variance = noise_deviation * noise_deviation * static_cast<double>(data.points.size()) /
+                          static_cast<double>(reduced.points.size());
+  const double min_decrease = min_variance_multiple * variance / static_cast<double>(data.points.size());
   const double allowed = options.tolerance * scale * options.tolerance * scale;
   while (search.count() < options.max_control_points && search.result().mean_square > allowed) {
     execution.checkpoint(static_cast<double>(search.count()) / options.max_control_points, "reduction");
     const double before = search.result().mean_square;
-    if (!search.add()) break;
-    if (before - search.result().mean_square < worthwhile) break;
+    if (!search.add_knot()) break;
+    if (before - search.result().mean_square < min_decrease) break;
   }
-  search.settle(3);
-  search.thin(std::max(allowed, search.result().mean_square + worthwhile));
+  search.move_knots(3);
+  search.remove_knots(std::max(allowed, search.result().mean_square + min_decrease));
   execution.checkpoint(1, "reduction");
 
   const auto& x = search.knots();
   const auto& y = search.result().y;
   for (std::size_t k = 0; k < x.size(); ++k) reduced.control_points.emplace_back(x[k], y[k]);
   refuse_beyond_targets(reduced.control_points);
-  judge(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt),
-        reduced);
+  measure_error(numerics::Interpolant(x, y, options.interpolation, periodic ? std::optional(half_turn) : std::nullopt),
+                reduced);
   if (execution.cost) {
     execution.cost->add_quantity("points", static_cast<double>(reduced.points.size()));
     execution.cost->add_quantity("control_points", static_cast<double>(x.size()));

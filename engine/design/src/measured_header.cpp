@@ -14,7 +14,7 @@
 namespace supple::design {
 namespace {
 
-/// Titles stand within so many lines above the first row.
+/// Maximum number of lines above the first row that may be titles or units. Empty lines do not count.
 constexpr std::size_t max_header_lines = 6;
 constexpr std::array<std::pair<std::string_view, std::string_view>, 6> brackets{{
     {"[", "]"},
@@ -26,10 +26,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 6> brackets{
 }};
 
 bool is_unit(std::string_view text) {
-  return !known_unit(std::string(text)).empty() || is_other_unit(std::string(text));
+  return !canonical_unit(std::string(text)).empty() || is_other_unit(std::string(text));
 }
 
-/// What stands between brackets that enclose a whole cell.
+/// The text between brackets that enclose a whole cell; none without such brackets.
 std::optional<std::string_view> inside_brackets(std::string_view cell) {
   for (const auto& [open, close] : brackets) {
     if (cell.size() > open.size() + close.size() && cell.starts_with(open) && cell.ends_with(close))
@@ -38,7 +38,7 @@ std::optional<std::string_view> inside_brackets(std::string_view cell) {
   return std::nullopt;
 }
 
-/// A line without the sign that makes it a remark in many formats.
+/// A line without the sign that marks it as a remark in many formats.
 std::string_view without_remark_sign(std::string_view line) {
   line = trimmed(line);
   for (const std::string_view sign : {"#", "//", "% ", "!"}) {
@@ -47,7 +47,7 @@ std::string_view without_remark_sign(std::string_view line) {
   return line;
 }
 
-/// Parts of a line that two blanks or a tab separate.
+/// The parts of a line between tabs or at least two blanks.
 std::vector<std::string> split_at_wide_gaps(std::string_view line) {
   std::vector<std::string> parts;
   std::string part;
@@ -64,7 +64,7 @@ std::vector<std::string> split_at_wide_gaps(std::string_view line) {
   return parts;
 }
 
-/// Words of a line, a unit or brackets together with the word before.
+/// The words of a line; a unit or brackets are joined with the word before.
 std::vector<std::string> joined_with_units(const std::vector<std::string_view>& words) {
   std::vector<std::string> parts;
   for (const std::string_view word : words) {
@@ -78,7 +78,7 @@ std::vector<std::string> joined_with_units(const std::vector<std::string_view>& 
   return parts;
 }
 
-/// The cells of a line above a table of so many columns; empty where it does not fit.
+/// The cells of a line above a table with this number of columns; empty if the line has another number of cells.
 std::vector<std::string> fitting_cells(std::string_view line, TableFormat format, std::size_t columns) {
   const auto fitted = [columns](std::string_view text, char delimiter) {
     const auto cells = cells_of(text, delimiter);
@@ -96,8 +96,8 @@ std::vector<std::string> fitting_cells(std::string_view line, TableFormat format
     auto wide = split_at_wide_gaps(text);
     if (wide.size() == columns) return wide;
     auto words = fitted(text, ' ');
-    // Where wide gaps leave one column without a title, as an index, words that are as many as the columns mean
-    // nothing.
+    // If wide gaps separate one title fewer than there are columns, the table probably has an index without a title.
+    // That there are as many words as columns is then a coincidence.
     if (words.size() == columns && (wide.size() < 2 || wide.size() + 1 != columns)) return words;
     auto joined = joined_with_units(cells_of(text, ' '));
     const bool all_have_units =
@@ -107,15 +107,15 @@ std::vector<std::string> fitting_cells(std::string_view line, TableFormat format
   return {};
 }
 
-bool covers(const std::vector<std::string>& cells, const std::vector<bool>& has_numbers) {
+bool covers_numbers(const std::vector<std::string>& cells, const std::vector<bool>& has_numbers) {
   if (cells.size() != has_numbers.size()) return false;
-  bool may_lack = true;
+  bool may_be_untitled = true;
   std::size_t titled = 0;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     if (!has_numbers[c]) continue;
-    if (cells[c].empty() && !may_lack) return false;
+    if (cells[c].empty() && !may_be_untitled) return false;
     if (!cells[c].empty()) ++titled;
-    may_lack = false;
+    may_be_untitled = false;
   }
   return titled > 0;
 }
@@ -127,10 +127,10 @@ bool is_titles(const std::vector<std::string>& cells, TableFormat format, const 
     texts += kind == 'T' ? 1U : 0U;
     numbers += kind == 'N' ? 1U : 0U;
   }
-  return texts >= 2 && texts > numbers && covers(cells, has_numbers);
+  return texts >= 2 && texts > numbers && covers_numbers(cells, has_numbers);
 }
 
-/// Whether all cells are units: 2. Whether at least half of them are: 1. Else 0.
+/// 2 if all cells are units, 1 if at least half of them are, and 0 otherwise.
 int unit_line_rank(const std::vector<std::string>& cells) {
   std::size_t present = 0, known = 0, bracketed = 0;
   for (const auto& cell : cells) {
@@ -141,7 +141,7 @@ int unit_line_rank(const std::vector<std::string>& cells) {
     known += inside || is_unit(cell) ? 1U : 0U;
   }
   if (present == 0) return 0;
-  // A single unit would say little without brackets.
+  // A single cell counts as a line of units only in brackets.
   if (known == present && (present >= 2 || bracketed > 0)) return 2;
   return present >= 2 && 2 * known >= present ? 1 : 0;
 }
@@ -151,7 +151,8 @@ std::string unit_in_cell(const std::string& cell) {
   return std::string(inside ? *inside : trimmed(cell));
 }
 
-/// A unit at the end of a title without brackets, the longest one: "Strain mm/mm" is one of mm/mm.
+/// The longest known unit at the end of a title without brackets: the unit of "Strain mm/mm" is mm/mm. None if there is
+/// no unit.
 std::optional<NameAndUnit> unit_at_end(std::string_view title) {
   constexpr std::string_view separators = " /_-,:;=";
   for (std::size_t at = title.find_first_of(separators); at != std::string_view::npos;
@@ -159,12 +160,13 @@ std::optional<NameAndUnit> unit_at_end(std::string_view title) {
     const std::string_view unit = trimmed(title.substr(at + 1));
     std::string_view name = trimmed(title.substr(0, at));
     if (name.empty() || unit.empty()) continue;
-    // A digit counts columns and a sign separates words, unless behind a slash; a letter may count specimens.
-    const bool says_nothing = (title[at] != '/' && (unit == "1" || unit == "-")) ||
-                              known_unit(std::string(unit)) == "stretch" ||
-                              (unit.size() == 1 && unit != "s" && known_unit(std::string(unit)).empty());
-    if (says_nothing || !is_unit(unit)) continue;
-    // "kN/m" is a unit of its own, although "m" is one as well.
+    // A digit may be the number of a column, a minus sign may separate words, and a single letter may be a specimen.
+    // Behind a slash "1" and "-" are units.
+    const bool is_ambiguous = (title[at] != '/' && (unit == "1" || unit == "-")) ||
+                              canonical_unit(std::string(unit)) == "stretch" ||
+                              (unit.size() == 1 && unit != "s" && canonical_unit(std::string(unit)).empty());
+    if (is_ambiguous || !is_unit(unit)) continue;
+    // "kN/m" is a unit itself, although "m" is one as well.
     const auto last = name.find_last_of(" _-,:;=");
     const std::string_view word = last == std::string_view::npos ? name : name.substr(last + 1);
     if (title[at] == '/' && word.size() > 0 && word != name && is_unit(word)) continue;
@@ -184,8 +186,9 @@ bool is_titles_line(std::string_view line, TableFormat format, const std::vector
 
 NameAndUnit name_and_unit(std::string_view title) {
   title = trimmed(title);
-  // "Strain (Video) (%)", "Load (N) filtered": the last brackets with a known unit, else the last ones.
-  std::optional<NameAndUnit> unknown;
+  // The last brackets with a known unit count, as in "Strain (Video) (%)" and "Load (N) filtered". Without a known unit
+  // the last brackets count.
+  std::optional<NameAndUnit> unknown_unit;
   for (std::size_t end = title.size(); end > 0; --end) {
     for (const auto& [open, close] : brackets) {
       if (!title.substr(0, end).ends_with(close)) continue;
@@ -196,15 +199,16 @@ NameAndUnit name_and_unit(std::string_view title) {
       std::string name(trimmed(title.substr(0, begin)));
       const std::string_view rest = trimmed(title.substr(end));
       if (!rest.empty()) name.append(name.empty() ? "" : " ").append(rest);
-      // "Strain (1)" may be the first of several; "[1]" and "[-]" are units.
+      // "Strain (1)" may be the first of several strains. "[1]" and "[-]" are units.
       const bool is_number = inside == "1" && open != "[";
       if (!inside.empty() && !is_number && is_unit(inside)) return {std::move(name), std::string(inside)};
-      if (!unknown && !inside.empty() && !is_number) unknown = NameAndUnit{std::move(name), std::string(inside)};
+      if (!unknown_unit && !inside.empty() && !is_number)
+        unknown_unit = NameAndUnit{std::move(name), std::string(inside)};
     }
   }
   if (auto split = unit_at_end(title)) return *std::move(split);
-  if (unknown) return *unknown;
-  // A title that is nothing but a unit; single letters are symbols of quantities as well.
+  if (unknown_unit) return *unknown_unit;
+  // The title may be only a unit. A single letter may also be the symbol of a quantity, and is no unit here.
   if (title.size() > 1 && is_unit(title)) return {std::string(title), std::string(title)};
   if (title == "%") return {"%", "%"};
   return {std::string(title), {}};
@@ -234,7 +238,7 @@ TableHeader read_header(std::span<const std::string_view> above, TableFormat for
     } else if (is_titles(cells, format, has_numbers)) {
       titles = k;
     } else if (cells_of(trimmed(above[nearest[k].line]), format.delimiter).size() > 1) {
-      // Titles that cannot be understood: what stands above them are others' words.
+      // Titles that cannot be assigned to columns. The lines above them do not belong to this block.
       break;
     }
   }
@@ -261,12 +265,12 @@ TableHeader read_header(std::span<const std::string_view> above, TableFormat for
     const auto cells = cells_of(above[nearest.front().line], format.delimiter);
     const bool all_texts =
         std::all_of(cells.begin(), cells.end(), [&](auto cell) { return cell_kind(cell, format) == 'T'; });
-    if (all_texts && 2 * cells.size() == columns) header.crowded = cells.size();
+    if (all_texts && 2 * cells.size() == columns) header.half_title_count = cells.size();
   }
   const std::size_t next = units ? *units + 1 : 0;
   if (!titles && next < nearest.size() && (units || nearest[next].line + 1 == above.size())) {
     const std::string_view line = trimmed(above[nearest[next].line]);
-    if (cells_of(line, ' ').size() > 1) header.unread = line;
+    if (cells_of(line, ' ').size() > 1) header.unmatched = line;
   }
   return header;
 }

@@ -6,7 +6,7 @@
 namespace supple::design {
 namespace {
 
-/// A cell goes on over so many lines at most.
+/// Maximum number of further lines over which a quoted cell continues.
 constexpr std::size_t max_joined_lines = 4;
 
 bool has_open_quote(std::string_view line) { return std::count(line.begin(), line.end(), '"') % 2 != 0; }

@@ -16,13 +16,13 @@ inline std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-/// The lines of a text; they end with a line feed, carriage returns, or both. A cell in quotes may hold an end of line,
-/// as titles of spreadsheets do: a line with an odd number of quotes goes on in the next one where that has an odd
-/// number too. Its line end becomes a blank; `text` is changed for this.
+/// The lines of a text, which end with a line feed, carriage returns, or both. A cell in quotes may contain an end of
+/// line, as titles of spreadsheets do. Therefore a line with an odd number of quotes is joined with the lines up to the
+/// next one with an odd number. `text` is changed: the ends of joined lines become blanks.
 std::vector<std::string_view> lines_of(std::string& text);
 
-/// Calls visit(cell) for each cell of a line, without its quotes. A quoted cell may hold the delimiter. The delimiter
-/// ' ' stands for any number of blanks.
+/// Calls visit(cell) for each cell of a line, without quotes and surrounding blanks. A quoted cell may contain the
+/// delimiter. The delimiter ' ' stands for any number of blanks.
 template <class Visit>
 void for_each_cell(std::string_view line, char delimiter, Visit visit) {
   if (delimiter == ' ') line = trimmed(line);

@@ -9,26 +9,28 @@ namespace supple::design {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Fractions of the greatest stress between which it falls at a break, and within how many points.
-constexpr double before_break = 0.5;
-constexpr double after_break = 0.2;
-constexpr std::size_t break_points = 4;
-/// A sample in the middle of the fall lies below the one before by more than this fraction of the greatest stress.
-constexpr double falling = 0.1;
+/// At a rupture the stress falls within max_break_points points from at least break_start_fraction of its maximum to
+/// below break_end_fraction of it.
+constexpr double break_start_fraction = 0.5;
+constexpr double break_end_fraction = 0.2;
+constexpr std::size_t max_break_points = 4;
+/// A sample that the machine took during the fall lies below the previous one by more than this fraction of the maximum
+/// stress.
+constexpr double min_fall_fraction = 0.1;
 
 std::pair<double, double> range_of(const MeasuredPoints& points) {
-  double least = infinity, greatest = -infinity;
+  double min_strain = infinity, max_strain = -infinity;
   for (const auto& p : points) {
-    least = std::min(least, p.x());
-    greatest = std::max(greatest, p.x());
+    min_strain = std::min(min_strain, p.x());
+    max_strain = std::max(max_strain, p.x());
   }
-  return {least, greatest};
+  return {min_strain, max_strain};
 }
 
-/// Whether the strain of greatest size is a compression.
+/// Whether the strain of greatest magnitude is negative.
 bool is_compression(const MeasuredPoints& points) {
-  const auto [least, greatest] = range_of(points);
-  return -least > greatest;
+  const auto [min_strain, max_strain] = range_of(points);
+  return -min_strain > max_strain;
 }
 
 MeasuredPoints mirrored(MeasuredPoints points) {
@@ -36,93 +38,95 @@ MeasuredPoints mirrored(MeasuredPoints points) {
   return points;
 }
 
-double turning_back_upwards(const MeasuredPoints& points) {
-  double least = infinity, greatest = -infinity, back = 0;
+double tensile_reversal(const MeasuredPoints& points) {
+  double min_strain = infinity, max_strain = -infinity, max_drop = 0;
   for (const auto& p : points) {
-    least = std::min(least, p.x());
-    greatest = std::max(greatest, p.x());
-    back = std::max(back, greatest - p.x());
+    min_strain = std::min(min_strain, p.x());
+    max_strain = std::max(max_strain, p.x());
+    max_drop = std::max(max_drop, max_strain - p.x());
   }
-  return greatest > least ? back / (greatest - least) : 0;
+  return max_strain > min_strain ? max_drop / (max_strain - min_strain) : 0;
 }
 
-/// Of tension, or of a compression that was mirrored.
-MeasuredPoints first_loadings_upwards(const MeasuredPoints& points) {
-  const auto [least, greatest] = range_of(points);
-  const double threshold = noticeable_fraction * (greatest - least);
-  MeasuredPoints kept, pending;  // pending: behind the greatest strain so far, whether it turns back or shakes
-  double peak = -infinity;       // greatest strain of this loading
-  double reached = -infinity;    // greatest strain of all loadings before
-  bool loads = true;
-  const auto lowest_first = [&] {
-    const auto lowest =
-        std::min_element(kept.rbegin(), kept.rend(), [](const auto& a, const auto& b) { return a.x() < b.x(); });
-    return lowest == kept.rend() ? kept.begin() : lowest.base() - 1;
+/// `first_loadings` for tension, or for a compression whose strains were negated.
+MeasuredPoints tensile_first_loadings(const MeasuredPoints& points) {
+  const auto [min_strain, max_strain] = range_of(points);
+  const double threshold = noticeable_fraction * (max_strain - min_strain);
+  MeasuredPoints retained, pending;  // `pending` are points below the peak: noise, or the beginning of an unloading
+  double peak = -infinity;           // greatest strain of this loading
+  double previous_peak = -infinity;  // greatest strain of all earlier loadings
+  bool is_loading = true;
+  const auto lowest_retained = [&] {
+    const auto minimum = std::min_element(retained.rbegin(), retained.rend(),
+                                          [](const auto& a, const auto& b) { return a.x() < b.x(); });
+    return minimum == retained.rend() ? retained.begin() : minimum.base() - 1;
   };
   for (const auto& p : points) {
-    if (!loads) {
-      if (p.x() <= reached) continue;
-      loads = true;
+    if (!is_loading) {
+      if (p.x() <= previous_peak) continue;
+      is_loading = true;
     }
     if (p.x() > peak) {
-      kept.insert(kept.end(), pending.begin(), pending.end());
+      retained.insert(retained.end(), pending.begin(), pending.end());
       pending.clear();
-      kept.push_back(p);
+      retained.push_back(p);
       peak = p.x();
       continue;
     }
     pending.push_back(p);
     if (peak - p.x() <= threshold) continue;
     pending.clear();
-    if (reached == -infinity && !kept.empty() && peak - lowest_first()->x() <= threshold) {
-      // Nothing was loaded before the strain turned back: the test begins here.
-      kept.assign(1, p);
+    if (previous_peak == -infinity && !retained.empty() && peak - lowest_retained()->x() <= threshold) {
+      // No load was applied before this reversal. The test begins here.
+      retained.assign(1, p);
       peak = p.x();
       continue;
     }
-    loads = false;
-    reached = peak;
+    is_loading = false;
+    previous_peak = peak;
   }
-  // Where the slack of the machine made the strain fall at first, the curve begins where it was least.
+  // Slack of the machine may let the strain decrease at first. The curve then begins at the least strain.
   std::size_t begin = 0;
-  for (std::size_t i = 0; i < kept.size() && kept[i].x() < least + 0.5 * (greatest - least); ++i) {
-    if (kept[i].x() <= kept[begin].x()) begin = i;
+  for (std::size_t i = 0; i < retained.size() && retained[i].x() < min_strain + 0.5 * (max_strain - min_strain); ++i) {
+    if (retained[i].x() <= retained[begin].x()) begin = i;
   }
-  kept.erase(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(begin));
-  return kept;
+  retained.erase(retained.begin(), retained.begin() + static_cast<std::ptrdiff_t>(begin));
+  return retained;
 }
 
 }  // namespace
 
-double turning_back(const MeasuredPoints& points) {
-  return std::min(turning_back_upwards(points), turning_back_upwards(mirrored(points)));
+double reversal(const MeasuredPoints& points) {
+  return std::min(tensile_reversal(points), tensile_reversal(mirrored(points)));
 }
 
 MeasuredPoints first_loadings(const MeasuredPoints& points) {
-  if (!is_compression(points)) return first_loadings_upwards(points);
-  return mirrored(first_loadings_upwards(mirrored(points)));
+  if (!is_compression(points)) return tensile_first_loadings(points);
+  return mirrored(tensile_first_loadings(mirrored(points)));
 }
 
 std::size_t points_after_rupture(const MeasuredPoints& points) {
-  double greatest = 0;
-  for (const auto& p : points) greatest = std::max(greatest, std::abs(p.y()));
-  std::size_t last = points.size();
-  while (last-- > 0) {
-    if (std::abs(points[last].y()) >= before_break * greatest) break;
+  double max_stress = 0;
+  for (const auto& p : points) max_stress = std::max(max_stress, std::abs(p.y()));
+  std::size_t last_intact = points.size();
+  while (last_intact-- > 0) {
+    if (std::abs(points[last_intact].y()) >= break_start_fraction * max_stress) break;
   }
-  if (greatest <= 0 || last + 1 >= points.size()) return 0;
+  if (max_stress <= 0 || last_intact + 1 >= points.size()) return 0;
   const double direction = is_compression(points) ? -1 : 1;
   bool breaks = false;
-  for (std::size_t i = last + 1; i < points.size() && i <= last + break_points; ++i) {
+  for (std::size_t i = last_intact + 1; i < points.size() && i <= last_intact + max_break_points; ++i) {
     if (direction * (points[i].x() - points[i - 1].x()) < 0) return 0;
-    if (std::abs(points[i].y()) < after_break * greatest) {
+    if (std::abs(points[i].y()) < break_end_fraction * max_stress) {
       breaks = true;
       break;
     }
   }
   if (!breaks) return 0;
-  while (last > 0 && std::abs(points[last].y()) < std::abs(points[last - 1].y()) - falling * greatest) --last;
-  return points.size() - 1 - last;
+  while (last_intact > 0 &&
+         std::abs(points[last_intact].y()) < std::abs(points[last_intact - 1].y()) - min_fall_fraction * max_stress)
+    --last_intact;
+  return points.size() - 1 - last_intact;
 }
 
 }  // namespace supple::design

@@ -4,26 +4,30 @@
 #include <cstddef>
 #include <vector>
 
-// Which points of a test belong to its first loading, before it broke.
+// The points of a test that belong to its first loading, before the specimen broke.
 namespace supple::design {
 
 using MeasuredPoints = std::vector<Eigen::Vector2d>;
 
-/// This fraction of the strain's range decides whether a strain turns back, and whether a curve begins at the origin.
+/// Fraction of the strain's range above which a decrease of the strain counts as a reversal. It also decides whether a
+/// curve begins at the origin.
 inline constexpr double noticeable_fraction = 0.05;
 
-/// How far the strain falls back below its greatest value so far, at most, as a fraction of its range; of a compression
-/// with the strain's sign turned, so that a strain that only falls does not turn back either.
-double turning_back(const MeasuredPoints& points);
+/// The largest decrease of the strain below its previous maximum, as a fraction of the strain's range. It is the
+/// smaller one of the values for the strain and for the negative strain, so that a monotone strain has no reversal in
+/// either direction.
+double reversal(const MeasuredPoints& points);
 
-/// The points of first loadings in their order: those whose strain lies beyond all that was reached before the strain
-/// last turned back noticeably. A rubber that was stretched before is softer up to that strain and follows its virgin
-/// curve beyond it (Mullins), so that cycles of growing strain give the virgin curve. Strains that shake by less than
-/// that are kept. A test that begins with an unloading counts from where the strain was least. O(points).
+/// The points of first loadings in their order: those whose strain exceeds all strains before the last reversal. After
+/// a reversal a rubber is softer up to the strain that it has reached before, and follows its virgin curve beyond
+/// (Mullins effect). Cycles of growing strain therefore give the virgin curve. Decreases of the strain that are smaller
+/// than a reversal are noise, and their points are retained. A test that begins with an unloading counts from the least
+/// strain on. O(points).
 MeasuredPoints first_loadings(const MeasuredPoints& points);
 
-/// How many of the last points follow a break: the size of the stress falls within four points from half of its
-/// greatest value to a fifth of it and stays below the half, while the strain does not turn back. 0 without a break.
+/// The number of points after a rupture, 0 without one. At a rupture the magnitude of the stress falls within four
+/// points from half of its maximum to below a fifth of it, and it stays below half. The strain does not reverse
+/// meanwhile.
 std::size_t points_after_rupture(const MeasuredPoints& points);
 
 }  // namespace supple::design

@@ -38,8 +38,9 @@ constexpr std::array<std::pair<std::string_view, char>, 18> plain_characters{{
     {"\xE3\x80\x80", '_'},  // ideographic space
 }};
 
-/// The cell in plain characters, "_" for blanks that do not break; empty where it is too long or has other ones.
-std::string plain(std::string_view cell) {
+/// The cell in plain characters, with "_" for non-breaking blanks. Empty if the cell is too long or has other
+/// characters.
+std::string as_plain_text(std::string_view cell) {
   std::string out;
   for (std::size_t i = 0; i < cell.size() && out.size() <= max_number_bytes;) {
     if (static_cast<unsigned char>(cell[i]) < 0x80) {
@@ -48,11 +49,11 @@ std::string plain(std::string_view cell) {
       continue;
     }
     const std::string_view rest = cell.substr(i);
-    const auto* const known = std::find_if(plain_characters.begin(), plain_characters.end(),
-                                           [&](const auto& pair) { return rest.starts_with(pair.first); });
-    if (known != plain_characters.end()) {
-      out += known->second;
-      i += known->first.size();
+    const auto* const character = std::find_if(plain_characters.begin(), plain_characters.end(),
+                                               [&](const auto& pair) { return rest.starts_with(pair.first); });
+    if (character != plain_characters.end()) {
+      out += character->second;
+      i += character->first.size();
     } else if (rest.size() > 2 && rest.starts_with("\xEF\xBC") && rest[2] >= '\x90' && rest[2] <= '\x99') {
       out += static_cast<char>('0' + (rest[2] - '\x90'));  // full-width digit
       i += 3;
@@ -66,10 +67,11 @@ std::string plain(std::string_view cell) {
   return out.substr(begin);
 }
 
-/// Reads a plain number from its beginning on.
+/// Parses a number of plain characters from the beginning on.
 class NumberReader {
  public:
-  NumberReader(std::string_view text, char decimal, bool blanks) : text_(text), decimal_(decimal), blanks_(blanks) {}
+  NumberReader(std::string_view text, char decimal, bool blank_thousands)
+      : text_(text), decimal_(decimal), blank_thousands_(blank_thousands) {}
 
   std::optional<WrittenNumber> read() {
     sign();
@@ -91,62 +93,62 @@ class NumberReader {
   }
 
  private:
-  char here() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  char current() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   char next() const { return at_ + 1 < text_.size() ? text_[at_ + 1] : '\0'; }
 
   void sign() {
-    if (here() == '-') digits_ += '-';
-    if (here() == '-' || here() == '+') ++at_;
-    if (here() == ' ' || here() == '_') ++at_;
+    if (current() == '-') digits_ += '-';
+    if (current() == '-' || current() == '+') ++at_;
+    if (current() == ' ' || current() == '_') ++at_;
   }
 
   bool separates_groups(char c) const {
-    return c == '_' || c == '\'' || (c == ' ' && blanks_) || (c == (decimal_ == '.' ? ',' : '.'));
+    return c == '_' || c == '\'' || (c == ' ' && blank_thousands_) || (c == (decimal_ == '.' ? ',' : '.'));
   }
 
   bool integer_part() {
     const std::size_t begin = at_;
-    while (is_digit(here())) digits_ += text_[at_++];
+    while (is_digit(current())) digits_ += text_[at_++];
     const std::size_t first_group = at_ - begin;
     whole_digits_ = first_group;
-    const char separator = here();
+    const char separator = current();
     if (first_group == 0 || !separates_groups(separator) || !is_digit(next())) return true;
-    // A group of thousands has three digits, and the first one is no zero.
+    // A group of thousands has three digits. Only the first group may be shorter, and it does not begin with zero.
     if (first_group > digits_in_group || text_[begin] == '0') return false;
-    while (here() == separator && is_digit(next())) {
+    while (current() == separator && is_digit(next())) {
       ++at_;
       std::size_t count = 0;
-      for (; is_digit(here()); ++count) digits_ += text_[at_++];
+      for (; is_digit(current()); ++count) digits_ += text_[at_++];
       if (count != digits_in_group) return false;
     }
     return true;
   }
 
   bool fraction() {
-    if (here() != decimal_) return whole_digits_ > 0;
+    if (current() != decimal_) return whole_digits_ > 0;
     ++at_;
     digits_ += '.';
     std::size_t count = 0;
-    for (; is_digit(here()); ++count) digits_ += text_[at_++];
+    for (; is_digit(current()); ++count) digits_ += text_[at_++];
     if (count == 0 && decimal_ == ',') return false;
     if (count == 0) digits_ += '0';
     return count > 0 || whole_digits_ > 0;
   }
 
   bool exponent() {
-    if (here() != 'e' && here() != 'E') return true;
+    if (current() != 'e' && current() != 'E') return true;
     ++at_;
     digits_ += 'e';
-    if (here() == '-') digits_ += '-';
-    if (here() == '-' || here() == '+') ++at_;
+    if (current() == '-') digits_ += '-';
+    if (current() == '-' || current() == '+') ++at_;
     std::size_t count = 0;
-    for (; is_digit(here()); ++count) digits_ += text_[at_++];
+    for (; is_digit(current()); ++count) digits_ += text_[at_++];
     return count > 0;
   }
 
   std::string_view text_;
   char decimal_;
-  bool blanks_;
+  bool blank_thousands_;
   std::size_t at_ = 0;
   std::size_t whole_digits_ = 0;
   std::string digits_;
@@ -154,9 +156,9 @@ class NumberReader {
 
 }  // namespace
 
-std::optional<WrittenNumber> number_in(std::string_view cell, char decimal, bool blanks) {
+std::optional<WrittenNumber> number_in(std::string_view cell, char decimal, bool blank_thousands) {
   if (cell.empty() || cell.size() > 3 * max_number_bytes) return std::nullopt;
-  // Most cells are plain numbers with decimal points.
+  // Fast path for plain numbers with decimal points, which most cells are.
   if (decimal == '.' && (is_digit(cell.front()) || cell.front() == '-') && is_digit(cell.back())) {
     double value = 0;
     const auto [stop, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
@@ -164,17 +166,17 @@ std::optional<WrittenNumber> number_in(std::string_view cell, char decimal, bool
       return WrittenNumber{value, false};
   }
   const bool is_plain = std::all_of(cell.begin(), cell.end(), [](char c) { return c > ' ' && c < '\x7F' && c != '_'; });
-  if (is_plain && cell.size() <= max_number_bytes) return NumberReader(cell, decimal, blanks).read();
-  const std::string text = plain(cell);
-  return text.empty() ? std::nullopt : NumberReader(text, decimal, blanks).read();
+  if (is_plain && cell.size() <= max_number_bytes) return NumberReader(cell, decimal, blank_thousands).read();
+  const std::string text = as_plain_text(cell);
+  return text.empty() ? std::nullopt : NumberReader(text, decimal, blank_thousands).read();
 }
 
-DecimalEvidence decimal_evidence(std::string_view cell, bool blanks) {
-  // Neither separator, nor their full-width forms: the same number with both.
+DecimalEvidence decimal_evidence(std::string_view cell, bool blank_thousands) {
+  // Without a point and a comma, and without their full-width forms, the number is the same with both separators.
   if (cell.find_first_of(".,") == std::string_view::npos && cell.find('\xEF') == std::string_view::npos)
     return DecimalEvidence::none;
-  const auto point = number_in(cell, '.', blanks);
-  const auto comma = number_in(cell, ',', blanks);
+  const auto point = number_in(cell, '.', blank_thousands);
+  const auto comma = number_in(cell, ',', blank_thousands);
   if (!point && !comma) return DecimalEvidence::none;
   if (!comma) return DecimalEvidence::point;
   if (!point) return DecimalEvidence::comma;

@@ -9,24 +9,24 @@
 
 namespace supple::design {
 
-/// What titles and remarks say, and what the request asks for.
-struct SenseSources {
-  Sense asked = Sense::automatic;
+/// What the request, titles and remarks say about the sense.
+struct SenseHints {
+  Sense requested = Sense::automatic;
   std::string x_title, y_title;
-  std::string unread_titles;  ///< titles that fit no columns
+  std::string unmatched_titles;  ///< titles that cannot be assigned to columns
   std::string remarks;
-  bool is_table = true;  ///< points without a sense have the signs of the contract
+  bool is_table = true;  ///< false for points, whose signs follow the contract if no sense is requested
 };
 
 struct FoundSense {
   Sense sense = Sense::tension;
-  SenseTold told_by = SenseTold::nothing;
+  SenseSource told_by = SenseSource::nothing;
 };
 
-/// Finds the sense of a curve of stress over strain and gives its points the signs of it: both positive in tension,
-/// both negative in compression. A curve whose strain goes both ways by more than 5 % of its range keeps its signs, or
-/// has both turned where the request says compression. Throws "design.invalid_measurement" with the place "sense" where
-/// titles contradict each other, or strain and stress have opposite signs and nothing tells which is right.
-FoundSense apply_sense(MeasuredCurve& curve, const SenseSources& sources);
+/// Finds the sense of a stress-strain curve, and sets the signs of its points: both positive in tension, both negative
+/// in compression. A curve with strains of both signs, each by more than 5 % of the range, keeps its signs. Both signs
+/// are reversed if the request says compression. Throws "design.invalid_measurement" with the place "sense" if titles
+/// contradict each other, or if strain and stress have opposite signs and nothing says which one is right.
+FoundSense apply_sense(MeasuredCurve& curve, const SenseHints& hints);
 
 }  // namespace supple::design

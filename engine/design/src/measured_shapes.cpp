@@ -12,16 +12,17 @@
 namespace supple::design {
 namespace {
 
-/// So many lines tell how all of them are divided.
-constexpr std::size_t max_telling_lines = 5000;
+/// Maximum number of lines from which the delimiter is determined.
+constexpr std::size_t max_sampled_lines = 5000;
 
-// Where several read the text as well, the first does.
+// If several delimiters fit equally well, the first one of these is taken.
 constexpr std::array<char, 4> delimiters{'\t', ';', ',', ' '};
 
 bool is_row(std::string_view shape) { return count_kind(shape, 'N') >= 2; }
 
-/// Numbers less texts of the rows with as many cells as most have: read with the wrong delimiter, "0,5;1,5;2,5" has
-/// numbers at its ends and none between. Nothing where no line is a row.
+/// Number of cells with numbers minus number of cells with text, in the rows that have the most common number of cells.
+/// Text counts, because with a wrong delimiter "0,5;1,5;2,5" has numbers at its ends and text between them. None if no
+/// line is a row.
 std::optional<std::int64_t> score_of(std::span<const std::string_view> lines, TableFormat format) {
   struct Rows {
     std::size_t count = 0;
@@ -42,7 +43,7 @@ std::optional<std::int64_t> score_of(std::span<const std::string_view> lines, Ta
   return usual.count == 0 ? std::nullopt : std::optional(usual.score);
 }
 
-/// A spreadsheet's first line "sep=;" names the delimiter.
+/// The delimiter in a spreadsheet's first line "sep=;"; none without such a line.
 std::optional<char> named_delimiter(std::span<const std::string_view> lines) {
   constexpr std::string_view word = "sep=";
   if (lines.empty()) return std::nullopt;
@@ -54,16 +55,16 @@ std::optional<char> named_delimiter(std::span<const std::string_view> lines) {
   return named;
 }
 
-/// What the cells of rows tell about the decimal separator, each kind with the first cell that tells it.
+/// For each kind of evidence about the decimal separator, the first cell that gives it.
 struct Evidence {
   std::string_view point, comma, ambiguous;
 
-  void add(std::string_view cell, bool blanks) {
-    const DecimalEvidence told = decimal_evidence(cell, blanks);
-    std::string_view* const first = told == DecimalEvidence::point       ? &point
-                                    : told == DecimalEvidence::comma     ? &comma
-                                    : told == DecimalEvidence::ambiguous ? &ambiguous
-                                                                         : nullptr;
+  void add(std::string_view cell, bool blank_thousands) {
+    const DecimalEvidence cell_evidence = decimal_evidence(cell, blank_thousands);
+    std::string_view* const first = cell_evidence == DecimalEvidence::point       ? &point
+                                    : cell_evidence == DecimalEvidence::comma     ? &comma
+                                    : cell_evidence == DecimalEvidence::ambiguous ? &ambiguous
+                                                                                  : nullptr;
     if (first && first->empty()) *first = cell;
   }
 };
@@ -74,32 +75,32 @@ struct Evidence {
 }
 
 char decimal_of(std::span<const std::string_view> lines, char delimiter, const CancellationToken& cancellation) {
-  const bool blanks = TableFormat{delimiter, '.'}.blanks();
+  const bool blank_thousands = TableFormat{delimiter, '.'}.blank_thousands();
   Evidence evidence;
   bool has_quoted_comma = false;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (i % lines_between_checks == 0) cancellation.throw_if_requested();
-    // Of a long file its beginning tells, where it does.
-    if (i > max_telling_lines && (!evidence.point.empty() || !evidence.comma.empty())) break;
+    // In a long file the first lines suffice if they decide.
+    if (i > max_sampled_lines && (!evidence.point.empty() || !evidence.comma.empty())) break;
     std::size_t numbers = 0, words = 0;
-    Evidence of_line;
+    Evidence line_evidence;
     bool comma_in_cell = false;
     for_each_cell(lines[i], delimiter, [&](std::string_view cell) {
-      const bool is_number = number_in(cell, '.', blanks) || number_in(cell, ',', blanks);
+      const bool is_number = number_in(cell, '.', blank_thousands) || number_in(cell, ',', blank_thousands);
       if (!is_number) {
         words += cell.empty() || is_missing_mark(cell) ? 0U : 1U;
         return;
       }
       ++numbers;
       comma_in_cell |= cell.find(',') != std::string_view::npos;
-      of_line.add(cell, blanks);
+      line_evidence.add(cell, blank_thousands);
     });
-    // Remarks tell little: "Version 2.1" is written by a program, "2,5" by a person.
+    // Remarks are no evidence: a program writes "Version 2.1" in files with decimal commas too.
     if (numbers < 2 || numbers < words) continue;
     has_quoted_comma |= comma_in_cell;
-    if (evidence.point.empty()) evidence.point = of_line.point;
-    if (evidence.comma.empty()) evidence.comma = of_line.comma;
-    if (evidence.ambiguous.empty()) evidence.ambiguous = of_line.ambiguous;
+    if (evidence.point.empty()) evidence.point = line_evidence.point;
+    if (evidence.comma.empty()) evidence.comma = line_evidence.comma;
+    if (evidence.ambiguous.empty()) evidence.ambiguous = line_evidence.ambiguous;
   }
   const auto quoted = [](std::string_view cell) { return "\"" + std::string(cell) + "\""; };
   if (!evidence.point.empty() && !evidence.comma.empty()) {
@@ -108,17 +109,18 @@ char decimal_of(std::span<const std::string_view> lines, char delimiter, const C
   }
   if (!evidence.comma.empty()) return ',';
   if (!evidence.point.empty() || evidence.ambiguous.empty()) return '.';
-  // Where commas separate the cells and no number has one, a point that separates thousands would be strange.
+  // If commas separate the cells and no number contains one, a point is the decimal separator.
   if (delimiter == ',' && !has_quoted_comma) return '.';
-  const auto point = number_in(evidence.ambiguous, '.', blanks), comma = number_in(evidence.ambiguous, ',', blanks);
-  const auto shown = [](double value) {
+  const auto point = number_in(evidence.ambiguous, '.', blank_thousands),
+             comma = number_in(evidence.ambiguous, ',', blank_thousands);
+  const auto without_trailing_zeros = [](double value) {
     std::string text = std::to_string(value);
     text.erase(text.find_last_not_of('0') + 1);
     if (text.ends_with('.')) text.pop_back();
     return text;
   };
-  refuse_decimals(quoted(evidence.ambiguous) + " is " + shown(point->value) + " with the one and " +
-                  shown(comma->value) + " with the other, and no other number of the file tells");
+  refuse_decimals(quoted(evidence.ambiguous) + " is " + without_trailing_zeros(point->value) + " with the one and " +
+                  without_trailing_zeros(comma->value) + " with the other, and no other number of the file tells");
 }
 
 }  // namespace
@@ -127,7 +129,7 @@ void refuse_table(const std::string& message) { throw Error("design.unreadable_t
 
 char cell_kind(std::string_view cell, TableFormat format) {
   if (cell.empty()) return 'E';
-  if (number_in(cell, format.decimal, format.blanks())) return 'N';
+  if (number_in(cell, format.decimal, format.blank_thousands())) return 'N';
   return is_missing_mark(cell) ? 'M' : 'T';
 }
 
@@ -143,25 +145,25 @@ std::size_t count_kind(std::string_view shape, char kind) {
 
 TableFormat format_of(std::span<const std::string_view> lines, std::optional<char> decimal,
                       const CancellationToken& cancellation) {
-  // The first lines may be remarks alone.
+  // The first lines may consist of remarks alone.
   std::size_t begin = 0;
   std::optional<std::int64_t> best;
   TableFormat format;
   const auto named = named_delimiter(lines);
   while (begin < lines.size() && !best) {
-    const auto telling = lines.subspan(begin, std::min(lines.size() - begin, max_telling_lines));
+    const auto sample = lines.subspan(begin, std::min(lines.size() - begin, max_sampled_lines));
     for (const char delimiter : delimiters) {
       if (named && delimiter != *named) continue;
       cancellation.throw_if_requested();
       for (const char separator : {'.', ','}) {
         if (decimal && separator != *decimal) continue;
-        const auto score = score_of(telling, {delimiter, separator});
+        const auto score = score_of(sample, {delimiter, separator});
         if (!score || (best && *score <= *best)) continue;
         best = score;
         format.delimiter = delimiter;
       }
     }
-    begin += max_telling_lines;
+    begin += max_sampled_lines;
   }
   if (!best) {
     refuse_table(

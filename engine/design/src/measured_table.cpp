@@ -23,16 +23,17 @@ namespace {
 constexpr std::size_t max_rows = 1'000'000;
 constexpr std::size_t max_columns = 256;
 constexpr std::size_t max_remark_bytes = 20'000;
-/// A block with fewer rows than the longest one by this factor is no curve, but perhaps a summary.
-constexpr std::size_t rows_of_longest_to_shortest = 10;
+/// Maximum ratio of the longest block's rows to those of a block that is read by default. Shorter blocks are probably
+/// summaries.
+constexpr std::size_t max_block_ratio = 10;
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-/// All cells of a file, each read once.
+/// All cells of a file, each parsed once.
 struct ParsedLines {
-  std::vector<std::string> shapes;       ///< the kinds of each line's cells
-  std::vector<std::size_t> first_cells;  ///< index of each line's first cell among all
-  std::vector<double> values;            ///< of all cells; NaN where there is no number
-  std::vector<std::size_t> percents;     ///< cells whose number ends with "%", in increasing order
+  std::vector<std::string> shapes;       ///< the kinds of each line's cells, as shape_of
+  std::vector<std::size_t> first_cells;  ///< index of each line's first cell in `values`
+  std::vector<double> values;            ///< numbers of all cells; NaN for a cell without a number
+  std::vector<std::size_t> percents;     ///< indices of cells whose number ends with "%", in increasing order
 
   ParsedLines(std::span<const std::string_view> lines, TableFormat format, const CancellationToken& cancellation) {
     shapes.reserve(lines.size());
@@ -42,7 +43,7 @@ struct ParsedLines {
       first_cells.push_back(values.size());
       std::string& shape = shapes.emplace_back();
       for_each_cell(line, format.delimiter, [&](std::string_view cell) {
-        const auto number = number_in(cell, format.decimal, format.blanks());
+        const auto number = number_in(cell, format.decimal, format.blank_thousands());
         if (number && number->has_percent) percents.push_back(values.size());
         values.push_back(number ? number->value : missing);
         shape += number ? 'N' : cell_kind(cell, format);
@@ -55,7 +56,7 @@ struct ParsedLines {
   }
 };
 
-/// How many cells rows have, and in which columns most of them have numbers.
+/// The number of cells in a row, and the columns in which most of the rows have numbers.
 struct RowShape {
   std::size_t columns = 0;
   std::vector<bool> is_numeric;
@@ -75,10 +76,10 @@ RowShape usual_shape(const std::vector<std::string>& shapes) {
     if (count_kind(shape, 'N') >= 2) ++lines_by_cells[shape.size()];
   }
   RowShape row;
-  std::size_t most = 0;
+  std::size_t max_lines = 0;
   for (const auto& [cells, lines] : lines_by_cells) {
-    if (lines > most) row.columns = cells;
-    most = std::max(most, lines);
+    if (lines > max_lines) row.columns = cells;
+    max_lines = std::max(max_lines, lines);
   }
   std::vector<std::size_t> numbers(row.columns), texts(row.columns);
   for (const auto& shape : shapes) {
@@ -92,15 +93,15 @@ RowShape usual_shape(const std::vector<std::string>& shapes) {
   return row;
 }
 
-/// Consecutive rows of one specimen.
+/// Consecutive rows of one specimen. Lines and rows are indices in the whole file.
 struct Block {
   std::size_t first_line = 0, last_line = 0;
-  std::size_t above = 0;  ///< first of the lines between the block before and this one
+  std::size_t above = 0;  ///< first line after the previous block
   std::size_t first_row = 0, rows = 0;
   std::size_t odd_lines = 0;
 };
 
-/// Reads the rows and finds where blocks end.
+/// Reads the rows and divides them into blocks.
 class BlockReader {
  public:
   BlockReader(std::span<const std::string_view> lines, const ParsedLines& parsed, TableFormat format, RowShape row)
@@ -111,7 +112,7 @@ class BlockReader {
         row_(std::move(row)),
         values_(row_.columns),
         percents_(row_.columns),
-        grows_(row_.columns, true) {}
+        increases_(row_.columns, true) {}
 
   void read(const CancellationToken& cancellation) {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
@@ -141,11 +142,11 @@ class BlockReader {
       block.first_line = line;
       block.first_row = rows_;
       blocks_.push_back(block);
-      grows_.assign(row_.columns, true);
+      increases_.assign(row_.columns, true);
     } else {
       Block& block = blocks_.back();
       for (std::size_t i = block.last_line + 1; i < line; ++i) block.odd_lines += has_number(i) ? 1U : 0U;
-      for (std::size_t k = 0; k < row_.columns; ++k) grows_[k] = grows_[k] && !falls(k);
+      for (std::size_t k = 0; k < row_.columns; ++k) increases_[k] = increases_[k] && !decreases(k);
     }
     blocks_.back().last_line = line;
     ++blocks_.back().rows;
@@ -154,18 +155,18 @@ class BlockReader {
 
   bool has_number(std::size_t line) const { return count_kind(shapes_[line], 'N') > 0; }
 
-  /// Whether the last row of a column is less than the one before.
-  bool falls(std::size_t column) const {
+  /// Whether the last value of a column is less than the one before.
+  bool decreases(std::size_t column) const {
     const auto& v = values_[column];
     return v.size() > 1 && v[v.size() - 1] < v[v.size() - 2];
   }
 
-  /// Whether a column that only grew in the block begins anew with the row that was read last.
-  bool begins_anew() const {
+  /// Whether a column that only increased in this block decreases with the last row.
+  bool starts_again() const {
     if (blocks_.back().rows < 2) return false;
     for (std::size_t c = 0; c < row_.columns; ++c) {
-      const bool grew = grows_[c] && values_[c][rows_ - 1] > values_[c][blocks_.back().first_row];
-      if (grew && falls(c)) return true;
+      const bool increased = increases_[c] && values_[c][rows_ - 1] > values_[c][blocks_.back().first_row];
+      if (increased && decreases(c)) return true;
     }
     return false;
   }
@@ -173,7 +174,7 @@ class BlockReader {
   bool ends_before(std::size_t line) const {
     const Block& block = blocks_.back();
     if (line == block.last_line + 1) return false;
-    const bool anew = begins_anew();
+    const bool is_restart = starts_again();
     bool has_gap = false;
     for (std::size_t i = block.last_line + 1; i < line; ++i) {
       if (has_number(i) && count_kind(shapes_[i], 'T') < 2) continue;
@@ -181,10 +182,10 @@ class BlockReader {
       if (is_titles_line(lines_[i], format_, row_.is_numeric) && (repeats_titles(i) || block_has_no_titles()))
         return true;
     }
-    return has_gap && anew;
+    return has_gap && is_restart;
   }
 
-  /// Whether the line has the words of one above the first block.
+  /// Whether the line has the same words as a line above the first block.
   bool repeats_titles(std::size_t line) const {
     const auto words = [&](std::size_t at) {
       std::string text;
@@ -214,35 +215,38 @@ class BlockReader {
   RowShape row_;
   std::vector<std::vector<double>> values_;
   std::vector<std::vector<bool>> percents_;
-  std::vector<bool> grows_;
+  std::vector<bool> increases_;
   std::vector<Block> blocks_;
   std::size_t rows_ = 0;
 };
 
-std::size_t chosen_block(const std::vector<Block>& blocks, std::optional<std::size_t> asked) {
-  if (asked) {
-    if (*asked < blocks.size()) return *asked;
+std::size_t chosen_block(const std::vector<Block>& blocks, std::optional<std::size_t> requested) {
+  if (requested) {
+    if (*requested < blocks.size()) return *requested;
     const std::string message = "must be below " + std::to_string(blocks.size()) + ", the blocks of rows in the file";
     throw Error("design.invalid_measurement", "block: " + message + ".", {{"block", message}});
   }
   std::size_t longest = 0;
   for (const Block& block : blocks) longest = std::max(longest, block.rows);
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (rows_of_longest_to_shortest * blocks[b].rows >= longest) return b;
+    if (max_block_ratio * blocks[b].rows >= longest) return b;
   }
   return 0;
 }
 
-/// Cells such as "5.00%" say the unit of a column whose title names none. Numbers without the sign among such are none.
-void take_percent_signs(MeasuredTable::Column& column, const std::vector<bool>& percents, std::size_t first_row) {
+/// Sets the unit of a column with cells such as "5.00%" to %. Numbers without the sign in such a column become missing,
+/// except 0.
+void apply_percent_signs(MeasuredTable::Column& column, const std::vector<bool>& percents, std::size_t first_row) {
   bool any = false;
   for (std::size_t r = 0; r < column.values.size(); ++r) any |= percents[first_row + r];
   if (!any) return;
   for (std::size_t r = 0; r < column.values.size(); ++r) {
     if (!percents[first_row + r] && column.values[r] != 0) column.values[r] = missing;
   }
-  // A spreadsheet shows 0.05 as 5 %: the sign counts, not the title, unless that is of no ratio at all.
-  if (column.unit.empty() || known_unit(column.unit) == "1" || known_unit(column.unit) == "%") column.unit = "%";
+  // A spreadsheet shows 0.05 as 5 %. The sign therefore overrides the title, unless the title's unit is not one of a
+  // ratio.
+  if (column.unit.empty() || canonical_unit(column.unit) == "1" || canonical_unit(column.unit) == "%")
+    column.unit = "%";
 }
 
 std::string remarks_above(std::span<const std::string_view> above, const TableHeader& header) {
@@ -257,7 +261,7 @@ std::string remarks_above(std::span<const std::string_view> above, const TableHe
 
 }  // namespace
 
-std::size_t MeasuredTable::Column::numbers() const {
+std::size_t MeasuredTable::Column::number_count() const {
   return static_cast<std::size_t>(
       std::count_if(values.begin(), values.end(), [](double value) { return !std::isnan(value); }));
 }
@@ -290,7 +294,7 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
   table.decimal_separator = format.decimal;
   const Block& block = blocks[table.block];
   table.odd_lines = block.odd_lines;
-  // Lines of numbers next to the block's rows were meant as rows.
+  // Lines of numbers directly before and after the block were probably meant as rows.
   for (std::size_t i = block.last_line + 1; i < lines.size() && count_kind(shapes[i], 'N') >= 2 && !row.fits(shapes[i]);
        ++i)
     ++table.odd_lines;
@@ -307,21 +311,21 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
   }
   const auto above = std::span(lines).subspan(block.above, block.first_line - block.above);
   TableHeader header = read_header(above, format, row.is_numeric);
-  // A program may write titles once, above all blocks.
+  // A program may write titles only once, above all blocks.
   for (std::size_t b = table.block; b-- > 0 && header.lines.empty();) {
     const auto earlier = std::span(lines).subspan(blocks[b].above, blocks[b].first_line - blocks[b].above);
     header = read_header(earlier, format, row.is_numeric);
   }
-  const bool all_whole = std::all_of(reader.values().begin(), reader.values().end(), [](const auto& values) {
+  const bool all_integers = std::all_of(reader.values().begin(), reader.values().end(), [](const auto& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return std::isnan(v) || v == std::floor(v); });
   });
-  if (format.delimiter == ',' && header.crowded > 0 && all_whole) {
+  if (format.delimiter == ',' && header.half_title_count > 0 && all_integers) {
     refuse_table(
         "The rows have twice as many cells as there are titles: decimal commas stand between the same commas "
         "that separate the columns. Separate these by semicolons, or write decimal points.");
   }
   table.skipped_lines -= header.lines.size();
-  table.unread_titles = header.unread;
+  table.unmatched_titles = header.unmatched;
   table.remarks = remarks_above(above, header);
   table.columns.resize(row.columns);
   for (std::size_t c = 0; c < row.columns; ++c) {
@@ -333,10 +337,10 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
     column.unit = header.units[c];
     const auto begin = reader.values()[c].begin() + static_cast<std::ptrdiff_t>(block.first_row);
     column.values.assign(begin, begin + static_cast<std::ptrdiff_t>(block.rows));
-    take_percent_signs(column, reader.percents()[c], block.first_row);
+    apply_percent_signs(column, reader.percents()[c], block.first_row);
   }
-  // Commas at the ends of rows make no columns.
-  while (table.columns.size() > 2 && table.columns.back().title.empty() && table.columns.back().numbers() == 0)
+  // Commas at the ends of rows give an empty last column.
+  while (table.columns.size() > 2 && table.columns.back().title.empty() && table.columns.back().number_count() == 0)
     table.columns.pop_back();
   return table;
 }

@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::string_view utf8_mark = "\xEF\xBB\xBF";
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
-/// So many bytes tell whether a text without a byte order mark is UTF-16.
+/// Number of bytes from which UTF-16 without a byte order mark is recognized.
 constexpr std::size_t max_sampled_bytes = 4096;
 
 unsigned char byte_at(std::string_view text, std::size_t i) { return static_cast<unsigned char>(text[i]); }
 
-/// Length of the UTF-8 sequence that begins at i; 0 where none does.
+/// Length of the UTF-8 sequence that begins at i; 0 if none begins there.
 std::size_t sequence_length(std::string_view text, std::size_t i) {
   const unsigned char first = byte_at(text, i);
   if (first < 0x80) return 1;
@@ -31,7 +31,7 @@ std::size_t sequence_length(std::string_view text, std::size_t i) {
     if ((byte_at(text, i + k) & 0xC0) != 0x80) return 0;
   }
   const unsigned char second = byte_at(text, i + 1);
-  // Overlong forms, surrogates, and what lies beyond the last code point.
+  // Overlong forms, surrogates, and values beyond the last code point are invalid.
   if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second >= 0xA0)) return 0;
   if ((first == 0xF0 && second < 0x90) || (first == 0xF4 && second >= 0x90)) return 0;
   return length;
@@ -80,7 +80,7 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
-/// Windows-1252 where it differs from Latin-1: 0x80 to 0x9F. Bytes without a character are 0.
+/// Characters of the bytes 0x80 to 0x9F in Windows-1252, where it differs from Latin-1. 0 stands for none.
 constexpr std::array<std::uint16_t, 32> windows_1252{0x20AC, 0,      0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021,
                                                      0x02C6, 0x2030, 0x0160, 0x2039, 0x0152, 0,      0x017D, 0,
                                                      0,      0x2018, 0x2019, 0x201C, 0x201D, 0x2022, 0x2013, 0x2014,
@@ -100,9 +100,10 @@ std::string from_windows_1252(std::string_view bytes) {
   return out;
 }
 
-/// Whether the bytes above 127 begin pairs of GBK, most of them frequent characters or signs of GB2312. In Western
-/// texts such bytes are letters with accents, which mostly stand before plain letters, and rarely are such a pair.
-bool looks_like_gbk(std::string_view bytes) {
+/// Whether all bytes above 127 begin two-byte characters of GBK, and at least 70 % of these are frequent characters of
+/// GB2312. In Western texts such bytes are accented letters, which mostly stand before plain letters and rarely give
+/// such a character.
+bool is_probably_gbk(std::string_view bytes) {
   std::size_t pairs = 0, frequent = 0;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const unsigned char lead = byte_at(bytes, i);
@@ -112,7 +113,7 @@ bool looks_like_gbk(std::string_view bytes) {
     if (trail < 0x40 || trail == 0x7F || trail == 0xFF) return false;
     ++pairs;
     const bool is_frequent = (lead >= 0xA1 && lead <= 0xA3) || (lead >= 0xB0 && lead <= 0xD7);
-    // An en dash, which stands before negative numbers.
+    // An en dash may stand for a minus sign.
     const bool is_dash = lead == 0xA8 && trail == 0x43;
     if ((is_frequent && trail >= 0xA1) || is_dash) ++frequent;
   }
@@ -131,29 +132,30 @@ std::string from_gbk(std::string_view bytes) {
     return out;
   };
   const iconv_t opened = iconv_open("UTF-8", "GBK");
-  // The C library has no such table on every machine. The digits can be read all the same.
+  // Not every machine's C library has this conversion. Digits can be read without it.
   if (opened == reinterpret_cast<iconv_t>(-1)) return unknown();  // NOLINT(performance-no-int-to-ptr): its own value
   const std::unique_ptr<void, CloseConverter> converter(opened);
   std::string source(bytes);
   char* from = source.data();
-  std::size_t left = source.size();
-  std::array<char, 4096> part{};
-  while (left > 0) {
-    char* to = part.data();
-    std::size_t room = part.size();
-    const std::size_t before = left;
-    const std::size_t result = iconv(converter.get(), &from, &left, &to, &room);
-    out.append(part.data(), part.size() - room);
-    if (result == static_cast<std::size_t>(-1) && left == before) {
+  std::size_t remaining_bytes = source.size();
+  std::array<char, 4096> buffer{};
+  while (remaining_bytes > 0) {
+    char* to = buffer.data();
+    std::size_t free_bytes = buffer.size();
+    const std::size_t before = remaining_bytes;
+    const std::size_t result = iconv(converter.get(), &from, &remaining_bytes, &to, &free_bytes);
+    out.append(buffer.data(), buffer.size() - free_bytes);
+    if (result == static_cast<std::size_t>(-1) && remaining_bytes == before) {
       out += replacement;
       ++from;
-      --left;
+      --remaining_bytes;
     }
   }
   return out;
 }
 
-/// Whether every other byte of the text's beginning is zero, as in UTF-16 of digits and Latin letters.
+/// Whether most bytes at even (parity 0) or odd (parity 1) positions are zero, as in UTF-16 of digits and Latin
+/// letters.
 bool has_zeros_at(std::string_view bytes, std::size_t parity) {
   std::size_t zeros = 0, all = 0;
   for (std::size_t i = parity; i < std::min(bytes.size(), max_sampled_bytes); i += 2) {
@@ -181,7 +183,7 @@ DecodedText decode_text(std::string_view bytes) {
   if (has_zeros_at(bytes, 0)) return {from_utf16(bytes, true), "utf-16"};
   if (is_utf8(bytes))
     return {std::string(bytes.starts_with(utf8_mark) ? bytes.substr(utf8_mark.size()) : bytes), "utf-8"};
-  if (looks_like_gbk(bytes)) return {from_gbk(bytes), "gbk"};
+  if (is_probably_gbk(bytes)) return {from_gbk(bytes), "gbk"};
   return {from_windows_1252(bytes), "windows-1252"};
 }
 

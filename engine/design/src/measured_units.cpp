@@ -19,7 +19,7 @@ namespace {
 struct Unit {
   std::string_view name;
   Quantity quantity;
-  double factor;  ///< to 1, mm, rad, MPa or N
+  double factor;  ///< converts a number into 1, mm, rad, MPa or N
 };
 
 constexpr double degree = std::numbers::pi / 180;
@@ -59,7 +59,7 @@ constexpr std::array<Unit, 29> units{{
     {"gf", Quantity::force, kilogram_force / 1000},
 }};
 
-/// Other ways to write them, in lower case, without blanks and signs of powers.
+/// Other spellings of these units, as normalized_spelling gives them.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 68> synonyms{{
     {"-", "1"},
     {"mm/mm", "1"},
@@ -131,7 +131,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 68> synonyms
     {"g", "gf"},
 }};
 
-/// Units of what no profile has, in lower case: times, temperatures, rates, electric signals, energies.
+/// Units of quantities that no profile has, as normalized_spelling gives them: times, temperatures, rates, electric
+/// signals, energies.
 constexpr std::array<std::string_view, 66> other_units{"s",
                                                        "sec",
                                                        "secs",
@@ -201,11 +202,11 @@ constexpr std::array<std::string_view, 66> other_units{"s",
                                                        "mm3",
                                                        "db"};
 
-/// Spellings of which the case decides what they mean: a million times more or less.
+/// Spellings that are refused because only the case of a letter decides the unit: "mPa" is a billionth of "MPa".
 constexpr std::array<std::string_view, 7> ambiguous_spellings{"mPa", "MN", "Mn", "mn", "M", "Gf", "GF"};
 
-/// Lower case without blanks, dots between units, and signs of powers: "N/mm²" and "N / mm^2" become "n/mm2".
-std::string normal_spelling(std::string_view written) {
+/// The spelling in lower case without blanks and power signs: "N/mm²" and "N / mm^2" become "n/mm2".
+std::string normalized_spelling(std::string_view written) {
   std::string text;
   const std::string lower = lower_case(written);
   for (std::size_t i = 0; i < lower.size(); ++i) {
@@ -236,12 +237,13 @@ const Unit* find_unit(std::string_view written) {
   if (const Unit* const exact = named(written)) return exact;
   if (std::find(ambiguous_spellings.begin(), ambiguous_spellings.end(), written) != ambiguous_spellings.end())
     return nullptr;
-  const std::string spelling = normal_spelling(written);
+  const std::string spelling = normalized_spelling(written);
   const auto* const synonym =
       std::find_if(synonyms.begin(), synonyms.end(), [&](const auto& pair) { return pair.first == spelling; });
   if (synonym != synonyms.end()) return named(synonym->second);
-  const auto* const unit = std::find_if(
-      units.begin(), units.end(), [&](const Unit& candidate) { return normal_spelling(candidate.name) == spelling; });
+  const auto* const unit = std::find_if(units.begin(), units.end(), [&](const Unit& candidate) {
+    return normalized_spelling(candidate.name) == spelling;
+  });
   return unit == units.end() ? nullptr : unit;
 }
 
@@ -258,23 +260,23 @@ std::string list_of(std::span<const Quantity> quantities) {
   return list;
 }
 
-/// The unit, which must be of one of the quantities.
+/// The unit, which must belong to one of the quantities.
 const Unit& unit_of(const std::string& written, std::span<const Quantity> quantities, const std::string& where) {
   const Unit* const unit = find_unit(written);
   if (unit && std::find(quantities.begin(), quantities.end(), unit->quantity) != quantities.end()) return *unit;
   refuse_unit(where, "must be one of " + list_of(quantities) + ", got \"" + written.substr(0, 40) + "\"");
 }
 
-/// A positive length or area that a unit needs.
-double needed(const std::optional<double>& value, const std::string& unit, const std::string& field,
-              const std::string& what) {
+/// The length or area of the specimen that a unit needs; it must be positive.
+double required_dimension(const std::optional<double>& value, const std::string& unit, const std::string& field,
+                          const std::string& what) {
   if (value && *value > 0) return *value;
   refuse_unit("specimen/" + field, "must be the specimen's " + what + ", above 0: numbers in " + unit + " need it");
 }
 
 }  // namespace
 
-std::string known_unit(const std::string& written) {
+std::string canonical_unit(const std::string& written) {
   const Unit* const unit = find_unit(written);
   return unit ? std::string(unit->name) : std::string();
 }
@@ -285,7 +287,7 @@ std::optional<Quantity> quantity_of(const std::string& written) {
 }
 
 bool is_other_unit(const std::string& written) {
-  const std::string spelling = normal_spelling(written);
+  const std::string spelling = normalized_spelling(written);
   return std::find(other_units.begin(), other_units.end(), spelling) != other_units.end();
 }
 
@@ -305,7 +307,7 @@ UnitConversion conversion_of_x(Task task, const std::string& unit, const Specime
   const Unit& found = unit_of(unit, std::array{Quantity::ratio, Quantity::stretch, Quantity::length}, "units/x");
   if (found.quantity == Quantity::stretch) return {1, -1};
   if (found.quantity == Quantity::ratio) return {found.factor, 0};
-  return {found.factor / needed(specimen.gauge_length, unit, "gauge_length", "gauge length in mm"), 0};
+  return {found.factor / required_dimension(specimen.gauge_length, unit, "gauge_length", "gauge length in mm"), 0};
 }
 
 UnitConversion conversion_of_y(Task task, const std::string& unit, const Specimen& specimen) {
@@ -313,7 +315,7 @@ UnitConversion conversion_of_y(Task task, const std::string& unit, const Specime
   if (task == Task::stiffness) return {unit_of(unit, std::array{Quantity::pressure}, "units/y").factor, 0};
   const Unit& found = unit_of(unit, std::array{Quantity::pressure, Quantity::force}, "units/y");
   if (found.quantity == Quantity::pressure) return {found.factor, 0};
-  return {found.factor / needed(specimen.area, unit, "area", "cross-section in mm^2"), 0};
+  return {found.factor / required_dimension(specimen.area, unit, "area", "cross-section in mm^2"), 0};
 }
 
 }  // namespace supple::design

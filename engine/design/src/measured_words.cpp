@@ -12,7 +12,7 @@ namespace {
 
 using Words = std::span<const std::string_view>;
 
-// Parts of words, in lower case.
+// Parts of words of each kind, in lower case.
 constexpr std::array<std::string_view, 26> strain_words{"strain",
                                                         "dehnung",
                                                         "d\xC3\xA9"
@@ -116,7 +116,7 @@ constexpr std::array<std::string_view, 18> force_words{"force",
                                                        "\xE8\x8D\xB7\xE9\x87\x8D",                          // 荷重
                                                        "\xE8\xB4\x9F\xE8\x8D\xB7",                          // 负荷
                                                        "\xE8\x8D\xB7\xE8\xBD\xBD",                          // 荷载
-                                                       "\xE5\x8A\x9B"};  // 力, unless it is that of a stress
+                                                       "\xE5\x8A\x9B"};  // 力, if the title names no stress
 constexpr std::array<std::string_view, 9> angle_words{"angle",  "direction",     "winkel", "richtung",    "orientation",
                                                       "azimut", "\xC3\xA1ngulo", "angolo", "\xE8\xA7\x92"};
 constexpr std::array<std::string_view, 9> stiffness_words{"modul",
@@ -131,81 +131,81 @@ constexpr std::array<std::string_view, 9> stiffness_words{"modul",
                                                           "\xE5\xBC\xBE\xE6\x80\xA7"};
 constexpr std::array<std::string_view, 4> poisson_words{"poisson", "querkontraktion", "querdehnzahl",
                                                         "\xE6\xB3\x8A\xE6\x9D\xBE"};
-/// Whatever else a title says: these are changes, commands or sizes of something.
-constexpr std::array<std::string_view, 33> never_words{" rate",
-                                                       "rate ",
-                                                       "_rate",
-                                                       "speed",
-                                                       "velocity",
-                                                       "geschwindigkeit",
-                                                       "vitesse",
-                                                       "velocidad",
-                                                       "velocit",
-                                                       "energy",
-                                                       "energie",
-                                                       "\xC3\xA9nergie",
-                                                       "set point",
-                                                       "setpoint",
-                                                       "sollkraft",
-                                                       "sollweg",
-                                                       "command",
-                                                       "consigne",
-                                                       "gauge length",
-                                                       "messl\xC3\xA4nge",
-                                                       "width",
-                                                       "breite",
-                                                       "thick",
-                                                       "dicke",
-                                                       "diameter",
-                                                       "durchmesser",
-                                                       "largeur",
-                                                       "\xC3\xA9paisseur",
-                                                       "\xE9\x80\x9F\xE5\xBA\xA6",
-                                                       "\xE9\x80\x9F\xE7\x8E\x87",
-                                                       "\xE5\xAE\xBD",
-                                                       "\xE5\x8E\x9A",
-                                                       "\xE7\x9B\xB4\xE5\xBE\x84"};
-/// What these say counts where a title says nothing of a profile.
-constexpr std::array<std::string_view, 38> else_words{"time",
-                                                      "zeit",
-                                                      "temps",
-                                                      "tiempo",
-                                                      "tempo",
-                                                      "tijd",
-                                                      "czas",
-                                                      "index",
-                                                      "cycle",
-                                                      "zyklus",
-                                                      "zyklen",
-                                                      "count",
-                                                      "number",
-                                                      "sample",
-                                                      "record",
-                                                      "temp",
-                                                      "humid",
-                                                      "feucht",
-                                                      "luftdruck",
-                                                      "voltage",
-                                                      "current",
-                                                      "date",
-                                                      "datum",
-                                                      "segment",
-                                                      "step",
-                                                      "punkt",
-                                                      "point",
-                                                      "punto",
-                                                      "nummer",
-                                                      "frequen",
-                                                      "\xD0\xB2\xD1\x80\xD0\xB5\xD0\xBC",  // врем
-                                                      "\xE6\x97\xB6\xE9\x97\xB4",          // 时间
-                                                      "\xE6\x99\x82\xE9\x96\x93",          // 時間
-                                                      "\xE5\xBA\x8F\xE5\x8F\xB7",          // 序号
-                                                      "\xE7\xBC\x96\xE5\x8F\xB7",          // 编号
-                                                      "\xE6\xB8\xA9\xE5\xBA\xA6",          // 温度
-                                                      "\xE6\xB9\xBF\xE5\xBA\xA6",          // 湿度
-                                                      "pressure"};
-constexpr std::array<std::string_view, 12> else_tokens{"no", "no.", "nr", "nr.", "#",   "n",
-                                                       "id", "sid", "t",  "i",   "idx", "pt"};
+/// Words that exclude a column whatever else its title says: rates, commands, and dimensions of the specimen.
+constexpr std::array<std::string_view, 33> excluded_words{" rate",
+                                                          "rate ",
+                                                          "_rate",
+                                                          "speed",
+                                                          "velocity",
+                                                          "geschwindigkeit",
+                                                          "vitesse",
+                                                          "velocidad",
+                                                          "velocit",
+                                                          "energy",
+                                                          "energie",
+                                                          "\xC3\xA9nergie",
+                                                          "set point",
+                                                          "setpoint",
+                                                          "sollkraft",
+                                                          "sollweg",
+                                                          "command",
+                                                          "consigne",
+                                                          "gauge length",
+                                                          "messl\xC3\xA4nge",
+                                                          "width",
+                                                          "breite",
+                                                          "thick",
+                                                          "dicke",
+                                                          "diameter",
+                                                          "durchmesser",
+                                                          "largeur",
+                                                          "\xC3\xA9paisseur",
+                                                          "\xE9\x80\x9F\xE5\xBA\xA6",
+                                                          "\xE9\x80\x9F\xE7\x8E\x87",
+                                                          "\xE5\xAE\xBD",
+                                                          "\xE5\x8E\x9A",
+                                                          "\xE7\x9B\xB4\xE5\xBE\x84"};
+/// Words that exclude a column if its title names no quantity of a profile.
+constexpr std::array<std::string_view, 38> other_words{"time",
+                                                       "zeit",
+                                                       "temps",
+                                                       "tiempo",
+                                                       "tempo",
+                                                       "tijd",
+                                                       "czas",
+                                                       "index",
+                                                       "cycle",
+                                                       "zyklus",
+                                                       "zyklen",
+                                                       "count",
+                                                       "number",
+                                                       "sample",
+                                                       "record",
+                                                       "temp",
+                                                       "humid",
+                                                       "feucht",
+                                                       "luftdruck",
+                                                       "voltage",
+                                                       "current",
+                                                       "date",
+                                                       "datum",
+                                                       "segment",
+                                                       "step",
+                                                       "punkt",
+                                                       "point",
+                                                       "punto",
+                                                       "nummer",
+                                                       "frequen",
+                                                       "\xD0\xB2\xD1\x80\xD0\xB5\xD0\xBC",  // врем
+                                                       "\xE6\x97\xB6\xE9\x97\xB4",          // 时间
+                                                       "\xE6\x99\x82\xE9\x96\x93",          // 時間
+                                                       "\xE5\xBA\x8F\xE5\x8F\xB7",          // 序号
+                                                       "\xE7\xBC\x96\xE5\x8F\xB7",          // 编号
+                                                       "\xE6\xB8\xA9\xE5\xBA\xA6",          // 温度
+                                                       "\xE6\xB9\xBF\xE5\xBA\xA6",          // 湿度
+                                                       "pressure"};
+constexpr std::array<std::string_view, 12> other_titles{"no", "no.", "nr", "nr.", "#",   "n",
+                                                        "id", "sid", "t",  "i",   "idx", "pt"};
 constexpr std::array<std::string_view, 9> transverse_words{
     "transvers", "lateral", "quer", "width", "breiten", "trasvers", "across", "orthogonal", "\xE6\xA8\xAA"};
 constexpr std::array<std::string_view, 10> true_words{"true ", "true_", "wahre",  "logarithm",    "hencky",
@@ -273,7 +273,7 @@ bool has_any(const std::string& text, Words words) {
                      [&](std::string_view word) { return text.find(word) != std::string::npos; });
 }
 
-/// Whether the title is this symbol, alone or with an index: "F", "F1", "F max".
+/// Whether the title is this symbol, alone or followed by an index or a blank: "F", "F1", "F max".
 bool is_symbol(const std::string& text, std::string_view symbol) {
   if (!text.starts_with(symbol)) return false;
   if (text.size() == symbol.size()) return true;
@@ -300,13 +300,13 @@ TitleWords words_of(std::string_view title) {
   words.compression = has_any(text, compression_words);
   words.tension = has_any(text, tension_words) || text.find("traction") < text.find("contraction") ||
                   (text.starts_with("tension") && !text.starts_with("tensione"));
-  const bool means_something = words.strain || words.stretch || words.displacement || words.stress || words.force ||
-                               words.angle || words.stiffness || words.poisson;
-  const bool is_else =
-      has_any(text, else_words) || std::find(else_tokens.begin(), else_tokens.end(), text) != else_tokens.end();
-  words.something_else = has_any(text, never_words) || text == "rate" || (is_else && !means_something);
-  // "Strain rate" is no strain, and neither is a time "Since load".
-  if (text.ends_with("rate") && !text.ends_with("elongation rate")) words.something_else = true;
+  const bool names_quantity = words.strain || words.stretch || words.displacement || words.stress || words.force ||
+                              words.angle || words.stiffness || words.poisson;
+  const bool is_other =
+      has_any(text, other_words) || std::find(other_titles.begin(), other_titles.end(), text) != other_titles.end();
+  words.other_quantity = has_any(text, excluded_words) || text == "rate" || (is_other && !names_quantity);
+  // "Strain rate" is no strain, but "elongation rate" is one.
+  if (text.ends_with("rate") && !text.ends_with("elongation rate")) words.other_quantity = true;
   return words;
 }
 

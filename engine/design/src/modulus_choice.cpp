@@ -9,8 +9,9 @@
 namespace supple::design {
 namespace {
 
-/// Sum of weights times squared deviations beyond the bands, as a function of the factor: convex and quadratic between
-/// the factors at which a sample enters its band.
+/// Sum of the weighted squared deviations beyond the bands, as a function of the factor. It is convex, and quadratic
+/// between the factors at which a sample enters or leaves its band. `slope` is half of its first derivative,
+/// `curvature` half of its second.
 struct Misfit {
   double value = 0;
   double slope = 0;
@@ -27,10 +28,11 @@ void for_each_stress(const std::vector<SampledTarget>& targets, const std::vecto
     const Eigen::Index n = target.y.size();
     if (target.samples.task != Task::poisson) {
       const Eigen::VectorXd deviations = target.deviations(factor * values.segment(first, n));
-      const double share = target_weights[t] / (target.scale * target.scale);
-      // What has no equilibrium has no say.
+      const double target_factor = target_weights[t] / (target.scale * target.scale);
+      // Samples without an equilibrium do not count.
       for (Eigen::Index i = 0; i < n; ++i)
-        if (std::isfinite(deviations[i])) visit(share * target.weights[i], first + i, values[first + i], deviations[i]);
+        if (std::isfinite(deviations[i]))
+          visit(target_factor * target.weights[i], first + i, values[first + i], deviations[i]);
     }
     first += n;
   }
@@ -49,10 +51,10 @@ Misfit misfit(const std::vector<SampledTarget>& targets, const std::vector<doubl
   return sum;
 }
 
-/// Where the misfit is least between two factors: the root of its slope, by Newton's method within a bracket that
-/// shrinks with each step. The slope is linear between the bands' ends, so that few steps find it to the last digit.
+/// The factor between `low` and `high` with the least misfit: the root of its slope, by Newton's method within a
+/// bracket that shrinks with each step. The slope is piecewise linear, so that few steps reach rounding accuracy.
 template <class MisfitAt>
-double least_between(double low, double high, const MisfitAt& misfit_at) {
+double minimize_between(double low, double high, const MisfitAt& misfit_at) {
   if (!(misfit_at(low).slope < 0)) return low;
   if (!(misfit_at(high).slope > 0)) return high;
   constexpr int max_steps = 60;
@@ -71,13 +73,14 @@ double least_between(double low, double high, const MisfitAt& misfit_at) {
 
 }  // namespace
 
-ModulusChoice::ModulusChoice(const std::vector<Range>& moduli, double of_model)
-    : moduli_(moduli.empty() ? std::vector<Range>{{of_model, of_model}} : moduli), of_model_(of_model) {
+ModulusChoice::ModulusChoice(const std::vector<Range>& moduli, double model_modulus)
+    : moduli_(moduli.empty() ? std::vector<Range>{{model_modulus, model_modulus}} : moduli),
+      model_modulus_(model_modulus) {
   for (std::size_t i = 0; i < moduli_.size(); ++i) {
-    const auto [least, most] = moduli_[i];
-    if (least > 0 && least <= most && std::isfinite(most)) continue;
+    const auto [min_modulus, max_modulus] = moduli_[i];
+    if (min_modulus > 0 && min_modulus <= max_modulus && std::isfinite(max_modulus)) continue;
     const std::string text =
-        "must be positive and not decrease, got " + std::to_string(least) + " to " + std::to_string(most);
+        "must be positive and not decrease, got " + std::to_string(min_modulus) + " to " + std::to_string(max_modulus);
     throw Error("design.invalid_modulus", "The range of Young's modulus " + text + ".",
                 {{"moduli/" + std::to_string(i), text}});
   }
@@ -88,16 +91,16 @@ ModulusChoice::Chosen ModulusChoice::best(const std::vector<SampledTarget>& targ
                                           const Eigen::VectorXd& values) const {
   const auto misfit_at = [&](double factor) { return misfit(targets, target_weights, values, factor); };
   Chosen chosen;
-  double least_misfit = 0;
+  double min_misfit = 0;
   for (std::size_t i = 0; i < moduli_.size(); ++i) {
-    const double low = moduli_[i].least / of_model_;
-    const double high = moduli_[i].most / of_model_;
-    const double factor = low < high ? least_between(low, high, misfit_at) : low;
+    const double low = moduli_[i].least / model_modulus_;
+    const double high = moduli_[i].most / model_modulus_;
+    const double factor = low < high ? minimize_between(low, high, misfit_at) : low;
     const double value = moduli_.size() > 1 ? misfit_at(factor).value : 0;
-    if (i > 0 && !(value < least_misfit)) continue;
-    least_misfit = value;
-    chosen = {i, factor * of_model_, factor, factor > low && factor < high};
-    // Limits are what was asked for, to the last digit.
+    if (i > 0 && !(value < min_misfit)) continue;
+    min_misfit = value;
+    chosen = {i, factor * model_modulus_, factor, factor > low && factor < high};
+    // At a limit the modulus is exactly the limit, without the rounding of the product.
     if (!chosen.is_inside) chosen.modulus = factor == low ? moduli_[i].least : moduli_[i].most;
   }
   return chosen;
@@ -120,18 +123,18 @@ Eigen::RowVectorXd ModulusChoice::slope(const std::vector<SampledTarget>& target
 }
 
 std::pair<double, double> ModulusChoice::limits() const {
-  double least = moduli_.front().least;
-  double most = moduli_.front().most;
+  double min_modulus = moduli_.front().least;
+  double max_modulus = moduli_.front().most;
   for (const Range& range : moduli_) {
-    least = std::min(least, range.least);
-    most = std::max(most, range.most);
+    min_modulus = std::min(min_modulus, range.least);
+    max_modulus = std::max(max_modulus, range.most);
   }
-  return {least / of_model_, most / of_model_};
+  return {min_modulus / model_modulus_, max_modulus / model_modulus_};
 }
 
 std::optional<double> ModulusChoice::single() const {
-  const auto [least, most] = limits();
-  return least == most ? std::optional(least) : std::nullopt;
+  const auto [min_factor, max_factor] = limits();
+  return min_factor == max_factor ? std::optional(min_factor) : std::nullopt;
 }
 
 Eigen::VectorXd scaled(const std::vector<SampledTarget>& targets, Eigen::VectorXd values, double factor) {

@@ -13,14 +13,14 @@
 namespace supple::design {
 namespace {
 
-/// As far as the service accepts Green strains; below, lengths vanish.
-constexpr double lowest_green_strain = -0.5;
-constexpr double highest_green_strain = 7.5;
+/// The range of Green strains that the service accepts. At -0.5 lengths vanish.
+constexpr double min_green_strain = -0.5;
+constexpr double max_green_strain = 7.5;
 
-/// d C / d p, the tangent's total derivative along a change of strain: its third derivatives applied to the change.
+/// d C / d p: the change of the tangent C along a change of strain, from the energy's third derivatives.
 Eigen::Matrix3d tangent_change(const Eigen::Ref<const Eigen::VectorXd>& third, const Eigen::Vector3d& change) {
   const auto t = [&third](int i) { return third[i]; };
-  // 111, 112, 113, 122, 123, 133, 222, 223, 233, 333
+  // The third derivatives are in the order 111, 112, 113, 122, 123, 133, 222, 223, 233, 333.
   Eigen::Matrix<double, 6, 1> c;
   c << t(0) * change[0] + t(1) * change[1] + t(2) * change[2], t(1) * change[0] + t(3) * change[1] + t(4) * change[2],
       t(2) * change[0] + t(4) * change[1] + t(5) * change[2], t(3) * change[0] + t(6) * change[1] + t(7) * change[2],
@@ -39,7 +39,8 @@ double directional_value(Task task, const neural::UniaxialFrame& frame, const Ei
 double stretch(double green_strain) { return std::sqrt(1 + 2 * green_strain); }
 
 double factor_of(Task task, StrainMeasure measure, double green_strain) {
-  // F d = s d' with |d'| = 1 and S = sigma d d^T give P d = F S d = s sigma d'.
+  // F d = s d' with |d'| = 1 and S = sigma d d^T give the first Piola-Kirchhoff stress P d = F S d = s sigma d'. The
+  // factor is therefore the stretch s.
   return task == Task::stress_strain && measure == StrainMeasure::engineering ? stretch(green_strain) : 1;
 }
 
@@ -59,8 +60,8 @@ std::string_view to_string(Task task) {
 std::string_view to_string(StrainMeasure measure) { return measure == StrainMeasure::green ? "green" : "engineering"; }
 
 std::pair<double, double> strain_limits(StrainMeasure measure) {
-  if (measure == StrainMeasure::green) return {lowest_green_strain, highest_green_strain};
-  return {stretch(lowest_green_strain) - 1, stretch(highest_green_strain) - 1};
+  if (measure == StrainMeasure::green) return {min_green_strain, max_green_strain};
+  return {stretch(min_green_strain) - 1, stretch(max_green_strain) - 1};
 }
 
 double green_strain(double strain, StrainMeasure measure) {
@@ -68,8 +69,8 @@ double green_strain(double strain, StrainMeasure measure) {
 }
 
 std::vector<Sample> samples_of(const ProfileSamples& samples) {
-  const auto [lowest, highest] = strain_limits(samples.measure);
-  const auto check = [&, low = lowest, high = highest](double strain, const std::string& where) {
+  const auto [min_strain, max_strain] = strain_limits(samples.measure);
+  const auto check = [&, low = min_strain, high = max_strain](double strain, const std::string& where) {
     if (strain > low && strain <= high) return;
     const std::string limits = "above " + std::to_string(low) + " and at most " + std::to_string(high);
     throw Error("model.invalid_load", "A strain along the load must be " + limits + ".",
@@ -108,7 +109,7 @@ double value_of(const Sample& sample, const neural::UniaxialFrame& frame, const 
 
 namespace {
 
-/// How the strain of a state follows the direction of its load.
+/// Derivative of a state's strain by the direction of its load.
 template <class Real>
 Eigen::Vector3d strain_by_direction(const Sample& sample, const neural::UniaxialFrame& frame,
                                     const Equilibria<Real>& equilibria, std::size_t i) {
@@ -140,7 +141,7 @@ void ValueDerivatives<Real>::evaluate(const Evaluator& evaluator, const typename
     const auto& frame = equilibria.frame(i);
     const auto path = path_rates(frame, state.tangent);
     if (samples[i].task == Task::stress_strain) {
-      // The free strains follow so that along + free rates is conjugate to what changes.
+      // The strain rate is conjugate to the free strains: free^T C strain_rate = 0. Their changes contribute nothing.
       derivatives.row(row).head(parameters) =
           samples[i].factor * path.strain_rate.transpose() * state.stress_by_parameters;
       if (by_orientation) {
@@ -157,7 +158,7 @@ void ValueDerivatives<Real>::evaluate(const Evaluator& evaluator, const typename
           tangent_change(evaluation_.third.col(column), strain_by_direction(samples[i], frame, equilibria, i));
       const Eigen::Vector3d rate_change = slope.strain(1, path.rates);
       if (samples[i].task == Task::stiffness) {
-        // The rates of the free strains make the stiffness least, so that their change does not count.
+        // The rates minimize the stiffness, so that their change contributes nothing to first order.
         derivatives(row, parameters) =
             -path.strain_rate.dot(change * path.strain_rate + 2 * state.tangent * rate_change);
       } else {
@@ -200,7 +201,7 @@ Profile evaluate_profile(const neural::Model& model, const neural::Evaluator& ev
   execution.checkpoint(0, "equilibria");
   const StageTimer timer(execution.cost, "equilibria");
   Equilibria<double> equilibria(evaluator, loadings_of(points), {.tolerance = equilibrium_tolerance});
-  equilibria.stop_on(execution.cancellation);
+  equilibria.set_cancellation(execution.cancellation);
   equilibria.from_rest(design);
   Profile profile;
   profile.y.resize(static_cast<Eigen::Index>(points.size()));

@@ -6,11 +6,11 @@
 namespace supple::design {
 namespace {
 
-/// Nine of ten normally distributed errors are smaller than this many of their standard deviations, as nine of ten are
-/// within an error bar.
-constexpr double deviations_in_a_bar = 1.645;
+/// Length of an error bar in standard deviations, if errors are normally distributed. An error bar covers nine of ten
+/// errors, and so do 1.645 standard deviations.
+constexpr double standard_deviations_per_bar = 1.645;
 
-/// What a task's values are to the network's error bars.
+/// The kind of error bar that belongs to a task's values.
 neural::Quantity quantity_of(Task task) {
   switch (task) {
     case Task::stiffness:
@@ -38,15 +38,15 @@ ProfileTrust profile_trust(const neural::Model& model, const neural::ErrorBars& 
     const auto trust =
         bars.uniaxial(quantity_of(sample.task), equilibria.frame(at), sample.loading.strain, state.strain, state);
     result.in_range[static_cast<std::size_t>(i)] = trust.in_range;
-    // Of Poisson's ratio bars are differences, of stress and stiffness shares of the value.
+    // Error bars of Poisson's ratio are absolute, and those of stress and stiffness are relative to the value.
     if (trust.error) result.error_bar[i] = *trust.error * (sample.task == Task::poisson ? 1 : std::abs(values[i]));
   }
   return result;
 }
 
-Doubt doubt_about(const std::vector<SampledTarget>& targets, const std::vector<double>& weights,
-                  const std::vector<ProfileTrust>& trusts) {
-  Doubt doubt;
+Uncertainty uncertainty_of(const std::vector<SampledTarget>& targets, const std::vector<double>& weights,
+                           const std::vector<ProfileTrust>& trusts) {
+  Uncertainty uncertainty;
   double sum = 0;
   double total = 0;
   for (std::size_t t = 0; t < targets.size(); ++t) {
@@ -55,14 +55,14 @@ Doubt doubt_about(const std::vector<SampledTarget>& targets, const std::vector<d
       if (trust.in_range[i] != 0) continue;
       const auto at = static_cast<Eigen::Index>(i);
       const bool has_bar = trust.error_bar.size() > 0 && std::isfinite(trust.error_bar[at]);
-      doubt.has_long_bars = doubt.has_long_bars || has_bar;
-      const double error = has_bar ? trust.error_bar[at] / (deviations_in_a_bar * targets[t].scale) : 1;
+      uncertainty.has_long_bars = uncertainty.has_long_bars || has_bar;
+      const double error = has_bar ? trust.error_bar[at] / (standard_deviations_per_bar * targets[t].scale) : 1;
       sum += weights[t] * targets[t].weights[at] * error * error;
     }
     total += weights[t];
   }
-  doubt.size = std::sqrt(sum / total);
-  return doubt;
+  uncertainty.size = std::sqrt(sum / total);
+  return uncertainty;
 }
 
 }  // namespace supple::design

@@ -9,20 +9,21 @@
 namespace supple::design {
 namespace {
 
-/// Candidates are looked at in orientations that are so far apart at most, rad, unless they were too many.
+/// Candidates are evaluated in several orientations. Neighbouring ones differ by at most this, rad, unless there would
+/// be more than max_orientations.
 constexpr double orientation_spacing = 0.4;
 constexpr int max_orientations = 8;
 
 }  // namespace
 
-double relative_deviation(const std::vector<SampledTarget>& targets, const std::vector<double>& weights, double outlier,
-                          const std::vector<Eigen::VectorXd>& profiles) {
+double relative_deviation(const std::vector<SampledTarget>& targets, const std::vector<double>& weights,
+                          double outlier_threshold, const std::vector<Eigen::VectorXd>& profiles) {
   double sum = 0;
   double total = 0;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     Eigen::VectorXd deviations = targets[t].deviations(profiles[t]) / targets[t].scale;
-    if (outlier > 0)
-      for (double& deviation : deviations) deviation = lessened(deviation, outlier).value;
+    if (outlier_threshold > 0)
+      for (double& deviation : deviations) deviation = robust_deviation(deviation, outlier_threshold).value;
     sum += weights[t] * targets[t].weights.dot(deviations.cwiseAbs2());
     total += weights[t];
   }
@@ -48,8 +49,8 @@ void RankedCandidates::evaluate(const Execution& execution) {
   }
   const FreeParameters& bounds = problem_.bounds;
   const auto free = static_cast<int>(bounds.free_of_family().size());
-  const int asked = problem_.options.candidates;
-  const int number = free == 0 ? 1 : asked > 0 ? asked : default_candidates(free);
+  const int requested = problem_.options.candidates;
+  const int number = free == 0 ? 1 : requested > 0 ? requested : default_candidates(free);
   table_ = problem_.space.candidates.table(family_part(bounds.lower), family_part(bounds.upper), number, profiles,
                                            problem_.space.buildable, execution);
 }
@@ -70,14 +71,14 @@ Eigen::VectorXd RankedCandidates::values(Eigen::Index candidate) const {
   return table_->y.col(candidate % n).segment(candidate / n * rows, rows);
 }
 
-std::vector<std::pair<double, Eigen::Index>> RankedCandidates::ranked(double outlier) const {
+std::vector<std::pair<double, Eigen::Index>> RankedCandidates::ranked(double outlier_threshold) const {
   std::vector<std::pair<double, Eigen::Index>> candidates;
-  for (Eigen::Index c = 0; c < count(); ++c) candidates.emplace_back(error(c, outlier), c);
+  for (Eigen::Index c = 0; c < count(); ++c) candidates.emplace_back(error(c, outlier_threshold), c);
   std::sort(candidates.begin(), candidates.end());
   return candidates;
 }
 
-double RankedCandidates::error(Eigen::Index candidate, double outlier) const {
+double RankedCandidates::error(Eigen::Index candidate, double outlier_threshold) const {
   Eigen::VectorXd all = values(candidate);
   all = scaled(coarse_, all, problem_.moduli.best(coarse_, problem_.weights, all).factor);
   std::vector<Eigen::VectorXd> profiles;
@@ -87,21 +88,21 @@ double RankedCandidates::error(Eigen::Index candidate, double outlier) const {
     profiles.emplace_back(all.segment(begin, target.y.size()));
     begin += target.y.size();
   }
-  const double deviation = relative_deviation(coarse_, problem_.weights, outlier, profiles);
+  const double deviation = relative_deviation(coarse_, problem_.weights, outlier_threshold, profiles);
   if (!problem_.limits.are_needed() || !std::isfinite(deviation)) return deviation;
   return std::hypot(deviation, problem_.limits.at(family_part(at(candidate))).norm());
 }
 
 std::vector<double> RankedCandidates::orientations() const {
   const FreeParameters& bounds = problem_.bounds;
-  if (!bounds.orientation_is_free()) return {orientation_in(bounds.held)};
-  // They are in the middles of equal parts of the range.
-  const double least = orientation_in(bounds.lower);
-  const double range = orientation_in(bounds.upper) - least;
+  if (!bounds.orientation_is_free()) return {orientation_in(bounds.fixed_values)};
+  // The orientations are the midpoints of equal intervals of the range.
+  const double min_orientation = orientation_in(bounds.lower);
+  const double range = orientation_in(bounds.upper) - min_orientation;
   const int number = std::clamp(static_cast<int>(std::ceil(range / orientation_spacing)), 1, max_orientations);
   std::vector<double> orientations;
   orientations.reserve(static_cast<std::size_t>(number));
-  for (int k = 0; k < number; ++k) orientations.push_back(least + (k + 0.5) * range / number);
+  for (int k = 0; k < number; ++k) orientations.push_back(min_orientation + (k + 0.5) * range / number);
   return orientations;
 }
 

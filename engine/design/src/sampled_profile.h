@@ -7,32 +7,32 @@
 
 namespace supple::design {
 
-/// A sample as the inner problem sees it.
+/// One sample of a profile as the inner problem needs it.
 struct Sample {
   Task task = Task::stress_strain;
   Loading loading;
-  double factor = 1;  ///< of the value: the stretch, where stresses are engineering ones
+  double factor = 1;  ///< factor of the stress: the stretch for engineering stress, otherwise 1
 };
 
-/// Throws "model.invalid_load".
+/// Convert the samples of a profile. `samples_of` throws "model.invalid_load".
 std::vector<Sample> samples_of(const ProfileSamples& samples);
 std::vector<Loading> loadings_of(const std::vector<Sample>& samples);
 
-/// Direct effects of a uniaxial path: how the free strains follow E_dd (a column vector (E_nn, 2 E_dn) per E_dd), and
-/// the strain rate along + free * rates.
+/// Derivatives along a uniaxial path by the given strain E_dd: `rates` are those of the free strains (E_nn, 2 E_dn),
+/// and `strain_rate` that of the whole strain, along + free * rates.
 struct PathRates {
   Eigen::Vector2d rates;
   Eigen::Vector3d strain_rate;
 };
 PathRates path_rates(const neural::UniaxialFrame& frame, const Eigen::Matrix3d& tangent);
 
-/// Of a state that is in equilibrium up to its residual. Stresses are corrected by the Newton step that is left, so
-/// that their error is the residual's square.
+/// The value of a state that is in equilibrium up to its residual. Stresses are corrected by the Newton step that would
+/// follow, so that their error is of second order in the residual.
 double value_of(const Sample& sample, const neural::UniaxialFrame& frame, const Equilibrium& state);
 
-/// Total derivatives of values by parameters (thesis 4.14), and in a last column by the orientation of the material if
-/// that is asked for. A row for each sample; the equilibria's states must be converged and have parameter derivatives.
-/// Stiffness and Poisson's ratio take one evaluation with third derivatives.
+/// Total derivatives of values by the parameters [Thesis, eq. 4.14], with one row for each sample. If `by_orientation`,
+/// the last column has the derivatives by the orientation of the material. The equilibria must have converged and have
+/// parameter derivatives. Stiffness and Poisson's ratio take one evaluation with third derivatives.
 template <class Real>
 class ValueDerivatives {
  public:

@@ -9,25 +9,28 @@
 namespace supple::design {
 namespace {
 
-/// A relative excess of 0.001 weighs as much as a deviation of 10 %.
-constexpr double penalty = 100;
-/// Of each limit, as a share of it: an excess of that much is what a slope of 10 would still hold against the penalty.
+/// Factor of the relative excess in a residual. A relative excess of 0.001 weighs as much as a deviation of 10 %.
+constexpr double penalty_factor = 100;
+/// Distance of the penalized limits from the requested ones, as a fraction of the limit. A quadratic penalty allows a
+/// small relative excess e at a minimum. It stays below the margin if half the squared deviation changes by at most 10
+/// per unit of e.
 constexpr double margin = 1e-3;
-/// Of differences, as a share of the bounds' widths.
-constexpr double step_share = 1e-4;
+/// Step of the finite differences, as a fraction of the bounds' widths.
+constexpr double step_fraction = 1e-4;
 
-/// Zero within a range that is narrower by the margin, negative below it and positive beyond it; relative.
+/// Relative excess over a range that is narrower by the margin at both ends: negative below it, positive above it, and
+/// zero within it.
 double relative_excess(double value, const Range& range) {
-  const double least = range.least * (1 + margin);
-  const double most = range.most * (1 - margin);
-  // A range narrower than the margins is met in its middle.
-  if (least > most) return value / (0.5 * (range.least + range.most)) - 1;
-  if (value > most) return value / most - 1;
-  if (value < least) return value / least - 1;
+  const double min_value = range.least * (1 + margin);
+  const double max_value = range.most * (1 - margin);
+  // If the range is narrower than both margins, its middle is required.
+  if (min_value > max_value) return value / (0.5 * (range.least + range.most)) - 1;
+  if (value > max_value) return value / max_value - 1;
+  if (value < min_value) return value / min_value - 1;
   return 0;
 }
 
-void tell(std::ostringstream& text, const char* what, double value, const Range& range) {
+void append_excess(std::ostringstream& text, const char* what, double value, const Range& range) {
   if (value >= range.least && value <= range.most) return;
   text << (text.str().empty() ? "" : " ") << what << " is " << value << ", "
        << (value < range.least ? "below the least one asked for, " : "above the greatest one asked for, ")
@@ -36,29 +39,29 @@ void tell(std::ostringstream& text, const char* what, double value, const Range&
 
 }  // namespace
 
-Eigen::Vector2d LimitRows::at(const Eigen::VectorXd& parameters) const {
+Eigen::Vector2d LimitResiduals::at(const Eigen::VectorXd& parameters) const {
   const StructureMeasures measures = space_.measure(parameters);
-  return penalty * Eigen::Vector2d(relative_excess(measures.relative_density, limits_.relative_density),
-                                   relative_excess(measures.cell_size, limits_.cell_size));
+  return penalty_factor * Eigen::Vector2d(relative_excess(measures.relative_density, limits_.relative_density),
+                                          relative_excess(measures.cell_size, limits_.cell_size));
 }
 
-Eigen::Matrix2Xd LimitRows::derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free,
-                                        const Eigen::Vector2d& rows) const {
+Eigen::Matrix2Xd LimitResiduals::derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free,
+                                             const Eigen::Vector2d& residuals) const {
   const auto& network = space_.model.network;
   Eigen::Matrix2Xd result = Eigen::Matrix2Xd::Zero(2, static_cast<Eigen::Index>(free.size()));
-  // Within the limits, where searches are nearly always, there is nothing to push back.
-  if (rows.isZero(0)) return result;
+  // The derivatives are zero within the limits, where most designs of a search are.
+  if (residuals.isZero(0)) return result;
   for (std::size_t k = 0; k < free.size(); ++k) {
     const Eigen::Index p = free[k];
-    if (p == parameters.size()) continue;  // turned, a structure measures the same
-    const double step = step_share * (network.upper[p] - network.lower[p]);
-    // At an upper bound, and next to places that cannot be built, the other side is taken.
-    for (const double by : {step, -step}) {
-      Eigen::VectorXd there = parameters;
-      there[p] += by;
-      if (there[p] > network.upper[p] || there[p] < network.lower[p]) continue;
-      if (space_.buildable && !space_.buildable(there)) continue;
-      result.col(static_cast<Eigen::Index>(k)) = (at(there) - rows) / (there[p] - parameters[p]);
+    if (p == parameters.size()) continue;  // the orientation does not change the measurements
+    const double step = step_fraction * (network.upper[p] - network.lower[p]);
+    // The second direction is for upper bounds, and for designs beside which nothing can be built.
+    for (const double offset : {step, -step}) {
+      Eigen::VectorXd shifted = parameters;
+      shifted[p] += offset;
+      if (shifted[p] > network.upper[p] || shifted[p] < network.lower[p]) continue;
+      if (space_.buildable && !space_.buildable(shifted)) continue;
+      result.col(static_cast<Eigen::Index>(k)) = (at(shifted) - residuals) / (shifted[p] - parameters[p]);
       break;
     }
   }
@@ -70,8 +73,8 @@ std::string excess(const DesignSpace& space, const StructureLimits& limits, cons
   const StructureMeasures measures = space.measure(parameters);
   std::ostringstream text;
   text.precision(4);
-  tell(text, "Its relative density", measures.relative_density, limits.relative_density);
-  tell(text, "The size of its cells, in widths of a beam,", measures.cell_size, limits.cell_size);
+  append_excess(text, "Its relative density", measures.relative_density, limits.relative_density);
+  append_excess(text, "The size of its cells, in widths of a beam,", measures.cell_size, limits.cell_size);
   return text.str();
 }
 

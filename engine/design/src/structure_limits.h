@@ -7,33 +7,32 @@
 
 namespace supple::design {
 
-/// The limits of what a design may be as residuals of a search, two rows: relative density and cell size. A row is
-/// zero within its limits, and beyond them a multiple of the relative excess so large that nothing gained by the
-/// targets outweighs it (a quadratic penalty). The limits that the rows have are narrower than those that were asked
-/// for by more than what an excess remains in a minimum, so that designs that a search ends with keep what was asked
-/// for.
-class LimitRows {
+/// Quadratic penalties for violated limits as two residuals of a search: relative density and cell size. A residual is
+/// zero within the limits. Beyond them it is a large multiple of the relative excess, so that no smaller deviation from
+/// the targets outweighs it. The penalized limits are narrower than the requested ones by more than the excess that
+/// remains at a minimum. Designs at which a search ends therefore satisfy the requested limits.
+class LimitResiduals {
  public:
-  /// `space` outlives it.
-  LimitRows(const DesignSpace& space, const StructureLimits& limits) : space_(space), limits_(limits) {}
+  /// `space` must outlive this object.
+  LimitResiduals(const DesignSpace& space, const StructureLimits& limits) : space_(space), limits_(limits) {}
 
   bool are_needed() const { return limits_.any(); }
   static constexpr Eigen::Index count = 2;
 
-  /// The rows at parameters that can be built.
+  /// The residuals at parameters that can be built.
   Eigen::Vector2d at(const Eigen::VectorXd& parameters) const;
-  /// Their derivatives, a column for each of the parameters `free`, which may include the orientation; `rows` are the
-  /// rows there. By differences: a measurement for each parameter, which takes up to some milliseconds, and none where
-  /// nothing exceeds its limit.
+  /// The derivatives of the residuals by the parameters `free`, one column for each; the orientation may be among them.
+  /// `residuals` are those at `parameters`. They are finite differences: one measurement for each parameter, which
+  /// takes up to some milliseconds, and none if no limit is exceeded.
   Eigen::Matrix2Xd derivatives(const Eigen::VectorXd& parameters, const std::vector<Eigen::Index>& free,
-                               const Eigen::Vector2d& rows) const;
+                               const Eigen::Vector2d& residuals) const;
 
  private:
   const DesignSpace& space_;
   StructureLimits limits_;
 };
 
-/// What is beyond the limits at parameters that can be built, as a sentence; empty if nothing is.
+/// The violated limits at parameters that can be built, as sentences; empty if no limit is violated.
 std::string excess(const DesignSpace& space, const StructureLimits& limits, const Eigen::VectorXd& parameters);
 
 }  // namespace supple::design

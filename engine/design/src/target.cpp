@@ -11,8 +11,8 @@
 namespace supple::design {
 namespace {
 
-/// Within this share of the target's scale a sample counts as reached.
-constexpr double reached_share = 0.01;
+/// A sample counts as reached if its deviation beyond the band is at most this fraction of the target's scale.
+constexpr double reached_fraction = 0.01;
 
 constexpr double period = std::numbers::pi;
 constexpr int default_samples = 10;
@@ -21,8 +21,8 @@ constexpr int default_directions = 50;
 bool over_directions(Task task) { return task != Task::stress_strain; }
 
 void check_strains(const Target& target, std::vector<Error::Detail>& faults) {
-  const auto [lowest, highest] = strain_limits(target.measure);
-  const auto check = [&faults, low = lowest, high = highest](double strain, const std::string& where) {
+  const auto [min_strain, max_strain] = strain_limits(target.measure);
+  const auto check = [&faults, low = min_strain, high = max_strain](double strain, const std::string& where) {
     if (strain > low && strain <= high) return;
     faults.push_back({where, "must be a strain above " + std::to_string(low) + " and at most " + std::to_string(high) +
                                  ", got " + std::to_string(strain)});
@@ -41,7 +41,7 @@ void check(const Target& target) {
     const std::string where = "target/control_points/" + std::to_string(i);
     if (!(points[i].cwiseAbs().maxCoeff() <= largest_coordinate))
       faults.push_back({where, "must have coordinates from -1e6 to 1e6"});
-    else if (i > 0 && !(points[i][0] - points[i - 1][0] > min_share_of_range * range))
+    else if (i > 0 && !(points[i][0] - points[i - 1][0] > min_fraction_of_range * range))
       faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0]) +
                                           ", by more than a billionth of the range of all"});
   }
@@ -64,17 +64,17 @@ void check(const Target& target) {
 void normalize(SampledTarget& sampled) {
   const double sum = sampled.weights.sum();
   const auto n = static_cast<double>(sampled.weights.size());
-  // Weights that vanish at every sample leave nothing to compare with; all samples then count alike.
+  // If the weights are zero at every sample, all samples get the same weight.
   if (sum > 0)
     sampled.weights /= sum;
   else
     sampled.weights.setConstant(1 / n);
-  sampled.scale = std::max(least_scale(sampled.samples.task), std::sqrt(sampled.weights.dot(sampled.y.cwiseAbs2())));
+  sampled.scale = std::max(min_scale(sampled.samples.task), std::sqrt(sampled.weights.dot(sampled.y.cwiseAbs2())));
 }
 
 }  // namespace
 
-double least_scale(Task task) { return task == Task::poisson ? 0.1 : 1e-6; }
+double min_scale(Task task) { return task == Task::poisson ? 0.1 : 1e-6; }
 
 Eigen::VectorXd SampledTarget::deviations(const Eigen::VectorXd& profile) const {
   const Eigen::ArrayXd deviation = (profile - y).array();
@@ -88,10 +88,10 @@ std::optional<double> SampledTarget::relative_rms(const Eigen::VectorXd& profile
 }
 
 std::vector<std::uint8_t> SampledTarget::reached(const Eigen::VectorXd& profile) const {
-  const Eigen::VectorXd away = deviations(profile).cwiseAbs();
+  const Eigen::VectorXd magnitudes = deviations(profile).cwiseAbs();
   std::vector<std::uint8_t> flags;
-  flags.reserve(static_cast<std::size_t>(away.size()));
-  for (const double deviation : away) flags.push_back(deviation <= reached_share * scale ? 1 : 0);
+  flags.reserve(static_cast<std::size_t>(magnitudes.size()));
+  for (const double deviation : magnitudes) flags.push_back(deviation <= reached_fraction * scale ? 1 : 0);
   return flags;
 }
 
@@ -119,8 +119,8 @@ SampledTarget sample_target(const Target& target) {
   sampled.weights.resize(n);
   sampled.bands.resize(n);
   for (int i = 0; i < n; ++i) {
-    const double share = periodic ? static_cast<double>(i) / n : static_cast<double>(i) / std::max(1, n - 1);
-    const double at = periodic ? period * share : x.front() + (x.back() - x.front()) * share;
+    const double fraction = periodic ? static_cast<double>(i) / n : static_cast<double>(i) / std::max(1, n - 1);
+    const double at = periodic ? period * fraction : x.front() + (x.back() - x.front()) * fraction;
     sampled.samples.x[static_cast<std::size_t>(i)] = at;
     sampled.y[i] = curve(at);
     sampled.weights[i] = std::max(0.0, weights(at));
@@ -133,7 +133,7 @@ SampledTarget sample_target(const Target& target) {
 SampledTarget coarsened(const SampledTarget& target, int samples) {
   const Eigen::Index n = target.y.size();
   if (samples >= n) return target;
-  // Directions are periodic, so that the last sample stands before the end; over strain both ends count.
+  // Directions are periodic: the last sample lies one interval before the period ends. Strains include both ends.
   const bool periodic = over_directions(target.samples.task);
   SampledTarget coarse;
   coarse.samples = target.samples;

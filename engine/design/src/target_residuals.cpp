@@ -26,52 +26,53 @@ std::span<const double> span_of(const Eigen::VectorXd& vector) {
 
 }  // namespace
 
-Lessened lessened(double deviation, double c) {
+RobustDeviation robust_deviation(double deviation, double c) {
   const double q = std::abs(deviation / c);
-  // Below, the quotient would be one of rounding errors.
+  // For such a small q the quotient below would consist of rounding errors. The values at q = 0 are accurate enough.
   if (q < 1e-6) return {deviation, 1};
   const double root = std::sqrt(std::log1p(q * q));
   return {std::copysign(c * root, deviation), q / ((1 + q * q) * root)};
 }
 
 TargetResiduals::TargetResiduals(const neural::Evaluator& evaluator, const std::vector<SampledTarget>& targets,
-                                 const std::vector<double>& target_weights, Eigen::VectorXd held,
+                                 const std::vector<double>& target_weights, Eigen::VectorXd fixed_values,
                                  std::vector<Eigen::Index> free, double equilibrium_tolerance, Buildable buildable,
-                                 double outlier)
+                                 double outlier_threshold)
     : evaluator_(evaluator),
       targets_(targets),
       target_weights_(target_weights),
       samples_(all_samples(targets)),
-      held_(std::move(held)),
+      fixed_values_(std::move(fixed_values)),
       free_(std::move(free)),
       buildable_(std::move(buildable)),
       equilibria_(evaluator, loadings_of(samples_), {.tolerance = equilibrium_tolerance}) {
-  if (held_.size() != evaluator.shape().parameters + 1)
+  if (fixed_values_.size() != evaluator.shape().parameters + 1)
     throw std::invalid_argument("the held parameters are those of the family and the orientation");
   factors_.resize(static_cast<Eigen::Index>(samples_.size()));
   const double sum = std::accumulate(target_weights.begin(), target_weights.end(), 0.0);
-  if (outlier > 0) outliers_.resize(factors_.size());
-  slopes_.setOnes(factors_.size());
+  if (outlier_threshold > 0) outlier_thresholds_.resize(factors_.size());
+  robust_slopes_.setOnes(factors_.size());
   Eigen::Index at = 0;
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    first_.push_back(static_cast<std::size_t>(at));
-    const double share = target_weights[t] / sum / (targets[t].scale * targets[t].scale);
-    factors_.segment(at, targets[t].weights.size()) = (share * targets[t].weights).cwiseSqrt();
-    if (outlier > 0) outliers_.segment(at, targets[t].weights.size()).setConstant(outlier * targets[t].scale);
+    first_samples_.push_back(static_cast<std::size_t>(at));
+    const double target_factor = target_weights[t] / sum / (targets[t].scale * targets[t].scale);
+    factors_.segment(at, targets[t].weights.size()) = (target_factor * targets[t].weights).cwiseSqrt();
+    if (outlier_threshold > 0)
+      outlier_thresholds_.segment(at, targets[t].weights.size()).setConstant(outlier_threshold * targets[t].scale);
     at += targets[t].weights.size();
   }
 }
 
 bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
-  last_ = all_parameters(held_, free_, x);
+  last_ = all_parameters(fixed_values_, free_, x);
   const Eigen::VectorXd parameters = family_part(last_);
   design_ = evaluator_.design(span_of(parameters), true);
   if (buildable_ && !buildable_(parameters)) return false;
   bool converged = false;
-  if (known_) {
-    equilibria_.go_back();
-    converged = equilibria_.follow(*design_, parameters - family_part(*known_),
-                                   orientation_in(last_) - orientation_in(*known_));
+  if (saved_parameters_) {
+    equilibria_.restore();
+    converged = equilibria_.follow(*design_, parameters - family_part(*saved_parameters_),
+                                   orientation_in(last_) - orientation_in(*saved_parameters_));
   } else {
     equilibria_.orient(orientation_in(last_));
     converged = equilibria_.from_rest(*design_);
@@ -81,24 +82,24 @@ bool TargetResiduals::residuals(const Eigen::VectorXd& x, Eigen::VectorXd& r) {
   if (!converged) return false;
   const Eigen::VectorXd compared = scaled(targets_, values, chosen_.factor);
   const Eigen::Index n = factors_.size();
-  r.resize(n + (limits_ ? LimitRows::count : 0));
+  r.resize(n + (limits_ ? LimitResiduals::count : 0));
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const auto first = static_cast<Eigen::Index>(first_[t]);
+    const auto first = static_cast<Eigen::Index>(first_samples_[t]);
     r.segment(first, targets_[t].y.size()) = targets_[t].deviations(compared.segment(first, targets_[t].y.size()));
   }
-  for (Eigen::Index i = 0; i < outliers_.size(); ++i) {
-    const auto [value, slope] = lessened(r[i], outliers_[i]);
+  for (Eigen::Index i = 0; i < outlier_thresholds_.size(); ++i) {
+    const auto [value, slope] = robust_deviation(r[i], outlier_thresholds_[i]);
     r[i] = value;
-    slopes_[i] = slope;
+    robust_slopes_[i] = slope;
   }
   r.head(n).array() *= factors_.array();
-  if (limits_) r.tail<LimitRows::count>() = limit_rows_ = limits_->at(parameters);
+  if (limits_) r.tail<LimitResiduals::count>() = limit_residuals_ = limits_->at(parameters);
   return true;
 }
 
 void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
-  equilibria_.keep();
-  known_ = last_;
+  equilibria_.save();
+  saved_parameters_ = last_;
   Eigen::MatrixXd by_all;
   const bool by_orientation = !free_.empty() && free_.back() == last_.size() - 1;
   derivatives_.evaluate(evaluator_, *design_, samples_, equilibria_, by_all, by_orientation);
@@ -110,32 +111,33 @@ void TargetResiduals::jacobian(Eigen::MatrixXd& jacobian) {
   if (correction_) derivatives += correction_->slope;
   const Eigen::VectorXd values = corrected_values();
   if (moduli_) {
-    // The product rule: the factor follows the values.
+    // Product rule: the factor of the modulus depends on the values.
     const Eigen::RowVectorXd factor_slope = moduli_->slope(targets_, target_weights_, values, derivatives, chosen_);
     for (std::size_t t = 0; t < targets_.size(); ++t) {
       if (targets_[t].samples.task == Task::poisson) continue;
-      const auto first = static_cast<Eigen::Index>(first_[t]);
+      const auto first = static_cast<Eigen::Index>(first_samples_[t]);
       const Eigen::Index count = targets_[t].y.size();
       derivatives.middleRows(first, count) *= chosen_.factor;
       derivatives.middleRows(first, count) += values.segment(first, count) * factor_slope;
     }
   }
-  jacobian.resize(n + (limits_ ? LimitRows::count : 0), derivatives.cols());
-  jacobian.topRows(n) = (factors_.array() * slopes_.array()).matrix().asDiagonal() * derivatives;
-  // Within its band a deviation does not change.
+  jacobian.resize(n + (limits_ ? LimitResiduals::count : 0), derivatives.cols());
+  jacobian.topRows(n) = (factors_.array() * robust_slopes_.array()).matrix().asDiagonal() * derivatives;
+  // The deviation is zero within the band.
   const Eigen::VectorXd compared = scaled(targets_, values, chosen_.factor);
   for (std::size_t t = 0; t < targets_.size(); ++t) {
-    const auto first = static_cast<Eigen::Index>(first_[t]);
+    const auto first = static_cast<Eigen::Index>(first_samples_[t]);
     for (Eigen::Index i = 0; i < targets_[t].y.size(); ++i)
       if (std::abs(compared[first + i] - targets_[t].y[i]) < targets_[t].bands[i]) jacobian.row(first + i).setZero();
   }
-  if (limits_) jacobian.bottomRows<LimitRows::count>() = limits_->derivatives(family_part(last_), free_, limit_rows_);
+  if (limits_)
+    jacobian.bottomRows<LimitResiduals::count>() = limits_->derivatives(family_part(last_), free_, limit_residuals_);
 }
 
 Eigen::VectorXd TargetResiduals::model_values(std::size_t target) const {
   Eigen::VectorXd result(targets_[target].y.size());
   for (Eigen::Index i = 0; i < result.size(); ++i) {
-    const std::size_t s = first_[target] + static_cast<std::size_t>(i);
+    const std::size_t s = first_samples_[target] + static_cast<std::size_t>(i);
     const Equilibrium& state = equilibria_[s];
     result[i] =
         state.converged ? value_of(samples_[s], equilibria_.frame(s), state) : std::numeric_limits<double>::quiet_NaN();
@@ -150,29 +152,29 @@ Eigen::VectorXd TargetResiduals::values(std::size_t target) const {
 Eigen::VectorXd TargetResiduals::corrected_values() const {
   Eigen::VectorXd result(factors_.size());
   for (std::size_t t = 0; t < targets_.size(); ++t)
-    result.segment(static_cast<Eigen::Index>(first_[t]), targets_[t].y.size()) = model_values(t);
+    result.segment(static_cast<Eigen::Index>(first_samples_[t]), targets_[t].y.size()) = model_values(t);
   if (!correction_) return result;
-  Eigen::VectorXd away(static_cast<Eigen::Index>(free_.size()));
+  Eigen::VectorXd displacement(static_cast<Eigen::Index>(free_.size()));
   for (std::size_t k = 0; k < free_.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    away[column] = last_[free_[k]] - correction_->at[column];
+    displacement[column] = last_[free_[k]] - correction_->at[column];
   }
-  return result + correction_->offset + correction_->slope * away;
+  return result + correction_->offset + correction_->slope * displacement;
 }
 
 ProfileTrust TargetResiduals::trust(const neural::Model& model, std::size_t target, neural::Origin origin) const {
   const Eigen::VectorXd parameters = family_part(last_);
   const neural::ErrorBars bars(model, evaluator_, *design_, span_of(parameters), true, origin);
-  auto trust = profile_trust(model, bars, samples_, equilibria_, first_[target], model_values(target));
+  auto trust = profile_trust(model, bars, samples_, equilibria_, first_samples_[target], model_values(target));
   trust.error_bar *= factor_for(targets_[target].samples.task, chosen_.factor);
   return trust;
 }
 
 double TargetResiduals::largest_residual() const {
-  double largest = 0;
+  double max_residual = 0;
   for (std::size_t i = 0; i < equilibria_.size(); ++i)
-    if (equilibria_[i].converged) largest = std::max(largest, equilibria_[i].residual);
-  return largest;
+    if (equilibria_[i].converged) max_residual = std::max(max_residual, equilibria_[i].residual);
+  return max_residual;
 }
 
 }  // namespace supple::design

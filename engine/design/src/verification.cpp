@@ -14,13 +14,13 @@
 namespace supple::design {
 namespace {
 
-/// One path from rest: samples whose strains are passed in this order.
+/// One path of equilibria from rest, which reaches the strains of these samples in this order.
 struct Path {
   double direction = 0;
   std::vector<std::size_t> samples;
 };
 
-/// Stress over strain: tension and compression, each away from rest. Directions: one path each.
+/// Stress over strain has one path in tension and one in compression. Other tasks have one path for each direction.
 std::vector<Path> paths_of(const std::vector<Sample>& samples) {
   std::vector<Path> paths;
   if (samples.empty()) return paths;
@@ -66,7 +66,7 @@ Eigen::VectorXd simulate_profile(const tiling::Structure& structure, const Profi
     microscale::UniaxialLoad load{path.direction, {}, microscale::LoadFrame::material};
     for (const std::size_t i : path.samples) load.stretches.push_back(std::sqrt(1 + 2 * samples[i].loading.strain));
     const auto result = simulator.run(load, inner);
-    // Each path writes places of its own.
+    // Each path writes its own entries of y.
     for (std::size_t k = 0; k < result.states.size(); ++k)
       y[static_cast<Eigen::Index>(path.samples[k])] = value_of(profile, samples[path.samples[k]], result.states[k]);
   });

@@ -38,7 +38,7 @@ std::string_view why_polished(const VerificationPlan& plan, const Polished& poli
   }
 }
 
-/// The problem with the modulus that was found for it.
+/// The problem with its modulus fixed at the one that was found.
 DesignProblem with_modulus(DesignProblem problem, double modulus) {
   if (!problem.moduli.empty()) problem.moduli = {{modulus, modulus}};
   return problem;
@@ -58,10 +58,10 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
       const Eigen::VectorXd coarse =
           factor_for(samples.task, polished.stress_factor) * coarser(polished.parameters, samples, inner);
       if (!coarse.allFinite()) continue;
-      if (const auto change = relative_difference(fine, coarse)) errors[t] = simulation.error_share * *change;
+      if (const auto change = relative_difference(fine, coarse)) errors[t] = simulation.error_ratio * *change;
     }
   } catch (const Error& error) {
-    // The answer stands without its estimate, but for a caller who gave it up.
+    // A failed estimate does not fail the request. A cancelled request ends here.
     if (error.code() == "job.cancelled") throw;
   }
   return errors;
@@ -78,45 +78,45 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
     if (!on_round) return {};
     return [&](const PolishRound& round) { on_round(design, round); };
   };
-  PolishOptions alone = plan.options;
-  alone.max_rounds = 0;
-  const std::size_t several = corrects ? static_cast<std::size_t>(std::max(plan.families, 1)) : 1;
+  PolishOptions simulate_only = plan.options;
+  simulate_only.max_rounds = 0;
+  const std::size_t simulated_count = corrects ? static_cast<std::size_t>(std::max(plan.families, 1)) : 1;
   std::vector<Simulated> simulated;
   std::vector<Design> others;
-  bool late = false;
+  bool deadline_passed = false;
   for (Design& design : ranking) {
-    if (simulated.size() >= several || late) {
+    if (simulated.size() >= simulated_count || deadline_passed) {
       others.push_back(std::move(design));
       continue;
     }
-    // What is not to be corrected keeps its modulus too.
+    // Without polish the design also keeps its modulus.
     Polished polished = polish(spaces[design.space], corrects ? problem : with_modulus(problem, design.youngs_modulus),
                                OrientedParameters(design.parameters, design.orientation),
-                               simulations[design.space].simulate, alone, execution, round_of(design));
+                               simulations[design.space].simulate, simulate_only, execution, round_of(design));
     if (!corrects) polished.material = design.material;
-    late = polished.stopped == PolishStop::deadline;
-    if (late && !corrects) execution.cancellation.throw_if_requested();
+    deadline_passed = polished.stopped == PolishStop::deadline;
+    if (deadline_passed && !corrects) execution.cancellation.throw_if_requested();
     simulated.push_back({std::move(design), std::move(polished)});
   }
   std::stable_sort(simulated.begin(), simulated.end(),
                    [](const Simulated& a, const Simulated& b) { return a.deviation() < b.deviation(); });
   Simulated& best = simulated.front();
   const auto start = std::chrono::steady_clock::now();
-  const bool unfinished =
-      best.polished.stopped == PolishStop::round_limit || best.polished.stopped == PolishStop::not_simulated || late;
+  const bool unfinished = best.polished.stopped == PolishStop::round_limit ||
+                          best.polished.stopped == PolishStop::not_simulated || deadline_passed;
   if (corrects && unfinished) {
     const DesignSpace& space = spaces[best.design.space];
-    Polished polished = late ? best.polished
-                             : polish(space, problem, best.polished, simulations[best.design.space].simulate,
-                                      plan.options, execution, round_of(best.design));
-    if (late) polished.stopped = PolishStop::deadline;
+    Polished polished = deadline_passed ? best.polished
+                                        : polish(space, problem, best.polished, simulations[best.design.space].simulate,
+                                                 plan.options, execution, round_of(best.design));
+    if (deadline_passed) polished.stopped = PolishStop::deadline;
     best.polished = std::move(polished);
   }
   if (best.polished.parameters != best.design.parameters || best.polished.orientation != best.design.orientation ||
       best.polished.youngs_modulus != best.design.youngs_modulus) {
-    const DesignProblem of_modulus = with_modulus(problem, best.polished.youngs_modulus);
+    const DesignProblem fixed_modulus_problem = with_modulus(problem, best.polished.youngs_modulus);
     best.design =
-        design_at(spaces[best.design.space], of_modulus,
+        design_at(spaces[best.design.space], fixed_modulus_problem,
                   OrientedParameters(best.polished.parameters, best.polished.orientation), best.design, search);
     best.design.material = best.polished.material;
   }
@@ -125,7 +125,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
     const auto rounds = static_cast<std::int64_t>(best.polished.rounds.size()) - 1;
     execution.cost->add_effect("polish", rounds > 0, why_polished(plan, best.polished), rounds, seconds.count());
   }
-  tell_of_simulation(best.design, best.polished);
+  report_simulation(best.design, best.polished);
   VerifiedDesigns result;
   result.polished = best.polished;
   result.discretization_error = discretization_errors(best.polished, simulations[best.design.space], execution);
@@ -142,7 +142,7 @@ StructureMeasures measures_of(const tiling::Family& family, const Eigen::VectorX
   return {structure.solid_area / structure.cell_area, std::sqrt(structure.cell_area) / structure.beam_width};
 }
 
-void measure_or_say_why_not(const DesignSpace& space, Design& design) {
+void add_measures_or_message(const DesignSpace& space, Design& design) {
   try {
     design.measures = measures_of(tiling::family(space.model.family), design.parameters);
   } catch (const Error& error) {
@@ -169,7 +169,7 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
     }
   }
   Design& best = found.ranking.front().design;
-  measure_or_say_why_not(spaces[best.space], best);
+  add_measures_or_message(spaces[best.space], best);
   return found;
 }
 

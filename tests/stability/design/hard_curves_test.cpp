@@ -1,5 +1,5 @@
-// Measured curves that are hard to reduce to control points: extreme scales, jumps, samples that crowd, points in any
-// order. Each gives increasing, finite control points whose curve stays where the data are.
+// Measured curves that are hard to reduce to control points: extreme scales, jumps, crowded samples, points in any
+// order. Each gives increasing, finite control points whose curve stays near the data.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,8 @@ std::vector<double> evenly(double lower, double upper, int count) {
   return x;
 }
 
-/// Finite control points whose x increase; the curve leaves the band of the data by at most `beyond` of its height.
+/// Expects finite control points with increasing x. The curve may leave the range of the data by the fraction `beyond`
+/// of its height.
 ReducedCurve expect_sense(const MeasuredCurve& curve, double beyond, const ReductionOptions& options = {}) {
   ReducedCurve reduced = reduce(curve, options);
   EXPECT_GE(reduced.control_points.size(), 2U);
@@ -79,7 +80,7 @@ TEST(HardCurves, StrainsOfAnyRange) {
 }
 
 TEST(HardCurves, AJumpOfTheStress) {
-  // A wall snaps: within one sample the stress falls to a third.
+  // A cell wall snaps through: the stress falls to a third from one sample to the next.
   const auto snap = [](double x) { return x < 0.07 ? 12 * x : 4 * x; };
   ReductionOptions options;
   options.max_control_points = 24;
@@ -88,7 +89,7 @@ TEST(HardCurves, AJumpOfTheStress) {
 }
 
 TEST(HardCurves, SamplesThatCrowd) {
-  // Nine tenths of the points lie in a thousandth of the range, as an instrument writes them that waits for its start.
+  // An instrument that records before the test starts: nine tenths of the points lie in a thousandth of the range.
   std::vector<double> x = evenly(0, 1.5e-4, 900);
   for (const double at : evenly(1.6e-4, 0.15, 100)) x.push_back(at);
   const ReducedCurve reduced = expect_sense(curve_of(x, j_curve), 0.02);
@@ -147,7 +148,7 @@ TEST(HardCurves, AMillionPoints) {
   std::normal_distribution<double> noise(0, 0.005);
   for (const double at : evenly(0, 0.15, 1'000'000)) curve.points.emplace_back(at, j_curve(at) + noise(random));
   const ReducedCurve reduced = expect_sense(curve, 0.05);
-  // What is left is the noise: half of a hundredth against the curve's root mean square.
+  // The remaining deviation is the noise.
   EXPECT_NEAR(reduced.relative_rms, reduced.noise, 0.2 * reduced.noise);
 }
 

@@ -1,5 +1,5 @@
-// Materials, orientations and limits that are hard to search with, with shipped models. Each search ends with a design
-// that keeps what was asked for, or says that there is none.
+// Materials, orientations and limits that make searches with shipped models hard. Each search ends with a design that
+// satisfies the request, or says that there is none.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,8 @@ struct Shipped {
     return evaluate_profile(model, evaluator, {parameters.data(), static_cast<std::size_t>(parameters.size())},
                             samples);
   }
-  /// What the parameters do with so many times the model's modulus, turned by an angle, as a target.
+  /// A target that the parameters meet with `factor` times the model's modulus, if the structure is turned by
+  /// `orientation`.
   Target target_of(const Eigen::VectorXd& parameters, Task task, double factor = 1, double orientation = 0) const {
     Target target;
     target.task = task;
@@ -50,7 +51,8 @@ struct Shipped {
   Candidates candidates;
 };
 
-/// The nearest design, trusted or not: a design that is asked for again may be one at which the model is not trusted.
+/// The design with the least deviation, trusted or not. The design that a target was made from may be one at which the
+/// model is not trusted.
 Design nearest(const Shipped& shipped, const DesignProblem& problem) {
   DesignOptions options;
   options.trust = Switch::off;
@@ -101,7 +103,7 @@ TEST(HardFreedoms, BandsInWhichEveryModulusOfARangeLies) {
   EXPECT_TRUE(design.reached);
 }
 
-/// Poisson's ratio alone does not depend on the modulus.
+/// Poisson's ratio does not depend on the modulus.
 TEST(HardFreedoms, AModulusOnWhichNothingDepends) {
   const Shipped shipped("ih67");
   DesignProblem problem{{shipped.target_of(shipped.at(0.4), Task::poisson)}, {}, {}};
@@ -112,7 +114,7 @@ TEST(HardFreedoms, AModulusOnWhichNothingDepends) {
   EXPECT_EQ(design.youngs_modulus, 3);
 }
 
-/// Rotations by less than a turn of symmetry change nothing of an isotropic response: the Jacobian's column vanishes.
+/// Turning a structure changes nothing of an isotropic response, so that the column of the Jacobian vanishes.
 TEST(HardFreedoms, AnOrientationThatChangesNothing) {
   const Shipped shipped("ih67");
   auto target = shipped.target_of(shipped.at(0.4), Task::stiffness);
@@ -160,7 +162,7 @@ TEST(HardFreedoms, ALimitThatLeavesOneDensity) {
   EXPECT_NEAR(space.measure(design.parameters).relative_density, density, 1.01e-4 * density);
 }
 
-/// The lightest and the densest structure of a family are corners of its box, or lie where holes are about to close.
+/// The lightest and the densest structure of a family are at corners of its box, or where holes are about to close.
 TEST(HardFreedoms, LimitsAtTheEdgeOfWhatAFamilyHas) {
   for (const char* const name : {"ih01", "ih22", "ih67"}) {
     const Shipped shipped(name);

@@ -1,5 +1,5 @@
-// Designs that are hard to correct by simulation, with shipped models and real simulations on coarse meshes. Each ends
-// with a reason, keeps the best design that was simulated and never accepts a worse one.
+// Designs that are hard to correct by simulation, with shipped models and real simulations on coarse meshes. Each
+// polish ends with a reason, returns the best simulated design, and never accepts a worse one.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -20,7 +20,7 @@ namespace {
 
 /// A family with its shipped model, simulated on a mesh coarse enough for a test.
 struct Family {
-  /// Extrapolated simulations are without the error of their mesh, which networks correct too.
+  /// Extrapolated simulations have no discretization error. Without extrapolation it is part of what polish corrects.
   explicit Family(const std::string& name, microscale::Refinement refinement = microscale::Refinement::extrapolated)
       : model(neural::read_model(std::filesystem::path(SUPPLE_MODELS) / (name + ".h5"))),
         evaluator(model.network),
@@ -43,7 +43,7 @@ struct Family {
   Eigen::VectorXd lower() const { return model.network.lower; }
   Eigen::VectorXd upper() const { return model.network.upper; }
 
-  /// What the structure does by simulation, as a target.
+  /// A target that the structure meets in the simulation, times `factor`.
   Target curve_of(const Eigen::VectorXd& parameters, double from, double to, int points = 6, double factor = 1) const {
     Target target;
     target.direction = 0.4;
@@ -66,7 +66,8 @@ struct Family {
   SimulateProfile simulate;
 };
 
-/// Only simulations accept, bounds hold, and what is told is what was simulated.
+/// Expects that accepted designs are simulated improvements within the bounds, and that the reported profile is the
+/// simulated one.
 void expect_sense(const Family& family, const Polished& polished) {
   double best = std::numeric_limits<double>::infinity();
   for (const PolishRound& round : polished.rounds) {
@@ -88,7 +89,7 @@ void expect_sense(const Family& family, const Polished& polished) {
 
 TEST(HardPolish, TargetOnTheEdgeOfReach) {
   const Family family("ih67");
-  // The stiffest corner of the box that has a structure, approached from within.
+  // A design near the stiffest corner of the box that has a structure.
   const Eigen::VectorXd corner = family.lower() + 0.02 * (family.upper() - family.lower());
   const Target target = family.curve_of(corner, -0.04, 0.08);
   const Design found = find_design(family.space(), {{target}, {}, {}});
@@ -108,10 +109,11 @@ TEST(HardPolish, TargetBeyondReachEndsAtTheClosestDesign) {
   EXPECT_GT(*polished.target_error, 0.1);
 }
 
-// The profile jumps where tiles begin to cross themselves, so that what a single start reaches is luck. Ten of these
-// twelve come to a quarter of their deviation with the present model of the family, and eleven with the one before it.
+// The profile jumps where tiles begin to intersect themselves, so that it is chance what a single start reaches. Ten of
+// these twelve starts reach a quarter of their deviation with the present model of the family, and eleven did with the
+// previous one.
 TEST(HardPolish, DesignsAtATileThatCrossesItself) {
-  // The error of the coarse mesh is what there is to correct.
+  // The discretization error of the coarse mesh is what polish corrects here.
   const Family family("ih01", microscale::Refinement::off);
   const Eigen::Vector4d crossing(0.097405, 0.406142, 0.05, 0.762537);
   const Target target = family.curve_of(crossing, -0.02, 0.06, 5);
@@ -148,7 +150,8 @@ TEST(HardPolish, SimulationLeavesTheNetworksBranch) {
   const Eigen::VectorXd wanted = family.lower() + 0.5 * (family.upper() - family.lower());
   const Target target = family.curve_of(wanted, -0.04, 0.08);
   const Design found = find_design(family.space(), {{target}, {}, {}});
-  // On one side of the wanted design, structures buckle another way in compression; the network knows nothing of it.
+  // On one side of the wanted design, structures buckle into another branch in compression, which the network does not
+  // know.
   int left = 0;
   const SimulateProfile branching = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
                                         const Execution& execution) {
@@ -181,7 +184,7 @@ TEST(HardPolish, DeadlineInTheMiddleOfARound) {
   const Family family("ih67");
   const Eigen::VectorXd wanted = family.lower() + 0.5 * (family.upper() - family.lower());
   Target target = family.curve_of(wanted, -0.04, 0.08);
-  target.control_points.back()[1] *= 3;  // which no design has, so that there is always another round
+  target.control_points.back()[1] *= 3;  // no design has this value, so that there is always another round
   const CancellationToken token;
   int rounds = 0;
   std::thread clock;

@@ -1,5 +1,5 @@
-// Targets that are hard to meet or mean little, with every model that is shipped. Each ends with a reason and finite
-// numbers.
+// Targets that are hard to meet or almost meaningless, with every shipped model. Each search ends with a reason and
+// finite numbers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,7 +46,7 @@ class HardTargets : public ::testing::TestWithParam<std::string> {
   Eigen::VectorXd upper() const { return loaded_.model.network.upper; }
   Eigen::VectorXd middle() const { return 0.5 * (lower() + upper()); }
 
-  /// What a design does at `points` strains or directions, as control points of a target.
+  /// A target that the parameters meet. Over strain, its 8 samples reach from -reach / 2 to `reach`.
   Target target_of(const Eigen::VectorXd& parameters, Task task, double strain = 0.05, double reach = 0.2) const {
     Target target;
     target.task = task;
@@ -82,14 +82,14 @@ class HardTargets : public ::testing::TestWithParam<std::string> {
 INSTANTIATE_TEST_SUITE_P(, HardTargets, ::testing::ValuesIn(shipped_models()),
                          [](const auto& name) { return name.param; });
 
-// The optimum lies where the box ends: the projected gradient vanishes there, the gradient does not.
+// The optimum is at the bounds, where the projected gradient vanishes and the gradient does not.
 TEST_P(HardTargets, ADesignInACornerOfTheBoxIsFoundFromTheOppositeOne) {
   DesignProblem problem{{target_of(upper(), Task::stiffness)}, lower(), {}};
   const auto design = find(problem);
   EXPECT_LT(design.error.relative_rms, 0.01) << design.message;
 }
 
-// Starting in a corner, half of all directions leave the box.
+// In a corner half of the directions along each parameter lead out of the box.
 TEST_P(HardTargets, ASearchStartsInEveryCorner) {
   const auto target = target_of(middle(), Task::stress_strain);
   const auto n = lower().size();
@@ -100,7 +100,7 @@ TEST_P(HardTargets, ASearchStartsInEveryCorner) {
   }
 }
 
-// Both cannot hold: the same direction is to be stiff and soft at once.
+// The targets contradict each other: the same direction should be stiff and soft.
 TEST_P(HardTargets, ContradictoryTargetsEndInACompromise) {
   auto soft = target_of(middle(), Task::stress_strain);
   auto stiff = soft;
@@ -111,7 +111,7 @@ TEST_P(HardTargets, ContradictoryTargetsEndInACompromise) {
   EXPECT_NE(design.stopped, DesignStop::reached);
 }
 
-// No design comes near: residuals stay large and Gauss-Newton models alone would crawl.
+// The residuals stay large, so that Gauss-Newton models alone converge slowly.
 TEST_P(HardTargets, ATargetAThousandTimesTooStiffEndsAtTheClosestDesign) {
   auto target = target_of(middle(), Task::stiffness);
   for (auto& point : target.control_points) point[1] *= 1000;
@@ -120,7 +120,7 @@ TEST_P(HardTargets, ATargetAThousandTimesTooStiffEndsAtTheClosestDesign) {
   EXPECT_NE(design.stopped, DesignStop::iteration_limit);
 }
 
-// Every design meets it: there is nothing to descend on.
+// Every design meets the target, and the gradient vanishes everywhere.
 TEST_P(HardTargets, AFlatObjectiveEndsWhereItStarts) {
   auto target = target_of(middle(), Task::poisson);
   target.bands.assign(target.control_points.size(), 1e3);
@@ -129,14 +129,14 @@ TEST_P(HardTargets, AFlatObjectiveEndsWhereItStarts) {
   EXPECT_EQ(design.parameters, middle());
 }
 
-// A target of zero has no scale of its own.
+// The root mean square of a zero target is no scale for deviations.
 TEST_P(HardTargets, PoissonsRatioZeroInAllDirectionsIsAsked) {
   auto target = target_of(middle(), Task::poisson);
   for (auto& point : target.control_points) point[1] = 0;
   find({{target}, {}, {}});
 }
 
-// At rest all but rounding cancels.
+// Near rest the stress is as small as its rounding errors.
 TEST_P(HardTargets, StiffnessAtRestAndAtVanishingStrainAreTheSame) {
   for (const double strain : {0.0, 1e-12, 1e-7}) {
     const auto design = find({{target_of(middle(), Task::stiffness, strain)}, {}, {}});
@@ -144,20 +144,20 @@ TEST_P(HardTargets, StiffnessAtRestAndAtVanishingStrainAreTheSame) {
   }
 }
 
-// The model was trained to there and no farther.
+// Strains up to the end of the training data.
 TEST_P(HardTargets, StrainsAtTheEdgeOfTheRange) {
-  // Uniaxial data end at a stretch of 1.5, a Green strain of 0.625; biaxial ones may go farther.
+  // Uniaxial training data end at a stretch of 1.5, a Green strain of 0.625. Biaxial data may go farther.
   const double most = 0.98 * std::min(0.625, loaded_.model.strain_range.largest_principal);
-  // Some samples are where the energy of this design, which is asked for again, is beyond what the model knows.
+  // The target's own design has samples at which the energy exceeds that of the training data.
   DesignOptions options;
   options.trust = Switch::off;
   const auto design = find({{target_of(middle(), Task::stress_strain, 0.05, most)}, {}, {}}, options);
   EXPECT_LT(design.error.relative_rms, 0.05) << design.message;
 }
 
-// Beyond, numbers are finite and flagged, or it is said that there is no equilibrium.
+// Beyond the training data, results are finite and flagged, or the search says that there is no equilibrium.
 TEST_P(HardTargets, StrainsFarOutOfTheRangeAreFlagged) {
-  // Beyond what the family's simulations reached: some lattices open wide sideways.
+  // Beyond all simulations of the family. Some lattices expand far sideways.
   const double far = std::max(1.5, 1.2 * loaded_.model.strain_range.largest_principal);
   const auto target = target_of(middle(), Task::stiffness, far);
   try {
@@ -170,7 +170,7 @@ TEST_P(HardTargets, StrainsFarOutOfTheRangeAreFlagged) {
   }
 }
 
-// Compression buckles many families: tangents are nearly singular along the path.
+// Many families buckle in compression, with nearly singular tangents along the path.
 TEST_P(HardTargets, DeepCompressionWithNearlySingularTangents) {
   for (const Task task : {Task::stiffness, Task::poisson}) {
     const auto design = find({{target_of(middle(), task, -0.2)}, {}, {}});
@@ -178,7 +178,7 @@ TEST_P(HardTargets, DeepCompressionWithNearlySingularTangents) {
   }
 }
 
-// Noise in every sample: many shallow minima.
+// Noise in every sample causes many shallow minima.
 TEST_P(HardTargets, ANoisyTargetIsFittedAsCloselyAsItsNoise) {
   constexpr std::uint64_t seed = 11;
   RandomStream random("noisy target", seed);

@@ -1,5 +1,5 @@
-// Curves that no design of a family follows: a search among a network's answers then ends where the network is wrong,
-// unless it weighs trust. Shipped models and real simulations on coarse meshes.
+// Curves that no design of a family follows. A search by the network's deviation alone then ends where the network is
+// wrong. Shipped models and real simulations on coarse meshes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,8 @@ class TrustedDesigns : public ::testing::Test {
   SimulateProfile simulate = simulation_of(tiling::family(model.family), coarse());
 };
 
-/// From soft and then stiff to the opposite, in tension or compression.
+/// A random curve in tension or compression. The stress is a power of the strain, from 0.5 (stiff, then soft) to 2.5
+/// (soft, then stiff).
 Target drawn_curve(RandomStream& random) {
   Target target;
   target.direction = random.uniform(0, 3);
@@ -55,10 +56,10 @@ Target drawn_curve(RandomStream& random) {
   return target;
 }
 
-/// A design with what its simulation says.
+/// The errors of a design by its simulation.
 struct Seen {
-  double deviation = 0;  ///< of the simulation from the target, relative
-  double error = 0;      ///< of the model from the simulation, relative
+  double deviation = 0;  ///< relative deviation of the simulation from the target
+  double error = 0;      ///< relative error of the model against the simulation
   bool is_trusted = true;
 };
 

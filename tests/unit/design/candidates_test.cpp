@@ -19,7 +19,7 @@ std::shared_ptr<const Candidates::Table> table_of(const TestSpace& space, const 
   return space.candidates.table(lower, upper, count, stress_at_two_strains, buildable, {});
 }
 
-/// Of the first `count` columns, how many stand on a corner of the box.
+/// The number of candidates at corners of the box.
 int corners(const Eigen::MatrixXd& parameters, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
   int found = 0;
   for (const auto& column : parameters.colwise())

@@ -69,11 +69,11 @@ TEST(Equilibria, GoBackToTheStatesThatWereKept) {
   const TestSpace test(2, 6);
   Equilibria<double> equilibria(test.evaluator, loads, {});
   ASSERT_TRUE(equilibria.from_rest(test.evaluator.design(test.at({0.5, 0.5}), true)));
-  equilibria.keep();
+  equilibria.save();
   const Eigen::Vector3d kept = equilibria[0].strain;
   ASSERT_TRUE(equilibria.from_rest(test.evaluator.design(test.at({0.9, 0.1}), true)));
   EXPECT_NE(equilibria[0].strain, kept);
-  equilibria.go_back();
+  equilibria.restore();
   EXPECT_EQ(equilibria[0].strain, kept);
 }
 

@@ -20,7 +20,7 @@ using supple::testing::places;
 
 using std::numbers::pi;
 
-/// A target that the given parameters have exactly at its control points, which are its samples.
+/// A target that the given parameters meet exactly. Its samples are its control points.
 Target target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, int points = 12) {
   Target target;
   target.task = task;
@@ -88,7 +88,7 @@ TEST(InverseDesign, SaysThatATargetIsOutOfReachAndGivesTheClosest) {
   EXPECT_FALSE(design.reached);
   EXPECT_GT(design.error.relative_rms, 0.1);
   EXPECT_NE(design.message.find("closest"), std::string::npos) << design.message;
-  // No design nearby or among many others is closer.
+  // No design is closer among many random ones.
   const auto sampled = sample_target(target);
   const auto error = [&](const std::vector<double>& parameters) {
     const auto profile = evaluate_profile(test.model, test.evaluator, parameters, sampled.samples);
@@ -113,7 +113,8 @@ TEST(InverseDesign, SaysInDegreesWhereATargetIsMissedAndWhetherTheModelErrsByMor
       << trusted.message;
 }
 
-/// Error bars of the stress that grow with the first parameter: by this factor from the middle of its bounds to an end.
+/// Error bars of the stress that are `middle` (relative) in the middle of the first parameter's bounds. They grow by
+/// `factor` from there to one end of the bounds.
 void add_growing_bars(neural::Model& model, double middle, double factor) {
   model.calibration = test::test_calibration(static_cast<int>(model.network.lower.size()));
   auto& scale = model.calibration->scales[static_cast<std::size_t>(neural::Quantity::stress)];
@@ -121,8 +122,8 @@ void add_growing_bars(neural::Model& model, double middle, double factor) {
   scale.given.offsets = {std::log(middle + model.calibration->floor)};
 }
 
-/// What Design::doubt is said to be, of a design whose target has one weight for all samples.
-double doubt_of(const DesignProfile& profile) {
+/// Design::uncertainty of a design with one target, computed from the profile's error bars.
+double expected_uncertainty(const DesignProfile& profile) {
   double sum = 0;
   for (std::size_t i = 0; i < profile.in_range.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
@@ -147,12 +148,14 @@ TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
     CostLedger nearest_bill;
     const auto nearest = search(Switch::off, nearest_bill);
     EXPECT_LT(nearest.error.relative_rms, 1e-3) << "the network knows a design that has the target";
-    EXPECT_EQ(nearest.doubt, 0) << "nobody asked";
-    EXPECT_GT(doubt_of(nearest.profiles[0]), 0.2);
+    EXPECT_EQ(nearest.uncertainty, 0) << "nobody asked";
+    EXPECT_GT(expected_uncertainty(nearest.profiles[0]), 0.2);
     CostLedger bill;
     const auto trusted = search(Switch::automatic, bill);
-    EXPECT_NEAR(trusted.doubt, doubt_of(trusted.profiles[0]), 1e-12);
-    EXPECT_LT(std::hypot(trusted.error.relative_rms, trusted.doubt), 0.9 * doubt_of(nearest.profiles[0])) << seed;
+    EXPECT_NEAR(trusted.uncertainty, expected_uncertainty(trusted.profiles[0]), 1e-12);
+    EXPECT_LT(std::hypot(trusted.error.relative_rms, trusted.uncertainty),
+              0.9 * expected_uncertainty(nearest.profiles[0]))
+        << seed;
     const auto told = [](const CostLedger& from) {
       const auto& effects = from.effects();
       return *std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return effect.name == "trust"; });
@@ -190,7 +193,7 @@ TEST(InverseDesign, DoesNotPreferAmongDesignsThatAreTrustedAlike) {
   add_growing_bars(test.model, 0.02, 2);
   const auto with = find_design(test.space(), problem);
   EXPECT_EQ(with.parameters, without.parameters) << "bars of up to 4 % are short";
-  EXPECT_EQ(with.doubt, 0);
+  EXPECT_EQ(with.uncertainty, 0);
 }
 
 TEST(InverseDesign, HasTheBarsOfSearchedDesignsWhereItSearched) {
@@ -393,7 +396,7 @@ TEST(InverseDesign, NamesTheParameterThatIsWrong) {
   EXPECT_EQ(places(expect_error("design.parameter_count", find)), std::vector<std::string>{"fixed"});
 }
 
-/// A target that the given parameters have with `factor` times the modulus of the model.
+/// A target that the given parameters meet with `factor` times the modulus of the model.
 Target stiffer_target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, double factor) {
   Target target = target_of(test, parameters, task);
   if (task != Task::poisson)
@@ -424,7 +427,7 @@ TEST(InverseDesign, FindsTheModulusWithTheParameters) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const TestSpace test(2, seed);
     const double model_modulus = test.model.provenance.youngs_modulus;
-    // Two directions, so that the parameters cannot stand in for the modulus.
+    // Stiffness depends on the direction, so that other parameters cannot replace another modulus.
     DesignProblem problem{{stiffer_target_of(test, test.at({0.37, 0.72}), Task::stiffness, 7)}, {}, {}};
     problem.moduli = {{model_modulus, 100 * model_modulus}};
     const auto design = find_design(test.space(), problem);
@@ -434,7 +437,7 @@ TEST(InverseDesign, FindsTheModulusWithTheParameters) {
     const auto of_model = evaluate_profile(test.model, test.evaluator, found, profile.target.samples);
     EXPECT_LT((profile.achieved - design.youngs_modulus / model_modulus * of_model.y).norm(),
               1e-9 * profile.achieved.norm());
-    // Without the freedom the target is out of reach.
+    // The target is out of reach with the model's own modulus.
     DesignProblem held = problem;
     held.moduli.clear();
     EXPECT_GT(find_design(test.space(), held).error.relative_rms, 0.05) << seed;
@@ -458,7 +461,7 @@ TEST(InverseDesign, IsOfNoWorseMaterialThanEachOneAlone) {
   for (const std::uint64_t seed : {1U, 2U, 3U, 9U}) {
     const TestSpace test(2, seed);
     const double model_modulus = test.model.provenance.youngs_modulus;
-    // A curve that no design follows: every second point is moved.
+    // No design follows this curve: every second point is moved.
     DesignProblem problem{{stiffer_target_of(test, test.at({0.37, 0.72}), Task::stress_strain, 2)}, {}, {}};
     auto& points = problem.targets[0].control_points;
     for (std::size_t i = 1; i < points.size(); ++i) points[i][1] *= i % 2 == 0 ? 1.15 : 0.7;
@@ -485,7 +488,7 @@ TEST(InverseDesign, IsOfNoWorseMaterialThanEachOneAlone) {
   EXPECT_GT(unreached, 0) << "all materials are searched for where none reaches the target";
 }
 
-/// What structures that are turned by an angle do in directions of space.
+/// A target that structures meet if they are turned by this angle.
 Target turned_target_of(const TestSpace& test, const std::vector<double>& parameters, Task task, double orientation) {
   Target target = target_of(test, parameters, task);
   ProfileSamples samples{task, target.direction, target.strain, StrainMeasure::green, {}, orientation};
@@ -509,7 +512,7 @@ TEST_P(EveryTask, FindsTheSameParametersForATurnedTarget) {
   if (GetParam() != Task::stress_strain) {
     EXPECT_LT((turned.parameters - vector_of(parameters)).norm(), 1e-2);
   }
-  // The answer's samples say how they were turned, so that its profile can be had again.
+  // The answer's samples have its orientation, so that its profile can be computed again.
   const std::vector<double> found(turned.parameters.begin(), turned.parameters.end());
   const auto& profile = turned.profiles[0];
   EXPECT_LT((profile.achieved - evaluate_profile(test.model, test.evaluator, found, profile.target.samples).y).norm(),
@@ -538,7 +541,7 @@ TEST(InverseDesign, TurnsADesignWhoseParametersAreHeld) {
   const auto design = find_design(test.space(), problem);
   EXPECT_NEAR(design.orientation, 1.1, 1e-4);
   EXPECT_EQ(design.parameters, vector_of(parameters));
-  // From an orientation that is given nothing else is tried.
+  // With a given initial orientation there is only one starting point.
   problem.fixed.clear();
   problem.initial = vector_of(parameters);
   problem.initial_orientation = 1.05;
@@ -547,7 +550,7 @@ TEST(InverseDesign, TurnsADesignWhoseParametersAreHeld) {
   EXPECT_NEAR(followed.orientation, 1.1, 1e-3);
 }
 
-/// Measures that follow the first parameter: its share of the bounds is the relative density.
+/// Relative density is the first parameter's fraction of its bounds.
 DesignSpace measured(const TestSpace& test) {
   auto space = test.space();
   space.measure = [&network = test.model.network](const Eigen::VectorXd& parameters) -> StructureMeasures {
@@ -567,7 +570,7 @@ TEST(InverseDesign, KeepsWithinLimits) {
     const auto limited = find_design(space, problem);
     const double density = space.measure(limited.parameters).relative_density;
     EXPECT_LE(density, 0.5) << seed;
-    // The best design within the limits, as a search of the smaller box finds it.
+    // The best design within the limits is known from a search over a grid.
     double best = limited.error.relative_rms;
     const auto sampled = sample_target(problem.targets[0]);
     for (int i = 0; i <= 20; ++i)

@@ -21,7 +21,7 @@ MeasuredCurve sampled(double lower, double upper, int count, double (*f)(double)
   return curve;
 }
 
-/// Soft, then stiff: the shape of a shoe's sole.
+/// Soft, then stiff: the response of a shoe's sole.
 double j_curve(double x) { return 0.2 * x + 0.02 * (std::exp(18 * x) - 1); }
 double plateau(double x) { return std::tanh(25 * x) + 40 * std::pow(std::max(0.0, x - 0.2), 2); }
 
@@ -49,8 +49,8 @@ TEST(MeasuredUnits, TurnNumbersIntoTheProfilesOwn) {
   EXPECT_NEAR(y("psi").factor, 0.00689476, 1e-8);
   EXPECT_DOUBLE_EQ(conversion_of_x(Task::poisson, "\xC2\xB0", {}).factor, std::numbers::pi / 180);
   EXPECT_DOUBLE_EQ(conversion_of_y(Task::poisson, "%", {}).factor, 0.01);
-  EXPECT_EQ(known_unit("N/mm2"), "N/mm^2");
-  EXPECT_EQ(known_unit("furlong"), "");
+  EXPECT_EQ(canonical_unit("N/mm2"), "N/mm^2");
+  EXPECT_EQ(canonical_unit("furlong"), "");
   for (const auto& [written, known] : {std::pair("KN", "kN"),
                                        {"kpa", "kPa"},
                                        {"MPA", "MPa"},
@@ -63,8 +63,9 @@ TEST(MeasuredUnits, TurnNumbersIntoTheProfilesOwn) {
                                        {"\xC2\xB5m/m", "microstrain"},
                                        {"MN/m\xC2\xB2", "MPa"},
                                        {"[kPa]", "kPa"}})
-    EXPECT_EQ(known_unit(written), known) << written;
-  for (const char* written : {"mPa", "MN", "mn", "M", "s", "sec", ""}) EXPECT_EQ(known_unit(written), "") << written;
+    EXPECT_EQ(canonical_unit(written), known) << written;
+  for (const char* written : {"mPa", "MN", "mn", "M", "s", "sec", ""})
+    EXPECT_EQ(canonical_unit(written), "") << written;
 }
 
 TEST(MeasuredUnits, AreRefusedWithWhatTheyNeed) {
@@ -139,7 +140,7 @@ TEST(Reduction, KeepsToTheNumberOfPointsAsked) {
       EXPECT_LT(reduced.relative_rms, before);
       before = reduced.relative_rms;
     }
-    // The monotone curve has gentler slopes than the data where they bend.
+    // The monotone curve has smaller slopes than the data where they bend.
     EXPECT_LT(before, interpolation == numerics::Interpolation::monotone ? 0.02 : 0.01)
         << numerics::to_string(interpolation);
   }
@@ -166,7 +167,7 @@ TEST(Reduction, HasAPointAtTheOriginBetweenTheEndsOfACurveThatGoesBothWays) {
   const auto points = [](double lower, double upper) {
     return reduce(sampled(lower, upper, 200, [](double x) { return 3 * x; }), ReductionOptions{}).control_points;
   };
-  // What counts is the share of the span that lies on either side, whatever the unit.
+  // The fraction of the range on either side of zero decides, for any unit.
   for (const double unit : {0.01, 100.0}) {
     EXPECT_EQ(points(-0.1 * unit, unit).size(), 3U) << unit;
     EXPECT_EQ(points(-unit, 0.1 * unit).size(), 3U) << unit;
@@ -211,8 +212,7 @@ TEST(Reduction, TakesTheFirstLoadingOfACycle) {
 }
 
 TEST(Reduction, FollowsTheVirginCurveOfGrowingCycles) {
-  // Each loading is softer up to where the one before ended, as of a filled rubber, and follows the virgin curve
-  // beyond.
+  // As in filled rubber, each loading is softer up to the previous maximum, and follows the virgin curve beyond.
   for (const double sign : {1.0, -1.0}) {
     MeasuredCurve cycles;
     double reached = 0;
@@ -254,7 +254,7 @@ TEST(Reduction, LeavesOutWhatFollowsABreak) {
   ReductionOptions off;
   off.rupture = Switch::off;
   EXPECT_EQ(reduce(test, off).set_aside.total(), 0U);
-  // A wall that snaps and one that softens slowly are no breaks.
+  // A cell wall that snaps through, and a stress that decreases slowly, are no ruptures.
   EXPECT_EQ(reduce(sampled(0, 0.15, 400, [](double x) { return x < 0.07 ? 12 * x : 4 * x; }), {}).set_aside.total(),
             0U);
   EXPECT_EQ(reduce(sampled(0, 1, 200, [](double x) { return x * std::exp(-8 * x); }), {}).set_aside.total(), 0U);

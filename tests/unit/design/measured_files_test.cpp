@@ -1,5 +1,5 @@
-// Files of one known curve, written as test machines and spreadsheets write them: whatever is combined at random, what
-// is read is that curve, or a question is asked whose true answer gives it. It is never another curve.
+// Random files of one known curve, as test machines and spreadsheets write them. The reader returns this curve, or asks
+// for facts whose true values give it. It never returns another curve.
 #include <gtest/gtest.h>
 #include <iconv.h>
 
@@ -26,13 +26,13 @@ constexpr double area = 20;          // mm^2
 /// Stress in MPa over strain: soft, then stiff.
 double true_stress(double strain) { return 0.9 * strain + 0.03 * (std::exp(12 * strain) - 1); }
 
-/// Titles of one language and maker: of time, strain, stress, displacement, force; of a compression where it has words.
+/// The titles of one language and maker.
 struct Language {
   const char* name;
   const char *time, *strain, *stress, *displacement, *force;
   const char *compressive_strain, *compressive_stress;
   const char* tension_remark;
-  bool has_words;  ///< whether the reader knows them
+  bool has_words;  ///< whether the reader knows the words
 };
 
 const std::vector<Language> languages{
@@ -51,11 +51,11 @@ const std::vector<Language> languages{
     {"Finnish", "Aika", "Venymä", "Jännitys", "Siirtymä", "Voima", "Puristuma", "Puristusjännitys", "Vetokoe", false},
 };
 
-/// A unit as it may be written, and how many of it one strain, MPa, mm or N is.
+/// A spelling of a unit, and the number of these units in a strain of 1, in 1 MPa, 1 mm or 1 N.
 struct WrittenUnit {
   const char* text;
   double per_one;
-  const char* contract;  ///< the contract's name
+  const char* contract;  ///< the unit's name in the contract
 };
 const std::vector<WrittenUnit> strain_units{{"%", 100, "%"},           {"mm/mm", 1, "1"}, {"percent", 100, "%"},
                                             {"‰", 1000, "permille"},   {"-", 1, "1"},     {"in/in", 1, "1"},
@@ -84,7 +84,7 @@ bool chance(RandomStream& random, double probability) { return random.uniform() 
 /// How numbers are written.
 struct NumberStyle {
   char decimal = '.';
-  std::string group;  ///< between thousands; empty for none
+  std::string group;  ///< separator of thousands; empty for none
   std::string minus = "-";
   bool quoted = false;
   bool exponent = false;
@@ -122,17 +122,17 @@ enum class UnitPlace {
 };
 enum class Shape { loading, unloading, growing_cycles, rupture, count };
 
-/// One file and what is true of it.
+/// A file, and the true answers to what may be asked about it.
 struct WrittenFile {
   std::string bytes;
   std::string description;
   bool compression = false;
   bool sense_is_told = false;
   double greatest_strain = 0;
-  std::string x_unit, y_unit;  ///< of the contract
+  std::string x_unit, y_unit;  ///< names in the contract
   std::string x_title, y_title;
   char decimal = '.';
-  std::set<std::string> may_ask;  ///< places that may be asked about
+  std::set<std::string> may_ask;  ///< fields about which the reader may ask
 };
 
 std::string encoded(const std::string& text, const char* encoding) {
@@ -148,7 +148,7 @@ std::string encoded(const std::string& text, const char* encoding) {
   return out;
 }
 
-/// Strains and stresses in the order in which a machine takes them, in tension.
+/// Strains and stresses in tension, in the order in which a machine records them.
 std::vector<Eigen::Vector2d> measured_points(RandomStream& random, Shape shape, double greatest) {
   std::vector<Eigen::Vector2d> points;
   const int n = 12 + random.below(50);
@@ -183,7 +183,7 @@ struct WrittenColumn {
   int digits = 3;
 };
 
-/// So many digits behind the sign that a hundredth of a per cent of the greatest value is seen.
+/// Number of decimal places that resolves 0.01 % of the greatest value.
 int digits_for(double greatest) {
   return std::clamp(4 - static_cast<int>(std::floor(std::log10(std::max(greatest, 1e-9)))), 0, 9);
 }
@@ -213,11 +213,11 @@ WrittenFile random_file(RandomStream& random) {
   const Language& language = one_of(random, languages);
   const auto place = static_cast<UnitPlace>(random.below(static_cast<int>(UnitPlace::count)));
   const auto shape = static_cast<Shape>(random.below(static_cast<int>(Shape::count)));
-  const bool raw = chance(random, 0.4);  // displacements and forces
+  const bool raw = chance(random, 0.4);  // whether the file has displacements and forces
   file.compression = chance(random, 0.3);
   file.greatest_strain = random.uniform(0.05, 0.3);
   auto points = measured_points(random, shape, file.greatest_strain);
-  // A compression may be written with negative numbers, with positive ones under its own titles, or without any hint.
+  // A compression may have negative numbers, positive numbers under titles that say so, or no hint at all.
   const int written_as = file.compression ? random.below(3) : 0;
   const bool negative = file.compression && written_as == 0;
   const bool compressive_titles = file.compression && written_as == 1 && !raw;
@@ -238,7 +238,7 @@ WrittenFile random_file(RandomStream& random) {
                                        : language.stress,
                   y_unit.text,
                   {}};
-  // Titles that say tension over a compression would lie.
+  // A title that says tension would be wrong for a compression.
   if (file.compression && !compressive_titles && tension_titles && !raw) {
     x.name = "Strain";
     y.name = "Stress";
@@ -256,7 +256,8 @@ WrittenFile random_file(RandomStream& random) {
     for (std::size_t i = 0; i < points.size(); ++i) column.values.push_back(value(i));
     columns.insert(columns.begin() + random.below(static_cast<int>(columns.size()) + 1), column);
   };
-  // Load and travel of another specimen are of no use where ready-made strains and stresses are understood.
+  // If the reader understands strains and stresses, it must not use forces and displacements. They are those of another
+  // specimen here.
   const double other_area = language.has_words ? 7.5 : area, other_length = language.has_words ? 31 : gauge_length;
   const char delimiter = one_of(random, std::vector<char>{',', ';', '\t', ' '});
   if (chance(random, 0.3)) std::swap(columns[0], columns[1]);
@@ -269,12 +270,12 @@ WrittenFile random_file(RandomStream& random) {
     add(language.displacement, "mm", [&](std::size_t i) { return sign * other_length * points[i].x(); });
   const bool has_titles = chance(random, 0.93);
   const bool has_units = has_titles && place != UnitPlace::missing && place != UnitPlace::unknown;
-  // Where neither titles nor units tell, positions do: x is the first of two columns.
+  // If neither titles nor units decide, positions do: x is the first of two columns.
   const auto named = [&](const WrittenColumn& one) {
     return std::find_if(columns.begin(), columns.end(), [&](const auto& column) { return column.name == one.name; });
   };
   if ((!has_titles || !language.has_words || !has_units) && named(y) < named(x)) std::iter_swap(named(x), named(y));
-  // A table between blanks cannot show that a title is missing.
+  // A table that is separated by blanks cannot have an empty title.
   if (delimiter != ' ' && chance(random, 0.1)) {
     add("", "", [](std::size_t i) { return static_cast<double>(i); });
     const auto index = std::find_if(columns.begin(), columns.end(), [](const auto& c) { return c.name.empty(); });
@@ -339,18 +340,19 @@ WrittenFile random_file(RandomStream& random) {
   if (choice == 4) file.bytes = encoded(text, encoding = "WINDOWS-1252");
   const bool is_chinese = std::string(language.name) == "Chinese";
   if (choice == 5 && is_chinese) file.bytes = encoded(text, encoding = "GBK");
-  if (file.bytes.empty()) file.bytes = text;  // the encoding lacks a character
+  if (file.bytes.empty()) file.bytes = text;  // the encoding lacks a character of the text
 
   if (!has_units) file.may_ask.insert({"units/x", "units/y"});
-  // A lone sign behind a word is no unit.
+  // A single "-" behind a word is no unit.
   if (std::string(x_unit.text) == "-" && (place == UnitPlace::blank || place == UnitPlace::underscore))
     file.may_ask.insert("units/x");
-  // Without words and units only positions tell; words of an unknown language and a blank between them tell nothing.
+  // Without titles, or without known words and units, only positions decide. Titles between blanks may not be
+  // recognized either.
   const bool is_told = has_titles && !bare_words && (language.has_words || has_units);
   if (!is_told) file.may_ask.insert({"columns/x", "columns/y"});
-  // Titles of several words between blanks are no titles.
+  // If blanks separate the cells, a title of several words cannot be told from several titles.
   if (bare_words) file.may_ask.insert({"units/x", "units/y", "columns/x", "columns/y"});
-  // The same in Latin letters alone: other bytes of the wrong encoding are no words, but units tell.
+  // If the words are unknown, units alone may not decide between several columns.
   if (!language.has_words && !raw && columns.size() > 2) file.may_ask.insert({"columns/x", "columns/y"});
   file.may_ask.insert("decimal_separator");
   file.description = std::string(language.name) + ", units " + std::to_string(static_cast<int>(place)) + ", shape " +
@@ -358,7 +360,7 @@ WrittenFile random_file(RandomStream& random) {
   return file;
 }
 
-/// Answers a question as somebody who knows the test does. False where it should not have been asked.
+/// Answers the questions with the truth. False if a question is not one that the file permits.
 bool answer(const WrittenFile& file, const Error& error, MeasurementRequest& request) {
   for (const auto& detail : error.details()) {
     if (!file.may_ask.contains(detail.where)) return false;
@@ -366,7 +368,7 @@ bool answer(const WrittenFile& file, const Error& error, MeasurementRequest& req
     if (detail.where == "units/y") request.y_unit = file.y_unit;
     if (detail.where == "decimal_separator") request.table.decimal_separator = file.decimal;
     if (detail.where.starts_with("columns/")) {
-      // Somebody looks at the file; here the title is enough, if there is one in the list.
+      // A person would look at the file. The title suffices here if the list of columns has it.
       if (file.x_title.empty() || detail.message.find(file.x_title) == std::string::npos) return false;
       request.x = file.x_title;
       request.y = file.y_title;
@@ -395,7 +397,7 @@ TEST(MeasuredFiles, GiveTheCurveThatWasMeasuredOrAskForWhatIsMissing) {
         read_at_once += round == 0 ? 1 : 0;
       } catch (const Error& error) {
         for (const auto& detail : error.details()) ++asked[detail.where];
-        // Without titles the columns are asked for, and that is as far as it goes here.
+        // Without titles nobody can answer which columns are meant, so that the reader may refuse the file.
         const bool nothing_told =
             file.may_ask.contains("columns/x") && error.details()[0].where.starts_with("columns/");
         if (!answer(file, error, request)) {
@@ -409,9 +411,9 @@ TEST(MeasuredFiles, GiveTheCurveThatWasMeasuredOrAskForWhatIsMissing) {
       continue;
     }
     const ReducedCurve reduced = reduce(found.curve, {});
-    const double sign = file.compression && found.told_by != SenseTold::nothing ? -1 : 1;
+    const double sign = file.compression && found.told_by != SenseSource::nothing ? -1 : 1;
     if (file.sense_is_told) {
-      ASSERT_NE(found.told_by, SenseTold::nothing);
+      ASSERT_NE(found.told_by, SenseSource::nothing);
       ASSERT_EQ(found.sense == Sense::compression, file.compression);
     }
     const double scale = true_stress(file.greatest_strain);
@@ -423,7 +425,7 @@ TEST(MeasuredFiles, GiveTheCurveThatWasMeasuredOrAskForWhatIsMissing) {
     ASSERT_NEAR(greatest, file.greatest_strain, 0.002 * file.greatest_strain);
     if (HasFatalFailure()) return;
   }
-  // The reader does not ask its way out.
+  // The reader does not refuse or ask too often.
   EXPECT_GT(read_at_once, files / 2);
   EXPECT_LT(refused, files / 5);
   RecordProperty("read_at_once", read_at_once);

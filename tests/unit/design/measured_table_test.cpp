@@ -142,7 +142,7 @@ TEST(MeasuredTable, RefusesDecimalCommasBetweenSeparatingCommas) {
 TEST(MeasuredTable, ReadsUnitsWithoutBracketsInTitlesAndInALineOfTheirOwn) {
   const auto units = [](const char* text) {
     std::string out;
-    for (const auto& column : read_table(text).columns) out += known_unit(column.unit) + "|";
+    for (const auto& column : read_table(text).columns) out += canonical_unit(column.unit) + "|";
     return out;
   };
   EXPECT_EQ(units("\"Time\",\"Force\",\"Stroke\"\n\"sec\",\"N\",\"mm\"\n0,0,0\n1,2,1\n"), "|N|mm|");
@@ -182,7 +182,7 @@ TEST(MeasuredTable, ReadsOneBlockOfSeveralSpecimens) {
   EXPECT_EQ(second.columns[2].values, (Values{0, 18, 44}));
   EXPECT_EQ(second.columns[2].unit, "kPa");
   EXPECT_EQ(place_of(blocks, {{}, 2}), "block");
-  // A text between the rows, or an empty line, where the strain begins anew.
+  // A block ends at a text or an empty line between the rows where the strain starts again.
   for (const char* gap : {"Specimen 2\n", "\n"}) {
     const auto text = std::string("Strain (%),Stress (kPa)\n0,0\n5,21\n10,50\n") + gap + "0,0\n5,18\n";
     EXPECT_EQ(read_table(text).rows(), 3U) << gap;
@@ -243,7 +243,7 @@ TEST(MeasuredText, IsDecodedFromWhatMachinesWrite) {
   EXPECT_TRUE(is_utf8(decode_text("\xD3\xA6\xB1\xE4\xFF\xFF").text));
 }
 
-/// The columns by a table's text; what has to be said where they are not told.
+/// The chosen columns of a table, and "said" if there is a note; the places of the error if the choice fails.
 std::string chosen(const char* text, Task task = Task::stress_strain, const ColumnChoice& x = {},
                    const ColumnChoice& y = {}) {
   return text_or_places([&] {

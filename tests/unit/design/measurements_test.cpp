@@ -19,7 +19,7 @@ MeasurementRequest table_of(std::string text) {
   return request;
 }
 
-/// The places of what has to be said, in their order.
+/// The places of the error's details, in their order.
 std::string places_of(const MeasurementRequest& request) {
   const auto read = [&] {
     read_measurements(request);

@@ -25,15 +25,15 @@ SampledTarget target_with(Task task, const Eigen::VectorXd& y, double band = 0) 
   return target;
 }
 
-/// Values of a model whose modulus is 26 MPa, and two targets: stresses near 2.5 times the values, and Poisson's ratios
-/// that nothing can be done about.
+/// Values of a model with a modulus of 26 MPa, and two targets: stresses near 2.5 times the values, and Poisson's
+/// ratios, which no modulus changes.
 struct Example {
   explicit Example(double band = 0) {
     targets.push_back(
         target_with(Task::stress_strain, 2.5 * values.head(4) + Eigen::Vector4d(0.1, -0.2, 0.05, 0.3), band));
     targets.push_back(target_with(Task::poisson, Eigen::Vector3d(0.3, 0.2, 0.1)));
   }
-  /// The weighted squares of all deviations beyond the bands.
+  /// The weighted sum of the squared deviations beyond the bands.
   double misfit(double factor) const {
     const Eigen::VectorXd compared = scaled(targets, values, factor);
     return weights[0] * std::pow(*targets[0].relative_rms(compared.head(4)), 2) +

@@ -20,8 +20,8 @@ using supple::testing::expect_error;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-/// Stands for a simulation: the network at parameters that are moved a little, and a little stiffer. Its own minima are
-/// where the network's are not.
+/// Replaces a simulation: the network at slightly displaced parameters, times a factor. The deviation by this
+/// simulation has its minima at other parameters than the deviation by the network.
 class Displaced {
  public:
   explicit Displaced(const TestSpace& test, double factor = 1.05) : test_(test), factor_(factor) {}
@@ -68,7 +68,7 @@ Target target_at(const TestSpace& test, const Displaced& simulation, std::vector
   return target;
 }
 
-/// A problem whose design the network misses by some per cent.
+/// A problem in which the network's design deviates by some per cent in the simulation.
 struct Missed {
   explicit Missed(Task task = Task::stress_strain, int points = 9)
       : problem{{target_at(test, displaced, {0.4, 0.65}, task, points)}, {}, {}},
@@ -99,7 +99,7 @@ TEST_P(PolishTask, ReachesTheTargetInTheSimulationThatTheNetworkMisses) {
   EXPECT_LE(*polished.target_error, 1e-4);
   EXPECT_EQ(polished.stopped, PolishStop::reached);
   EXPECT_LE(polished.rounds.size(), 8U);
-  // What it says is what the simulation says of the parameters that it returns.
+  // The reported profile is that of the simulation at the returned parameters.
   const auto& samples = polished.targets[0].samples;
   EXPECT_EQ(polished.simulated[0], missed.displaced(polished.parameters, samples));
   EXPECT_EQ(*polished.target_error, *polished.targets[0].relative_rms(polished.simulated[0]));
@@ -134,7 +134,7 @@ TEST(Polish, AcceptsOnlyWhatTheSimulationFindsBetter) {
 TEST(Polish, KeepsTheSearchsDesignWhereNothingIsBetter) {
   Missed missed;
   const Eigen::VectorXd found = missed.found.parameters;
-  // The target's own curve, but for an amount that grows the farther the design is from the one found.
+  // The profile is the target's own, plus an amount that grows with the distance from the design found.
   missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
     const auto target = sample_target(missed.problem.targets[0]);
     EXPECT_EQ(samples.x, target.samples.x);
@@ -153,7 +153,8 @@ TEST(Polish, KeepsTheSearchsDesignWhereNothingIsBetter) {
     EXPECT_EQ(polished.rounds[i].reason, "Its simulated deviation is not less.");
 }
 
-// A response that the network knows nothing of: everywhere 10 % beside the target, but for a valley around one design.
+// The network knows nothing of this response: 10 % away from the target everywhere, except in a valley around one
+// design.
 TEST(Polish, SurveysTheBoxWhereTheNetworkIsOffEverywhere) {
   Missed missed;
   const TestSpace& test = missed.test;
@@ -378,7 +379,7 @@ TEST(DesignAt, TellsOfThePolishedDesignAsOfOneThatWasFound) {
 TEST(DesignAt, HasTheErrorBarsOfTheProfile) {
   Missed missed(Task::stiffness);
   missed.test.model.calibration = supple::test::test_calibration(2);
-  // Bars that depend on every feature of a state.
+  // The error bars depend on every feature of a state.
   for (auto& scale : missed.test.model.calibration->scales)
     scale.coefficients.segment(1, scale.mean.size()).setConstant(0.01);
   const Eigen::VectorXd& parameters = missed.found.parameters;
@@ -389,7 +390,8 @@ TEST(DesignAt, HasTheErrorBarsOfTheProfile) {
   ASSERT_EQ(shown.error_bar.size(), profile.error_bar.size());
   ASSERT_GT(shown.error_bar.size(), 0);
   EXPECT_LT((shown.error_bar - profile.error_bar).norm(), 1e-8 * profile.error_bar.norm());
-  // Those of a stiffer material are as many times as long, and so are those by which a survey hopes.
+  // Error bars of a stiffer material are longer in proportion, and so are those in the lower confidence bound of the
+  // survey.
   DesignProblem stiffer = missed.problem;
   const double modulus = 3 * missed.test.model.provenance.youngs_modulus;
   stiffer.moduli = {{modulus, modulus}};
@@ -408,7 +410,7 @@ TEST(DesignAt, HoldsAllParametersAlsoWhereTheProblemFixesSome) {
   EXPECT_EQ(design.parameters, polished.parameters);
 }
 
-/// Two families for one target: the network of the first meets it, the simulation of the second does.
+/// Two families for one target. The network of the first family meets it, and the simulation of the second does.
 struct TwoFamilies {
   TwoFamilies() {
     problem.targets = {target_at(second, second_displaced, {0.4, 0.65}, Task::stress_strain)};
@@ -567,7 +569,7 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   expect_error("job.deadline_exceeded", [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
 }
 
-/// The simulation is stiffer than the network everywhere by the same factor: the modulus makes up for that alone.
+/// The simulation is stiffer than the network by the same factor everywhere, so that another modulus alone corrects it.
 TEST(Polish, CorrectsTheModulusByTheSimulation) {
   const TestSpace test(2, 1);
   const double model_modulus = test.model.provenance.youngs_modulus;
@@ -588,11 +590,11 @@ TEST(Polish, CorrectsTheModulusByTheSimulation) {
   EXPECT_LT(*polished.target_error, 1e-3);
   EXPECT_NEAR(polished.youngs_modulus, found.youngs_modulus / 1.25, 1e-3 * found.youngs_modulus);
   EXPECT_DOUBLE_EQ(polished.stress_factor, polished.youngs_modulus / model_modulus);
-  // Profiles are those of the modulus that is told.
+  // Profiles are at the reported modulus.
   EXPECT_EQ(*polished.target_error, *polished.targets[0].relative_rms(polished.simulated[0]));
   EXPECT_LT((polished.simulated[0] - 1.25 * polished.model[0]).norm(), 1e-9 * polished.simulated[0].norm());
 
-  // The whole way, with polish and without: what is not corrected keeps the modulus of the search.
+  // The same by search_designs, with polish and without. Without polish the modulus of the search is kept.
   const std::vector<DesignSpace> spaces{test.space()};
   const std::vector<FamilySimulation> simulations{{stiffer, stiffer}};
   DesignSearch search{problem};
@@ -626,7 +628,7 @@ TEST(Polish, GoesOnWithAnotherModulusWhereItStopped) {
 
 TEST(Polish, TurnsADesignByWhatTheSimulationSays) {
   Missed missed(Task::stiffness);
-  // A simulation whose structure lies a little askew.
+  // A simulation of a structure that is turned by a small angle.
   const SimulateProfile askew = [&](const Eigen::VectorXd& parameters, ProfileSamples samples, const Execution&) {
     samples.orientation += 0.15;
     return missed.displaced(parameters, samples);

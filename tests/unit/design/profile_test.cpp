@@ -23,7 +23,7 @@ Profile profile_of(const TestSpace& test, const std::vector<double>& parameters,
   return evaluate_profile(test.model, test.evaluator, parameters, samples, 1e-13);
 }
 
-/// Components of d d^T as a stress has them, (xx, yy, xy).
+/// Components (xx, yy, xy) of d d^T, in the order of a stress.
 Eigen::Vector3d dyad(double direction) {
   return {std::pow(std::cos(direction), 2), std::pow(std::sin(direction), 2),
           std::cos(direction) * std::sin(direction)};
@@ -46,7 +46,7 @@ TEST(Profile, OfAQuadraticEnergyIsWhatTheComplianceSays) {
     EXPECT_NEAR(value(Task::stiffness, StrainMeasure::green), 1 / along, 1e-9 / along);
     EXPECT_NEAR(value(Task::poisson, StrainMeasure::green), -across / along, 1e-9);
     EXPECT_NEAR(value(Task::stress_strain, StrainMeasure::green), 0.1 / along, 1e-9 / along);
-    // Stretched by 10 % the Green strain is 0.105, and the force over rest width 1.1 times the stress.
+    // At a stretch of 1.1 the Green strain is 0.105, and the force over rest width is 1.1 times the stress.
     EXPECT_NEAR(value(Task::stress_strain, StrainMeasure::engineering), 1.1 * 0.105 / along, 1e-9 / along);
   }
 }

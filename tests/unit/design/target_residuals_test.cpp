@@ -14,23 +14,23 @@ namespace {
 TEST(Lessened, IsCauchysFunctionWithItsSignAndSlope) {
   const double c = 0.1;
   for (const double d : {-3.0, -0.1, -1e-3, 1e-4, 0.07, 0.5, 20.0}) {
-    const auto [value, slope] = lessened(d, c);
+    const auto [value, slope] = robust_deviation(d, c);
     EXPECT_NEAR(value * value, c * c * std::log1p(d * d / (c * c)), 1e-12 * value * value);
     EXPECT_GT(value * d, 0);
     const double step = 1e-5 * std::abs(d);
-    EXPECT_NEAR(slope, (lessened(d + step, c).value - lessened(d - step, c).value) / (2 * step), 1e-8);
+    EXPECT_NEAR(slope, (robust_deviation(d + step, c).value - robust_deviation(d - step, c).value) / (2 * step), 1e-8);
   }
 }
 
 TEST(Lessened, IsTheDeviationItselfNextToZero) {
   for (const double d : {0.0, 1e-300, -1e-12, 1e-8}) {
-    EXPECT_EQ(lessened(d, 0.1).value, d);
-    EXPECT_EQ(lessened(d, 0.1).slope, 1);
+    EXPECT_EQ(robust_deviation(d, 0.1).value, d);
+    EXPECT_EQ(robust_deviation(d, 0.1).slope, 1);
   }
-  EXPECT_NEAR(lessened(1.1e-7, 0.1).slope, 1, 1e-11) << "where the formula sets in";
+  EXPECT_NEAR(robust_deviation(1.1e-7, 0.1).slope, 1, 1e-11) << "where the formula sets in";
 }
 
-/// Targets of two tasks that no design of the tests has, some of their deviations far beyond the outliers' share.
+/// Targets of two tasks that no design of these tests meets. Some deviations are far beyond the threshold of outliers.
 std::vector<SampledTarget> far_targets() {
   Target stress;
   stress.direction = 0.4;
@@ -44,7 +44,8 @@ std::vector<SampledTarget> far_targets() {
   return {sample_target(stress), sample_target(poisson)};
 }
 
-/// Also of a correction, whose slope is as large as the profiles' own.
+/// The parameters are the threshold of outliers, and whether there is a correction. The correction's slope is as large
+/// as the derivatives of the profiles.
 class Derivatives : public ::testing::TestWithParam<std::tuple<double, bool>> {};
 INSTANTIATE_TEST_SUITE_P(TargetResiduals, Derivatives,
                          ::testing::Combine(::testing::Values(0.0, 0.1), ::testing::Bool()));
@@ -81,12 +82,12 @@ TEST_P(Derivatives, AreThoseThatDifferencesGive) {
   }
 }
 
-/// Stands for a structure: how dense it is and how large its cells are, as curved functions of the parameters.
+/// Measurements of an imaginary structure: smooth nonlinear functions of the parameters.
 StructureMeasures curved_measures(const Eigen::VectorXd& x) {
   return {0.3 + 0.2 * std::sin(x[0] + 2 * x[1]), 8 + x[0] * x[1]};
 }
 
-/// With a modulus that follows the parameters, and with both limits exceeded, one of them from below.
+/// The modulus depends on the parameters, and both limits are violated, one of them from below.
 TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
   const TestSpace test(2, 3);
   auto space = test.space();
@@ -97,13 +98,13 @@ TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
   const Eigen::Vector2d x(start[0], start[1]);
   const Eigen::Vector3d all(x[0], x[1], 0);
   const auto here = curved_measures(x);
-  const LimitRows limits(space, {{0, 0.8 * here.relative_density}, {1.3 * here.cell_size, 100}});
+  const LimitResiduals limits(space, {{0, 0.8 * here.relative_density}, {1.3 * here.cell_size, 100}});
   const ModulusChoice moduli({{1, 1e5}}, test.model.provenance.youngs_modulus);
   for (const double outlier : {0.0, 0.1}) {
     const auto residuals = [&] {
       TargetResiduals made(test.evaluator, targets, {1, 2}, all, {0, 1}, 1e-12, {}, outlier);
       made.choose_among(moduli);
-      made.keep_within(limits);
+      made.add_limits(limits);
       return made;
     };
     auto at = residuals();
@@ -128,7 +129,7 @@ TEST(TargetResiduals, HaveTheDerivativesOfTheBestModulusAndOfTheLimits) {
   }
 }
 
-/// Of every task.
+/// The targets have all three tasks.
 TEST(TargetResiduals, HaveTheDerivativesByTheOrientation) {
   const TestSpace test(2, 3);
   auto targets = far_targets();
@@ -166,7 +167,7 @@ TEST(TargetResiduals, HaveTheDerivativesByTheOrientation) {
                 1e-5 * differences.segment(first, count).norm())
           << k << " " << first;
   }
-  // From a state that is known nearby the same equilibria are found.
+  // The same equilibria are found from a nearby state and from rest.
   Eigen::VectorXd followed;
   Eigen::VectorXd fresh;
   const Eigen::Vector2d away = x + Eigen::Vector2d(0.01, -0.3);
@@ -181,11 +182,11 @@ TEST(TargetResiduals, AreZeroForLimitsThatAreKept) {
   space.measure = curved_measures;
   const Eigen::Vector2d x(0.5, 0.5);
   const auto here = curved_measures(x);
-  const auto rows = [&](const StructureLimits& limits) { return LimitRows(space, limits).at(x); };
+  const auto rows = [&](const StructureLimits& limits) { return LimitResiduals(space, limits).at(x); };
   EXPECT_EQ(rows({}), Eigen::Vector2d::Zero());
   EXPECT_EQ(rows({{0.9 * here.relative_density, 1.1 * here.relative_density}, {0, 1.1 * here.cell_size}}),
             Eigen::Vector2d::Zero());
-  // A limit that is met exactly is nearer than the margin.
+  // A limit that is met exactly violates the narrower limit of the penalty.
   EXPECT_GT(rows({{0, here.relative_density}, {}})[0], 0);
   EXPECT_LT(rows({{}, {here.cell_size, 100}})[1], 0);
   EXPECT_EQ(excess(space, {{0, here.relative_density}, {}}, x), "");

@@ -5,7 +5,7 @@
 
 namespace supple::design {
 
-/// A model with random weights, small enough to be quick and bent enough to be no line.
+/// A model with random weights. It is small, so that tests are fast, and its response is clearly nonlinear.
 inline neural::Model random_model(int parameters, std::uint64_t seed) {
   neural::NetworkShape shape;
   shape.parameters = parameters;
@@ -15,18 +15,18 @@ inline neural::Model random_model(int parameters, std::uint64_t seed) {
   model.id = "test-" + std::to_string(seed);
   model.family = "IH" + std::to_string(seed);
   model.network = neural::random_network(shape, seed);
-  // Mostly the quadratic part, so that the energy is convex over the strains of the tests.
+  // The quadratic part prevails, so that the energy is convex over the strains of the tests.
   model.network.trunk.back().weights *= 0.05;
   model.strain_range = {-0.4, 0.8, 10};
   return model;
 }
 
-/// Owns what a design space refers to.
+/// A model, and what its design space refers to.
 struct TestSpace {
   explicit TestSpace(int parameters, std::uint64_t seed)
       : model(random_model(parameters, seed)), evaluator(model.network), candidates(model.network) {}
   DesignSpace space() const { return {model, evaluator, candidates}; }
-  /// Parameters at this share of their bounds.
+  /// Parameters at these fractions of their bounds.
   std::vector<double> at(std::vector<double> shares) const {
     for (std::size_t k = 0; k < shares.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);

@@ -17,7 +17,7 @@
 
 namespace supple::design {
 
-/// What a structure measures, whatever the width of its beams.
+/// Measurements of a structure. Neither depends on the width of its beams in mm.
 struct StructureMeasures {
   double relative_density = 0;  ///< solid area / cell area
   double cell_size = 0;         ///< square root of the cell's area, in beam widths
@@ -25,13 +25,13 @@ struct StructureMeasures {
 /// Measures the structure of parameters that can be built.
 using MeasureStructure = std::function<StructureMeasures(const Eigen::VectorXd& parameters)>;
 
-/// A model and what belongs to it. All of them must outlive the computation.
+/// A model, its evaluator and its candidates. All of them must outlive the computation.
 struct DesignSpace {
   const neural::Model& model;
   const neural::Evaluator& evaluator;
   const Candidates& candidates;
-  Buildable buildable{};       ///< searches keep to parameters that can be built; any thread may call it
-  MeasureStructure measure{};  ///< needed by problems with limits; any thread may call it
+  Buildable buildable{};       ///< restricts searches to structures that can be built; any thread may call it
+  MeasureStructure measure{};  ///< needed if a problem has limits; any thread may call it
 };
 
 struct Range {
@@ -39,73 +39,72 @@ struct Range {
   double most = std::numeric_limits<double>::infinity();
 };
 
-/// What a structure may measure.
+/// Limits on the measurements of a structure.
 struct StructureLimits {
   Range relative_density{};
-  Range cell_size{};  ///< in beam widths
-  /// Whether there is a limit at all.
+  Range cell_size{};  ///< square root of the cell's area, in beam widths
+  /// Whether there is any limit.
   bool any() const;
 };
 
-/// What one design is to do.
+/// The targets of one design, and what the search may change.
 struct DesignProblem {
-  std::vector<Target> targets;             ///< at least one; the first is the main one
-  std::optional<Eigen::VectorXd> initial;  ///< where to start, within the bounds
-  /// The values of parameters that are held, and none for those that are to be found. Either empty, or one entry for
-  /// each parameter.
+  std::vector<Target> targets;             ///< at least one; the first is the main target
+  std::optional<Eigen::VectorXd> initial;  ///< starting point of the search, within the bounds
+  /// The values of the fixed parameters, and none for the free ones. Either empty, or one entry for each parameter.
   std::vector<std::optional<double>> fixed;
-  /// What is added to the model's values before they are compared with the targets: one entry for each sample of each
-  /// target, or empty for nothing. The profiles of the answer do not include it.
+  /// Amounts that are added to the model's values before they are compared with the targets: one entry for each sample
+  /// of each target, or empty for none. The profiles of the answer do not include them.
   std::vector<Eigen::VectorXd> corrections{};
-  /// Young's moduli in MPa that the structure may have, one range for each material that it may be made of. The design
-  /// has the modulus that serves the targets best, since stresses are proportional to it. Several materials are
-  /// searched for one after the other, each as if it were the only one, until one reaches the target: the design is no
-  /// worse than the best of these, and the search takes so many times as long. Empty means the modulus of the model's
-  /// data. `corrections`, which are of that modulus, need a single modulus.
+  /// Allowed ranges of Young's modulus in MPa, one for each material that the structure may be made of. Empty means the
+  /// modulus of the model's data. Stresses are proportional to the modulus, and the design gets the modulus that fits
+  /// the targets best. Each material is searched for by itself, one after the other, until one reaches the target. The
+  /// design is then at least as good as the best of these searches, and the time is their sum. `corrections` are
+  /// stresses at one modulus, and therefore need a single modulus.
   std::vector<Range> moduli{};
-  /// The angles by which the tiling may be turned counterclockwise, rad. The search finds the one that serves the
-  /// targets best.
-  /// Responses have the period pi, so that a range of pi leaves every orientation open.
+  /// Range of the angle by which the tiling may be turned counterclockwise, rad. The search finds the angle that fits
+  /// the targets best. Responses have the period pi, so that a range of pi allows every orientation.
   Range orientation{0, 0};
-  std::optional<double> initial_orientation{};  ///< of `initial`; the middle of the range without it
+  std::optional<double> initial_orientation{};  ///< orientation of `initial`, rad; without it the middle of the range
   StructureLimits limits{};
 };
 
 struct DesignOptions {
-  /// The search ends once a step promises to lessen the relative root mean square deviation by at most this.
+  /// The search ends once the next step is predicted to reduce the relative root mean square deviation by at most this.
   double tolerance = 1e-6;
-  double equilibrium_tolerance = 1e-10;  ///< limit of neural::uniaxial_residual
-  int max_iterations = 200;              ///< from one starting point
-  /// How many starting points are followed at most. 0 means 24 in one space, or 4 in each of several spaces.
+  double equilibrium_tolerance = 1e-10;  ///< maximum of neural::uniaxial_residual
+  int max_iterations = 200;              ///< iterations from one starting point
+  /// Maximum number of starting points. 0 means 24 in one space, or 4 in each of several spaces.
   int starts = 0;
-  int candidates = 0;  ///< number of designs among which starting points are chosen; 0 means default_candidates
+  int candidates = 0;  ///< number of designs from which starting points are chosen; 0 means default_candidates
   /// Whether there are further starting points. automatic uses them if there is no `initial`, or if the design found
   /// from `initial` does not reach the target or deviates by more than 0.1 %.
   Switch multi_start = Switch::automatic;
-  /// Whether designs are preferred of which the model can be trusted. on, and automatic without `initial`, compare
-  /// designs by sqrt(d^2 + u^2), where d is the deviation by the model and u the doubt about it (Design::doubt), and
-  /// look for others where the nearest is doubtful. off compares them by d alone.
+  /// Whether the model's error bars count in the comparison of designs. on, and automatic without `initial`, compare
+  /// designs by sqrt(d^2 + u^2). Here d is the deviation by the model and u the uncertainty of the model
+  /// (Design::uncertainty). If the design with the least d is uncertain, they also evaluate others. off compares
+  /// designs by d alone.
   Switch trust = Switch::automatic;
-  /// Whether the answer has the least and greatest values over the candidates. automatic gives them if candidates were
-  /// evaluated anyway.
+  /// Whether the answer has the minimum and the maximum of the profile over all candidates. automatic gives them if the
+  /// search has evaluated candidates.
   Switch envelope = Switch::automatic;
 };
 
 enum class DesignStop {
-  converged,           ///< no step lessens the deviation by more than the tolerance
-  reached,             ///< within the bands, or below 1e-9
-  iteration_limit,     ///< max_iterations
-  step_too_small,      ///< steps became shorter than rounding, or led to places without equilibrium or structure
-  no_free_parameters,  ///< all are fixed
-  trusted,             ///< this design is trusted more than the nearer one at which the search ended
+  converged,           ///< no step reduces the deviation by more than the tolerance
+  reached,             ///< the deviation is within the bands, or below 1e-9
+  iteration_limit,     ///< max_iterations was reached
+  step_too_small,      ///< steps became shorter than rounding, or have no equilibrium or structure at their end
+  no_free_parameters,  ///< all parameters are fixed
+  trusted,  ///< the search ended at a design with a smaller deviation; this one has a smaller sqrt(d^2 + u^2)
 };
 std::string_view to_string(DesignStop stop);
 
 struct DesignError {
-  /// The weighted root mean square, over all targets, of the deviations beyond the bands divided by
-  /// SampledTarget::scale.
+  /// The weighted root mean square of the deviations beyond the bands, each divided by SampledTarget::scale, over all
+  /// targets.
   double relative_rms = 0;
-  double max = 0;  ///< largest deviation of the main target, in its unit
+  double max = 0;  ///< largest deviation of the main target beyond its band, in its unit
 };
 
 /// A target and the profiles of designs at its samples. The vectors have one entry for each sample.
@@ -113,42 +112,45 @@ struct DesignProfile {
   SampledTarget target;
   Eigen::VectorXd initial;  ///< profile of the first starting point; NaN where it has no equilibrium
   Eigen::VectorXd achieved;
-  std::vector<std::uint8_t> in_range;  ///< whether the design that was found is in range
-  Eigen::VectorXd error_bar;           ///< error bars of `achieved`, as Profile::error_bar
-  std::vector<std::uint8_t> reached;   ///< within the band, or within 1 % of the target's scale beyond it
-  Eigen::VectorXd lowest;              ///< least values over the candidates; empty if those were not evaluated
-  Eigen::VectorXd highest;             ///< greatest values, likewise
+  /// Whether the model is trusted at each sample of the design found, as Profile::in_range.
+  std::vector<std::uint8_t> in_range;
+  Eigen::VectorXd error_bar;  ///< error bars of `achieved`, as Profile::error_bar
+  /// Whether `achieved` is within the band, or within 1 % of the target's scale beyond it.
+  std::vector<std::uint8_t> reached;
+  Eigen::VectorXd lowest;   ///< minimum over the candidates; empty if they were not evaluated
+  Eigen::VectorXd highest;  ///< maximum over the candidates; empty if they were not evaluated
 };
 
 struct Design {
   std::size_t space = 0;  ///< index of the design space in which it was found
   Eigen::VectorXd parameters;
-  double orientation = 0;               ///< rad; the profiles are over directions of space
-  std::size_t material = 0;             ///< index into DesignProblem::moduli
-  double youngs_modulus = 0;            ///< MPa; the profiles are those of this modulus
+  double orientation = 0;     ///< rad; directions of the profiles are fixed in space and do not turn with the tiling
+  std::size_t material = 0;   ///< index into DesignProblem::moduli
+  double youngs_modulus = 0;  ///< MPa; the profiles are at this modulus
   std::vector<DesignProfile> profiles;  ///< one for each target
   DesignError error;
-  /// Whether all samples of all targets are reached. The simulation decides if one has got to all samples, and the
-  /// model decides otherwise.
+  /// Whether all samples of all targets are reached. The simulation decides if it reaches every sample. Otherwise the
+  /// model decides.
   bool reached = false;
-  int iterations = 0;  ///< over all starting points
-  int starts = 0;      ///< number of starting points that were followed
+  int iterations = 0;  ///< total of all starting points
+  int starts = 0;      ///< number of starting points that were used
   /// The number of strains at which the search evaluated the network. Evaluations for the candidates are not counted.
   std::int64_t evaluations = 0;
   DesignStop stopped = DesignStop::converged;
-  std::string message;  ///< what the user should know about the result; may be empty
-  double residual = 0;  ///< the largest residual of the equilibria
-  /// The error that is to be expected of those samples at which the model is not trusted: the root mean square of their
-  /// error bars / 1.645, over the targets' scales, with the weights of DesignError::relative_rms; samples without an
-  /// error bar count 1. 0 where the model is trusted everywhere, or where trust is not weighed.
-  double doubt = 0;
-  std::optional<double> model_error;  ///< neural::mean_stress_error
-  /// What the structure measures. Only the first design in the answer of `search_designs` has it, and only if there is
-  /// a structure.
+  std::string message;  ///< sentences for the user about the result; may be empty
+  double residual = 0;  ///< largest residual of the equilibria, as neural::uniaxial_residual
+  /// Expected error of the samples at which the model is not trusted, relative to the targets' scales: the root mean
+  /// square of their error bars / 1.645, with the weights of DesignError::relative_rms. A sample without an error bar
+  /// counts as an error of 1. 0 if the model is trusted at every sample, or if DesignOptions::trust compares designs by
+  /// their deviation alone.
+  double uncertainty = 0;
+  std::optional<double> model_error;  ///< neural::mean_stress_error of the design's model
+  /// Measurements of the structure. Only the first design in the answer of `search_designs` has them, and only if its
+  /// parameters give a structure.
   std::optional<StructureMeasures> measures{};
 };
 
-/// The best design so far.
+/// The best design so far, as `find_design` reports it.
 struct DesignProgress {
   std::size_t space = 0;
   const Eigen::VectorXd& parameters;
@@ -160,25 +162,24 @@ struct DesignProgress {
 };
 using OnProgress = std::function<void(const DesignProgress&)>;
 
-/// Finds tiling parameters whose response follows the targets. These are the bi-level problems of thesis 4.9, 4.10 and
-/// 4.12, several of them at once. The outer problem is solved by numerics::minimize_least_squares with the total
-/// derivatives of all samples (4.14 to 4.18). The inner problems are solved for all samples together, starting from the
-/// equilibria of the previous design. The result is the best design of all starting points. Its profiles are computed
-/// from rest, so that they do not depend on the path of the search.
+/// Finds tiling parameters whose response follows the targets: the bi-level problems [Thesis, eqs. 4.9, 4.10 and 4.12],
+/// several of them at once. The outer problem is solved by numerics::minimize_least_squares with the total derivatives
+/// of all samples [Thesis, eqs. 4.14 to 4.18]. The inner problems are solved for all samples together, starting from
+/// the equilibria of the previous design. The result is the best design of all starting points. Its profiles are
+/// computed from rest, so that they do not depend on the path of the search.
 ///
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
 /// "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample, and
-/// "design.beyond_limits" if every one of those is beyond the limits. A target out of reach is no error. Bills the
-/// stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation" and
-/// "limits", and the quantities "evaluations", "iterations" and "restarts".
+/// "design.beyond_limits" if each design with these equilibria violates the limits. A target out of reach is no error.
+/// Bills the stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation",
+/// "limits" and, if the model has error bars, "trust", and the quantities "evaluations", "iterations" and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 
-/// Finds the best design of each space and ranks them by the deviation that is to be expected of the structure. This is
-/// sqrt(d^2 + m^2), where d is the relative root mean square deviation of the design and m the error of its model,
-/// which is taken for 1 if it is unknown, or the doubt about the design where that is larger. Problems with `initial`
-/// or `fixed` must have one space. Spaces without any equilibrium are left out, and "design.no_equilibrium" is thrown
-/// if none remains.
+/// Finds the best design of each space and ranks the designs by the expected deviation of the real structure,
+/// sqrt(d^2 + m^2). Here d is the design's relative root mean square deviation. m is the mean error of its model (1 if
+/// unknown) or the design's uncertainty, whichever is larger. Problems with `initial` or `fixed` must have one space.
+/// Spaces without any equilibrium are left out, and "design.no_equilibrium" is thrown if none remains.
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,
                                  const DesignOptions& options = {}, const Execution& execution = {},
                                  const OnProgress& progress = {});

@@ -12,30 +12,32 @@
 
 namespace supple::design {
 
-/// Which way a specimen is loaded. `both` is an answer alone: the strain goes both ways.
+/// Direction of the load on a specimen. `both` occurs only in answers: the strain is positive and negative.
 enum class Sense : std::uint8_t { automatic, tension, compression, both };
-/// What told the sense; `nothing` where tension was assumed.
-enum class SenseTold : std::uint8_t { request, titles, remarks, signs, nothing };
-/// Where displacements count from: zero where they begin there, the first of them, or zero in any case.
+/// Where the sense was taken from. `nothing` means that tension was assumed.
+enum class SenseSource : std::uint8_t { request, titles, remarks, signs, nothing };
+/// Origin of displacements. `first` subtracts the first displacement, and `as_written` subtracts nothing. `automatic`
+/// subtracts nothing either, and asks if the first displacement is not near 0.
 enum class ZeroChoice : std::uint8_t { automatic, first, as_written };
 
 std::string to_string(Sense sense);
-std::string to_string(SenseTold told);
+std::string to_string(SenseSource source);
 
-/// What to know about a curve, for example what was assumed.
+/// A remark about how measurements were read, for example what was assumed.
 struct MeasurementNote {
   std::string text;   ///< a sentence
-  std::string where;  ///< place of the request that says it otherwise: "sense"; empty where there is none
+  std::string where;  ///< field of the request that would change it, e.g. "sense"; empty if there is none
   bool is_warning = false;
 };
 
-/// Measurements as somebody brings them, and what is said about them besides.
+/// Measurements as text or as points, and what the caller knows about them.
 struct MeasurementRequest {
   Task task = Task::stress_strain;
-  std::optional<std::string> text;  ///< UTF-8; where it is missing, `points` count
+  std::optional<std::string> text;  ///< UTF-8; without it `points` are read
   std::vector<Eigen::Vector2d> points;
   ColumnChoice x, y;
-  std::optional<std::string> x_unit, y_unit;  ///< without them those of the table; of points 1 or rad, and MPa or 1
+  /// Without them the units of the table, or for points "1" or "rad" (x) and "MPa" or "1" (y).
+  std::optional<std::string> x_unit, y_unit;
   Specimen specimen;
   TableOptions table;
   Sense sense = Sense::automatic;
@@ -43,18 +45,18 @@ struct MeasurementRequest {
 };
 
 struct Measurements {
-  std::optional<MeasuredTable> table;  ///< of a text
+  std::optional<MeasuredTable> table;  ///< the table that was read from `text`
   ChosenColumns columns;
-  std::string x_unit, y_unit;  ///< as they were understood
+  std::string x_unit, y_unit;  ///< canonical_unit of the units that were used
   Sense sense = Sense::tension;
-  SenseTold told_by = SenseTold::nothing;
+  SenseSource told_by = SenseSource::nothing;
   MeasuredCurve curve;
   std::vector<MeasurementNote> notes;
 };
 
-/// Finds columns, units, sense and zero, and converts the numbers into the profile's units: strain and MPa with
-/// negative signs in compression, radians, or Poisson's ratio. Throws "design.unreadable_table", and
-/// "design.invalid_measurement" with one detail for each thing that has to be said: "columns/x", "columns/y",
+/// Finds columns, units, sense and zero, and converts the numbers into the profile's units: strain and MPa, both
+/// negative in compression; radians; or Poisson's ratio. Throws "design.unreadable_table", and
+/// "design.invalid_measurement" with one detail for each field that the caller has to give: "columns/x", "columns/y",
 /// "units/x", "units/y", "specimen/gauge_length", "specimen/area", "decimal_separator", "block", "sense", "zero".
 /// O(size of the text).
 Measurements read_measurements(const MeasurementRequest& request, const Execution& execution = {});

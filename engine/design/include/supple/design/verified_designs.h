@@ -9,40 +9,39 @@
 
 namespace supple::design {
 
-/// How a ranking of designs is simulated.
+/// What is simulated of a ranking of designs.
 struct VerificationPlan {
-  /// off simulates the best design and leaves it as it is. automatic and on also correct it.
+  /// off simulates the best design without changing it. automatic and on also correct it by simulations.
   Switch polish = Switch::automatic;
   PolishOptions options{};
-  /// With several design spaces, so many of the best designs are simulated before the ranking is final.
+  /// If there are several design spaces, this number of the best designs is simulated before the ranking is final.
   int families = 3;
 };
 
-/// One design and its simulation.
+/// A design, and its deviation in the simulation.
 struct VerifiedDesign {
   Design design;
-  /// Simulated deviation, as DesignError::relative_rms. None if the design was not simulated at every sample.
+  /// Simulated deviation, as DesignError::relative_rms. None if the simulation did not reach every sample.
   std::optional<double> target_error;
 };
 
 struct VerifiedDesigns {
-  /// Designs that were simulated come first, ordered by their deviation before they were polished.
+  /// Simulated designs come first, ordered by their simulated deviation before polishing.
   std::vector<VerifiedDesign> ranking;
-  /// The polish of the first design, which has one round if it was not corrected. None if nothing was simulated.
+  /// The polish of the first design. It has one round if the design was not corrected. None if nothing was simulated.
   std::optional<Polished> polished;
-  /// For each target, an estimate of the relative error (root mean square) that the mesh makes in the first design's
-  /// simulated response: FamilySimulation::error_share of its change on the coarser mesh. None if either simulation
-  /// does not get to every sample, if the deadline passed, or if it was not asked for.
+  /// For each target, an estimate of the relative error (root mean square) that the mesh causes in the first design's
+  /// simulated response: FamilySimulation::error_ratio times the difference to the coarser mesh. None if either
+  /// simulation does not reach every sample, if the deadline passed, or if no estimate is wanted.
   std::vector<std::optional<double>> discretization_error;
 };
 
-/// Gives simulation the last word on a ranking of `find_designs`: the best designs of several spaces are ranked by
-/// their simulated deviation, and the first of them is polished. A design that cannot be simulated at every sample
-/// comes after those that can.
+/// Ranks the best designs of `find_designs` by their simulated deviation, and polishes the first of them. A design
+/// whose simulation does not reach every sample comes after those whose simulation does.
 ///
-/// `simulations` has one entry for each space. If the deadline passes while polish is off, its error is thrown.
-/// Otherwise the answer is the best design so far. Costs one simulation for each family and each round, and a coarser
-/// one of the answer. Bills the effect "polish" and what the simulations bill.
+/// `simulations` has one entry for each space. If the deadline passes while polish is off, "job.deadline_exceeded" is
+/// thrown. Otherwise the answer is the best design so far. Costs one simulation for each family and each round, and a
+/// coarser one of the answer. Bills the effect "polish" and what the simulations bill.
 VerifiedDesigns verify_designs(
     std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations, const DesignProblem& problem,
     std::vector<Design> ranking, const DesignOptions& search, const VerificationPlan& plan,
@@ -53,25 +52,25 @@ VerifiedDesigns verify_designs(
 struct DesignSearch {
   DesignProblem problem;
   DesignOptions options{};
-  std::optional<VerificationPlan> verification{};  ///< if there is none, nothing is simulated
+  std::optional<VerificationPlan> verification{};  ///< without it nothing is simulated
 };
 
-/// The functions to which a search reports on its way.
+/// Functions that a running search calls to report.
 struct SearchObserver {
   OnProgress on_progress{};
   std::function<void(const Design& design, const PolishRound& round)> on_round{};
 };
 
-/// Searches and simulates the result: it calls `find_designs`, and then `verify_designs` if the search has a plan for
-/// it. Without a plan `polished` and `discretization_error` are empty, `simulations` may be empty, and the bill says
-/// so. The best design may have no structure, because tiles are too small or voids are closed in a corner of the
-/// bounds; then its message says so.
+/// Calls `find_designs`, and then `verify_designs` if the search has a plan for it. Without a plan `polished` and
+/// `discretization_error` are empty, `simulations` may be empty, and the bill has the effects "verification" and
+/// "polish" as not run. The parameters of the best design may have no structure, because tiles are too small or voids
+/// close in a corner of the bounds. Then its message says so.
 VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
                                const DesignSearch& search, const Execution& execution = {},
                                const SearchObserver& observer = {});
 
-/// The space of a model with those of its parameters that can be built, and the simulation of its structures with the
-/// material of the model's data.
+/// The design space of a model, restricted to parameters that can be built, and the simulation of its structures with
+/// the material of the model's data.
 DesignSpace design_space(const neural::Model& model, const neural::Evaluator& evaluator, const Candidates& candidates);
 FamilySimulation simulation_of_model(const neural::Model& model);
 
