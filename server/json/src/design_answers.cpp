@@ -32,7 +32,7 @@ void write_number_or_null(JsonWriter& out, std::string_view name, const std::opt
   }
 }
 
-/// An entry for each sample, null where nobody can say; null for all where the model has no error bars.
+/// Writes an error bar for each sample, null where it is unknown, or null for all where the model has no error bars.
 void write_error_bar(JsonWriter& out, const Eigen::VectorXd& bars) {
   if (bars.size() > 0) {
     write_numbers_or_nulls(out, "error_bar", bars);
@@ -135,8 +135,8 @@ std::string plain(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-/// What the structure measures; without one (message says why) there are no measures, and the beams have the width that
-/// was asked for.
+/// Writes the measures of the structure. Without a structure (the message says why) there are none, and the beams have
+/// the width that the request asks for.
 void write_structure(JsonWriter& out, const FoundDesigns& found, double density) {
   const auto& best = found.ranking.front().design;
   const auto& measures = best.measures;
@@ -161,7 +161,7 @@ void write_structure(JsonWriter& out, const FoundDesigns& found, double density)
   out.end_object();
 }
 
-/// What a design is made of; without materials in the request, that of the model's data.
+/// The material of a design; without materials in the request, that of the model's data.
 MaterialSpec material_of(const FoundDesigns& found, const design::Design& design) {
   return found.spec.materials.empty() ? MaterialSpec{} : found.spec.materials[design.material];
 }

@@ -10,34 +10,34 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double largest_design_parameter = 1000;
-constexpr double largest_value = design::largest_coordinate;
-constexpr double least_strain = -0.5;
-constexpr double largest_profile_strain = 7.5;
-constexpr std::size_t most_control_points = 64;
-constexpr std::size_t most_further_targets = 8;
-constexpr std::size_t most_regions = 20;
-constexpr int most_target_samples = 500;
-constexpr int most_profile_samples = 1000;
-constexpr std::size_t longest_name = 100;
+constexpr double max_design_parameter = 1000;
+constexpr double max_value = design::largest_coordinate;
+constexpr double min_strain = -0.5;
+constexpr double max_profile_strain = 7.5;
+constexpr std::size_t max_control_points = 64;
+constexpr std::size_t max_further_targets = 8;
+constexpr std::size_t max_regions = 20;
+constexpr int max_target_samples = 500;
+constexpr int max_profile_samples = 1000;
+constexpr std::size_t max_name_bytes = 100;
 constexpr int default_strains = 31;
 constexpr int default_directions = 50;
-constexpr double least_modulus = 1e-6;
-constexpr double largest_modulus = 1e6;
-constexpr double largest_density = 25;
-constexpr std::size_t most_materials = 16;
-constexpr double least_cell_size = 0.01;
-constexpr double largest_cell_size = 2000;
+constexpr double min_modulus = 1e-6;
+constexpr double max_modulus = 1e6;
+constexpr double max_density = 25;
+constexpr std::size_t max_materials = 16;
+constexpr double min_cell_size = 0.01;
+constexpr double max_cell_size = 2000;
 constexpr double default_range[2] = {-0.1, 0.2};
 
 const std::vector<std::string_view> task_names{"stress_strain", "stiffness", "poisson"};
 const std::vector<std::string_view> measure_names{"green", "engineering"};
 
-void read_text(Fields& fields, std::string_view name, std::string& out, std::size_t longest) {
+void read_text(Fields& fields, std::string_view name, std::string& out, std::size_t max_bytes) {
   const auto* value = fields.optional(name);
   if (!value) return;
-  if (!value->is_string() || value->get_ref<const std::string&>().size() > longest) {
-    return fields.faults().add(fields.at(name), "must be a string of at most " + std::to_string(longest) + " bytes");
+  if (!value->is_string() || value->get_ref<const std::string&>().size() > max_bytes) {
+    return fields.faults().add(fields.at(name), "must be a string of at most " + std::to_string(max_bytes) + " bytes");
   }
   out = value->get<std::string>();
 }
@@ -45,12 +45,12 @@ void read_text(Fields& fields, std::string_view name, std::string& out, std::siz
 void read_session(Fields& fields, std::string& out) {
   const auto* value = fields.optional("session");
   if (!value) return;
-  constexpr std::size_t longest = 64;
+  constexpr std::size_t max_bytes = 64;
   if (value->is_string()) out = value->get<std::string>();
   const auto allowed = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
-  if (out.empty() || out.size() > longest || !std::all_of(out.begin(), out.end(), allowed)) {
+  if (out.empty() || out.size() > max_bytes || !std::all_of(out.begin(), out.end(), allowed)) {
     fields.faults().add(fields.at("session"), "must be 1 to 64 letters, digits, \"_\" or \"-\"");
   }
 }
@@ -61,7 +61,7 @@ void read_parameters(Fields& fields, std::string_view name, std::vector<double>&
   out.resize(entries->size());
   for (std::size_t k = 0; k < out.size(); ++k) {
     read_number((*entries)[k], fields.at(name) + "/" + std::to_string(k), fields.faults(), out[k],
-                -largest_design_parameter, largest_design_parameter);
+                -max_design_parameter, max_design_parameter);
   }
 }
 
@@ -73,20 +73,20 @@ void read_fixed(Fields& fields, std::vector<std::optional<double>>& out) {
     double value = 0;
     out.emplace_back();
     if (entry.is_null()) continue;
-    if (read_number(entry, fields.at("fixed") + "/" + std::to_string(k), fields.faults(), value,
-                    -largest_design_parameter, largest_design_parameter)) {
+    if (read_number(entry, fields.at("fixed") + "/" + std::to_string(k), fields.faults(), value, -max_design_parameter,
+                    max_design_parameter)) {
       out.back() = value;
     }
   }
 }
 
-/// Weights or bands.
+/// Reads weights or bands.
 void read_list(Fields& fields, std::string_view name, std::vector<double>& out) {
-  const auto* entries = fields.array(name, false, 2, most_control_points, "");
+  const auto* entries = fields.array(name, false, 2, max_control_points, "");
   if (!entries) return;
   out.resize(entries->size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    read_number((*entries)[i], fields.at(name) + "/" + std::to_string(i), fields.faults(), out[i], 0, largest_value);
+    read_number((*entries)[i], fields.at(name) + "/" + std::to_string(i), fields.faults(), out[i], 0, max_value);
   }
 }
 
@@ -94,11 +94,11 @@ void read_spline(Fields& fields, design::Target& target) {
   const auto* value = fields.required("target");
   if (!value) return;
   Fields spline(*value, fields.at("target"), fields.faults());
-  if (const auto* points = spline.array("control_points", true, 2, most_control_points, "")) {
+  if (const auto* points = spline.array("control_points", true, 2, max_control_points, "")) {
     for (std::size_t i = 0; i < points->size(); ++i) {
       Eigen::Vector2d point = Eigen::Vector2d::Zero();
       read_components((*points)[i], spline.at("control_points") + "/" + std::to_string(i), fields.faults(), point,
-                      -largest_value, largest_value);
+                      -max_value, max_value);
       target.control_points.push_back(point);
     }
   }
@@ -113,56 +113,56 @@ template <class Samples>
 void read_samples(Fields& fields, Samples& out, design::StrainMeasure& measure) {
   fields.required("task");
   fields.choice("task", out.task, task_names);
-  fields.number("direction", out.direction, -largest_angle, largest_angle);
-  fields.number("strain", out.strain, least_strain, largest_profile_strain, true);
+  fields.number("direction", out.direction, -max_angle, max_angle);
+  fields.number("strain", out.strain, min_strain, max_profile_strain, true);
   fields.choice("strain_measure", measure, measure_names);
 }
 
-/// A pair [least, most] of numbers within [least, most].
-void read_range(const Document& value, const std::string& pointer, Faults& faults, design::Range& out, double least,
-                double most) {
+/// Reads a pair of numbers within [min, max], the lesser first.
+void read_range(const Document& value, const std::string& pointer, Faults& faults, design::Range& out, double min,
+                double max) {
   Eigen::Vector2d range(out.least, out.most);
-  if (!read_components(value, pointer, faults, range, least, most)) return;
+  if (!read_components(value, pointer, faults, range, min, max)) return;
   if (!(range[0] <= range[1])) return faults.add(pointer, "must begin with the lesser of its numbers");
   out = {range[0], range[1]};
 }
 
-/// A number or a pair.
+/// Reads a number, or a range where `may_be_range`.
 void read_modulus(Fields& fields, bool may_be_range, MaterialSpec& out) {
   const auto* value = fields.optional("youngs_modulus");
   if (!value) return;
   const auto pointer = fields.at("youngs_modulus");
   if (may_be_range && value->is_array()) {
-    read_range(*value, pointer, fields.faults(), out.youngs_modulus, least_modulus, largest_modulus);
+    read_range(*value, pointer, fields.faults(), out.youngs_modulus, min_modulus, max_modulus);
   } else {
     double modulus = 1;
-    read_number(*value, pointer, fields.faults(), modulus, least_modulus, largest_modulus);
+    read_number(*value, pointer, fields.faults(), modulus, min_modulus, max_modulus);
     out.youngs_modulus = {modulus, modulus};
   }
   out.has_modulus = true;
 }
 
-/// A number, or a pair between which the orientation is found.
+/// Reads a number, or a pair between which the orientation is found.
 void read_orientation(Fields& fields, design::DesignProblem& problem) {
   const auto* value = fields.optional("orientation");
   if (value && value->is_array()) {
-    read_range(*value, fields.at("orientation"), fields.faults(), problem.orientation, -largest_angle, largest_angle);
+    read_range(*value, fields.at("orientation"), fields.faults(), problem.orientation, -max_angle, max_angle);
   } else if (value) {
     double orientation = 0;
-    read_number(*value, fields.at("orientation"), fields.faults(), orientation, -largest_angle, largest_angle);
+    read_number(*value, fields.at("orientation"), fields.faults(), orientation, -max_angle, max_angle);
     problem.orientation = {orientation, orientation};
   }
-  const auto& [least, most] = problem.orientation;
-  if (most - least > std::numbers::pi * (1 + 1e-9))
+  const auto& [min, max] = problem.orientation;
+  if (max - min > std::numbers::pi * (1 + 1e-9))
     fields.faults().add(fields.at("orientation"), "must span at most half a turn, pi: responses repeat after it");
   if (!fields.present("initial_orientation")) return;
-  double initial = least;
-  fields.number("initial_orientation", initial, -largest_angle, largest_angle);
+  double initial = min;
+  fields.number("initial_orientation", initial, -max_angle, max_angle);
   if (!fields.present("initial")) {
     fields.faults().add(fields.at("initial_orientation"), "needs \"initial\", whose orientation it is");
-  } else if (initial < least || initial > most) {
+  } else if (initial < min || initial > max) {
     fields.faults().add(fields.at("initial_orientation"), "must be within the orientations that are open, " +
-                                                              std::to_string(least) + " to " + std::to_string(most));
+                                                              std::to_string(min) + " to " + std::to_string(max));
   } else {
     problem.initial_orientation = initial;
   }
@@ -171,7 +171,7 @@ void read_orientation(Fields& fields, design::DesignProblem& problem) {
 MaterialSpec read_material(const Document& value, const std::string& pointer, Faults& faults, bool may_be_range) {
   MaterialSpec material;
   Fields fields(value, pointer, faults);
-  read_text(fields, "name", material.name, longest_name);
+  read_text(fields, "name", material.name, max_name_bytes);
   read_modulus(fields, may_be_range, material);
   int law = 0;
   fields.choice("law", law, {"neo_hookean", "incompressible_plane_stress"});
@@ -181,12 +181,12 @@ MaterialSpec read_material(const Document& value, const std::string& pointer, Fa
     fields.number("poisson_ratio", poisson_ratio, -0.99, 0.499);
     material.poisson_ratio = poisson_ratio;
   }
-  fields.number("density", material.density, 0, largest_density, true);
+  fields.number("density", material.density, 0, max_density, true);
   fields.finish();
   return material;
 }
 
-/// One material, or a list of those that the search may choose from.
+/// Reads one material, or a list of those that the search may choose from.
 void read_materials(Fields& fields, RegionSpec& region) {
   const auto* value = fields.optional("material");
   if (!value) return;
@@ -196,8 +196,8 @@ void read_materials(Fields& fields, RegionSpec& region) {
     region.materials.back().where = "material";
     return;
   }
-  if (value->empty() || value->size() > most_materials) {
-    return fields.faults().add(pointer, "must have 1 to " + std::to_string(most_materials) + " materials");
+  if (value->empty() || value->size() > max_materials) {
+    return fields.faults().add(pointer, "must have 1 to " + std::to_string(max_materials) + " materials");
   }
   for (std::size_t i = 0; i < value->size(); ++i) {
     const auto place = pointer + "/" + std::to_string(i);
@@ -208,32 +208,32 @@ void read_materials(Fields& fields, RegionSpec& region) {
   }
 }
 
-/// The size of the structure and its limits. The engine knows cells in widths of a beam.
+/// Reads the size of the structure and its limits. The engine measures cells in widths of a beam.
 void read_size(Fields& fields, RegionSpec& region) {
   const bool by_cells = fields.present("cell_size");
   if (by_cells && fields.present("beam_width")) {
     fields.faults().add(fields.at("cell_size"), "must not stand beside \"beam_width\": one follows from the other");
   }
-  fields.number("beam_width", region.beam_width, least_beam_width, largest_beam_width);
+  fields.number("beam_width", region.beam_width, min_beam_width, max_beam_width);
   if (by_cells) {
     region.cell_size = 1;
-    fields.number("cell_size", region.cell_size, least_cell_size, largest_cell_size);
+    fields.number("cell_size", region.cell_size, min_cell_size, max_cell_size);
   }
   nested(fields, "limits", [&](Fields& limits) {
-    const auto read = [&](std::string_view name, design::Range& out, double least, double most) {
+    const auto read = [&](std::string_view name, design::Range& out, double min, double max) {
       const auto* value = limits.optional(name);
-      if (value) read_range(*value, limits.at(name), limits.faults(), out, least, most);
+      if (value) read_range(*value, limits.at(name), limits.faults(), out, min, max);
       return value != nullptr;
     };
     auto& out = region.problem.limits;
     read("relative_density", out.relative_density, 0, 1);
     design::Range range;
-    if (read("cell_size", range, 0, largest_cell_size)) {
+    if (read("cell_size", range, 0, max_cell_size)) {
       if (by_cells) limits.faults().add(limits.at("cell_size"), "is given already by the field \"cell_size\"");
       out.cell_size = {range.least / region.beam_width, range.most / region.beam_width};
     }
-    range = {least_beam_width, largest_beam_width};
-    if (read("beam_width", range, least_beam_width, largest_beam_width)) {
+    range = {min_beam_width, max_beam_width};
+    if (read("beam_width", range, min_beam_width, max_beam_width)) {
       if (!by_cells) {
         limits.faults().add(limits.at("beam_width"),
                             "needs the field \"cell_size\": without it all beams have the width that is given");
@@ -247,24 +247,24 @@ design::Target read_target(Fields& fields) {
   design::Target target;
   read_samples(fields, target, target.measure);
   read_spline(fields, target);
-  if (fields.present("samples")) fields.integer("samples", target.samples, 2, most_target_samples);
-  fields.number("weight", target.weight, 0, largest_value, true);
+  if (fields.present("samples")) fields.integer("samples", target.samples, 2, max_target_samples);
+  fields.number("weight", target.weight, 0, max_value, true);
   return target;
 }
 
 RegionSpec read_region(Fields& fields) {
   RegionSpec region;
-  read_text(fields, "name", region.name, longest_name);
+  read_text(fields, "name", region.name, max_name_bytes);
   region.problem.targets.push_back(read_target(fields));
-  if (const auto* further = fields.array("also", false, 0, most_further_targets, "")) {
+  if (const auto* further = fields.array("also", false, 0, max_further_targets, "")) {
     for (std::size_t i = 0; i < further->size(); ++i) {
       Fields inner((*further)[i], fields.at("also") + "/" + std::to_string(i), fields.faults());
       region.problem.targets.push_back(read_target(inner));
       inner.finish();
     }
   }
-  read_text(fields, "family", region.family, longest_name);
-  read_text(fields, "model", region.model, longest_name);
+  read_text(fields, "family", region.family, max_name_bytes);
+  read_text(fields, "model", region.model, max_name_bytes);
   if (fields.present("family") && fields.present("model")) {
     fields.faults().add(fields.at("model"), "must not stand beside \"family\"");
   }
@@ -312,7 +312,7 @@ DesignRequest parse_design(std::string_view body, const Limits& limits) {
   Fields fields(document, "", faults);
   request.several = fields.present("regions");
   if (request.several) {
-    if (const auto* regions = fields.array("regions", true, 1, most_regions, "")) {
+    if (const auto* regions = fields.array("regions", true, 1, max_regions, "")) {
       for (std::size_t i = 0; i < regions->size(); ++i) {
         Fields inner((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
         request.regions.push_back(read_region(inner));
@@ -339,8 +339,8 @@ ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
   Faults faults;
   Fields fields(document, "", faults);
   read_samples(fields, request.samples, request.samples.measure);
-  read_text(fields, "family", request.family, longest_name);
-  read_text(fields, "model", request.model, longest_name);
+  read_text(fields, "family", request.family, max_name_bytes);
+  read_text(fields, "model", request.model, max_name_bytes);
   if (document.is_object() && fields.present("family") == fields.present("model")) {
     faults.add("", "must have exactly one of \"family\" and \"model\"");
   }
@@ -350,11 +350,11 @@ ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
   Eigen::Vector2d range(default_range[0], default_range[1]);
   int samples = over_strain ? default_strains : default_directions;
   if (const auto* value = fields.optional("range")) {
-    read_components(*value, fields.at("range"), faults, range, -largest_angle, largest_angle);
+    read_components(*value, fields.at("range"), faults, range, -max_angle, max_angle);
     if (!over_strain) faults.add(fields.at("range"), "directions cover half a turn; leave it out or give \"x\"");
   }
-  fields.integer("samples", samples, 2, most_profile_samples);
-  fields.numbers("x", request.samples.x, false, 1, most_profile_samples);
+  fields.integer("samples", samples, 2, max_profile_samples);
+  fields.numbers("x", request.samples.x, false, 1, max_profile_samples);
   if (fields.present("x") && (fields.present("range") || fields.present("samples"))) {
     faults.add(fields.at("x"), "must not stand beside \"range\" or \"samples\"");
   }
@@ -365,7 +365,7 @@ ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
           over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
     }
   }
-  fields.number("orientation", request.samples.orientation, -largest_angle, largest_angle);
+  fields.number("orientation", request.samples.orientation, -max_angle, max_angle);
   if (const auto* material = fields.optional("material"))
     request.material = read_material(*material, fields.at("material"), faults, false);
   nested(fields, "accuracy", [&](Fields& accuracy) {

@@ -11,15 +11,15 @@
 namespace supple::json {
 namespace {
 
-// What a value takes in memory, in bytes, with what malloc adds: a place of 16 in an array, which while it doubles is
-// there three times; a node of a map with its key; what a container or a text takes besides.
+// Memory of the parts of a document in bytes, with the overhead of malloc: an entry of 16 in an array, which exists
+// three times while the array doubles; a node of a map with its key; what a container or a text takes besides.
 constexpr std::int64_t bytes_of_value = 48;
 constexpr std::int64_t bytes_of_member = 120;
 constexpr std::int64_t bytes_of_container = 64;
 constexpr std::int64_t bytes_of_text = 48;
-constexpr std::size_t bytes_within_text = 15;    // a longer one has a block of its own
-constexpr std::int64_t bytes_of_block = 16;      // that malloc adds, and the zero at its end
-constexpr std::int64_t bytes_at_once = 1 << 20;  // that are reserved together, which takes a mutex
+constexpr std::size_t bytes_within_text = 15;            // a longer one has a block of its own
+constexpr std::int64_t bytes_of_block = 16;              // overhead of malloc, and the terminating zero
+constexpr std::int64_t bytes_per_reservation = 1 << 20;  // reserved at a time, for each reservation takes a mutex
 
 void dismantle(Document& document) {
   if (document.is_array()) {
@@ -33,7 +33,8 @@ void dismantle(Document& document) {
   }
 }
 
-/// Builds the document from the parser's events, stops at the first limit and reserves memory before it is taken.
+/// Builds the document from the parser's events. It stops at the first limit, and reserves memory before it is
+/// allocated.
 class BoundedBuilder final : public nlohmann::json_sax<Document> {
  public:
   BoundedBuilder(Document& root, const Limits& limits, const CancellationToken& cancellation)
@@ -125,15 +126,15 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
   void reserve(std::int64_t bytes) {
     needed_ += bytes;
     if (needed_ <= reserved_) return;
-    budget::reserve(bytes_at_once, "the JSON of its body");
-    reserved_ += bytes_at_once;
+    budget::reserve(bytes_per_reservation, "the JSON of its body");
+    reserved_ += bytes_per_reservation;
   }
 
   Document& root_;
   const Limits& limits_;
-  std::int64_t needed_ = 0;       // bytes so far
+  std::int64_t needed_ = 0;       // bytes of the document so far
   std::int64_t reserved_ = 0;     // bytes
-  std::vector<Document*> stack_;  // containers that are open; stable, for only the innermost one grows
+  std::vector<Document*> stack_;  // open containers; the pointers stay valid, for only the innermost container grows
   Document* member_ = nullptr;
   std::size_t count_ = 0;
   StopPace pace_;

@@ -11,8 +11,8 @@ namespace supple::json {
 
 using Document = nlohmann::json;
 
-/// A document that is taken apart from its leaves on. The library's own destructor collects the children of an array
-/// first, for which it allocates: where memory is short that ends the process.
+/// A document that is destroyed from its leaves on. The destructor of the library first collects the children of an
+/// array, for which it allocates: where memory is short, that ends the process.
 class OwnedDocument {
  public:
   OwnedDocument() = default;
@@ -29,9 +29,9 @@ class OwnedDocument {
   Document root_;
 };
 
-/// Parses a body from a stranger in one pass, counting as it goes. Throws "request.not_utf8",
-/// "request.malformed_json" (with the byte, and for repeated keys), "request.too_deep", "request.too_many_values", and
-/// what the token does.
+/// Parses a body from a stranger in one pass, counting as it goes. Throws "request.not_utf8", "request.malformed_json"
+/// (with the byte, and for repeated keys), "request.too_deep", "request.too_many_values", and the error of a stop
+/// request.
 OwnedDocument parse_document(std::string_view text, const Limits& limits, const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

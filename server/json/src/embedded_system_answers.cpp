@@ -44,7 +44,7 @@ void write_terms(JsonWriter& out, const embedded::RelaxationOptions& options, co
     out.begin_object().field("name", name).field("energy", energy).end_object();
   };
   const bool geodesic = options.spring_length == embedded::SpringLength::geodesic;
-  // Without triangles the springs are all there is, even where there are none.
+  // Without triangles, all energy of the network is that of its springs, even if it has none.
   if (relaxation.triangles.empty() || !network.springs.empty())
     write(geodesic ? "geodesic_springs" : "euclidean_springs", std::max(0.0, network_energy - membrane));
   if (!relaxation.triangles.empty()) write("membrane", network.springs.empty() ? network_energy : membrane);
@@ -144,8 +144,8 @@ std::string write_partial_relaxation(int iteration, const embedded::RelaxationSt
       .field("iteration", iteration)
       .field("energy", step.energy)
       .field("gradient_norm", step.gradient_norm);
-  if (points.size() <= most_partial_positions) write_positions(out, "positions", mesh, points);
-  if (moves && mesh.positions().size() <= most_partial_positions) write_vertices(out, mesh.positions());
+  if (points.size() <= max_partial_positions) write_positions(out, "positions", mesh, points);
+  if (moves && mesh.positions().size() <= max_partial_positions) write_vertices(out, mesh.positions());
   out.end_object();
   return out.take();
 }

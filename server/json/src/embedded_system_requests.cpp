@@ -8,9 +8,9 @@
 namespace supple::json {
 namespace {
 
-constexpr int most_relaxation_iterations = 100'000;
-constexpr std::size_t most_solid_regions = 1000;
-constexpr std::size_t most_positions = 1000;
+constexpr int max_relaxation_iterations = 100'000;
+constexpr std::size_t max_solid_regions = 1000;
+constexpr std::size_t max_positions = 1000;
 
 /// Calls read(fields) for the object that stands in place of an array.
 template <class Read>
@@ -29,19 +29,20 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
     enum class Kind { per_face, poisson_disk, none } kind = Kind::none;
     builder.choice("kind", kind, {"per_face", "poisson_disk"});
     if (kind != Kind::poisson_disk) {
-      // Known also where the kind is faulty, so that only the kind is reported.
+      // The field is known also where the kind is faulty, so that only the kind is reported.
       const auto* value = kind == Kind::none ? builder.optional("barycentric") : builder.required("barycentric");
       if (value) {
         read_components(*value, builder.at("barycentric"), builder.faults(),
-                        request.points.emplace<embedded::PointsInFaces>().barycentric, -largest_plain, largest_plain);
+                        request.points.emplace<embedded::PointsInFaces>().barycentric, -max_dimensionless,
+                        max_dimensionless);
       }
     }
     if (kind != Kind::per_face) {
       embedded::PoissonDiskPoints points;
       if (kind == Kind::poisson_disk) builder.required("radius");
-      builder.number("radius", points.radius, smallest_length, largest_length);
+      builder.number("radius", points.radius, min_length, max_length);
       int seed = 1;
-      builder.integer("seed", seed, 0, largest_index);
+      builder.integer("seed", seed, 0, max_index);
       points.seed = static_cast<std::uint64_t>(seed);
       request.points = points;
     }
@@ -49,8 +50,8 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
 }
 
 void read_spring_constants(Fields& fields, double& rest_length, double& weight) {
-  fields.number("rest_length", rest_length, 0, largest_length);
-  fields.number("weight", weight, 0, largest_factor);
+  fields.number("rest_length", rest_length, 0, max_length);
+  fields.number("weight", weight, 0, max_factor);
 }
 
 embedded::Spring read_spring(const Document& value, const std::string& pointer, Faults& faults) {
@@ -114,10 +115,10 @@ void read_triangles(Fields& fields, const Limits& limits, EmbeddedSystemRequest&
 
 void read_membrane(Fields& fields, EmbeddedSystemRequest& request) {
   nested(fields, "membrane", [&](Fields& membrane) {
-    membrane.number("youngs_modulus", request.material.youngs_modulus, smallest_factor, largest_factor);
+    membrane.number("youngs_modulus", request.material.youngs_modulus, min_factor, max_factor);
     membrane.number("poisson_ratio", request.material.poisson_ratio, -0.99, 0.4999);
-    membrane.number("thickness", request.material.thickness, smallest_length, largest_length);
-    membrane.number("rest_scale", request.rest_scale, smallest_factor, largest_factor);
+    membrane.number("thickness", request.material.thickness, min_length, max_length);
+    membrane.number("rest_scale", request.rest_scale, min_factor, max_factor);
   });
 }
 
@@ -130,10 +131,10 @@ void read_moved_vertices(Fields& fields, const Limits& limits, std::vector<embed
     embedded::MovedVertex& read = moved.emplace_back();
     if (const auto* vertex = entry.required("vertex"))
       read.vertex = read_array_index(*vertex, entry.at("vertex"), entry.faults());
-    const auto* positions = entry.array("positions", true, 1, most_positions, "");
+    const auto* positions = entry.array("positions", true, 1, max_positions, "");
     for (std::size_t k = 0; positions && k < positions->size(); ++k)
       read_components((*positions)[k], entry.at("positions") + "/" + std::to_string(k), entry.faults(),
-                      read.positions.emplace_back(Eigen::Vector3d::Zero()), -largest_length, largest_length);
+                      read.positions.emplace_back(Eigen::Vector3d::Zero()), -max_length, max_length);
     entry.finish();
   }
 }
@@ -146,39 +147,39 @@ void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& vector,
 void read_shell(Fields& fields, const Limits& limits, embedded::ShellHost& shell) {
   fields.required("thickness");
   fields.required("youngs_modulus");
-  fields.number("thickness", shell.thickness, smallest_length, largest_length);
-  fields.number("youngs_modulus", shell.youngs_modulus, smallest_factor, largest_factor);
+  fields.number("thickness", shell.thickness, min_length, max_length);
+  fields.number("youngs_modulus", shell.youngs_modulus, min_factor, max_factor);
   shell.poisson_ratio = 0.3;
   fields.number("poisson_ratio", shell.poisson_ratio, -0.99, 0.4999);
-  fields.number("volume_weight", shell.volume_weight, 0, largest_factor);
-  fields.number("volume_scale", shell.volume_scale, smallest_factor, largest_factor);
+  fields.number("volume_weight", shell.volume_weight, 0, max_factor);
+  fields.number("volume_scale", shell.volume_scale, min_factor, max_factor);
   read_indices(fields, "fixed_vertices", limits, shell.fixed_vertices);
   read_moved_vertices(fields, limits, shell.moved_vertices);
 }
 
 void read_solid(Fields& fields, const Limits& limits, embedded::SolidHost& solid) {
   fields.required("youngs_modulus");
-  fields.number("youngs_modulus", solid.youngs_modulus, smallest_factor, largest_factor);
+  fields.number("youngs_modulus", solid.youngs_modulus, min_factor, max_factor);
   solid.poisson_ratio = 0.3;
   fields.number("poisson_ratio", solid.poisson_ratio, -0.99, 0.4999);
-  fields.number("element_size", solid.element_size, smallest_length, largest_length);
-  read_vector(fields, "gravity", solid.gravity, largest_factor);
+  fields.number("element_size", solid.element_size, min_length, max_length);
+  read_vector(fields, "gravity", solid.gravity, max_factor);
   read_indices(fields, "fixed_vertices", limits, solid.fixed_vertices);
   read_moved_vertices(fields, limits, solid.moved_vertices);
-  const auto* regions = fields.array("regions", false, 0, most_solid_regions, "");
+  const auto* regions = fields.array("regions", false, 0, max_solid_regions, "");
   for (std::size_t i = 0; regions && i < regions->size(); ++i) {
     Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
     embedded::SolidRegion& read = solid.regions.emplace_back();
     for (const auto* name : {"lower", "upper", "youngs_modulus"}) region.required(name);
-    read_vector(region, "lower", read.lower, largest_length);
-    read_vector(region, "upper", read.upper, largest_length);
-    region.number("youngs_modulus", read.youngs_modulus, smallest_factor, largest_factor);
+    read_vector(region, "lower", read.lower, max_length);
+    read_vector(region, "upper", read.upper, max_length);
+    region.number("youngs_modulus", read.youngs_modulus, min_factor, max_factor);
     region.finish();
   }
 }
 
 void read_moving(Fields& fields, embedded::MovingHost& moving) {
-  const auto* sets = fields.array("positions", true, 1, most_positions, "");
+  const auto* sets = fields.array("positions", true, 1, max_positions, "");
   for (std::size_t k = 0; sets && k < sets->size(); ++k) {
     const auto at = fields.at("positions") + "/" + std::to_string(k);
     const auto& set = (*sets)[k];
@@ -188,8 +189,7 @@ void read_moving(Fields& fields, embedded::MovingHost& moving) {
     }
     auto& places = moving.positions.emplace_back(set.size());
     for (std::size_t i = 0; i < set.size(); ++i)
-      read_components(set[i], at + "/" + std::to_string(i), fields.faults(), places[i], -largest_length,
-                      largest_length);
+      read_components(set[i], at + "/" + std::to_string(i), fields.faults(), places[i], -max_length, max_length);
   }
 }
 
@@ -211,12 +211,12 @@ void read_relaxation_options(Fields& fields, embedded::RelaxationOptions& option
     accuracy.number("tolerance", options.tolerance, 0, 1, true);
     accuracy.number("mollifier_length", options.mollifier_length, 0, 0.5, true);
   });
-  fields.integer("max_iterations", options.max_iterations, 1, most_relaxation_iterations);
+  fields.integer("max_iterations", options.max_iterations, 1, max_relaxation_iterations);
   fields.boolean("paths", options.paths);
   nested(fields, "effects", [&](Fields& effects) {
     effects.choice("mollifier", options.mollifier, switch_names);
     effects.choice("kept_strips", options.kept_strips, switch_names);
-    // On a shell only; elsewhere it has nothing to switch.
+    // This switch takes effect on a shell only.
     Switch bending = Switch::automatic;
     effects.choice("bending", bending, switch_names);
     if (auto* shell = std::get_if<embedded::ShellHost>(&options.host)) shell->bending = bending != Switch::off;

@@ -11,8 +11,8 @@
 namespace supple::json {
 namespace {
 
-/// The largest coordinate of a point in space, in mesh units: that of a mesh.
-constexpr double largest_coordinate = 1e70;
+/// The largest coordinate of a point in space, in mesh units, which is that of a mesh.
+constexpr double max_coordinate = 1e70;
 
 std::string text_of(double value) {
   char buffer[32];
@@ -87,16 +87,16 @@ const Document* Fields::required(std::string_view name) {
   return value;
 }
 
-bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double least,
-                 double most, bool least_excluded) {
+bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double min, double max,
+                 bool min_excluded) {
   if (!value.is_number()) {
     faults.add(pointer, "must be a number, not " + std::string(kind_of(value)));
     return false;
   }
   const double number = value.get<double>();
-  if (number > most || number < least || (least_excluded && number == least)) {
-    std::string range = least_excluded ? "above " + text_of(least) : "at least " + text_of(least);
-    if (most < std::numeric_limits<double>::max()) range += " and at most " + text_of(most);
+  if (number > max || number < min || (min_excluded && number == min)) {
+    std::string range = min_excluded ? "above " + text_of(min) : "at least " + text_of(min);
+    if (max < std::numeric_limits<double>::max()) range += " and at most " + text_of(max);
     faults.add(pointer, "must be " + range + ", not " + text_of(number));
     return false;
   }
@@ -104,17 +104,17 @@ bool read_number(const Document& value, const std::string& pointer, Faults& faul
   return true;
 }
 
-void Fields::number(std::string_view name, double& out, double least, double most, bool least_excluded) {
-  if (const auto* value = optional(name)) read_number(*value, at(name), faults_, out, least, most, least_excluded);
+void Fields::number(std::string_view name, double& out, double min, double max, bool min_excluded) {
+  if (const auto* value = optional(name)) read_number(*value, at(name), faults_, out, min, max, min_excluded);
 }
 
-void Fields::integer(std::string_view name, int& out, int least, int most) {
+void Fields::integer(std::string_view name, int& out, int min, int max) {
   const auto* value = optional(name);
   if (!value) return;
   const bool whole = value->is_number_integer();
   const double number = whole ? value->get<double>() : 0;
-  if (!whole || number < least || number > most) {
-    return faults_.add(at(name), "must be an integer from " + std::to_string(least) + " to " + std::to_string(most));
+  if (!whole || number < min || number > max) {
+    return faults_.add(at(name), "must be an integer from " + std::to_string(min) + " to " + std::to_string(max));
   }
   out = value->get<int>();
 }
@@ -154,7 +154,7 @@ void Fields::point(std::string_view name, PointSpec& out, bool is_required) {
   if (const auto* value = is_required ? required(name) : optional(name)) out = read_point(*value, at(name), faults_);
 }
 
-const Document* Fields::array(std::string_view name, bool is_required, std::size_t least, std::size_t most,
+const Document* Fields::array(std::string_view name, bool is_required, std::size_t min, std::size_t max,
                               const std::string& setting) {
   const auto* value = is_required ? required(name) : optional(name);
   if (!value) return nullptr;
@@ -162,21 +162,21 @@ const Document* Fields::array(std::string_view name, bool is_required, std::size
     faults_.add(at(name), "must be an array, not " + std::string(kind_of(*value)));
     return nullptr;
   }
-  if (value->size() > most) {
-    problem::throw_limit("request.limit_exceeded", "The number of entries of " + at(name), static_cast<double>(most),
+  if (value->size() > max) {
+    problem::throw_limit("request.limit_exceeded", "The number of entries of " + at(name), static_cast<double>(max),
                          static_cast<double>(value->size()), setting, at(name));
   }
-  if (value->size() < least) {
+  if (value->size() < min) {
     faults_.add(at(name),
-                "must have at least " + std::to_string(least) + " entries, not " + std::to_string(value->size()));
+                "must have at least " + std::to_string(min) + " entries, not " + std::to_string(value->size()));
     return nullptr;
   }
   return value;
 }
 
-void Fields::points(std::string_view name, std::vector<PointSpec>& out, std::size_t least, std::size_t most,
+void Fields::points(std::string_view name, std::vector<PointSpec>& out, std::size_t min, std::size_t max,
                     const std::string& setting) {
-  const auto* entries = array(name, true, least, most, setting);
+  const auto* entries = array(name, true, min, max, setting);
   if (!entries) return;
   out.reserve(entries->size());
   for (std::size_t i = 0; i < entries->size(); ++i) {
@@ -184,12 +184,12 @@ void Fields::points(std::string_view name, std::vector<PointSpec>& out, std::siz
   }
 }
 
-void Fields::numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t least,
-                     std::size_t most) {
+void Fields::numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t min,
+                     std::size_t max) {
   const auto* value = is_required ? required(name) : optional(name);
   if (!value) return;
-  if (!value->is_array() || value->size() < least || value->size() > most) {
-    std::string length = least == most ? std::to_string(least) : std::to_string(least) + " to " + std::to_string(most);
+  if (!value->is_array() || value->size() < min || value->size() > max) {
+    std::string length = min == max ? std::to_string(min) : std::to_string(min) + " to " + std::to_string(max);
     return faults_.add(at(name), "must be an array of " + length + " numbers");
   }
   for (std::size_t i = 0; i < value->size(); ++i) {
@@ -206,7 +206,7 @@ void Fields::finish() {
   if (!object_) return;
   for (const auto& [key, value] : object_->items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
-    // To look for what may be meant takes thousands of steps for each name.
+    // The search for a similar name takes thousands of steps for each key.
     if (faults_.only_counts()) {
       faults_.add({}, {});
       continue;
@@ -235,7 +235,7 @@ PointSpec read_point(const Document& value, const std::string& pointer, Faults& 
   if (fields.present("position")) {
     if (const auto* entry = fields.required("position"))
       read_components(*entry, fields.at("position"), faults, point.position.emplace(Eigen::Vector3d::Zero()),
-                      -largest_coordinate, largest_coordinate);
+                      -max_coordinate, max_coordinate);
     fields.finish();
     return point;
   }

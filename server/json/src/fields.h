@@ -13,17 +13,17 @@
 
 namespace supple::json {
 
-/// What is wrong with a request, by JSON pointers.
+/// The faults of a request, by JSON pointers.
 class Faults : public supple::Faults {
  public:
   /// Throws "request.invalid" if anything was collected.
   void throw_if_any() const { supple::Faults::throw_if_any("request.invalid", "The body"); }
 };
 
-/// Reads the fields of one JSON object. Each `read` notes the field as known; `finish` reports the others.
+/// Reads the fields of one JSON object. Each member that reads a field notes it as known; `finish` reports the others.
 class Fields {
  public:
-  /// `value` may be no object; that is a fault, and every field then counts as absent.
+  /// A `value` that is no object is a fault, and every field then counts as absent.
   Fields(const Document& value, std::string pointer, Faults& faults);
 
   bool present(std::string_view name) const { return find(name) != nullptr; }
@@ -34,8 +34,8 @@ class Fields {
   std::string at(std::string_view name) const { return pointer_ + "/" + std::string(name); }
 
   /// Leaves `out` as it is where the field is absent or faulty.
-  void number(std::string_view name, double& out, double least, double most, bool least_excluded = false);
-  void integer(std::string_view name, int& out, int least, int most);
+  void number(std::string_view name, double& out, double min, double max, bool min_excluded = false);
+  void integer(std::string_view name, int& out, int min, int max);
   void boolean(std::string_view name, bool& out);
   /// Sets `out` to the index of the text among `choices`.
   template <class Enum>
@@ -44,13 +44,13 @@ class Fields {
   }
   void mesh_id(std::string& out);
   void point(std::string_view name, PointSpec& out, bool is_required);
-  /// An array of points of at least `least`, at most `most` entries (setting `setting`).
-  void points(std::string_view name, std::vector<PointSpec>& out, std::size_t least, std::size_t most,
+  /// An array of points of at least `min` and at most `max` entries (setting `setting`).
+  void points(std::string_view name, std::vector<PointSpec>& out, std::size_t min, std::size_t max,
               const std::string& setting);
   /// A required or optional array whose length is checked; null where it is absent or faulty.
-  const Document* array(std::string_view name, bool is_required, std::size_t least, std::size_t most,
+  const Document* array(std::string_view name, bool is_required, std::size_t min, std::size_t max,
                         const std::string& setting);
-  void numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t least, std::size_t most);
+  void numbers(std::string_view name, std::vector<double>& out, bool is_required, std::size_t min, std::size_t max);
 
   /// Reports unknown fields, each with the known one that it resembles.
   void finish();
@@ -67,9 +67,9 @@ class Fields {
   std::vector<std::string_view> known_;
 };
 
-/// Reads a number in [least, most]; a fault is reported at `pointer`, leaves `out` as it is and returns false.
-bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double least,
-                 double most, bool least_excluded = false);
+/// Reads a number in [min, max]. A fault is reported at `pointer`, leaves `out` as it is and returns false.
+bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double min, double max,
+                 bool min_excluded = false);
 
 /// Reads an index, an integer from 0 to 2147483647; a fault is reported at `pointer` and gives 0.
 std::int32_t read_array_index(const Document& value, const std::string& pointer, Faults& faults);

@@ -13,7 +13,7 @@ namespace supple::json {
 namespace {
 
 /// More points than this cannot be told apart in a picture.
-constexpr std::size_t most_drawn = 1000;
+constexpr std::size_t max_drawn_points = 1000;
 
 /// A number of a sentence, with four digits.
 std::string short_number(double value) {
@@ -23,19 +23,19 @@ std::string short_number(double value) {
 }
 
 void write_column(JsonWriter& out, const design::MeasuredTable::Column& column) {
-  double least = INFINITY, greatest = -INFINITY;
+  double minimum = INFINITY, maximum = -INFINITY;
   std::size_t missing = 0;
   for (const double value : column.values) {
     if (std::isnan(value)) {
       ++missing;
       continue;
     }
-    least = std::min(least, value);
-    greatest = std::max(greatest, value);
+    minimum = std::min(minimum, value);
+    maximum = std::max(maximum, value);
   }
   out.begin_object().field("name", column.name).field("unit", column.unit);
-  write_number_or_null(out, "least", least);
-  write_number_or_null(out, "greatest", greatest);
+  write_number_or_null(out, "least", minimum);
+  write_number_or_null(out, "greatest", maximum);
   out.field("missing", missing).end_object();
 }
 
@@ -59,7 +59,7 @@ struct AsideReason {
   std::size_t count;
 };
 
-/// Why points did not count, each reason that occurs.
+/// The reasons why points did not count, without those that do not occur.
 std::vector<AsideReason> aside_reasons(const MeasuredCurveAnswer& answer) {
   const design::SetAside& aside = answer.curve.set_aside;
   const auto& table = answer.measurements.table;
@@ -76,7 +76,7 @@ std::vector<AsideReason> aside_reasons(const MeasuredCurveAnswer& answer) {
 }
 
 /// A curve of which more than this fraction was set aside may not be the one that was meant.
-constexpr double much_set_aside = 0.1;
+constexpr double min_warned_fraction = 0.1;
 
 std::vector<design::MeasurementNote> notes_of(const MeasuredCurveAnswer& answer) {
   const auto& curve = answer.curve;
@@ -96,7 +96,7 @@ std::vector<design::MeasurementNote> notes_of(const MeasuredCurveAnswer& answer)
       text.pop_back();
       text += " at the strain " + short_number(*curve.rupture_at) + ".";
     }
-    notes.push_back({std::move(text), "", static_cast<double>(aside) > much_set_aside * all});
+    notes.push_back({std::move(text), "", static_cast<double>(aside) > min_warned_fraction * all});
   }
   if (curve.relative_rms > answer.options.tolerance) {
     const bool scatters = curve.noise > 0.5 * curve.relative_rms;
@@ -147,7 +147,7 @@ std::string write_measured_curve(const MeasuredCurveAnswer& answer, const Bill& 
   for (const auto& point : curve.control_points) out.numbers(point);
   out.end_array().field("interpolation", numerics::to_string(curve.interpolation)).end_object();
   out.key("points").begin_array();
-  const std::size_t n = curve.points.size(), drawn = std::min(n, most_drawn);
+  const std::size_t n = curve.points.size(), drawn = std::min(n, max_drawn_points);
   for (std::size_t i = 0; i < drawn; ++i) out.numbers(curve.points[drawn < 2 ? 0 : i * (n - 1) / (drawn - 1)]);
   out.end_array().field("point_count", n);
   write_set_aside(out, answer);

@@ -11,24 +11,24 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr std::size_t most_measured_points = 1'000'000;
-constexpr std::size_t longest_column_name = 200;
-constexpr std::size_t longest_unit = 40;
-constexpr int most_table_columns = 256;
-constexpr double largest_specimen_length = 1e6;
-constexpr int most_blocks = 10'000;
+constexpr std::size_t max_measured_points = 1'000'000;
+constexpr std::size_t max_column_name_bytes = 200;
+constexpr std::size_t max_unit_bytes = 40;
+constexpr int max_table_columns = 256;
+constexpr double max_specimen_length = 1e6;
+constexpr int max_blocks = 10'000;
 
-std::optional<std::string> read_text(Fields& fields, std::string_view name, std::size_t longest) {
+std::optional<std::string> read_text(Fields& fields, std::string_view name, std::size_t max_bytes) {
   const auto* value = fields.optional(name);
   if (!value) return std::nullopt;
-  if (!value->is_string() || value->get_ref<const std::string&>().size() > longest) {
-    fields.faults().add(fields.at(name), "must be a string of at most " + std::to_string(longest) + " bytes");
+  if (!value->is_string() || value->get_ref<const std::string&>().size() > max_bytes) {
+    fields.faults().add(fields.at(name), "must be a string of at most " + std::to_string(max_bytes) + " bytes");
     return std::nullopt;
   }
   return value->get<std::string>();
 }
 
-/// The bytes of base64 with or without line ends; nothing where it is none.
+/// The bytes that a base64 text encodes, with or without line ends; nullopt where it is no base64.
 std::optional<std::string> decoded_base64(std::string_view text) {
   constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::array<int, 256> values{};
@@ -59,9 +59,9 @@ std::optional<std::string> decoded_base64(std::string_view text) {
   return out;
 }
 
-/// The text of the bytes of a file.
-void read_content(Fields& fields, std::size_t longest, MeasuredCurveRequest& request) {
-  const auto content = read_text(fields, "content", longest);
+/// Reads the text from the bytes of a file.
+void read_content(Fields& fields, std::size_t max_bytes, MeasuredCurveRequest& request) {
+  const auto content = read_text(fields, "content", max_bytes);
   if (!content) return;
   const auto bytes = decoded_base64(*content);
   if (!bytes) return fields.faults().add(fields.at("content"), "must be the bytes of a file in base64");
@@ -74,39 +74,39 @@ void read_content(Fields& fields, std::size_t longest, MeasuredCurveRequest& req
 void read_column(Fields& fields, std::string_view name, design::ColumnChoice& out) {
   const auto* value = fields.optional(name);
   if (!value) return;
-  if (value->is_number_integer() && value->get<double>() >= 0 && value->get<double>() < most_table_columns) {
+  if (value->is_number_integer() && value->get<double>() >= 0 && value->get<double>() < max_table_columns) {
     out = value->get<int>();
-  } else if (value->is_string() && value->get_ref<const std::string&>().size() <= longest_column_name) {
+  } else if (value->is_string() && value->get_ref<const std::string&>().size() <= max_column_name_bytes) {
     out = value->get<std::string>();
   } else {
     fields.faults().add(fields.at(name), "must be a column's index, an integer from 0 to " +
-                                             std::to_string(most_table_columns - 1) + ", or its name in the header");
+                                             std::to_string(max_table_columns - 1) + ", or its name in the header");
   }
 }
 
 void read_points(Fields& fields, std::vector<Eigen::Vector2d>& out) {
-  const auto* points = fields.array("points", false, 2, most_measured_points, "");
+  const auto* points = fields.array("points", false, 2, max_measured_points, "");
   if (!points) return;
   out.resize(points->size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), fields.faults(), out[i],
-                    -largest_length, largest_length);
+    read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), fields.faults(), out[i], -max_length,
+                    max_length);
   }
 }
 
 void read_length(Fields& fields, std::string_view name, std::optional<double>& out) {
   double value = 0;
-  fields.number(name, value, 0, largest_specimen_length, true);
+  fields.number(name, value, 0, max_specimen_length, true);
   if (value > 0) out = value;
 }
 
-/// How a table is to be read.
+/// Reads how a table is to be parsed.
 void read_table_fields(Fields& fields, design::MeasurementRequest& measurements) {
   int decimal = 0;
   fields.choice("decimal_separator", decimal, {"automatic", "point", "comma"});
   if (decimal != 0) measurements.table.decimal_separator = decimal == 1 ? '.' : ',';
   int block = -1;
-  fields.integer("block", block, 0, most_blocks - 1);
+  fields.integer("block", block, 0, max_blocks - 1);
   if (block >= 0) measurements.table.block = static_cast<std::size_t>(block);
   for (const char* const name : {"columns", "decimal_separator", "block"}) {
     if (fields.present("points") && fields.present(name))
@@ -147,8 +147,8 @@ MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& l
     read_column(columns, "y", measurements.y);
   });
   nested(fields, "units", [&](Fields& units) {
-    measurements.x_unit = read_text(units, "x", longest_unit);
-    measurements.y_unit = read_text(units, "y", longest_unit);
+    measurements.x_unit = read_text(units, "x", max_unit_bytes);
+    measurements.y_unit = read_text(units, "y", max_unit_bytes);
   });
   nested(fields, "specimen", [&](Fields& specimen) {
     read_length(specimen, "gauge_length", measurements.specimen.gauge_length);

@@ -29,7 +29,7 @@ void write_split(JsonWriter& out, std::string_view name, const std::optional<neu
   out.field("designs", split->designs).field("samples", split->samples).end_object();
 }
 
-JsonWriter& write_worth(JsonWriter& out, const neural::JudgedBars& judged) {
+JsonWriter& write_judged_bars(JsonWriter& out, const neural::JudgedBars& judged) {
   return out.field("median", judged.median_bar)
       .field("share", judged.share)
       .field("designs", judged.designs)
@@ -47,10 +47,10 @@ void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>&
   for (const auto quantity : neural::all_quantities) {
     const auto& scale = calibration->of(quantity);
     out.key(neural::to_string(quantity)).begin_object().field("trusted", neural::trusted_error(quantity));
-    write_worth(out, scale.given.judged);
+    write_judged_bars(out, scale.given.judged);
     if (!scale.searched.knots.empty()) {
       out.key("searched").begin_object();
-      write_worth(out, scale.searched.judged).end_object();
+      write_judged_bars(out, scale.searched.judged).end_object();
     }
     out.end_object();
   }
@@ -91,12 +91,12 @@ void begin_answer(JsonWriter& out, const ModelVersion& model) {
   out.begin_object().field("model", model.id).field("sha256", model.sha256);
 }
 
-/// Strain as the wire has it: the tensor component xy, not twice of it.
+/// Writes a strain with the tensor component xy; the engine has twice of it.
 void write_strain(JsonWriter& out, const Eigen::Vector3d& strain) {
   out.key("green_strain").numbers(Eigen::Vector3d(strain[0], strain[1], strain[2] / 2));
 }
 
-/// An error bar of a value of this size.
+/// Writes the error bar of a value of this size.
 void write_bar(JsonWriter& out, const neural::Trust& trust, double size) {
   if (trust.error && std::isfinite(size)) {
     out.number(*trust.error * size);
@@ -197,7 +197,7 @@ std::string write_uniaxial(const ModelVersion& model, const UniaxialRequest& req
   out.key("states").begin_array();
   for (std::size_t i = 0; i < states.size(); ++i) {
     write_state(out, states[i], trust[i]);
-    // Unlike std::max this keeps what is no number.
+    // Unlike std::max, this keeps a value that is not a number.
     if (std::isfinite(residual) && !(states[i].residual <= residual)) residual = states[i].residual;
   }
   out.end_array();

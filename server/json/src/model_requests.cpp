@@ -7,23 +7,23 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double largest_parameter = 1000;
-constexpr double largest_strain = 100;
-constexpr double least_uniaxial_strain = -0.5;
-constexpr double largest_uniaxial_strain = 7.5;
-constexpr double least_tolerance = 1e-14;
-constexpr double largest_tolerance = 1e-2;
-constexpr int most_iterations = 10'000;
+constexpr double max_parameter = 1000;
+constexpr double max_strain = 100;
+constexpr double min_uniaxial_strain = -0.5;
+constexpr double max_uniaxial_strain = 7.5;
+constexpr double min_tolerance = 1e-14;
+constexpr double max_tolerance = 1e-2;
+constexpr int max_solver_iterations = 10'000;
 
 /// The parameters of one design.
 void read_design(const Document& value, const std::string& pointer, Faults& faults, std::vector<double>& design) {
-  constexpr std::size_t most = neural::max_parameters;
-  if (!value.is_array() || value.empty() || value.size() > most) {
-    return faults.add(pointer, "must be an array of 1 to " + std::to_string(most) + " numbers");
+  constexpr std::size_t max = neural::max_parameters;
+  if (!value.is_array() || value.empty() || value.size() > max) {
+    return faults.add(pointer, "must be an array of 1 to " + std::to_string(max) + " numbers");
   }
   design.resize(value.size());
   for (std::size_t k = 0; k < design.size(); ++k) {
-    read_number(value[k], pointer + "/" + std::to_string(k), faults, design[k], -largest_parameter, largest_parameter);
+    read_number(value[k], pointer + "/" + std::to_string(k), faults, design[k], -max_parameter, max_parameter);
   }
 }
 
@@ -40,7 +40,7 @@ void read_strains(Fields& fields, Eigen::Matrix3Xd& strains, const Limits& limit
   strains.setZero(3, static_cast<Eigen::Index>(entries->size()));
   for_each_entry(fields, "green_strain", *entries, [&](const auto& entry, const auto& pointer, std::size_t i) {
     Eigen::Vector3d strain = Eigen::Vector3d::Zero();
-    read_components(entry, pointer, fields.faults(), strain, -largest_strain, largest_strain);
+    read_components(entry, pointer, fields.faults(), strain, -max_strain, max_strain);
     strains.col(static_cast<Eigen::Index>(i)) << strain[0], strain[1], 2 * strain[2];
   });
 }
@@ -54,13 +54,13 @@ void read_designs(Fields& fields, std::vector<std::vector<double>>& designs, con
   });
 }
 
-void read_path(Fields& fields, std::string_view name, const Limits& limits, std::vector<double>& states, double least,
-               double most, bool least_excluded) {
+void read_path(Fields& fields, std::string_view name, const Limits& limits, std::vector<double>& states, double min,
+               double max, bool min_excluded) {
   const auto* entries = fields.array(name, false, 1, limits.max_states, "--max-states");
   if (!entries) return;
   states.resize(entries->size());
   for_each_entry(fields, name, *entries, [&](const auto& entry, const auto& pointer, std::size_t i) {
-    read_number(entry, pointer, fields.faults(), states[i], least, most, least_excluded);
+    read_number(entry, pointer, fields.faults(), states[i], min, max, min_excluded);
   });
 }
 
@@ -92,18 +92,17 @@ UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits) {
     read_design(*parameters, fields.at("parameters"), faults, request.parameters);
   }
   fields.required("direction");
-  fields.number("direction", request.direction, -largest_angle, largest_angle);
+  fields.number("direction", request.direction, -max_angle, max_angle);
   if (document.is_object() && fields.present("stretches") == fields.present("green_strains")) {
     faults.add("", "must have exactly one of \"stretches\" and \"green_strains\"");
   }
   std::vector<double> stretches;
-  read_path(fields, "stretches", limits, stretches, least_stretch, largest_stretch, false);
-  read_path(fields, "green_strains", limits, request.green_strains, least_uniaxial_strain, largest_uniaxial_strain,
-            true);
+  read_path(fields, "stretches", limits, stretches, min_stretch, max_stretch, false);
+  read_path(fields, "green_strains", limits, request.green_strains, min_uniaxial_strain, max_uniaxial_strain, true);
   for (const double stretch : stretches) request.green_strains.push_back(neural::green_strain_of_stretch(stretch));
   nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", request.options.tolerance, least_tolerance, largest_tolerance);
-    accuracy.integer("max_iterations", request.options.max_iterations, 1, most_iterations);
+    accuracy.number("tolerance", request.options.tolerance, min_tolerance, max_tolerance);
+    accuracy.integer("max_iterations", request.options.max_iterations, 1, max_solver_iterations);
   });
   request.deadline = read_deadline(fields, limits);
   fields.finish();

@@ -8,13 +8,13 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr std::size_t longest_drawing = 10'000'000;
-constexpr double least_chord_error = 1e-4;
-constexpr double largest_chord_error = 10;
-constexpr double least_drawing_width = 0.01;
-constexpr double largest_drawing_width = 2000;
-constexpr double least_resolution = 1;
-constexpr double largest_resolution = 10'000;
+constexpr std::size_t max_drawing_bytes = 10'000'000;
+constexpr double min_chord_error = 1e-4;
+constexpr double max_chord_error = 10;
+constexpr double min_drawing_width = 0.01;
+constexpr double max_drawing_width = 2000;
+constexpr double min_resolution = 1;
+constexpr double max_resolution = 10'000;
 
 }  // namespace
 
@@ -24,26 +24,26 @@ OutlineRequest parse_outlines(std::string_view body, const Limits& limits) {
   Faults faults;
   Fields fields(document, "", faults);
   if (const auto* text = fields.required("text")) {
-    if (text->is_string() && text->get_ref<const std::string&>().size() <= longest_drawing) {
+    if (text->is_string() && text->get_ref<const std::string&>().size() <= max_drawing_bytes) {
       request.text = text->get<std::string>();
     } else {
-      faults.add("/text", "must be a string of at most " + std::to_string(longest_drawing) + " bytes");
+      faults.add("/text", "must be a string of at most " + std::to_string(max_drawing_bytes) + " bytes");
     }
   }
   fields.choice("format", request.options.format, {"automatic", "svg", "dxf"});
   fields.choice("unit", request.options.unit, {"automatic", "mm", "cm", "m", "in", "ft", "pt", "px"});
   if (fields.present("resolution")) {
-    double resolution = least_resolution;
-    fields.number("resolution", resolution, least_resolution, largest_resolution);
+    double resolution = min_resolution;
+    fields.number("resolution", resolution, min_resolution, max_resolution);
     request.options.resolution = resolution;
   }
   if (fields.present("width")) {
-    double width = least_drawing_width;
-    fields.number("width", width, least_drawing_width, largest_drawing_width);
+    double width = min_drawing_width;
+    fields.number("width", width, min_drawing_width, max_drawing_width);
     request.options.width = width;
   }
   nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", request.options.tolerance, least_chord_error, largest_chord_error);
+    accuracy.number("tolerance", request.options.tolerance, min_chord_error, max_chord_error);
   });
   request.deadline = read_deadline(fields, limits);
   fields.finish();

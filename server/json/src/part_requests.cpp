@@ -11,33 +11,32 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double largest_part_length = 2000;  // mm
-constexpr double largest_part_thickness = 1000;
-constexpr std::size_t most_part_polygons = 100;
-constexpr std::size_t most_part_corners = 5'000;
-constexpr std::size_t most_part_regions = 50;
-constexpr std::size_t longest_region_name = 100;
+constexpr double max_part_length = 2000;  // mm
+constexpr double max_part_thickness = 1000;
+constexpr std::size_t max_part_polygons = 100;
+constexpr std::size_t max_part_corners = 5'000;
+constexpr std::size_t max_part_regions = 50;
+constexpr std::size_t max_region_name_bytes = 100;
 
-/// The share of the solid that is left out as crumbs from which on the answer's message says so.
-constexpr double told_crumbs = 0.05;
+/// Fraction of the solid in crumbs, which are left out, above which the answer's message tells it.
+constexpr double min_reported_crumb_fraction = 0.05;
 
 tiling::Polygon read_polygon(const Document& value, const std::string& pointer, Faults& faults) {
   tiling::Polygon polygon;
-  if (!value.is_array() || value.size() < 3 || value.size() > most_part_corners) {
-    faults.add(pointer, "must be an array of 3 to " + std::to_string(most_part_corners) + " points");
+  if (!value.is_array() || value.size() < 3 || value.size() > max_part_corners) {
+    faults.add(pointer, "must be an array of 3 to " + std::to_string(max_part_corners) + " points");
     return polygon;
   }
   polygon.resize(value.size());
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    read_components(value[i], pointer + "/" + std::to_string(i), faults, polygon[i], -largest_part_length,
-                    largest_part_length);
+    read_components(value[i], pointer + "/" + std::to_string(i), faults, polygon[i], -max_part_length, max_part_length);
   }
   return polygon;
 }
 
 double length(Fields& fields, std::string_view name, double usual, bool may_vanish = false) {
   double value = usual;
-  fields.number(name, value, 0, largest_part_length, !may_vanish);
+  fields.number(name, value, 0, max_part_length, !may_vanish);
   return value;
 }
 
@@ -57,10 +56,10 @@ tiling::PartShape read_shape(Fields& fields, std::vector<std::string>& solid_nam
   }
   if (const auto* size = outline.optional("rectangle")) {
     Eigen::Vector2d sides(1, 1);
-    read_components(*size, outline.at("rectangle"), fields.faults(), sides, 0.01, largest_part_length);
+    read_components(*size, outline.at("rectangle"), fields.faults(), sides, 0.01, max_part_length);
     shape = tiling::tensile_coupon(sides[0], sides[1], 0);
   }
-  if (const auto* polygons = outline.array("polygons", false, 1, most_part_polygons, "")) {
+  if (const auto* polygons = outline.array("polygons", false, 1, max_part_polygons, "")) {
     for (std::size_t i = 0; i < polygons->size(); ++i) {
       shape.outline.push_back(
           read_polygon((*polygons)[i], outline.at("polygons") + "/" + std::to_string(i), fields.faults()));
@@ -91,7 +90,7 @@ FillingSpec read_filling(Fields& fields, const Limits& limits) {
     filling.structure = read_structure(structure, limits);
     structure.finish();
   }
-  fields.number("beam_width", filling.beam_width, 0.01, largest_beam_width);
+  fields.number("beam_width", filling.beam_width, 0.01, max_beam_width);
   fields.number("orientation", filling.orientation, -1000, 1000);
   return filling;
 }
@@ -99,11 +98,11 @@ FillingSpec read_filling(Fields& fields, const Limits& limits) {
 PartRegionSpec read_region(Fields& fields, const Limits& limits) {
   PartRegionSpec region;
   if (const auto* name = fields.optional("name")) {
-    if (name->is_string() && name->get_ref<const std::string&>().size() <= longest_region_name) {
+    if (name->is_string() && name->get_ref<const std::string&>().size() <= max_region_name_bytes) {
       region.name = name->get<std::string>();
     } else {
       fields.faults().add(fields.at("name"),
-                          "must be a string of at most " + std::to_string(longest_region_name) + " bytes");
+                          "must be a string of at most " + std::to_string(max_region_name_bytes) + " bytes");
     }
   }
   if (const auto* outline = fields.required("outline"))
@@ -129,7 +128,7 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
       faults.add("/direction", "needs an outline with an axis of load: \"coupon\" or \"block\"");
   }
   double finest = request.filling.beam_width;
-  if (const auto* regions = fields.array("regions", false, 0, most_part_regions, "")) {
+  if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
     for (std::size_t i = 0; i < regions->size(); ++i) {
       Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
       request.regions.push_back(read_region(region, limits));
@@ -141,8 +140,8 @@ PartRequest parse_part(std::string_view body, const Limits& limits) {
   request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
   fields.choice("rim", request.design.rim, {"clipped", "whole"});
   request.design.smallest_wall = 2 * finest / 3;
-  fields.number("smallest_wall", request.design.smallest_wall, 0, largest_beam_width);
-  fields.number("thickness", request.design.thickness, 1e-3, largest_part_thickness);
+  fields.number("smallest_wall", request.design.smallest_wall, 0, max_beam_width);
+  fields.number("thickness", request.design.thickness, 1e-3, max_part_thickness);
   nested(fields, "material",
          [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
   fields.boolean("svg", request.svg);
@@ -179,10 +178,10 @@ std::string part_message(const PartRequest& request, const tiling::Part& part) {
     return "The part hangs by a neck of " + std::to_string(std::lround(1000 * *part.smallest_neck)) +
            " micrometres, narrower than the smallest wall, which could neither be widened nor cut. " + remedies;
   }
-  const double share = part.crumb_area / (part.crumb_area + part.solid_area);
-  if (share <= told_crumbs) return {};
-  return "Pieces without connection to the largest one were left out, " + std::to_string(std::lround(100 * share)) +
-         " % of the solid. " + remedies;
+  const double crumb_fraction = part.crumb_area / (part.crumb_area + part.solid_area);
+  if (crumb_fraction <= min_reported_crumb_fraction) return {};
+  return "Pieces without connection to the largest one were left out, " +
+         std::to_string(std::lround(100 * crumb_fraction)) + " % of the solid. " + remedies;
 }
 
 std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill) {

@@ -15,19 +15,19 @@ namespace supple::json {
 /// The values of an effect's switch, in the order of the enumerations that stand for them.
 inline const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
 
-/// The ranges of lengths, of factors of energies, and of angles, strains and the like. Squares of energies of what
-/// meshes can be, 1e-70 to 1e70 mesh units wide, are still numbers then.
-inline constexpr double smallest_length = 1e-100;
-inline constexpr double largest_length = 1e100;
-inline constexpr double smallest_factor = 1e-30;
-inline constexpr double largest_factor = 1e30;
-inline constexpr double largest_angle = 1000;
-inline constexpr double largest_plain = 1e6;
-inline constexpr int largest_index = std::numeric_limits<int>::max();
+/// The ranges of lengths, of factors of energies, of angles, and of strains and other plain numbers. Meshes are 1e-70
+/// to 1e70 mesh units wide: in these ranges, squares of their energies do not overflow.
+inline constexpr double min_length = 1e-100;
+inline constexpr double max_length = 1e100;
+inline constexpr double min_factor = 1e-30;
+inline constexpr double max_factor = 1e30;
+inline constexpr double max_angle = 1000;
+inline constexpr double max_dimensionless = 1e6;
+inline constexpr int max_index = std::numeric_limits<int>::max();
 
 /// The stretches that a load may have.
-inline constexpr double least_stretch = 0.2;
-inline constexpr double largest_stretch = 4;
+inline constexpr double min_stretch = 0.2;
+inline constexpr double max_stretch = 4;
 
 /// The field "deadline" in seconds, or its default. Throws "request.limit_exceeded".
 double read_deadline(Fields& fields, const Limits& limits);
@@ -35,12 +35,12 @@ double read_deadline(Fields& fields, const Limits& limits);
 /// Whether the field holds an object, which stands in place of an array and says how to make one.
 bool is_builder(Fields& fields, std::string_view name);
 
-/// An optional array of indices of points or vertices, as many as there may be points.
+/// An optional array of indices of points or vertices. Its limit is that of points.
 void read_indices(Fields& fields, std::string_view name, const Limits& limits, std::vector<std::int32_t>& indices);
 
 /// Widths of beams that requests may ask for, in mm.
-inline constexpr double least_beam_width = 0.01;
-inline constexpr double largest_beam_width = 100;
+inline constexpr double min_beam_width = 0.01;
+inline constexpr double max_beam_width = 100;
 
 /// The fields "family" and "parameters".
 struct StructureSpec;
@@ -56,10 +56,10 @@ void nested(Fields& fields, std::string_view name, Read read) {
   inner.finish();
 }
 
-/// Reads as many numbers as `state` has components, each in [least, most].
+/// Reads as many numbers as `state` has components, each in [min, max].
 template <class Vector>
-bool read_components(const Document& entry, const std::string& pointer, Faults& faults, Vector& state, double least,
-                     double most) {
+bool read_components(const Document& entry, const std::string& pointer, Faults& faults, Vector& state, double min,
+                     double max) {
   constexpr int count = Vector::RowsAtCompileTime;
   if (!entry.is_array() || entry.size() != count) {
     faults.add(pointer, "must be an array of " + std::to_string(count) + " numbers");
@@ -67,8 +67,8 @@ bool read_components(const Document& entry, const std::string& pointer, Faults& 
   }
   bool good = true;
   for (int k = 0; k < count; ++k) {
-    good &= read_number(entry[static_cast<std::size_t>(k)], pointer + "/" + std::to_string(k), faults, state[k], least,
-                        most);
+    good &=
+        read_number(entry[static_cast<std::size_t>(k)], pointer + "/" + std::to_string(k), faults, state[k], min, max);
   }
   return good;
 }

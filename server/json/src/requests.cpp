@@ -93,7 +93,7 @@ GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& l
       faults.add(accuracy.at("relative_error"), "is a guarantee that the method \"edge_graph\" cannot give");
     }
   });
-  fields.number("max_distance", request.max_distance, smallest_length, largest_length);
+  fields.number("max_distance", request.max_distance, min_length, max_length);
   request.deadline = read_deadline(fields, limits);
   fields.finish();
   faults.throw_if_any();

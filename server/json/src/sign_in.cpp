@@ -10,7 +10,7 @@ std::string parse_sign_in(std::string_view body, const Limits& limits) {
   Fields fields(document, "", faults);
   std::string key;
   if (const auto* value = fields.required("key")) {
-    // What it is instead is not said: it may be a key with a typing error.
+    // The message does not repeat the value, which may be a key with a typing error.
     if (value->is_string()) key = value->get<std::string>();
     if (!value->is_string()) faults.add(fields.at("key"), "must be a string");
   }

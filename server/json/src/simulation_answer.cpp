@@ -12,7 +12,7 @@ namespace {
 
 using microscale::State;
 
-/// The meshes of the patches that the states of one path have: one cell, and then perhaps 2 x 2.
+/// The meshes of the patches of a path's states: one cell, and then perhaps 2 x 2.
 class Patches {
  public:
   struct Patch {
@@ -107,7 +107,7 @@ void write_accuracy(JsonWriter& out, const SimulationRequest& request, const til
                     const microscale::SimulationResult& result) {
   double residual = 0;
   for (const auto& state : result.states) {
-    // Unlike std::max this keeps what is no number.
+    // Unlike std::max, this keeps a value that is not a number.
     if (!(state.residual <= residual)) residual = state.residual;
   }
   out.key("accuracy").begin_object().field("tolerance", request.options.tolerance);

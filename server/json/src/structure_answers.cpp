@@ -10,7 +10,7 @@ namespace {
 
 void write_polygon(JsonWriter& out, tiling::Polygon polygon, const tiling::Placement& placement) {
   for (auto& corner : polygon) corner = placement.linear * corner + placement.offset;
-  // A reflection turns the order of the corners.
+  // A reflection reverses the order of the corners.
   if (placement.linear.determinant() < 0) std::reverse(polygon.begin(), polygon.end());
   out.begin_array();
   for (const auto& corner : polygon) out.numbers(corner);

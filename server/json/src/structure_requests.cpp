@@ -10,14 +10,14 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double least_mesh_size = 0.01;
-constexpr double largest_mesh_size = 2;
-constexpr double least_corner_size = 0.01;
-constexpr double least_accepted_error = 2e-4;
-constexpr double largest_accepted_error = 0.1;
-constexpr int most_cells = 100;
-constexpr double least_height = 1e-3;
-constexpr double largest_height = 1000;
+constexpr double min_mesh_size = 0.01;
+constexpr double max_mesh_size = 2;
+constexpr double min_corner_size = 0.01;
+constexpr double min_accepted_error = 2e-4;
+constexpr double max_accepted_error = 0.1;
+constexpr int max_cells = 100;
+constexpr double min_height = 1e-3;
+constexpr double max_height = 1000;
 
 bool is_family_character(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -34,8 +34,8 @@ void read_family(Fields& fields, std::string& out) {
 }
 
 void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
-  fields.number("mesh_size", mesh.mesh_size, least_mesh_size, largest_mesh_size);
-  fields.number("corner_size", mesh.corner_size, least_corner_size, 1);
+  fields.number("mesh_size", mesh.mesh_size, min_mesh_size, max_mesh_size);
+  fields.number("corner_size", mesh.corner_size, min_corner_size, 1);
   fields.choice("mesh_region", mesh.region, {"automatic", "tile", "cell"});
 }
 
@@ -48,17 +48,17 @@ void read_cells(Fields& fields, tiling::ExportOptions& files) {
   const auto* cells = fields.optional("cells");
   if (!cells) return;
   const auto is_count = [](const Document& entry) {
-    return entry.is_number_integer() && entry.get<double>() >= 1 && entry.get<double>() <= most_cells;
+    return entry.is_number_integer() && entry.get<double>() >= 1 && entry.get<double>() <= max_cells;
   };
   if (!cells->is_array() || cells->size() != 2 || !std::all_of(cells->begin(), cells->end(), is_count)) {
     return fields.faults().add(fields.at("cells"),
-                               "must be an array of 2 integers from 1 to " + std::to_string(most_cells));
+                               "must be an array of 2 integers from 1 to " + std::to_string(max_cells));
   }
   files.first = (*cells)[0].get<int>();
   files.second = (*cells)[1].get<int>();
 }
 
-/// The states of a load: read(entry, pointer, state) says whether an entry is one.
+/// Reads the states of a load; read(entry, pointer, state) returns whether an entry is valid.
 template <class State, class Read>
 void read_states(Fields& fields, std::string_view name, const Limits& limits, std::vector<State>& states, Read read) {
   const auto* entries = fields.array(name, true, 1, limits.max_states, "--max-states");
@@ -73,21 +73,21 @@ void read_states(Fields& fields, std::string_view name, const Limits& limits, st
 microscale::GreenStrainLoad read_green_strain(Fields& load, const Limits& limits) {
   microscale::GreenStrainLoad strain;
   read_states(load, "green_strain", limits, strain.strains, [&](const auto& entry, const auto& pointer, auto& state) {
-    return read_components(entry, pointer, load.faults(), state, -largest_plain, largest_plain);
+    return read_components(entry, pointer, load.faults(), state, -max_dimensionless, max_dimensionless);
   });
   return strain;
 }
 
 void read_direction(Fields& fields, double& direction) {
   fields.required("direction");
-  fields.number("direction", direction, -largest_angle, largest_angle);
+  fields.number("direction", direction, -max_angle, max_angle);
 }
 
 microscale::UniaxialLoad read_uniaxial(Fields& fields, const Limits& limits) {
   microscale::UniaxialLoad load;
   read_direction(fields, load.direction);
   read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
-    return read_number(entry, pointer, fields.faults(), state, least_stretch, largest_stretch);
+    return read_number(entry, pointer, fields.faults(), state, min_stretch, max_stretch);
   });
   fields.choice("frame", load.frame, {"space", "material"});
   return load;
@@ -97,7 +97,7 @@ microscale::BiaxialLoad read_biaxial(Fields& fields, const Limits& limits) {
   microscale::BiaxialLoad load;
   read_direction(fields, load.direction);
   read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
-    return read_components(entry, pointer, fields.faults(), state, least_stretch, largest_stretch);
+    return read_components(entry, pointer, fields.faults(), state, min_stretch, max_stretch);
   });
   return load;
 }
@@ -124,7 +124,7 @@ struct ErrorRequest {
   microscale::Switch refinement = microscale::Switch::automatic;
 };
 
-/// Whether the mesh is the request's or the server's, and what is done about its error.
+/// Decides whether the mesh is the request's or the server's, and what is done about its error.
 void choose_refinement(const ErrorRequest& asked, Faults& faults, SimulationRequest& request) {
   using microscale::Refinement;
   using microscale::Switch;
@@ -158,7 +158,7 @@ void read_options(Fields& fields, SimulationRequest& request) {
     read_mesh_options(accuracy, options.mesh);
     if (accuracy.present("discretization_error")) {
       asked.accepted.emplace();
-      accuracy.number("discretization_error", *asked.accepted, least_accepted_error, largest_accepted_error);
+      accuracy.number("discretization_error", *asked.accepted, min_accepted_error, max_accepted_error);
     }
     accuracy.number("tolerance", options.tolerance, 1e-12, 1e-2);
     accuracy.integer("max_iterations", options.max_iterations, 1, 10'000);
@@ -194,9 +194,9 @@ StructureRequest parse_structure(std::string_view body, const Limits& limits) {
   Faults faults;
   Fields fields(document, "", faults);
   request.structure = read_structure(fields, limits);
-  fields.number("beam_width", request.beam_width, least_beam_width, largest_beam_width);
+  fields.number("beam_width", request.beam_width, min_beam_width, max_beam_width);
   read_cells(fields, request.files);
-  fields.number("height", request.files.height, least_height, largest_height);
+  fields.number("height", request.files.height, min_height, max_height);
   nested(fields, "mesh", [&](Fields& mesh) {
     request.mesh.emplace().max_nodes = limits.max_mesh_nodes;
     read_mesh_options(mesh, *request.mesh);

@@ -102,7 +102,7 @@ void write_pieces(JsonWriter& out, const surface::TriangleMesh& mesh, const Diag
   out.end_array().end_object();
 }
 
-/// What the answers have in common, up to the area without a site.
+/// Writes what the answers have in common, up to the area without a site.
 void write_diagram(JsonWriter& out, const std::string& mesh_id, const surface::TriangleMesh& mesh,
                    const Diagram& diagram, const DiagramInclude& include, const Limits& limits) {
   const auto check = [](std::string_view what, std::size_t count, std::size_t limit, const char* field) {
@@ -135,21 +135,21 @@ void write_diagram(JsonWriter& out, const std::string& mesh_id, const surface::T
   out.field("unreached_area", diagram.unreached_area);
 }
 
-/// The borders as they are seen on the way: within a face a straight line says enough.
-class SeenBorders {
+/// The borders of an intermediate result, which are straight within a face.
+class SimplifiedBorders {
  public:
-  explicit SeenBorders(const Diagram& diagram) : numbers_(diagram.points.size(), -1) {
+  explicit SimplifiedBorders(const Diagram& diagram) : indices_(diagram.points.size(), -1) {
     for (const auto& edge : diagram.edges) {
       auto& line = lines_.emplace_back();
       const auto is_inner = [&](std::int32_t point) {
         return diagram.points[static_cast<std::size_t>(point)].kind == voronoi::DiagramPoint::Kind::inner;
       };
-      // One that is closed within a face has no others.
+      // A closed border with fewer than four points on edges lies within a face: all of its points are written.
       const auto inner = std::count_if(edge.points.begin(), edge.points.end(), is_inner);
-      const bool keeps_all = edge.points.front() == edge.points.back() && inner + 4 > std::ssize(edge.points);
+      const bool keeps_all_points = edge.points.front() == edge.points.back() && inner + 4 > std::ssize(edge.points);
       for (std::size_t k = 0; k < edge.points.size(); ++k) {
         const bool is_end = k == 0 || k + 1 == edge.points.size();
-        if (keeps_all || is_end || !is_inner(edge.points[k])) line.push_back(number(edge.points[k]));
+        if (keeps_all_points || is_end || !is_inner(edge.points[k])) line.push_back(index_of(edge.points[k]));
       }
     }
   }
@@ -160,17 +160,17 @@ class SeenBorders {
     for (const auto point : points) out.numbers(diagram.points[static_cast<std::size_t>(point)].position);
     out.end_array().key("vertices").begin_array();
     for (const auto& vertex : diagram.vertices)
-      if (const auto seen = numbers_[static_cast<std::size_t>(vertex.point)]; seen >= 0) out.integer(seen);
+      if (const auto index = indices_[static_cast<std::size_t>(vertex.point)]; index >= 0) out.integer(index);
     out.end_array().key("borders").begin_array();
     for (const auto& line : lines_) write_indices(out, line);
     out.end_array();
   }
 
-  std::vector<std::int32_t> points;  ///< of the diagram, in the order in which they are written
+  std::vector<std::int32_t> points;  ///< the diagram's points that are written, in their order
 
  private:
-  std::int32_t number(std::int32_t point) {
-    auto& found = numbers_[static_cast<std::size_t>(point)];
+  std::int32_t index_of(std::int32_t point) {
+    auto& found = indices_[static_cast<std::size_t>(point)];
     if (found < 0) {
       found = static_cast<std::int32_t>(points.size());
       points.push_back(point);
@@ -178,7 +178,7 @@ class SeenBorders {
     return found;
   }
 
-  std::vector<std::int32_t> numbers_;
+  std::vector<std::int32_t> indices_;
   std::vector<std::vector<std::int32_t>> lines_;
 };
 
@@ -273,14 +273,14 @@ std::string write_partial_optimization(int iteration, const voronoi::Optimizatio
       .field("energy", step.energy)
       .field("gradient_norm", step.gradient_norm)
       .field("step_length", step.step_length);
-  if (diagram.sites.size() <= most_partial_sites) {
+  if (diagram.sites.size() <= max_partial_sites) {
     out.key("sites").begin_array();
     for (const auto& site : diagram.sites) write_point(out, site);
     out.end_array();
     write_positions(out, "site_positions", mesh, diagram.sites);
   }
-  const SeenBorders seen(diagram);
-  if (seen.points.size() <= most_partial_border_points) seen.write(out, diagram);
+  const SimplifiedBorders borders(diagram);
+  if (borders.points.size() <= max_partial_border_points) borders.write(out, diagram);
   out.end_object();
   return out.take();
 }

@@ -7,8 +7,8 @@
 namespace supple::json {
 namespace {
 
-constexpr double largest_panel_scale = 1e6;
-constexpr double largest_diagram_error = 1;
+constexpr double max_panel_scale = 1e6;
+constexpr double max_diagram_error = 1;
 
 void read_sites(Fields& fields, const Limits& limits, SitesSpec& sites) {
   if (!is_builder(fields, "sites"))
@@ -17,8 +17,8 @@ void read_sites(Fields& fields, const Limits& limits, SitesSpec& sites) {
   random.required("count");
   int count = 1;
   int seed = 1;
-  random.integer("count", count, 1, largest_index);
-  random.integer("seed", seed, 0, largest_index);
+  random.integer("count", count, 1, max_index);
+  random.integer("seed", seed, 0, max_index);
   random.finish();
   if (static_cast<std::size_t>(count) > limits.max_points) {
     problem::throw_limit("request.limit_exceeded", "The number of sites", static_cast<double>(limits.max_points), count,
@@ -30,7 +30,7 @@ void read_sites(Fields& fields, const Limits& limits, SitesSpec& sites) {
 void read_include(Fields& fields, DiagramInclude& include, double& panel_scale) {
   fields.boolean("points", include.points);
   fields.boolean("pieces", include.pieces);
-  fields.number("panel_scale", panel_scale, 0, largest_panel_scale, true);
+  fields.number("panel_scale", panel_scale, 0, max_panel_scale, true);
 }
 
 void read_border_deviation(Fields& accuracy, double& deviation) {
@@ -42,11 +42,11 @@ void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
   if (!value) return;
   if (value->is_object() && value->empty()) fields.faults().add(fields.at("objectives"), "must name an objective");
   Fields objectives(*value, fields.at("objectives"), fields.faults());
-  objectives.number("edge_length", weights.edge_length, 0, largest_factor);
-  objectives.number("planarity", weights.planarity, 0, largest_factor);
-  objectives.number("regularity", weights.regularity, 0, largest_factor);
-  objectives.number("centroidal", weights.centroidal, 0, largest_factor);
-  objectives.number("equal_area", weights.equal_area, 0, largest_factor);
+  objectives.number("edge_length", weights.edge_length, 0, max_factor);
+  objectives.number("planarity", weights.planarity, 0, max_factor);
+  objectives.number("regularity", weights.regularity, 0, max_factor);
+  objectives.number("centroidal", weights.centroidal, 0, max_factor);
+  objectives.number("equal_area", weights.equal_area, 0, max_factor);
   objectives.finish();
 }
 
@@ -61,7 +61,7 @@ VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits&
   read_sites(fields, limits, request.sites);
   nested(fields, "accuracy", [&](Fields& accuracy) {
     accuracy.choice("method", request.options.method, {"exact", "bounded", "edges"});
-    accuracy.number("relative_error", request.options.relative_error, 0, largest_diagram_error, true);
+    accuracy.number("relative_error", request.options.relative_error, 0, max_diagram_error, true);
     if (accuracy.present("relative_error") && request.options.method != voronoi::DiagramMethod::bounded)
       faults.add(accuracy.at("relative_error"), "takes effect with the method \"bounded\" only");
     read_border_deviation(accuracy, request.options.border_deviation);
@@ -84,7 +84,7 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
   read_sites(fields, limits, request.sites);
   auto& options = request.options;
   read_objectives(fields, options.weights);
-  fields.number("target_length", options.edge_length, smallest_length, largest_length);
+  fields.number("target_length", options.edge_length, min_length, max_length);
   read_indices(fields, "fixed_sites", limits, options.fixed_sites);
   fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
   nested(fields, "accuracy", [&](Fields& accuracy) {

@@ -30,7 +30,7 @@ void write_strand(JsonWriter& out, const weave::Strand& strand, const Execution&
   out.end_object();
 }
 
-/// As a request may give it.
+/// Writes a member in the form of a request.
 void write_member(JsonWriter& out, const weave::CrossingMember& member) {
   out.begin_object().field("strand", member.strand).field("coordinate", member.coordinate);
   out.key("shift").begin_array().integer(member.shift[0]).integer(member.shift[1]).end_array();
@@ -59,7 +59,7 @@ void write_polylines(JsonWriter& out, const Polylines& strands) {
   out.end_array();
 }
 
-/// The largest of the residuals over what was allowed, keeping what is no number.
+/// The largest ratio of a residual to its tolerance. A value that is not a number stays.
 class LargestResidual {
  public:
   void add(double residual, double tolerance) {
@@ -80,8 +80,8 @@ void write_accuracy(JsonWriter& out, const weave::EquilibriumOptions& options, c
   write_number_or_null(out, "limit_error", limit_error.value());
 }
 
-/// In how many of `states`, called by `name`, sliders stand short of their limits by more than was allowed; empty if in
-/// none. `error_of(state)` is the error of the energy.
+/// A sentence that tells in how many of `states`, which it calls `name`, sliders stand short of their limits by more
+/// than was allowed; empty if in none. `error_of(state)` is the error of the energy.
 template <class State, class ErrorOf>
 std::string message_about_limits(const std::vector<State>& states, const std::string& name,
                                  const weave::EquilibriumOptions& options, ErrorOf error_of) {
@@ -96,7 +96,7 @@ std::string sentences(const std::string& one, const std::string& other) {
   return one + (one.empty() || other.empty() ? "" : " ") + other;
 }
 
-/// An array with write(entry) for each entry.
+/// Writes an array; write(entry) writes each entry.
 template <class Entry, class Write>
 void write_each(JsonWriter& out, std::string_view name, const std::vector<Entry>& entries, Write write) {
   out.key(name).begin_array();
@@ -115,7 +115,7 @@ void write_moduli(JsonWriter& out, bool with_thickness, const std::vector<Direct
 const CellState& state_in(const CellState& state) { return state; }
 const CellState& state_in(const DirectionalResponse& response) { return response.state; }
 
-/// Arrays about the states that the entries are or have.
+/// Writes arrays about the states that the entries are or have.
 template <class Entry>
 void write_cell_states(JsonWriter& out, const std::vector<Entry>& entries) {
   const auto write_field = [&](std::string_view name, auto member, auto write) {
@@ -140,26 +140,27 @@ void write_cell_states(JsonWriter& out, const std::vector<Entry>& entries) {
               [&](double value) { std::isfinite(value) ? out.number(value) : out.null(); });
 }
 
-/// What became of the entries that did not converge; `of` names several of them, `lost_words` says it.
+/// A sentence about the entries that did not converge; empty if all did. It calls the entries `name`, and
+/// `failure_words` tells what became of them.
 template <class Entry>
-std::string message_about_lost(const std::vector<Entry>& entries, const std::string& of,
-                               const std::string& lost_words) {
-  const auto lost = std::count_if(entries.begin(), entries.end(),
-                                  [](const Entry& e) { return state_in(e).stopped != weave::Stop::converged; });
-  if (lost == 0) return {};
-  return std::to_string(lost) + " of " + std::to_string(entries.size()) + " " + of + " " + lost_words +
+std::string message_about_failures(const std::vector<Entry>& entries, const std::string& name,
+                                   const std::string& failure_words) {
+  const auto failed = std::count_if(entries.begin(), entries.end(),
+                                    [](const Entry& e) { return state_in(e).stopped != weave::Stop::converged; });
+  if (failed == 0) return {};
+  return std::to_string(failed) + " of " + std::to_string(entries.size()) + " " + name + " " + failure_words +
          "; `stopped` says why.";
 }
 
 template <class Entry>
-std::string message_about(const std::vector<Entry>& entries, const std::string& of, const std::string& lost_words,
+std::string message_about(const std::vector<Entry>& entries, const std::string& name, const std::string& failure_words,
                           const weave::EquilibriumOptions& options) {
   const auto limit_error = [](const Entry& entry) { return state_in(entry).limit_error; };
-  return sentences(message_about_lost(entries, of, lost_words),
-                   message_about_limits(entries, of, options, limit_error));
+  return sentences(message_about_failures(entries, name, failure_words),
+                   message_about_limits(entries, name, options, limit_error));
 }
 
-/// The deformed cells that were asked for; `number` is the field with the index.
+/// Writes the deformed cells that were asked for; `number` names the field of their index.
 template <class Entry>
 void write_cells(JsonWriter& out, std::string_view number, const std::vector<int>& deformed, const Weave& weave,
                  const std::vector<Entry>& entries) {

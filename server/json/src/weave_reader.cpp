@@ -12,16 +12,18 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double longest = 1e6;
-constexpr int most_columns = 20'000;
-constexpr int most_cells_apart = 1000;
-constexpr std::size_t most_crossings = 1'000'000;
-constexpr std::size_t most_members = 1000;
+constexpr double max_weave_length = 1e6;
+constexpr int max_columns = 20'000;
+constexpr int max_cells_apart = 1000;
+constexpr std::size_t max_crossings = 1'000'000;
+constexpr std::size_t max_members = 1000;
 const std::vector<std::string_view> connection_names{"fused", "slides_x", "slides_y"};
 const std::vector<std::string_view> pattern_names{"regular", "interlacing_squares", "interlacing_circles",
                                                   "actuated_rings", "printed_sample"};
 
-void read_length(Fields& fields, std::string_view name, double& out) { fields.number(name, out, 0, longest, true); }
+void read_length(Fields& fields, std::string_view name, double& out) {
+  fields.number(name, out, 0, max_weave_length, true);
+}
 
 void read_length(Fields& fields, std::string_view name, std::optional<double>& out) {
   double value = 0;
@@ -29,10 +31,10 @@ void read_length(Fields& fields, std::string_view name, std::optional<double>& o
   if (value > 0) out = value;
 }
 
-/// An array of integers, each within a range.
-void read_integers(Fields& fields, std::string_view name, bool is_required, std::size_t least, std::size_t most,
+/// Reads an array of integers, each within a range.
+void read_integers(Fields& fields, std::string_view name, bool is_required, std::size_t min, std::size_t max,
                    std::pair<int, int> range, std::vector<int>& out) {
-  const auto* entries = fields.array(name, is_required, least, most, "");
+  const auto* entries = fields.array(name, is_required, min, max, "");
   if (!entries) return;
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const auto& entry = (*entries)[i];
@@ -49,10 +51,10 @@ void read_integers(Fields& fields, std::string_view name, bool is_required, std:
 
 void read_index(Fields& fields, std::string_view name, int& out) {
   fields.required(name);
-  fields.integer(name, out, 0, largest_index);
+  fields.integer(name, out, 0, max_index);
 }
 
-/// null is no limit.
+/// Reads a limit of sliding; null means that there is none.
 void read_range(Fields& fields, std::string_view name, std::optional<double>& out) {
   const auto* value = fields.optional(name);
   if (!value) return;
@@ -61,7 +63,7 @@ void read_range(Fields& fields, std::string_view name, std::optional<double>& ou
     return;
   }
   double range = 0;
-  if (read_number(*value, fields.at(name), fields.faults(), range, 0, longest)) out = range;
+  if (read_number(*value, fields.at(name), fields.faults(), range, 0, max_weave_length)) out = range;
 }
 
 void read_ranges(Fields& fields, SlidingRange& range) {
@@ -74,10 +76,10 @@ std::optional<SheetSpec> read_sheet(Fields& fields, bool has_border) {
   nested(fields, "sheet", [&](Fields& inner) {
     sheet.emplace();
     inner.required("columns");
-    inner.integer("columns", sheet->columns, 1, most_columns);
+    inner.integer("columns", sheet->columns, 1, max_columns);
     inner.required("rows");
-    inner.integer("rows", sheet->rows, 1, most_columns);
-    if (has_border) inner.integer("fused_border", sheet->fused_border, 0, most_columns);
+    inner.integer("rows", sheet->rows, 1, max_columns);
+    if (has_border) inner.integer("fused_border", sheet->fused_border, 0, max_columns);
   });
   return sheet;
 }
@@ -154,18 +156,19 @@ SampleSpec read_sample(Fields& fields) {
   return spec;
 }
 
-StrandSpec read_strand(const Document& value, const std::string& pointer, Faults& faults, std::size_t most_points) {
+StrandSpec read_strand(const Document& value, const std::string& pointer, Faults& faults, std::size_t max_points) {
   StrandSpec strand;
   Fields fields(value, pointer, faults);
-  if (const auto* points = fields.array("points", true, 1, most_points, "")) {
+  if (const auto* points = fields.array("points", true, 1, max_points, "")) {
     strand.points.resize(points->size());
     for (std::size_t i = 0; i < points->size(); ++i)
-      read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), faults, strand.points[i], -longest,
-                      longest);
+      read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), faults, strand.points[i],
+                      -max_weave_length, max_weave_length);
   }
   fields.choice("ends", strand.ends, {"open", "closed", "periodic"});
   if (const auto* translation = fields.optional("translation"))
-    read_components(*translation, fields.at("translation"), faults, strand.translation, -longest, longest);
+    read_components(*translation, fields.at("translation"), faults, strand.translation, -max_weave_length,
+                    max_weave_length);
   if (fields.present("translation") != (strand.ends == weave::Ends::periodic))
     faults.add(fields.at("translation"),
                fields.present("translation") ? "belongs to periodic strands only" : "is required of a periodic strand");
@@ -179,9 +182,9 @@ MemberSpec read_member(const Document& value, const std::string& pointer, Faults
   Fields fields(value, pointer, faults);
   read_index(fields, "strand", member.strand);
   fields.required("coordinate");
-  fields.number("coordinate", member.coordinate, 0, largest_length);
+  fields.number("coordinate", member.coordinate, 0, max_length);
   std::vector<int> shift;
-  read_integers(fields, "shift", false, 2, 2, {-most_cells_apart, most_cells_apart}, shift);
+  read_integers(fields, "shift", false, 2, 2, {-max_cells_apart, max_cells_apart}, shift);
   if (shift.size() == 2) member.shift = {shift[0], shift[1]};
   fields.boolean("slides", member.slides);
   read_ranges(fields, member.range);
@@ -194,7 +197,7 @@ std::vector<std::vector<MemberSpec>> read_crossings(const Document& entries, con
   std::vector<std::vector<MemberSpec>> crossings(entries.size());
   for (std::size_t c = 0; c < entries.size(); ++c) {
     Fields fields(entries[c], pointer + "/" + std::to_string(c), faults);
-    if (const auto* members = fields.array("members", true, 2, most_members, ""))
+    if (const auto* members = fields.array("members", true, 2, max_members, ""))
       for (std::size_t m = 0; m < members->size(); ++m)
         crossings[c].push_back(read_member((*members)[m], fields.at("members") + "/" + std::to_string(m), faults));
     fields.finish();
@@ -216,15 +219,15 @@ LayoutSpec read_layout(Fields& fields, const Limits& limits) {
                            static_cast<double>(limits.max_strand_points), static_cast<double>(points), "",
                            fields.at("strands"));
   }
-  if (const auto* crossings = fields.array("crossings", false, 0, most_crossings, ""))
+  if (const auto* crossings = fields.array("crossings", false, 0, max_crossings, ""))
     layout.crossings = read_crossings(*crossings, fields.at("crossings"), fields.faults());
   if (const auto* rows = fields.array("lattice", false, 2, 2, "")) {
-    // The wire has the translations as rows.
+    // The translations are rows in JSON and columns in the engine.
     layout.lattice.emplace(Eigen::Matrix2d::Zero());
     for (int k = 0; k < 2; ++k) {
       Eigen::Vector2d translation(0, 0);
       read_components((*rows)[static_cast<std::size_t>(k)], fields.at("lattice") + "/" + std::to_string(k),
-                      fields.faults(), translation, -longest, longest);
+                      fields.faults(), translation, -max_weave_length, max_weave_length);
       layout.lattice->col(k) = translation;
     }
   }
@@ -232,13 +235,13 @@ LayoutSpec read_layout(Fields& fields, const Limits& limits) {
 }
 
 void read_overrides(Fields& fields, std::vector<CrossingOverride>& overrides) {
-  const auto* entries = fields.array("overrides", false, 0, most_crossings, "");
+  const auto* entries = fields.array("overrides", false, 0, max_crossings, "");
   if (!entries) return;
   for (std::size_t i = 0; i < entries->size(); ++i) {
     CrossingOverride& change = overrides.emplace_back();
     Fields entry((*entries)[i], fields.at("overrides") + "/" + std::to_string(i), fields.faults());
     read_index(entry, "crossing", change.crossing);
-    read_integers(entry, "slides", true, 0, most_members, {0, static_cast<int>(most_members)}, change.slides);
+    read_integers(entry, "slides", true, 0, max_members, {0, static_cast<int>(max_members)}, change.slides);
     read_ranges(entry, change.range);
     entry.finish();
   }
@@ -282,7 +285,7 @@ WeaveSpec read_weave(Fields& fields, const Limits& limits) {
   Fields inner(*value, fields.at("weave"), fields.faults());
   if (!value->is_object()) return weave;
   if (inner.present("pattern") == inner.present("strands")) {
-    // Which other fields there may be is unknown.
+    // It is unknown which other fields are allowed.
     fields.faults().add(fields.at("weave"), "must have exactly one of \"pattern\" and \"strands\"");
     return weave;
   }

@@ -10,22 +10,22 @@ namespace supple::json {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr double least_strain = -0.5;
-constexpr double largest_strain = 2;
-constexpr double largest_stretch = 10;
-constexpr double largest_value = 1e6;
-constexpr int most_directions = 10'000;
+constexpr double min_strain = -0.5;
+constexpr double max_strain = 2;
+constexpr double max_stretch = 10;
+constexpr double max_value = 1e6;
+constexpr int max_directions = 10'000;
 constexpr int default_directions = 200;
-constexpr std::size_t most_places = 20'000;
+constexpr std::size_t max_places = 20'000;
 
 void read_directions(Fields& fields, std::vector<double>& directions) {
   const auto* value = fields.optional("directions");
   if (value && value->is_array()) {
-    fields.array("directions", true, 1, most_directions, "");
+    fields.array("directions", true, 1, max_directions, "");
     for (std::size_t i = 0; i < value->size(); ++i) {
       directions.push_back(0);
       read_number((*value)[i], fields.at("directions") + "/" + std::to_string(i), fields.faults(), directions.back(),
-                  -largest_angle, largest_angle);
+                  -max_angle, max_angle);
     }
     return;
   }
@@ -33,14 +33,14 @@ void read_directions(Fields& fields, std::vector<double>& directions) {
   if (value && !value->is_number_integer()) {
     fields.faults().add(fields.at("directions"), "must be a number of directions or an array of angles in radians");
   } else {
-    fields.integer("directions", count, 1, most_directions);
+    fields.integer("directions", count, 1, max_directions);
   }
   directions = weave::directions_over_half_turn(count);
 }
 
-/// Indices of some of `count` entries, which are called by `name`.
+/// Reads indices of some of `count` entries, which messages call `name`.
 void read_deformed(Fields& fields, std::size_t count, const std::string& name, std::vector<int>& deformed) {
-  const auto* entries = fields.array("deformed", false, 0, most_directions, "");
+  const auto* entries = fields.array("deformed", false, 0, max_directions, "");
   if (!entries) return;
   for (std::size_t i = 0; i < entries->size(); ++i) {
     const auto& entry = (*entries)[i];
@@ -54,9 +54,9 @@ void read_deformed(Fields& fields, std::size_t count, const std::string& name, s
   }
 }
 
-/// Matrices by rows, of positive determinant.
+/// Reads matrices of positive determinant, by rows.
 void read_gradients(Fields& fields, std::vector<Eigen::Matrix2d>& gradients) {
-  const auto* entries = fields.array("deformation_gradients", true, 1, most_directions, "");
+  const auto* entries = fields.array("deformation_gradients", true, 1, max_directions, "");
   if (!entries) return;
   gradients.reserve(entries->size());
   for (std::size_t i = 0; i < entries->size(); ++i) {
@@ -70,15 +70,15 @@ void read_gradients(Fields& fields, std::vector<Eigen::Matrix2d>& gradients) {
     bool whole = true;
     for (std::size_t k = 0; k < 2; ++k) {
       Eigen::Vector2d row(0, 0);
-      whole &= read_components(rows[k], pointer + "/" + std::to_string(k), fields.faults(), row, -largest_stretch,
-                               largest_stretch);
+      whole &=
+          read_components(rows[k], pointer + "/" + std::to_string(k), fields.faults(), row, -max_stretch, max_stretch);
       gradient.row(static_cast<Eigen::Index>(k)) = row;
     }
     if (whole && !(gradient.determinant() > 0)) fields.faults().add(pointer, "must be of positive determinant");
   }
 }
 
-/// Exactly one of a place's ways to be named.
+/// Reads a place, which must have exactly one of its forms.
 PlaceSpec read_place(Fields& fields) {
   const auto* value = fields.required("at");
   if (!value) return {};
@@ -93,12 +93,12 @@ PlaceSpec read_place(Fields& fields) {
   }
   const auto read_strand = [&](int& strand) {
     at.required("strand");
-    at.integer("strand", strand, 0, largest_index);
+    at.integer("strand", strand, 0, max_index);
   };
   if (at.present("coordinate")) {
     StrandCoordinate on_strand;
     read_strand(on_strand.strand);
-    at.number("coordinate", on_strand.coordinate, 0, largest_length);
+    at.number("coordinate", on_strand.coordinate, 0, max_length);
     place = on_strand;
   } else if (at.present("share")) {
     StrandShare on_strand;
@@ -107,12 +107,12 @@ PlaceSpec read_place(Fields& fields) {
     place = on_strand;
   } else if (at.present("crossing")) {
     AtCrossing crossing;
-    at.integer("crossing", crossing.crossing, 0, largest_index);
+    at.integer("crossing", crossing.crossing, 0, max_index);
     place = crossing;
   } else if (const auto* corners = at.array("box", true, 2, 2, "")) {
     InBox box;
-    read_components((*corners)[0], at.at("box") + "/0", fields.faults(), box.lower, -largest_value, largest_value);
-    read_components((*corners)[1], at.at("box") + "/1", fields.faults(), box.upper, -largest_value, largest_value);
+    read_components((*corners)[0], at.at("box") + "/0", fields.faults(), box.lower, -max_value, max_value);
+    read_components((*corners)[1], at.at("box") + "/1", fields.faults(), box.upper, -max_value, max_value);
     place = box;
   }
   at.finish();
@@ -121,7 +121,7 @@ PlaceSpec read_place(Fields& fields) {
 
 void read_vector(Fields& fields, std::string_view name, Eigen::Vector3d& out) {
   if (const auto* value = fields.optional(name))
-    read_components(*value, fields.at(name), fields.faults(), out, -largest_value, largest_value);
+    read_components(*value, fields.at(name), fields.faults(), out, -max_value, max_value);
 }
 
 void read_held(Fields& fields, std::array<bool, 3>& held) {
@@ -158,7 +158,7 @@ WeaveForceSpec read_force(const Document& value, const std::string& pointer, Fau
 template <class Spec>
 void read_each(Fields& fields, std::string_view name, bool is_required, std::vector<Spec>& out,
                Spec (*read)(const Document&, const std::string&, Faults&)) {
-  const auto* entries = fields.array(name, is_required, is_required ? 1 : 0, most_places, "");
+  const auto* entries = fields.array(name, is_required, is_required ? 1 : 0, max_places, "");
   if (!entries) return;
   out.reserve(entries->size());
   for (std::size_t i = 0; i < entries->size(); ++i)
@@ -187,13 +187,13 @@ WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, con
   Fields fields(document, "", faults);
   request.weave = read_weave(fields, limits);
   auto& options = request.options;
-  fields.number("strain", options.strain, least_strain, largest_strain);
+  fields.number("strain", options.strain, min_strain, max_strain);
   if (options.strain == 0) faults.add(fields.at("strain"), "must not be 0");
   read_directions(fields, options.directions);
   enum class Shear { free, suppressed } shear = Shear::free;
   fields.choice("shear", shear, {"free", "suppressed"});
   options.shear_free = shear == Shear::free;
-  if (fields.present("thickness")) fields.number("thickness", options.thickness.emplace(1), 0, largest_value, true);
+  if (fields.present("thickness")) fields.number("thickness", options.thickness.emplace(1), 0, max_value, true);
   fields.optional("thickness");
   read_deformed(fields, options.directions.size(), "directions", options.deformed);
   read_equilibrium_options(fields, options.equilibrium);

@@ -38,7 +38,7 @@ void write_report(JsonWriter& out, std::string_view name, const weave::GcodeRepo
   out.key(name).begin_object().field("lines", r.lines).field("extruded_length", r.extruded_length);
   out.field("filament", r.filament).field("travel_length", r.travel_length).field("travels", r.travels);
   out.field("retractions", r.retractions).key("heights").numbers(r.heights);
-  // A file may ask for next to no speed.
+  // A file may ask for a speed near 0, so that the time is infinite.
   write_number_or_null(out, "minutes", r.minutes);
   out.key("lowest").numbers(r.lowest).key("highest").numbers(r.highest);
   out.field("channel_length", r.channel_length).key("channels").begin_array();

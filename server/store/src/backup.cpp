@@ -15,21 +15,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Takes the database as it is now, and then the files that it names. Those go of jobs that end or are removed before
-/// their turn comes. So the database is taken again, and with it what has come meanwhile, until nothing is missing but
-/// what it still names, which is a fault. Every round has less to copy.
-Copy copy(const Places& from, const Places& to) {
+/// Copies the database as it is now, and then the files that it names. Meanwhile jobs may end or be removed, and their
+/// files with them. Therefore the database is copied again, and with it the new files, until no file is missing, or
+/// only files that the original database still names. Those are faults. Each pass has less to copy.
+Copy copy(const DataPaths& from, const DataPaths& to) {
   const Database original(from.database());
   const auto rows = catalogue_of(original);
-  const auto has_gone = [&](const StoredFile& file) { return !rows.names(file) || fs::exists(file.place(from)); };
+  const auto is_outdated = [&](const StoredFile& file) { return !rows.contains(file) || fs::exists(file.path(from)); };
   Copier copier(from, to, stem_in_data_folder);
   std::vector<StoredFile> missing;
-  constexpr int max_rounds = 100;  // one is enough where nothing ends at the moment, two or three mostly
-  for (int round = 0; round < max_rounds; ++round) {
+  constexpr int max_passes = 100;  // one suffices if nothing ends meanwhile; mostly there are two or three
+  for (int pass = 0; pass < max_passes; ++pass) {
     copy_database(from.database(), to.database());
     const Database database(to.database());
     missing = copier.copy_files(catalogue_of(database).files());
-    if (std::none_of(missing.begin(), missing.end(), has_gone)) break;
+    if (std::none_of(missing.begin(), missing.end(), is_outdated)) break;
   }
   return copier.finish(missing);
 }
@@ -37,7 +37,7 @@ Copy copy(const Places& from, const Places& to) {
 }  // namespace
 
 Copy back_up(const fs::path& folder, const fs::path& to) {
-  const Places from{folder};
+  const DataPaths from{folder};
   if (!fs::exists(from.database()))
     throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
   require_empty(to);
@@ -51,12 +51,12 @@ Copy restore(const fs::path& from, const fs::path& data, bool replace) {
   require_backup({from});
   if (!replace) require_empty(data);
   const DataFolder folder(data, {});
-  const auto& places = folder.places();
-  const auto aside = place_of_replaced(places);
+  const auto& paths = folder.paths();
+  const auto replaced_folder = quarantine_folder_of_replaced(paths);
   Moves moves;
-  for (const auto& path : content_of(places)) moves.move(path, aside / path.filename());
-  make_folders(places);
-  return copy({from}, places);
+  for (const auto& path : content_of(paths)) moves.move(path, replaced_folder / path.filename());
+  make_folders(paths);
+  return copy({from}, paths);
 }
 
 }  // namespace supple::store

@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::uint64_t piece = 1 << 20;  // bytes
 
-/// Where the body of a file begins. The lines before it are short but where a client gave them long texts.
-std::uint64_t begin_of_body(const OpenContent& all, std::string_view kind, const std::string& name) {
-  constexpr std::uint64_t usual_lines = 16 << 10;
-  for (std::uint64_t size = usual_lines;; size *= 8) {
+/// Offset of the body of a file. The header is short unless a client gave it long texts.
+std::uint64_t body_begin(const OpenContent& all, std::string_view kind, const std::string& name) {
+  constexpr std::uint64_t usual_header_bytes = 16 << 10;
+  for (std::uint64_t size = usual_header_bytes;; size *= 8) {
     std::string begin(std::min(size, all.size()), '\0');
     all.read(0, begin.data(), begin.size());
-    if (!RecordFile::is_one(kind, begin)) return 0;
+    if (!RecordFile::starts_with_header(kind, begin)) return 0;
     if (begin.find("\n\n") != std::string::npos || begin.size() == all.size())
       return RecordFile::parse(kind, begin, name).header_size();
   }
@@ -36,7 +36,7 @@ void OpenContent::read(std::uint64_t offset, char* to, std::size_t count) const 
     const auto got = ::pread(file_->descriptor(), to, count, static_cast<off_t>(begin_ + offset));
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) throw_file_error("read", name_, errno);
-    if (got == 0) throw_changed(name_);
+    if (got == 0) throw_corrupted(name_);
     to += got;
     offset += static_cast<std::uint64_t>(got);
     count -= static_cast<std::size_t>(got);
@@ -62,7 +62,7 @@ OpenContent open_checked(const std::filesystem::path& path, std::string_view kin
     throw_file_error(error.action(), error.path(), error.number());
   }
   const OpenContent all(file, name, 0, static_cast<std::uint64_t>(status.st_size));
-  const auto begin = kind.empty() ? 0 : begin_of_body(all, kind, name);
+  const auto begin = kind.empty() ? 0 : body_begin(all, kind, name);
   OpenContent body(file, name, begin, all.size() - begin);
   Hasher hasher;
   std::string buffer(std::min(piece, body.size()), '\0');
@@ -72,7 +72,7 @@ OpenContent open_checked(const std::filesystem::path& path, std::string_view kin
     body.read(at, buffer.data(), count);
     hasher.add(std::string_view(buffer).substr(0, count));
   }
-  if (hasher.hexadecimal() != hash) throw_changed(name);
+  if (hasher.hexadecimal() != hash) throw_corrupted(name);
   return body;
 }
 

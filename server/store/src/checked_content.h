@@ -10,8 +10,8 @@
 namespace supple::store {
 
 /// Opens a stored file and compares its body with a hash, piece by piece: O(its bytes) in time, a mebibyte of memory.
-/// `kind` is that of a RecordFile, whose body follows its lines; where it is empty, or the file is none of that kind,
-/// all of the file is its body. Throws "store.corrupted", "store.unavailable", and what a requested stop does.
+/// In a RecordFile of this `kind`, the body follows the header; any other file is all body. Throws "store.corrupted",
+/// "store.unavailable", and the error of a stop request.
 OpenContent open_checked(const std::filesystem::path& path, std::string_view kind, const std::string& hash,
                          const CancellationToken& cancellation);
 

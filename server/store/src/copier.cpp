@@ -9,7 +9,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Copies a file with its times, which are those of a mesh whose database is lost.
+/// Copies a file with its time of modification, from which the age of a mesh is known if its database is lost.
 std::int64_t copy_content(const fs::path& from, const fs::path& to, const std::string& content) {
   write_stored_file(to, {content});
   std::error_code ignored;
@@ -17,16 +17,16 @@ std::int64_t copy_content(const fs::path& from, const fs::path& to, const std::s
   return static_cast<std::int64_t>(content.size());
 }
 
-/// The files beside the database that are not of its making: whatever else is kept in a data folder.
-std::vector<fs::path> other_files(const Places& places) {
-  const auto database = places.database().string();
-  const std::set<fs::path> left_out{database,      database + "-wal",      database + "-shm",   places.reserve(),
-                                    places.lock(), places.backup_marker(), places.shared_mark()};
+/// The files of a data folder that are neither stored content nor made with the database.
+std::vector<fs::path> other_files(const DataPaths& paths) {
+  const auto database = paths.database().string();
+  const std::set<fs::path> excluded{database,     database + "-wal",     database + "-shm",    paths.reserve(),
+                                    paths.lock(), paths.backup_marker(), paths.shared_marker()};
   std::vector<fs::path> others;
-  for (const auto& entry : fs::directory_iterator(places.folder)) {
+  for (const auto& entry : fs::directory_iterator(paths.folder)) {
     const auto& path = entry.path();
     const auto name = path.filename().string();
-    if (!entry.is_regular_file() || left_out.contains(path) || is_unfinished(path)) continue;
+    if (!entry.is_regular_file() || excluded.contains(path) || is_unfinished(path)) continue;
     if (name.ends_with(".sqlite-wal") || name.ends_with(".sqlite-shm")) continue;
     others.push_back(path);
   }
@@ -40,8 +40,8 @@ void require_empty(const fs::path& folder) {
     throw Error("store.unavailable", "There is something in " + folder.string() + " already.");
 }
 
-void make_folders(const Places& places) {
-  for (const auto& folder : {places.folder, places.meshes(), places.results(), places.requests()}) {
+void make_folders(const DataPaths& paths) {
+  for (const auto& folder : {paths.folder, paths.meshes(), paths.results(), paths.requests()}) {
     fs::create_directories(folder);
     fs::permissions(folder, fs::perms::owner_all);
   }
@@ -65,13 +65,13 @@ void copy_database(const fs::path& from, const fs::path& to) {
     throw Error(status == SQLITE_FULL ? "store.full" : "store.unavailable",
                 "The database cannot be copied: " + std::string(sqlite3_errstr(status)) + ".");
   }
-  // One file, not three, until a server opens it.
+  // The copy is one file without log and index until a server opens it.
   Statement(target, "PRAGMA journal_mode = DELETE").run();
 }
 
 Copy Copier::finish(const std::vector<StoredFile>& missing) {
-  for (const auto& file : missing) copy_.faults.push_back(missing_file(file.place(from_).filename().string()));
-  remove_what_has_gone();
+  for (const auto& file : missing) copy_.faults.push_back(missing_file_message(file.path(from_).filename().string()));
+  remove_obsolete_copies();
   for (const auto& path : other_files(from_)) {
     const auto to = to_.folder / path.filename();
     if (path.extension() == ".sqlite") {
@@ -88,14 +88,14 @@ Copy Copier::finish(const std::vector<StoredFile>& missing) {
 
 std::vector<StoredFile> Copier::copy_files(const std::vector<StoredFile>& files) {
   std::vector<StoredFile> missing;
-  wanted_.clear();
+  current_.clear();
   for (const auto& file : files) {
     auto copy = file;
     copy.stem = stem_(file);
-    const auto to = copy.place(to_);
-    wanted_.insert(to);
+    const auto to = copy.path(to_);
+    current_.insert(to);
     if (copied_.contains(to)) continue;
-    const auto from = file.place(from_);
+    const auto from = file.path(from_);
     if (!fs::exists(from)) {
       missing.push_back(file);
       continue;
@@ -117,9 +117,9 @@ std::vector<StoredFile> Copier::copy_files(const std::vector<StoredFile>& files)
   return missing;
 }
 
-void Copier::remove_what_has_gone() {
+void Copier::remove_obsolete_copies() {
   for (const auto& path : copied_) {
-    if (wanted_.contains(path)) continue;
+    if (current_.contains(path)) continue;
     copy_.bytes -= bytes_of(path);
     --copy_.files;
     fs::remove(path);

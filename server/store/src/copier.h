@@ -12,42 +12,42 @@
 
 namespace supple::store {
 
-/// Throws "store.unavailable" where there is something in a folder, or where it is none.
+/// Throws "store.unavailable" unless the folder is empty or does not exist.
 void require_empty(const std::filesystem::path& folder);
 
-/// Makes the folders of a store where they do not exist, for the server's user alone.
-void make_folders(const Places& places);
+/// Makes the folders of a store where they do not exist. Only the server's user may enter them.
+void make_folders(const DataPaths& paths);
 
-/// Makes `to` the database that `from` is at this moment, whoever writes to `from`.
+/// Copies a database as it is at this moment to `to`. Others may write to `from` meanwhile.
 void copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// What a file is called in a folder with a database of its own.
+/// File name without its suffix, in a data folder with a database of its own.
 inline std::string stem_in_data_folder(const StoredFile& file) { return file.id; }
 
 /// Copies the files of a store.
 class Copier {
  public:
-  /// `stem` names the copy of a file.
-  Copier(Places from, Places to, std::string (*stem)(const StoredFile&))
+  /// `stem` returns the file name of the copy of a file, without its suffix.
+  Copier(DataPaths from, DataPaths to, std::string (*stem)(const StoredFile&))
       : from_{std::move(from)}, to_{std::move(to)}, stem_{stem} {}
 
-  /// Copies those of these files that have not been copied yet, for files do not change. Returns those that are not
-  /// there.
+  /// Copies the files, except those that were copied before: stored files do not change. Returns the files that do not
+  /// exist.
   std::vector<StoredFile> copy_files(const std::vector<StoredFile>& files);
   std::size_t copied() const { return copied_.size(); }
 
-  /// Ends the copy after the files of its rows, which are in its place: removes what only earlier rows named, adds what
-  /// else is kept in a data folder, and tells what is missing.
+  /// Completes the copy, whose database is in place and whose files are copied. Removes copies that only earlier states
+  /// of the database named, copies the other files of the data folder, and reports what is missing.
   Copy finish(const std::vector<StoredFile>& missing);
 
  private:
-  void remove_what_has_gone();
+  void remove_obsolete_copies();
 
-  const Places from_;
-  const Places to_;
+  const DataPaths from_;
+  const DataPaths to_;
   std::string (*const stem_)(const StoredFile&);
-  std::set<std::filesystem::path> copied_;  ///< their places in the copy
-  std::set<std::filesystem::path> wanted_;  ///< by the files that were copied last
+  std::set<std::filesystem::path> copied_;   ///< paths of the copies
+  std::set<std::filesystem::path> current_;  ///< paths of the copies that the last call of copy_files wants
   Copy copy_;
 };
 

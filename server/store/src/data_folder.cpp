@@ -19,32 +19,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One process at a time, for two would run the same jobs; or those that share a database which tells them apart.
-int take_lock(const Places& places, DataFolder::Use use) {
-  const int descriptor = ::open(places.lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
+/// Locks the folder for this process alone, for two would run the same jobs; or together with others, where a database
+/// tells apart whose jobs are whose.
+int take_lock(const DataPaths& paths, DataFolder::Use use) {
+  const int descriptor = ::open(paths.lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor < 0) {
-    throw Error("store.unavailable", "The data folder " + places.folder.string() +
+    throw Error("store.unavailable", "The data folder " + paths.folder.string() +
                                          " is not writable: " + std::generic_category().message(errno) + ".");
   }
   if (::flock(descriptor, (use == DataFolder::Use::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
     ::close(descriptor);
-    throw Error("store.unavailable", "The data folder " + places.folder.string() + " is in use by another server.");
+    throw Error("store.unavailable", "The data folder " + paths.folder.string() + " is in use by another server.");
   }
   return descriptor;
 }
 
 }  // namespace
 
-DataFolder::DataFolder(const fs::path& folder, Warn warn, Use use) : places_{folder}, warn_(std::move(warn)) {
+DataFolder::DataFolder(const fs::path& folder, Warn warn, Use use) : paths_{folder}, warn_(std::move(warn)) {
   prepare();
-  lock_ = take_lock(places_, use);
+  lock_ = take_lock(paths_, use);
 }
 
 DataFolder::~DataFolder() { ::close(lock_); }
 
-/// For the server's user alone, also where an earlier version or an administrator made the folder.
+/// Makes the folder accessible to the server's user alone, also where an earlier version or an administrator made it.
 void DataFolder::prepare() const {
-  const auto& folder = places_.folder;
+  const auto& folder = paths_.folder;
   const bool existed = fs::exists(folder);
   fs::create_directories(folder);
   const auto before = fs::status(folder).permissions();
@@ -58,12 +59,12 @@ void DataFolder::prepare() const {
       warn("the data folder could be entered by others, and is for the server's user alone now (mode 0700)");
     }
   }
-  for (const auto& subfolder : {places_.meshes(), places_.results(), places_.requests()})
+  for (const auto& subfolder : {paths_.meshes(), paths_.results(), paths_.requests()})
     fs::create_directories(subfolder);
 }
 
 void DataFolder::quarantine(const fs::path& file) const {
-  const auto folder = places_.quarantine();
+  const auto folder = paths_.quarantine();
   fs::create_directories(folder);
   const auto name = compact_time() + "-" + file.filename().string();
   auto target = folder / name;
@@ -82,7 +83,7 @@ void DataFolder::try_to_quarantine(const fs::path& file) const {
 
 bool is_unfinished(const fs::path& path) { return path.extension() == unfinished_suffix; }
 
-std::int64_t modified(const fs::path& path) {
+std::int64_t modification_time(const fs::path& path) {
   const auto age = fs::file_time_type::clock::now() - fs::last_write_time(path);
   return now_milliseconds() - std::chrono::duration_cast<std::chrono::milliseconds>(age).count();
 }

@@ -13,18 +13,18 @@ namespace {
 [[noreturn]] void fail(sqlite3* handle) {
   const std::string text = handle ? sqlite3_errmsg(handle) : "out of memory";
   const int status = handle ? sqlite3_errcode(handle) & 0xFF : SQLITE_NOMEM;
-  // A statement that SQLite does not understand is one of ours over a table that is not as we made it.
+  // A statement that SQLite does not understand means that a table is not as this program made it.
   if (status == SQLITE_CORRUPT || status == SQLITE_NOTADB || status == SQLITE_ERROR) {
     throw DamagedDatabase("The store's database is damaged: " + text + ".");
   }
-  const bool full = status == SQLITE_FULL || (status == SQLITE_IOERR && means_full(sqlite3_system_errno(handle)));
+  const bool full = status == SQLITE_FULL || (status == SQLITE_IOERR && is_out_of_space(sqlite3_system_errno(handle)));
   throw Error(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
 }
 
 }  // namespace
 
 Database::Database(const std::filesystem::path& path) {
-  // Made here, for SQLite gives its other files the mode of this one.
+  // The file is made here, for SQLite gives its other files the mode of this one.
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor < 0) throw_file_error("open", path, errno);
   ::close(descriptor);
@@ -101,7 +101,7 @@ std::string Statement::text(int column) const {
   return data ? std::string(data, static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))) : std::string();
 }
 
-QuickCommits::~QuickCommits() {
+UnsyncedCommits::~UnsyncedCommits() {
   sqlite3_exec(database_.handle(), "PRAGMA synchronous = FULL", nullptr, nullptr, nullptr);
 }
 

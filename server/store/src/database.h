@@ -11,24 +11,24 @@
 
 namespace supple::store {
 
-/// The database is none any more, is damaged, or lacks a table or a column.
+/// The error of a file that is no SQLite database, is damaged, or lacks a table or a column.
 class DamagedDatabase : public Error {
  public:
   explicit DamagedDatabase(const std::string& message) : Error("store.corrupted", message) {}
 };
 
-/// A connection to an SQLite database. Errors throw "store.full" where the disk is, DamagedDatabase
+/// A connection to an SQLite database. Errors throw "store.full" where the disk is full, DamagedDatabase
 /// ("store.corrupted"), otherwise "store.unavailable".
 class Database {
  public:
-  /// Makes the file where it does not exist, for the server's user alone.
+  /// Makes the file where it does not exist. Only the server's user may read it.
   explicit Database(const std::filesystem::path& path);
   ~Database();
   Database(const Database&) = delete;
   Database& operator=(const Database&) = delete;
 
   void execute(const char* statements);
-  /// Looks through the whole file, O(its size). Throws DamagedDatabase with the first thing that is wrong.
+  /// Checks the whole file, O(its size). Throws DamagedDatabase with the first fault.
   void check() const;
   sqlite3* handle() const { return handle_; }
 
@@ -36,7 +36,7 @@ class Database {
   sqlite3* handle_ = nullptr;
 };
 
-/// A prepared statement with its values: bind in order, then step.
+/// A prepared statement. Its values are bound in their order, then it is stepped.
 class Statement {
  public:
   Statement(const Database& database, std::string_view sql);
@@ -54,7 +54,7 @@ class Statement {
   /// Runs a statement that has no rows and returns how many rows it changed.
   int run();
 
-  std::string text(int column) const;  ///< or bytes
+  std::string text(int column) const;  ///< text, or bytes
   std::int64_t integer(int column) const { return sqlite3_column_int64(statement_, column); }
   double real(int column) const { return sqlite3_column_double(statement_, column); }
 
@@ -64,20 +64,22 @@ class Statement {
   int bound_ = 0;
 };
 
-/// Commits within its scope do not wait for the disk: they outlive the process, but not necessarily the machine. Not
-/// within a transaction.
-class QuickCommits {
+/// Commits in the scope of this object do not wait for the disk: they survive the end of the process, but not
+/// necessarily of the machine. It must not be made within a transaction.
+class UnsyncedCommits {
  public:
-  explicit QuickCommits(Database& database) : database_(database) { database_.execute("PRAGMA synchronous = NORMAL"); }
-  ~QuickCommits();
-  QuickCommits(const QuickCommits&) = delete;
-  QuickCommits& operator=(const QuickCommits&) = delete;
+  explicit UnsyncedCommits(Database& database) : database_(database) {
+    database_.execute("PRAGMA synchronous = NORMAL");
+  }
+  ~UnsyncedCommits();
+  UnsyncedCommits(const UnsyncedCommits&) = delete;
+  UnsyncedCommits& operator=(const UnsyncedCommits&) = delete;
 
  private:
   Database& database_;
 };
 
-/// Rolls back at the end of its scope unless it was committed.
+/// A transaction that is rolled back at the end of its scope unless it was committed.
 class Transaction {
  public:
   explicit Transaction(Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }

@@ -12,12 +12,12 @@
 
 namespace supple::store {
 
-bool means_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+bool is_out_of_space(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
 void throw_file_error(const std::string& action, const std::filesystem::path& path, int error) {
-  throw Error(means_full(error) ? "store.full" : "store.unavailable", "The store cannot " + action + " " +
-                                                                          path.filename().string() + ": " +
-                                                                          std::generic_category().message(error) + ".");
+  throw Error(is_out_of_space(error) ? "store.full" : "store.unavailable",
+              "The store cannot " + action + " " + path.filename().string() + ": " +
+                  std::generic_category().message(error) + ".");
 }
 
 void write_stored_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
@@ -28,7 +28,7 @@ void write_stored_file(const std::filesystem::path& path, std::initializer_list<
   }
 }
 
-void write_spare_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
+void write_unsynced_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
   try {
     const OpenFile file(path, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, "create");
     for (const auto piece : pieces) write_all(file.descriptor(), piece, path);
@@ -47,8 +47,9 @@ std::string read_file(const std::filesystem::path& path, const CancellationToken
     std::size_t done = 0;
     while (done < bytes.size()) {
       cancellation.throw_if_requested();
-      constexpr std::size_t most_at_once = 4 << 20;
-      const auto count = ::read(file.descriptor(), bytes.data() + done, std::min(bytes.size() - done, most_at_once));
+      constexpr std::size_t max_bytes_at_once = 4 << 20;
+      const auto count =
+          ::read(file.descriptor(), bytes.data() + done, std::min(bytes.size() - done, max_bytes_at_once));
       if (count < 0 && errno == EINTR) continue;
       if (count < 0) throw FileError("read", path, errno);
       if (count == 0) break;

@@ -13,7 +13,7 @@ class Hasher {
  public:
   Hasher();
   void add(std::string_view bytes);
-  /// Once, after the last piece.
+  /// The hash. May be called once, after the last piece.
   std::string hexadecimal();
 
  private:

@@ -23,28 +23,28 @@ namespace fs = std::filesystem;
 struct LocalStore::Implementation {
   Implementation(const fs::path& data, const Recovery& recovery, const Quota& quota)
       : folder(data, recovery.warn),
-        places(folder.places()),
+        paths(folder.paths()),
         connection(open_database(folder, database_is_new)),
         database(*connection),
         owners(database),
-        space(places, quota),
+        usage_counter(paths, quota),
         quota_of_owner(quota.of_owner),
-        reserve(places.reserve()) {
-    follow_clock();
+        reserve(paths.reserve()) {
+    correct_for_clock_jump();
     recover_files(folder, database, recovery, database_is_new);
     try {
-      count_bytes_of_rows(database, places);
+      fill_missing_byte_counts(database, paths);
     } catch (const Error& error) {
       folder.warn(std::string("what keys hold cannot be counted before the next start: ") + error.what());
     }
-    space.count();
-    reserve.take();
+    usage_counter.count();
+    reserve.refill();
   }
 
-  /// Ages are the time that has passed, not what clocks say: where the machine's clock was set since an earlier
-  /// process, what expires does so later, or earlier, by as much. After a start of the machine only its clock can tell.
-  void follow_clock() {
-    constexpr std::int64_t noise = 60'000;  // milliseconds by which nobody sets a clock who means it
+  /// Ages count the time that has passed, not what the clock says: where the machine's clock was set since an earlier
+  /// process, the times of expiry and of use move by as much. After a restart of the machine its clock is trusted.
+  void correct_for_clock_jump() {
+    constexpr std::int64_t max_drift = 60'000;  // milliseconds; a clock that was set on purpose differs by more
     const auto id = machine_start_id();
     const auto start = machine_start();
     std::int64_t jump = 0;
@@ -52,7 +52,7 @@ struct LocalStore::Implementation {
       Statement row(database, "SELECT machine_start_id, machine_start FROM clock");
       const bool same_machine_start = row.step() && !id.empty() && row.text(0) == id;
       if (same_machine_start) jump = start - row.integer(1);
-      if (same_machine_start && std::abs(jump) <= noise) return;
+      if (same_machine_start && std::abs(jump) <= max_drift) return;
     }
     try {
       Transaction transaction(database);
@@ -77,18 +77,18 @@ struct LocalStore::Implementation {
     return MeshRecord{id, row.integer(0), row.text(1)};
   }
 
-  /// Under the mutex.
+  /// Requires the mutex.
   std::optional<JobRecord> find_job_of_key(const std::string& key) const {
     Statement row(database, "SELECT " + job_columns_to_read() + " FROM jobs WHERE idempotency_key = ?");
     if (!row.bind(key).step()) return std::nullopt;
     return read_job(row);
   }
 
-  /// Under the mutex: makes the owner one of those of a mesh that is stored. False where none is named, and where it
-  /// was one already. Throws "store.key_quota".
-  bool own_mesh(const std::string& id, const std::string& owner, std::int64_t limit, std::int64_t bytes) {
+  /// Adds an owner to a stored mesh. False where `owner` is empty or was one already. Throws "store.key_quota".
+  /// Requires the mutex.
+  bool add_owner_of_mesh(const std::string& id, const std::string& owner, std::int64_t limit, std::int64_t bytes) {
     if (owner.empty() || owners.has(OwnerTable::Kind::mesh, id, owner)) return false;
-    make_room_of_owner(owner, limit, Part::meshes, bytes);
+    make_room_within_owner_limit(owner, limit, Category::meshes, bytes);
     return owners.add(OwnerTable::Kind::mesh, id, owner);
   }
 
@@ -98,34 +98,35 @@ struct LocalStore::Implementation {
     return row.text(0);
   }
 
-  /// Takes the space of a file that is about to be written; old results go where it is needed. Throws "store.quota".
-  /// Not under the mutex.
-  void take(Part part, std::int64_t bytes) {
-    while (const auto too_many = space.try_add(part, bytes)) {
+  /// Counts the bytes of a file before it is written; the oldest results expire where they do not fit. Throws
+  /// "store.quota". Must be called without the mutex.
+  void claim_space(Category category, std::int64_t bytes) {
+    while (const auto excess = usage_counter.try_add(category, bytes)) {
       const std::lock_guard lock(mutex);
-      if (expire_oldest_results(too_many, {}) == 0) space.refuse(part, bytes);
+      if (expire_oldest_results(excess, {}) == 0) usage_counter.refuse(category, bytes);
     }
   }
 
-  /// Bytes that an owner may hold; 0: no limit. Not under the mutex, for whoever keeps the limits has one too.
+  /// Limit for the bytes of an owner; 0: no limit. Must be called without the mutex: the object that knows the limits
+  /// has one too.
   std::int64_t limit_of(const std::string& owner) const {
     return quota_of_owner && !owner.empty() ? quota_of_owner(owner) : 0;
   }
 
-  /// Under the mutex, before a row of so many bytes is written: the owner's oldest results go where it would hold more
-  /// than its limit. `job` is the one that the bytes are of, whose others go. Throws "store.key_quota".
-  void make_room_of_owner(const std::string& owner, std::int64_t limit, Part part, std::int64_t bytes,
-                          const std::string& job = {}) {
+  /// Lets the oldest results of the owner expire where so many new bytes would exceed its limit. `job` is the job that
+  /// the bytes belong to; its other bytes do not count. Throws "store.key_quota". Requires the mutex.
+  void make_room_within_owner_limit(const std::string& owner, std::int64_t limit, Category category, std::int64_t bytes,
+                                    const std::string& job = {}) {
     if (limit <= 0) return;
-    const auto holding = owners.holding(owner, job);
-    const auto too_many = holding.total() + bytes - limit;
-    // Results are not thrown away for what would not fit without them either.
-    if (too_many > holding.results) refuse_owner(owner, holding, part, bytes, limit);
-    if (too_many > 0) expire_oldest_results(too_many, owner);
+    const auto owner_usage = owners.owner_usage(owner, job);
+    const auto excess = owner_usage.total() + bytes - limit;
+    // Nothing is removed if the bytes would not even fit without all results.
+    if (excess > owner_usage.results) refuse_owner(owner, owner_usage, category, bytes, limit);
+    if (excess > 0) expire_oldest_results(excess, owner);
   }
 
-  /// Under the mutex: removes the oldest finished jobs, of an owner alone where one is named, until their results have
-  /// freed so many bytes. Returns how many there were.
+  /// Removes the oldest finished jobs, of one owner if `owner` is not empty, until their results have freed so many
+  /// bytes. Returns the number of removed jobs. Requires the mutex.
   std::size_t expire_oldest_results(std::int64_t bytes, const std::string& owner) {
     std::vector<std::string> oldest;
     {
@@ -135,7 +136,7 @@ struct LocalStore::Implementation {
       rows.bind(owner);
       while (freed < bytes && rows.step()) {
         oldest.push_back(rows.text(0));
-        freed += bytes_of(places.result(oldest.back()));
+        freed += bytes_of(paths.result(oldest.back()));
       }
     }
     remove_jobs(oldest);
@@ -147,20 +148,22 @@ struct LocalStore::Implementation {
     return oldest.size();
   }
 
-  /// Under the mutex: a removal needs space before it makes some.
+  /// Runs a removal, and once more without the reserve file if the disk is full: the commit needs space. Requires the
+  /// mutex.
   template <class Removal>
   auto with_reserve(Removal removal) {
     try {
       return removal();
     } catch (const Error& error) {
-      if (error.code() != "store.full" || !reserve.give_back()) throw;
+      if (error.code() != "store.full" || !reserve.release()) throw;
     }
     return removal();
   }
 
-  /// Under the mutex. The files go last, for a row that stays because the commit failed must still have its result.
+  /// Removes jobs. Their files are deleted last: if the commit fails, the rows still need their results. Requires the
+  /// mutex.
   void remove_jobs(const std::vector<std::string>& ids) {
-    constexpr std::size_t batch = 200;  // whose commit fits into the reserve
+    constexpr std::size_t batch = 200;  // jobs whose commit fits into the reserve file
     for (std::size_t begin = 0; begin < ids.size(); begin += batch) {
       const auto end = std::min(ids.size(), begin + batch);
       with_reserve([&] {
@@ -169,57 +172,57 @@ struct LocalStore::Implementation {
         transaction.commit();
       });
       for (auto i = begin; i < end; ++i) delete_files(ids[i]);
-      reserve.take();
+      reserve.refill();
     }
   }
 
   bool delete_row(const std::string& id) const {
     return Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() > 0;
   }
-  /// What stays because it cannot be removed is met again at the next start.
+  /// Deletes the files of a job. The next start finds those that cannot be deleted.
   void delete_files(const std::string& id) {
-    delete_file(Part::results, places.result(id));
-    delete_file(Part::requests, places.request(id));
+    delete_file(Category::results, paths.result(id));
+    delete_file(Category::requests, paths.request(id));
   }
-  void delete_file(Part part, const fs::path& file) {
+  void delete_file(Category category, const fs::path& file) {
     const auto bytes = bytes_of(file);
     std::error_code ignored;
-    if (fs::remove(file, ignored)) space.add(part, -bytes);
+    if (fs::remove(file, ignored)) usage_counter.add(category, -bytes);
   }
 
-  /// Writes a file whose space is taken first.
-  void write(Part part, const fs::path& file, std::initializer_list<std::string_view> pieces) {
+  /// Counts the bytes of a file, then writes it.
+  void write_counted_file(Category category, const fs::path& file, std::initializer_list<std::string_view> pieces) {
     std::int64_t bytes = 0;
     for (const auto piece : pieces) bytes += static_cast<std::int64_t>(piece.size());
-    take(part, bytes);
-    TakenSpace taken(space, part, bytes);
+    claim_space(category, bytes);
+    SpaceClaim claim(usage_counter, category, bytes);
     write_stored_file(file, pieces);
-    taken.keep();
+    claim.commit();
   }
 
-  /// Under the mutex: tells the database when meshes were used last.
-  void write_uses() {
-    if (uses.empty()) return;
-    const QuickCommits quick(database);
+  /// Writes the times of use of meshes to the database. Requires the mutex.
+  void write_mesh_uses() {
+    if (unwritten_uses.empty()) return;
+    const UnsyncedCommits unsynced(database);
     Transaction transaction(database);
-    for (const auto& [id, when] : uses)
+    for (const auto& [id, when] : unwritten_uses)
       Statement(database, "UPDATE meshes SET used = ? WHERE id = ?").bind(when).bind(id).run();
     transaction.commit();
-    uses.clear();
+    unwritten_uses.clear();
   }
 
   const DataFolder folder;
-  const Places& places;
+  const DataPaths& paths;
   bool database_is_new = false;
   mutable std::mutex mutex;
   const std::unique_ptr<Database> connection;
   Database& database;
   OwnerTable owners;
-  Space space;
+  UsageCounter usage_counter;
   const std::function<std::int64_t(const std::string& owner)> quota_of_owner;
   Reserve reserve;
   mutable std::mutex uses_mutex;
-  std::map<std::string, std::int64_t> uses;  ///< of meshes, since the database was told last
+  std::map<std::string, std::int64_t> unwritten_uses;  ///< times of use of meshes that the database does not have yet
 };
 
 LocalStore::LocalStore(const fs::path& folder, const Recovery& recovery, const Quota& quota) {
@@ -233,9 +236,9 @@ LocalStore::LocalStore(const fs::path& folder, const Recovery& recovery, const Q
 LocalStore::~LocalStore() {
   if (!implementation_) return;
   try {
-    implementation_->write_uses();
+    implementation_->write_mesh_uses();
   } catch (const Error&) {
-    // Those meshes count as unused for as long as they did.
+    // The times of use are lost, and these meshes may expire too early.
   }
 }
 
@@ -252,27 +255,28 @@ std::pair<MeshRecord, bool> LocalStore::add_mesh(const std::string& ply, const D
     try {
       open_mesh_content(record.id);
     } catch (const Error&) {
-      write_stored_file(self.places.mesh(record.id), {ply});
-      self.space.count();  // nobody knows how large it was when it was counted
+      write_stored_file(self.paths.mesh(record.id), {ply});
+      self.usage_counter.count();  // recounts, for the damaged file may have had another size
     }
     const std::lock_guard lock(self.mutex);
-    if (auto known = self.find_mesh(record.id))
-      return {std::move(*known), self.own_mesh(record.id, owner, limit, bytes)};
-    // Its last owner has removed it meanwhile: it is a new one.
+    if (auto existing = self.find_mesh(record.id))
+      return {std::move(*existing), self.add_owner_of_mesh(record.id, owner, limit, bytes)};
+    // The last owner has removed the mesh meanwhile, so that it is a new one.
   }
   record.created = now_milliseconds();
   record.description = describe(record.id, record.created);
   {
-    const std::lock_guard lock(self.mutex);  // before others' results go
-    self.make_room_of_owner(owner, limit, Part::meshes, bytes);
+    const std::lock_guard lock(self.mutex);  // checks the owner's limit before results of others expire
+    self.make_room_within_owner_limit(owner, limit, Category::meshes, bytes);
   }
-  self.take(Part::meshes, bytes);
-  TakenSpace taken(self.space, Part::meshes, bytes);
-  // Taking turns from here on, so that the deletion of the same mesh cannot fall between file and row.
+  self.claim_space(Category::meshes, bytes);
+  SpaceClaim claim(self.usage_counter, Category::meshes, bytes);
+  // The mutex is held from here on, so that the mesh cannot be removed between writing its file and its row.
   const std::lock_guard lock(self.mutex);
-  if (auto known = self.find_mesh(record.id)) return {std::move(*known), self.own_mesh(record.id, owner, limit, bytes)};
-  self.make_room_of_owner(owner, limit, Part::meshes, bytes);
-  write_stored_file(self.places.mesh(record.id), {ply});
+  if (auto existing = self.find_mesh(record.id))
+    return {std::move(*existing), self.add_owner_of_mesh(record.id, owner, limit, bytes)};
+  self.make_room_within_owner_limit(owner, limit, Category::meshes, bytes);
+  write_stored_file(self.paths.mesh(record.id), {ply});
   try {
     Transaction transaction(self.database);
     insert_mesh(self.database, record, bytes);
@@ -280,10 +284,10 @@ std::pair<MeshRecord, bool> LocalStore::add_mesh(const std::string& ply, const D
     transaction.commit();
   } catch (...) {
     std::error_code ignored;
-    fs::remove(self.places.mesh(record.id), ignored);
+    fs::remove(self.paths.mesh(record.id), ignored);
     throw;
   }
-  taken.keep();
+  claim.commit();
   return {std::move(record), true};
 }
 
@@ -307,7 +311,7 @@ std::vector<MeshRecord> LocalStore::meshes(std::size_t limit, const std::string&
 
 std::string LocalStore::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  auto bytes = read_file(implementation_->places.mesh(id), cancellation);
+  auto bytes = read_file(implementation_->paths.mesh(id), cancellation);
   if (sha256(bytes, cancellation) != id)
     throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
   return bytes;
@@ -315,7 +319,7 @@ std::string LocalStore::mesh_content(const std::string& id, const CancellationTo
 
 OpenContent LocalStore::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
-  return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
+  return open_checked(implementation_->paths.mesh(id), {}, id, cancellation);
 }
 
 bool LocalStore::owns_mesh(const std::string& id, const std::string& owner) const {
@@ -339,21 +343,21 @@ bool LocalStore::remove_mesh(const std::string& id, const std::string& owner) {
   const int rows =
       self.with_reserve([&] { return Statement(self.database, "DELETE FROM meshes WHERE id = ?").bind(id).run(); });
   if (rows == 0) return false;
-  self.delete_file(Part::meshes, self.places.mesh(id));  // a file without a row is a mesh again at the next start
-  self.reserve.take();
+  self.delete_file(Category::meshes, self.paths.mesh(id));  // if it stays, the next start makes a row for it
+  self.reserve.refill();
   return true;
 }
 
 void LocalStore::use_mesh(const std::string& id) const {
   const std::lock_guard lock(implementation_->uses_mutex);
-  implementation_->uses[id] = now_milliseconds();
+  implementation_->unwritten_uses[id] = now_milliseconds();
 }
 
 std::vector<std::string> LocalStore::remove_unused_meshes(std::int64_t before) {
   auto& self = *implementation_;
   std::vector<std::string> ids;
   const std::scoped_lock lock(self.mutex, self.uses_mutex);
-  self.write_uses();
+  self.write_mesh_uses();
   {
     Statement rows(self.database,
                    "SELECT id FROM meshes WHERE max(created, used) < ? AND id NOT IN "
@@ -362,9 +366,9 @@ std::vector<std::string> LocalStore::remove_unused_meshes(std::int64_t before) {
   }
   for (const auto& id : ids) {
     self.with_reserve([&] { Statement(self.database, "DELETE FROM meshes WHERE id = ?").bind(id).run(); });
-    self.delete_file(Part::meshes, self.places.mesh(id));
+    self.delete_file(Category::meshes, self.paths.mesh(id));
   }
-  self.reserve.take();
+  self.reserve.refill();
   return ids;
 }
 
@@ -373,23 +377,24 @@ std::string LocalStore::keep_request(const JobRecord& job, const JobRequest& req
   auto content = request_file(job, request).header(sha256(body));
   if (const auto limit = self.limit_of(job.owner); limit > 0) {
     const std::lock_guard lock(self.mutex);
-    self.make_room_of_owner(job.owner, limit, Part::requests, static_cast<std::int64_t>(content.size() + body.size()));
+    self.make_room_within_owner_limit(job.owner, limit, Category::requests,
+                                      static_cast<std::int64_t>(content.size() + body.size()));
   }
-  if (body.size() > largest_request_in_database) {
-    self.write(Part::requests, self.places.request(job.id), {content, body});
+  if (body.size() > max_request_in_database) {
+    self.write_counted_file(Category::requests, self.paths.request(job.id), {content, body});
     return {};
   }
   content += body;
   const auto bytes = static_cast<std::int64_t>(content.size());
-  self.take(Part::requests, bytes);
-  TakenSpace taken(self.space, Part::requests, bytes);
-  write_spare_file(self.places.request(job.id), {content});
-  taken.keep();
+  self.claim_space(Category::requests, bytes);
+  SpaceClaim claim(self.usage_counter, Category::requests, bytes);
+  write_unsynced_file(self.paths.request(job.id), {content});
+  claim.commit();
   return content;
 }
 
 void LocalStore::drop_request(const std::string& id) {
-  implementation_->delete_file(Part::requests, implementation_->places.request(id));
+  implementation_->delete_file(Category::requests, implementation_->paths.request(id));
 }
 
 bool LocalStore::has_request(const std::string& id) const {
@@ -398,17 +403,17 @@ bool LocalStore::has_request(const std::string& id) const {
     if (implementation_->request_in_database(id)) return true;
   }
   std::error_code ignored;
-  return fs::exists(implementation_->places.request(id), ignored);
+  return fs::exists(implementation_->paths.request(id), ignored);
 }
 
 StoredRequest LocalStore::job_request(const std::string& id) const {
   std::unique_lock lock(implementation_->mutex);
   auto in_database = implementation_->request_in_database(id);
   lock.unlock();
-  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->places.request(id));
+  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->paths.request(id));
   const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
   bytes.erase(0, file.header_size());
-  if (sha256(bytes) != file.body_hash()) throw_changed(id + ".request");
+  if (sha256(bytes) != file.body_hash()) throw_corrupted(id + ".request");
   return {request_of(file), std::move(bytes)};
 }
 
@@ -416,11 +421,10 @@ bool LocalStore::add_job(const JobRecord& job, const std::string& request) {
   auto& self = *implementation_;
   auto& database = self.database;
   const auto limit = self.limit_of(job.owner);
-  const auto bytes =
-      request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
+  const auto bytes = request.empty() ? bytes_of(self.paths.request(job.id)) : static_cast<std::int64_t>(request.size());
   const std::lock_guard lock(self.mutex);
   if (!job.idempotency_key.empty() && self.find_job_of_key(job.idempotency_key)) return false;
-  self.make_room_of_owner(job.owner, limit, Part::requests, bytes, job.id);
+  self.make_room_within_owner_limit(job.owner, limit, Category::requests, bytes, job.id);
   Transaction transaction(database);
   insert_job(database, job, bytes, self.owners);
   if (!request.empty())
@@ -432,7 +436,7 @@ bool LocalStore::add_job(const JobRecord& job, const std::string& request) {
 bool LocalStore::note_progress(const JobRecord& job) {
   const std::lock_guard lock(implementation_->mutex);
   auto& database = implementation_->database;
-  const QuickCommits quick(database);
+  const UnsyncedCommits unsynced(database);
   Statement(database, "UPDATE jobs SET state = ?, started = ?, attempts = ? WHERE id = ? AND finished = 0")
       .bind(state_name(job.state))
       .bind(job.started)
@@ -444,12 +448,14 @@ bool LocalStore::note_progress(const JobRecord& job) {
 
 bool LocalStore::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  const auto path = self.places.result(job.id);
+  const auto path = self.paths.result(job.id);
   const auto limit = result ? self.limit_of(job.owner) : 0;
-  bool known = false;
+  bool updated = false;
   try {
     ResultFile file;
-    const auto make_room = [&] { self.make_room_of_owner(job.owner, limit, Part::results, file.bytes, job.id); };
+    const auto make_room = [&] {
+      self.make_room_within_owner_limit(job.owner, limit, Category::results, file.bytes, job.id);
+    };
     if (result) {
       file.hash = sha256(result->body);
       const auto header = result_file(job, *result).header(file.hash);
@@ -458,19 +464,19 @@ bool LocalStore::finish_job(const JobRecord& job, const Result* result) {
         const std::lock_guard lock(self.mutex);
         make_room();
       }
-      self.write(Part::results, path, {header, result->body});
+      self.write_counted_file(Category::results, path, {header, result->body});
     }
     const std::lock_guard lock(self.mutex);
-    make_room();  // others may have ended meanwhile
-    known = update_ended_job(self.database, job, result, file);
+    make_room();  // other jobs of the owner may have ended meanwhile
+    updated = update_ended_job(self.database, job, result, file);
   } catch (...) {
-    // A result without its row takes the space that the reason of the failure needs.
-    if (result) self.delete_file(Part::results, path);
+    // A result without a row would occupy space that is needed to store why the job failed.
+    if (result) self.delete_file(Category::results, path);
     throw;
   }
-  if (!known) self.delete_file(Part::results, path);
+  if (!updated) self.delete_file(Category::results, path);
   drop_request(job.id);
-  return known;
+  return updated;
 }
 
 std::optional<JobRecord> LocalStore::job_of_key(const std::string& key) const {
@@ -487,7 +493,7 @@ std::optional<JobRecord> LocalStore::job(const std::string& id) const {
 
 std::vector<JobRecord> LocalStore::jobs(const std::vector<JobState>& states, std::size_t limit,
                                         const std::string& after, const std::string& owner) const {
-  std::string names;  // of ours, so that they can be part of the statement
+  std::string names;  // constants of this program, which need no escaping in SQL
   for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
   const std::lock_guard lock(implementation_->mutex);
   Statement rows(implementation_->database,
@@ -518,7 +524,7 @@ StoredResult LocalStore::job_result(const std::string& id) const {
     hash = row.text(2);
   }
   return {std::move(row_of_result.content_type), std::move(row_of_result.headers),
-          open_checked(implementation_->places.result(id), result_kind, hash, {})};
+          open_checked(implementation_->paths.result(id), result_kind, hash, {})};
 }
 
 bool LocalStore::remove_job(const std::string& id) {
@@ -526,7 +532,7 @@ bool LocalStore::remove_job(const std::string& id) {
   const std::lock_guard lock(self.mutex);
   if (!self.with_reserve([&] { return self.delete_row(id); })) return false;
   self.delete_files(id);
-  self.reserve.take();
+  self.reserve.refill();
   return true;
 }
 
@@ -539,28 +545,28 @@ std::vector<JobRecord> LocalStore::unfinished_jobs() const {
   return records;
 }
 
-std::size_t LocalStore::remove_expired_jobs(std::int64_t now, std::size_t most) {
+std::size_t LocalStore::remove_expired_jobs(std::int64_t now, std::size_t max_count) {
   auto& self = *implementation_;
-  self.space.count_quarantine();
+  self.usage_counter.count_quarantine();
   const std::lock_guard lock(self.mutex);
   std::vector<std::string> ids;
   {
     Statement rows(self.database,
                    "SELECT id FROM jobs WHERE finished > 0 AND (expires <= ?1 OR sequence NOT IN "
                    "(SELECT sequence FROM jobs WHERE finished > 0 ORDER BY sequence DESC LIMIT ?2))");
-    rows.bind(now).bind(static_cast<std::int64_t>(most));
+    rows.bind(now).bind(static_cast<std::int64_t>(max_count));
     while (rows.step()) ids.push_back(rows.text(0));
   }
   self.remove_jobs(ids);
-  self.reserve.take();
+  self.reserve.refill();
   return ids.size();
 }
 
 void LocalStore::take_reserve() {
   const std::lock_guard lock(implementation_->mutex);
-  implementation_->reserve.take();
+  implementation_->reserve.refill();
 }
 
-Usage LocalStore::usage() const { return implementation_->space.usage(); }
+Usage LocalStore::usage() const { return implementation_->usage_counter.usage(); }
 
 }  // namespace supple::store

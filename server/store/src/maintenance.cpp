@@ -3,7 +3,7 @@
 #include "backup_marker.h"
 #include "data_folder.h"
 #include "database.h"
-#include "look_through.h"
+#include "file_check.h"
 #include "recovery.h"
 #include "schema.h"
 #include "stored_files.h"
@@ -14,10 +14,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Also where the database is lost: the files are still there.
+/// Checks a folder that will be repaired. A lost database is then one of the faults, for the files are still there.
 Check check_before_repair(const fs::path& folder) {
-  const Places places{folder};
-  if (fs::exists(places.database()) || !fs::exists(places.meshes()) || !fs::exists(places.results()))
+  const DataPaths paths{folder};
+  if (fs::exists(paths.database()) || !fs::exists(paths.meshes()) || !fs::exists(paths.results()))
     return check_folder(folder);
   Check check;
   check.faults.push_back("There is no database in " + folder.string() + ".");
@@ -30,7 +30,7 @@ void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
   const auto database = open_database(folder, is_new);
   recover_files(folder, *database, recovery, is_new);
   for (const auto& file : catalogue_of(*database).files()) {
-    const auto fault = fault_on_disk(file, folder.places());
+    const auto fault = fault_on_disk(file, folder.paths());
     if (fault.empty()) continue;
     if (file.kind == StoredFile::Kind::mesh) {
       Statement(*database, "DELETE FROM meshes WHERE id = ?").bind(file.id).run();
@@ -42,7 +42,7 @@ void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
           .bind(file.id)
           .run();
     }
-    const auto path = file.place(folder.places());
+    const auto path = file.path(folder.paths());
     if (fs::exists(path)) folder.quarantine(path);
   }
 }
@@ -50,14 +50,14 @@ void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
 }  // namespace
 
 Check check_folder(const fs::path& folder) {
-  const Places places{folder};
-  if (!fs::exists(places.database()))
+  const DataPaths paths{folder};
+  if (!fs::exists(paths.database()))
     throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
   Check check;
   try {
-    const Database database(places.database());
+    const Database database(paths.database());
     database.check();
-    look_through(places, catalogue_of(database), check);
+    check_files(paths, catalogue_of(database), check);
   } catch (const DamagedDatabase& error) {
     check.faults.emplace_back(error.what());
   }
@@ -69,7 +69,7 @@ Check repair_folder(const fs::path& data, const LocalStore::Recovery& recovery,
   auto check = check_before_repair(data);
   const DataFolder folder(data, recovery.warn);
   repair(folder, recovery, problem);
-  renew_backup_marker(folder.places());
+  renew_backup_marker(folder.paths());
   return check;
 }
 

@@ -7,36 +7,36 @@
 namespace supple::store {
 namespace {
 
-/// Mesh (150), solver (250), two pooled searches (60 each) and the search for nearest points (30), see their headers;
-/// with room for the vectors' slack.
+/// Bytes of a mesh (150), its solver (250), two pooled searches (60 each) and the search for nearest points (30), as
+/// their headers say. The rest is spare capacity of vectors.
 constexpr std::int64_t bytes_per_face = 700;
 
 }  // namespace
 
 void LoadedMesh::make_solver(const Execution& execution) const {
-  const auto lock = lock_stoppably(making_, execution.cancellation);
+  const auto lock = lock_stoppably(solver_mutex_, execution.cancellation);
   if (solver_) return;
   solver_.emplace(mesh_, execution);
-  is_made_.store(true, std::memory_order_release);
+  has_solver_.store(true, std::memory_order_release);
 }
 
 const surface::NearestPointSearch& LoadedMesh::nearest(const Execution& execution) const {
   if (has_nearest()) return *nearest_;
-  const auto lock = lock_stoppably(making_nearest_, execution.cancellation);
+  const auto lock = lock_stoppably(nearest_mutex_, execution.cancellation);
   if (!nearest_) nearest_.emplace(*mesh_, execution);
   has_nearest_.store(true, std::memory_order_release);
   return *nearest_;
 }
 
 surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution) {
-  constexpr auto most = std::numeric_limits<std::int64_t>::max();
-  return surface::load_mesh(ply, {most, most}, execution);
+  constexpr auto unlimited = std::numeric_limits<std::int64_t>::max();
+  return surface::load_mesh(ply, {unlimited, unlimited}, execution);
 }
 
-std::shared_ptr<const LoadedMesh> MeshCache::use(const std::string& id, Entry& entry) {
+std::shared_ptr<const LoadedMesh> MeshCache::touch(const std::string& id, Entry& entry) {
   if (!entry.mesh) return nullptr;
   store_.use_mesh(id);
-  recent_.splice(recent_.begin(), recent_, entry.place);
+  recent_.splice(recent_.begin(), recent_, entry.position);
   return entry.mesh;
 }
 
@@ -44,7 +44,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::find(const std::string& id) {
   if (!store_.still_has_mesh(id)) forget(id);
   const std::lock_guard lock(mutex_);
   const auto slot = entries_.find(id);
-  return slot == entries_.end() ? nullptr : use(id, *slot->second);
+  return slot == entries_.end() ? nullptr : touch(id, *slot->second);
 }
 
 std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Execution& execution) {
@@ -55,7 +55,7 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Ex
     auto& slot = entries_[id];
     if (!slot) slot = std::make_shared<Entry>();
     entry = slot;
-    if (auto mesh = use(id, *entry)) return mesh;
+    if (auto mesh = touch(id, *entry)) return mesh;
   }
   std::shared_ptr<const LoadedMesh> mesh;
   try {
@@ -69,15 +69,18 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Ex
         load_stored_mesh(store_.mesh_content(id, execution.cancellation), execution)));
     store_.use_mesh(id);
     const std::lock_guard lock(mutex_);
-    // Whoever forgot the mesh meanwhile has deleted it: it serves those who asked before and is not held.
+    // If the mesh was forgotten meanwhile, it has been removed. It then serves the requests that asked before, and is
+    // not cached.
     const auto slot = entries_.find(id);
-    if (slot != entries_.end() && slot->second == entry && !entry->mesh) keep(id, *entry, mesh);
+    if (slot != entries_.end() && slot->second == entry && !entry->mesh) insert(id, *entry, mesh);
   } catch (...) {
     const std::lock_guard lock(mutex_);
     const auto slot = entries_.find(id);
-    constexpr long of_the_map_and_this_call = 2;  // further ones wait, and load it in turn
+    // The references of the map and of this call. Further ones belong to waiting calls; the next of them loads the
+    // mesh.
+    constexpr long references_without_waiters = 2;
     if (slot != entries_.end() && slot->second == entry && !entry->mesh &&
-        entry.use_count() == of_the_map_and_this_call)
+        entry.use_count() == references_without_waiters)
       entries_.erase(slot);
     throw;
   }
@@ -88,14 +91,14 @@ void MeshCache::put(const std::string& id, std::shared_ptr<const LoadedMesh> mes
   const std::lock_guard lock(mutex_);
   auto& slot = entries_[id];
   if (!slot) slot = std::make_shared<Entry>();
-  if (!slot->mesh) keep(id, *slot, std::move(mesh));
+  if (!slot->mesh) insert(id, *slot, std::move(mesh));
 }
 
-void MeshCache::keep(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh) {
+void MeshCache::insert(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh) {
   entry.bytes = bytes_per_face * mesh->mesh().face_count();
   entry.mesh = std::move(mesh);
   recent_.push_front(id);
-  entry.place = recent_.begin();
+  entry.position = recent_.begin();
   bytes_ += entry.bytes;
   while (bytes_ > max_bytes_ && recent_.size() > 1) {
     const auto oldest = entries_.find(recent_.back());
@@ -111,7 +114,7 @@ void MeshCache::forget(const std::string& id) {
   if (slot == entries_.end()) return;
   if (slot->second->mesh) {
     bytes_ -= slot->second->bytes;
-    recent_.erase(slot->second->place);
+    recent_.erase(slot->second->position);
   }
   entries_.erase(slot);
 }

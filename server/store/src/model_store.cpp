@@ -82,9 +82,9 @@ std::size_t ModelStore::damaged() const {
 void ModelStore::run() {
   while (true) {
     try {
-      look();
+      scan();
     } catch (const std::exception& error) {
-      // Out of memory, say: what is served stays, and the next look tries again.
+      // There may be too little memory, for example. The loaded models stay, and the next scan tries again.
       options_.log(Level::warning, std::string("the folder of models was not read to its end: ") + error.what());
     }
     std::unique_lock lock(mutex_);
@@ -92,20 +92,20 @@ void ModelStore::run() {
       read_once_ = true;
       wake_.notify_all();
     }
-    // Without a folder there is nothing to come.
+    // Without a folder there is nothing to scan for.
     if (options_.folder.empty()) wake_.wait(lock, [this] { return ending_; });
     if (wake_.wait_for(lock, options_.period, [this] { return ending_; })) return;
   }
 }
 
-bool ModelStore::ending() const {
+bool ModelStore::is_ending() const {
   const std::lock_guard lock(mutex_);
   return ending_;
 }
 
-void ModelStore::look() {
+void ModelStore::scan() {
   if (options_.folder.empty()) return;
-  const auto found = list();
+  const auto found = list_files();
   if (!found) return;
   bool changed = false;
   for (auto file = files_.begin(); file != files_.end();) {
@@ -118,7 +118,7 @@ void ModelStore::look() {
     changed = true;
   }
   for (const auto& [name, stamp] : *found) {
-    if (ending()) return;
+    if (is_ending()) return;
     const auto known = files_.find(name);
     if (known != files_.end() && known->second.stamp == stamp) continue;
     File file;
@@ -127,10 +127,10 @@ void ModelStore::look() {
     files_[name] = std::move(file);
     changed = true;
   }
-  if (changed) serve();
+  if (changed) publish();
 }
 
-std::optional<std::map<std::string, ModelStore::Stamp>> ModelStore::list() {
+std::optional<std::map<std::string, ModelStore::Stamp>> ModelStore::list_files() {
   std::map<std::string, Stamp> found;
   std::error_code error;
   for (fs::directory_iterator entry(options_.folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -138,11 +138,11 @@ std::optional<std::map<std::string, ModelStore::Stamp>> ModelStore::list() {
     if (path.extension() != suffix) continue;
     if (const auto stamp = stamp_of(path)) found.emplace(path.filename().string(), *stamp);
   }
-  if (error && !folder_reported_) {
+  if (error && !folder_error_reported_) {
     options_.log(Level::warning, "the folder of models " + options_.folder.string() +
                                      " cannot be read, and what was loaded stays: " + error.message());
   }
-  folder_reported_ = static_cast<bool>(error);
+  folder_error_reported_ = static_cast<bool>(error);
   if (error) return std::nullopt;
   return found;
 }
@@ -172,10 +172,11 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
     loaded = std::make_shared<const LoadedModel>(LoadedModel{
         std::move(model), std::move(evaluator), std::move(candidates), std::move(hash), std::move(description)});
   } catch (const std::exception& error) {
-    // A damaged file may ask for any size: memory that it cannot have is one of its faults.
+    // A damaged file may ask for any amount of memory, so that a lack of memory counts as a fault of the file.
     reason = error.what();
   }
-  // Half-written files, and a hash of other bytes than the model's, are not meant.
+  // The file changed while it was read: it may have been half-written, or its hash may be that of other bytes than its
+  // model's.
   if (stamp_of(path) != std::optional(stamp)) return false;
   file.stamp = stamp;
   file.damaged = !loaded;
@@ -194,7 +195,7 @@ neural::Model ModelStore::read_in_time(const std::function<neural::Model(const E
   bool done = false;
   std::thread watch([&] {
     std::unique_lock lock(mutex_);
-    wake_.wait_for(lock, options_.longest_read, [&] { return done || ending_; });
+    wake_.wait_for(lock, options_.max_read_time, [&] { return done || ending_; });
     if (!done) execution.cancellation.request(ending_ ? StopReason::shutdown : StopReason::deadline);
   });
   struct JoinAtEnd {
@@ -215,11 +216,11 @@ neural::Model ModelStore::read_in_time(const std::function<neural::Model(const E
   } catch (const Error& error) {
     if (error.code() != "job.deadline_exceeded") throw;
     throw Error("file.unreadable",
-                "it takes more than " + std::to_string(options_.longest_read.count()) + " s to read, and is damaged");
+                "it takes more than " + std::to_string(options_.max_read_time.count()) + " s to read, and is damaged");
   }
 }
 
-void ModelStore::serve() {
+void ModelStore::publish() {
   Models models;
   std::set<std::string> duplicates;
   std::map<std::string, std::string> owners;

@@ -23,7 +23,7 @@ std::string_view name(OwnerTable::Kind kind) { return kind == OwnerTable::Kind::
 
 OwnerTable::OwnerTable(Database& database) : database_(database) {
   database_.execute(schema);
-  const Statement columns(database_, "SELECT kind, id, owner FROM owners");  // one that is missing is found now
+  const Statement columns(database_, "SELECT kind, id, owner FROM owners");  // fails now where a column is missing
 }
 
 bool OwnerTable::add(Kind kind, const std::string& id, const std::string& owner) {
@@ -47,22 +47,22 @@ std::int64_t OwnerTable::count(Kind kind, const std::string& id) const {
   return row.integer(0);
 }
 
-Holding OwnerTable::holding(const std::string& owner, const std::string& without_job) const {
-  Holding holding;
+OwnerUsage OwnerTable::owner_usage(const std::string& owner, const std::string& without_job) const {
+  OwnerUsage owner_usage;
   Statement meshes(database_,
                    "SELECT COALESCE(SUM(max(bytes, 0)), 0) FROM owners JOIN meshes ON meshes.id = owners.id "
                    "WHERE owners.owner = ? AND owners.kind = 'mesh'");
-  if (meshes.bind(owner).step()) holding.meshes = meshes.integer(0);
+  if (meshes.bind(owner).step()) owner_usage.meshes = meshes.integer(0);
   Statement jobs(database_,
                  "SELECT COALESCE(SUM(CASE WHEN finished > 0 THEN max(bytes, 0) END), 0), "
                  "COALESCE(SUM(CASE WHEN finished = 0 THEN max(bytes, 0) END), 0) "
                  "FROM owners JOIN jobs ON jobs.id = owners.id "
                  "WHERE owners.owner = ? AND owners.kind = 'job' AND owners.id <> ?");
   if (jobs.bind(owner).bind(without_job).step()) {
-    holding.results = jobs.integer(0);
-    holding.requests = jobs.integer(1);
+    owner_usage.results = jobs.integer(0);
+    owner_usage.requests = jobs.integer(1);
   }
-  return holding;
+  return owner_usage;
 }
 
 std::string OwnerTable::owner_of_job() {

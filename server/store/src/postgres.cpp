@@ -12,22 +12,22 @@
 namespace supple::store {
 namespace {
 
-/// How long is waited for a database whose machine does not answer at all: seconds for a connection and for a sign of
-/// life, milliseconds for the receipt of what was sent. Without them a connection is waited for without an end.
+/// Limits for a database whose machine does not answer at all: seconds for a connection, milliseconds until sent data
+/// is acknowledged, seconds without traffic before a probe, seconds between probes. Without them a call may never end.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 4> time_limits{
     {{"connect_timeout", "3"}, {"tcp_user_timeout", "5000"}, {"keepalives_idle", "5"}, {"keepalives_interval", "2"}}};
 
-/// Whether a URI has a password with characters that are not percent-encoded, so that libpq takes a part of it for the
-/// name of a machine, a port or a database, and says so.
-bool splits_its_password(std::string_view address) {
+/// Whether a URI seems to have a password with characters that are not percent-encoded. libpq would take a part of it
+/// for the name of a machine, a port or a database, and quote it.
+bool has_unencoded_password(std::string_view address) {
   const auto scheme = address.find("://");
   if (scheme == std::string_view::npos || !address.starts_with("postgres")) return false;
   const auto after = address.substr(scheme + 3);
   const auto authority = after.substr(0, after.find_first_of("/?"));
   const auto rest = after.substr(authority.size());
-  const auto ats = std::count(authority.begin(), authority.end(), '@');
+  const auto at_signs = std::count(authority.begin(), authority.end(), '@');
   const bool has_port = authority.find(':') != std::string_view::npos;
-  return ats > 1 || (ats == 0 && has_port && rest.find('@') != std::string_view::npos);
+  return at_signs > 1 || (at_signs == 0 && has_port && rest.find('@') != std::string_view::npos);
 }
 
 bool may_have_password(std::string_view address) {
@@ -40,13 +40,13 @@ bool is_list_of_numbers(std::string_view text) {
   return text.find_first_not_of("0123456789,") == std::string_view::npos;
 }
 
-/// The connection string, with these limits where it has none of its own. One that libpq does not understand stays, so
-/// that the connection says what is wrong with it, unless what libpq quotes of it may be a part of the password.
+/// The connection string, with the above limits where it has none. One that libpq cannot parse stays as it is, so that
+/// the connection reports what is wrong; but this throws if libpq might quote a password.
 std::string with_time_limits(const std::string& address) {
   const std::unique_ptr<PQconninfoOption, decltype(&::PQconninfoFree)> settings(
       ::PQconninfoParse(address.c_str(), nullptr), &::PQconninfoFree);
   if (!settings && !may_have_password(address)) return address;
-  bool is_understood = settings && !splits_its_password(address);
+  bool is_understood = settings && !has_unencoded_password(address);
   for (const auto* setting = settings.get(); is_understood && setting->keyword; ++setting)
     if (setting->keyword == std::string_view("port") && setting->val) is_understood = is_list_of_numbers(setting->val);
   if (!is_understood) {
@@ -64,7 +64,7 @@ std::string with_time_limits(const std::string& address) {
     text.append("' ");
   };
   for (const auto& [key, value] : time_limits) append(key, value);
-  // Where a setting has two values, the later one counts.
+  // If a setting occurs twice, the later value counts.
   for (const auto* setting = settings.get(); setting->keyword; ++setting)
     if (setting->val) append(setting->keyword, setting->val);
   return text;
@@ -72,20 +72,20 @@ std::string with_time_limits(const std::string& address) {
 
 }  // namespace
 
-Postgres::Postgres(const std::string& address, double patience)
-    : address_(with_time_limits(address)), deadline_(patience) {}
+Postgres::Postgres(const std::string& address, double transaction_timeout)
+    : address_(with_time_limits(address)), deadline_(transaction_timeout) {}
 
-pqxx::connection& Postgres::connected() {
+pqxx::connection& Postgres::ensure_connected() {
   if (connection_) return *connection_;
   auto made = std::make_unique<pqxx::connection>(address_);
   const auto watch = deadline_.watch(made->sock());
-  // A database that hangs is one that does not answer, long before a lease ends.
+  // These limits make a database that hangs fail like one that does not answer, long before a lease ends.
   made->set_variable("statement_timeout", "'5s'");
   made->set_variable("lock_timeout", "'3s'");
   made->set_variable("idle_in_transaction_session_timeout", "'10s'");
   made->set_variable("client_min_messages", "warning");
   connection_ = std::move(made);
-  silence_.reset();
+  outage_.reset();
   return *connection_;
 }
 
@@ -93,11 +93,11 @@ void Postgres::fail(const pqxx::pqxx_exception& error) {
   const auto* const sql = dynamic_cast<const pqxx::sql_error*>(&error.base());
   constexpr const char* disk_full = "53100";
   const bool full = sql && sql->sqlstate() == disk_full;
-  // After any other error the connection may be in the middle of something.
+  // The connection may be in any state after an error.
   connection_.reset();
   std::string text = error.base().what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-  if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) silence_ = {Clock::now(), text};
+  if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) outage_ = {Clock::now(), text};
   throw failure(full ? "store.full" : "store.unavailable", text);
 }
 

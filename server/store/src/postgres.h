@@ -13,31 +13,32 @@
 
 namespace supple::store {
 
-/// A connection to a PostgreSQL database, which is made again once it is lost. Any thread may call; calls take turns.
+/// A connection to a PostgreSQL database, which is made again once it is lost. Any thread may call; calls run one after
+/// the other.
 ///
-/// Errors throw "store.full" where the database's disk is, "store.unavailable" otherwise.
+/// Errors throw "store.full" where the disk of the database is full, "store.unavailable" otherwise.
 class Postgres {
  public:
-  /// Nothing is connected yet. `address` is a connection string of libpq. Where it does not say how long a machine that
-  /// does not answer is waited for, a connection is given up after 3 seconds, and closed by the system once nothing
-  /// that was sent has been acknowledged for 5.
-  /// A transaction that takes longer than `patience`, in seconds, is given up with its connection.
-  Postgres(const std::string& address, double patience);
+  /// Does not connect yet. `address` is a connection string of libpq. Unless it has other limits for a machine that
+  /// does not answer, an attempt to connect is given up after 3 seconds. The system closes a connection where nothing
+  /// that was sent has been acknowledged for 5 seconds. A transaction that takes longer than `transaction_timeout`, in
+  /// seconds, is given up with its connection.
+  Postgres(const std::string& address, double transaction_timeout);
 
-  /// Runs `work` within a transaction and commits it. It is run again, once, where the connection is lost before the
-  /// commit: until then nothing of it counts, so that it has to change nothing else.
+  /// Runs `work` within a transaction and commits it. If a connection of an earlier call turns out to be lost before
+  /// the commit, `work` is run once more on a new one. Therefore it must change nothing outside of the transaction.
   template <class Work>
   auto transaction(const Work& work) {
-    const auto asked = Clock::now();
+    const auto called_at = Clock::now();
     const std::lock_guard lock(mutex_);
-    // Who has waited long for its turn while the database did not answer is not to wait for it once more. Who has only
-    // just come asks it: it may be there again.
-    if (silence_ && silence_->noticed > asked + long_wait) throw failure("store.unavailable", silence_->reason);
-    return translated([&] {
+    // If the database was found silent while this caller waited long for the mutex, the caller does not wait for the
+    // database too. A caller that came just before tries to connect, for the database may be there again.
+    if (outage_ && outage_->noticed > called_at + long_wait) throw failure("store.unavailable", outage_->reason);
+    return with_store_errors([&] {
       for (bool again = connection_ != nullptr;; again = false) {
         bool committing = false;
         try {
-          auto& connection = connected();
+          auto& connection = ensure_connected();
           const auto watch = deadline_.watch(connection.sock());
           pqxx::work transaction(connection);
           auto result = work(transaction);
@@ -56,9 +57,9 @@ class Postgres {
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::seconds long_wait{1};
 
-  pqxx::connection& connected();
+  pqxx::connection& ensure_connected();
   template <class Call>
-  auto translated(const Call& call) -> decltype(call()) {
+  auto with_store_errors(const Call& call) -> decltype(call()) {
     try {
       return call();
     } catch (const pqxx::pqxx_exception& error) {
@@ -68,18 +69,18 @@ class Postgres {
   static Error failure(std::string code, const std::string& reason) {
     return Error(std::move(code), "The store's database reports: " + reason + ".");
   }
-  /// Throws it as an error of the store.
+  /// Throws an error of the store with the text of `error`.
   [[noreturn]] void fail(const pqxx::pqxx_exception& error);
 
   const std::string address_;
   SocketDeadline deadline_;
   std::mutex mutex_;
   std::unique_ptr<pqxx::connection> connection_;
-  struct Silence {
+  struct Outage {
     Clock::time_point noticed;
     std::string reason;
   };
-  std::optional<Silence> silence_;  ///< of the database, until it is connected again
+  std::optional<Outage> outage_;  ///< set while the database does not answer
 };
 
 }  // namespace supple::store

@@ -14,7 +14,7 @@ constexpr std::string_view header_hash_name = "header-sha256: ";
 constexpr std::string_view response_header_prefix = "header ";
 constexpr std::string_view query_prefix = "query ";
 
-/// Line ends would end a line, and colons a name.
+/// Escapes line ends, which end a value, and in a name also colons, which end the name.
 std::string escaped(std::string_view text, bool is_name = false) {
   std::string result;
   result.reserve(text.size());
@@ -51,7 +51,7 @@ std::string number_text(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-/// The header's hash is right, so its numbers are those that were written.
+/// A number of a header, which needs no check: the hash of the header is right.
 template <class Number>
 Number number(std::string_view text) {
   Number value = 0;
@@ -104,26 +104,26 @@ std::string_view RecordFile::value(std::string_view name) const {
 
 std::int64_t RecordFile::integer(std::string_view name) const { return number<std::int64_t>(value(name)); }
 
-bool RecordFile::is_one(std::string_view kind, std::string_view bytes) {
+bool RecordFile::starts_with_header(std::string_view kind, std::string_view bytes) {
   return bytes.starts_with(kind) && bytes.substr(kind.size()).starts_with(format_version) &&
          bytes.substr(kind.size() + format_version.size()).starts_with(header_hash_name);
 }
 
 RecordFile RecordFile::parse(std::string_view kind, std::string_view bytes, const std::string& name) {
-  if (!is_one(kind, bytes)) throw_changed(name);
+  if (!starts_with_header(kind, bytes)) throw_corrupted(name);
   RecordFile file(kind);
   const auto hash_begin = kind.size() + format_version.size() + header_hash_name.size();
   const auto lines_begin = bytes.find('\n', hash_begin);
-  if (lines_begin == std::string_view::npos) throw_changed(name);
+  if (lines_begin == std::string_view::npos) throw_corrupted(name);
   const auto lines_end = bytes.find("\n\n", lines_begin);
-  if (lines_end == std::string_view::npos) throw_changed(name);
+  if (lines_end == std::string_view::npos) throw_corrupted(name);
   const auto lines = bytes.substr(lines_begin + 1, lines_end - lines_begin);
-  if (sha256(lines) != bytes.substr(hash_begin, lines_begin - hash_begin)) throw_changed(name);
+  if (sha256(lines) != bytes.substr(hash_begin, lines_begin - hash_begin)) throw_corrupted(name);
   for (std::size_t begin = 0; begin < lines.size();) {
     const auto end = lines.find('\n', begin);
     const auto line = lines.substr(begin, end - begin);
     const auto colon = line.find(": ");
-    if (colon == std::string_view::npos) throw_changed(name);
+    if (colon == std::string_view::npos) throw_corrupted(name);
     file.add(unescaped(line.substr(0, colon)), unescaped(line.substr(colon + 2)));
     begin = end + 1;
   }
@@ -154,7 +154,7 @@ JobRecord job_of(const RecordFile& file) {
   job.kind = file.value("kind");
   job.mesh = file.value("mesh");
   const auto state = state_of(file.value("state"));
-  if (!state) throw_changed(job.id);
+  if (!state) throw_corrupted(job.id);
   job.state = *state;
   job.created = file.integer("created");
   job.started = file.integer("started");
@@ -195,10 +195,10 @@ JobRequest request_of(const RecordFile& file) {
 }
 
 std::size_t body_offset(std::string_view kind, std::string_view bytes, const std::string& name) {
-  return RecordFile::is_one(kind, bytes) ? RecordFile::parse(kind, bytes, name).header_size() : 0;
+  return RecordFile::starts_with_header(kind, bytes) ? RecordFile::parse(kind, bytes, name).header_size() : 0;
 }
 
-void throw_changed(const std::string& name) {
+void throw_corrupted(const std::string& name) {
   throw Error("store.corrupted", "The stored file " + name + " has changed since it was written.");
 }
 

@@ -12,41 +12,41 @@
 
 namespace supple::store {
 
-/// Of the file of a result.
+/// Hash and size of the file of a result.
 struct ResultFile {
-  std::string hash;        ///< of the body; empty where there is no result
-  std::int64_t bytes = 0;  ///< of all of it
+  std::string hash;        ///< hash of the body; empty where there is no result
+  std::int64_t bytes = 0;  ///< bytes of the whole file
 };
 
-/// Bytes of a body. One commit is several times as fast as a file of its own whose content, name and row are
-/// synchronized each; what is larger would be written twice, to the log and from it. Small ones are in a file too, for
-/// which nothing waits: it is what is left of them when the database is lost.
-constexpr std::size_t largest_request_in_database = 256 << 10;
+/// Largest body of a request in the database, in bytes. One commit is several times as fast as a file, whose content,
+/// name and row are synchronized separately. But the database writes a body twice, to its log and from there. A local
+/// store also writes small requests to unsynchronized files, which remain if the database is lost.
+constexpr std::size_t max_request_in_database = 256 << 10;
 
-/// A file that tells what it is: lines "name: value" with a hash of their own, an empty line, and a body whose hash is
-/// among them. Everything that a row of the database says of the file is in it, so that the row can be made again.
+/// A file that describes itself: header lines "name: value" with a hash of their own, an empty line, and a body, whose
+/// hash is among the values. The header has everything that the file's row has, so that the row can be made again.
 class RecordFile {
  public:
   explicit RecordFile(std::string_view kind) : kind_(kind) {}
 
   RecordFile& add(std::string_view name, std::string_view value);
   RecordFile& add(std::string_view name, std::int64_t value) { return add(name, std::to_string(value)); }
-  /// The lines before a body of this hash.
+  /// The header of a file whose body has this hash.
   std::string header(const std::string& body_hash) const;
 
   /// The value of the first field of this name; empty where there is none.
   std::string_view value(std::string_view name) const;
-  /// Zero where there is none, or no integer.
+  /// The value as an integer; zero where there is none, or no integer.
   std::int64_t integer(std::string_view name) const;
   const std::vector<std::pair<std::string, std::string>>& fields() const { return fields_; }
   std::string_view body_hash() const { return value(body_hash_name); }
   /// Bytes before the body.
   std::size_t header_size() const { return header_size_; }
 
-  /// Whether the bytes begin as such a file does.
-  static bool is_one(std::string_view kind, std::string_view bytes);
-  /// Reads the lines and compares them with their hash; the body is not looked at. Throws "store.corrupted" with the
-  /// name of the file.
+  /// Whether the bytes begin as a header of this kind does.
+  static bool starts_with_header(std::string_view kind, std::string_view bytes);
+  /// Reads the header and compares it with its hash; the body is not read. Throws "store.corrupted" with the name of
+  /// the file.
   static RecordFile parse(std::string_view kind, std::string_view bytes, const std::string& name);
 
  private:
@@ -57,28 +57,28 @@ class RecordFile {
   std::size_t header_size_ = 0;
 };
 
-/// How a job ended, with its answer.
+/// Kind of the file of a result: how a job ended, with its answer.
 inline constexpr std::string_view result_kind = "supple-result";
-/// The request of a job that has not ended.
+/// Kind of the file of the request of an unfinished job.
 inline constexpr std::string_view request_kind = "supple-request";
 
 RecordFile result_file(const JobRecord& job, const Result& result);
 RecordFile request_file(const JobRecord& job, const JobRequest& request);
 
-/// A job as a file of either kind has it. Throws "store.corrupted" for a state that there is not.
+/// The job in the header of a file of either kind. Throws "store.corrupted" for an unknown state.
 JobRecord job_of(const RecordFile& file);
-/// A result's media type and headers.
+/// The media type and the headers of a result, without its body.
 Result result_of(const RecordFile& file);
 /// A request without its body.
 JobRequest request_of(const RecordFile& file);
 
-/// Where the body begins: 0 in files of version 1, which are their body. Throws as RecordFile::parse does.
+/// Offset of the body in bytes: 0 in files of version 1, which have no header. Throws as RecordFile::parse does.
 std::size_t body_offset(std::string_view kind, std::string_view bytes, const std::string& name);
 
 /// Throws "store.corrupted": the file `name` is not what was written.
-[[noreturn]] void throw_changed(const std::string& name);
+[[noreturn]] void throw_corrupted(const std::string& name);
 
-/// Headers as "name: value" lines, as the database keeps them.
+/// The response headers as "name: value" lines, as the database has them.
 std::string join_headers(const Result& result);
 void split_headers(const std::string& text, Result& result);
 

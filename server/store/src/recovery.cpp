@@ -25,9 +25,9 @@ std::set<std::string> ids(const Database& database, const char* query) {
   return found;
 }
 
-/// The regular files of a folder but those of known ids, without the half-written ones, which are removed.
-std::vector<fs::path> unknown_files(const fs::path& folder, const std::string& suffix,
-                                    const std::set<std::string>& known) {
+/// The regular files of a folder except those of known ids. Half-written files are deleted.
+std::vector<fs::path> orphaned_files(const fs::path& folder, const std::string& suffix,
+                                     const std::set<std::string>& known) {
   std::vector<fs::path> unknown;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const auto& path = entry.path();
@@ -42,7 +42,7 @@ std::vector<fs::path> unknown_files(const fs::path& folder, const std::string& s
   return unknown;
 }
 
-/// The row of a mesh from its file; nothing where the file is not what its name says.
+/// The row of a mesh, made from its file; nothing where the file is not what its name says.
 std::optional<MeshRecord> describe_file(const DataFolder& folder, const LocalStore::Recovery& recovery,
                                         const fs::path& file, std::int64_t created) {
   if (file.extension() != ".ply" || !recovery.describe) return std::nullopt;
@@ -60,8 +60,8 @@ std::optional<MeshRecord> describe_file(const DataFolder& folder, const LocalSto
 
 void recover_meshes(const DataFolder& folder, Database& database, const LocalStore::Recovery& recovery) {
   std::vector<std::pair<std::int64_t, fs::path>> files;
-  for (auto& file : unknown_files(folder.places().meshes(), ".ply", ids(database, "SELECT id FROM meshes"))) {
-    const auto created = modified(file);
+  for (auto& file : orphaned_files(folder.paths().meshes(), ".ply", ids(database, "SELECT id FROM meshes"))) {
+    const auto created = modification_time(file);
     files.emplace_back(created, std::move(file));
   }
   std::sort(files.begin(), files.end());
@@ -80,15 +80,15 @@ void recover_meshes(const DataFolder& folder, Database& database, const LocalSto
   }
 }
 
-/// What the row of a job is made from again.
+/// A job that was found in a file, from which its row can be made.
 struct FoundJob {
   JobRecord job;
-  std::optional<Result> ended;  ///< without its body
+  std::optional<Result> result;  ///< the result without its body
   std::string hash;
   fs::path file;
 };
 
-/// A job from its file of the kind; nothing where the file is damaged or is not what its name says.
+/// A job from its file of this kind; nothing where the file is damaged or is not what its name says.
 std::optional<FoundJob> read_job_file(const DataFolder& folder, const fs::path& file, std::string_view kind) {
   try {
     const auto bytes = read_file(file);
@@ -96,7 +96,7 @@ std::optional<FoundJob> read_job_file(const DataFolder& folder, const fs::path& 
     FoundJob found{job_of(record), std::nullopt, std::string(record.body_hash()), file};
     if (found.job.id != file.stem().string()) return std::nullopt;
     if (sha256(std::string_view(bytes).substr(record.header_size())) != found.hash) return std::nullopt;
-    if (kind == result_kind) found.ended = result_of(record);
+    if (kind == result_kind) found.result = result_of(record);
     return found;
   } catch (const Error& error) {
     folder.warn("the file " + file.filename().string() + " cannot be indexed: " + error.what());
@@ -109,21 +109,21 @@ void insert_found_job(const DataFolder& folder, Database& database, OwnerTable& 
     Transaction transaction(database);
     const auto bytes = bytes_of(found.file);
     insert_job(database, found.job, bytes, owners);
-    if (found.ended) update_ended_job(database, found.job, &*found.ended, {found.hash, bytes});
+    if (found.result) update_ended_job(database, found.job, &*found.result, {found.hash, bytes});
     transaction.commit();
-    folder.warn("the " + std::string(found.ended ? "result" : "request") + " of job " + found.job.id +
+    folder.warn("the " + std::string(found.result ? "result" : "request") + " of job " + found.job.id +
                 " had no row and is indexed again");
   } catch (const Error& error) {
     folder.warn("the job " + found.job.id + " cannot be indexed before the next start: " + error.what());
   }
 }
 
-/// Results without a row are answers again. The result of a job whose row says that it has none was never acknowledged:
-/// that job runs again, or its failure is what clients were told.
+/// Finds results whose jobs get a row again. If a job has a row without a result, the result was never acknowledged and
+/// is deleted: the job runs again, or clients were told that it failed.
 void find_results(const DataFolder& folder, const Database& database, std::vector<FoundJob>& found) {
   const auto unacknowledged = ids(database, "SELECT id FROM jobs WHERE result_hash = ''");
   const auto known = ids(database, "SELECT id FROM jobs WHERE result_hash <> ''");
-  for (const auto& file : unknown_files(folder.places().results(), ".result", known)) {
+  for (const auto& file : orphaned_files(folder.paths().results(), ".result", known)) {
     if (file.extension() == ".result" && unacknowledged.contains(file.stem().string())) {
       remove_quietly(file);
     } else if (auto job = read_job_file(folder, file, result_kind)) {
@@ -134,13 +134,13 @@ void find_results(const DataFolder& folder, const Database& database, std::vecto
   }
 }
 
-/// Requests without a row of an unfinished job were never acknowledged, or their job has ended: their removal was cut
-/// off. Only where the database is new they are jobs again, unless they have a result.
+/// Finds requests of jobs that get a row again: only where the database is new, and the job has no result. Other
+/// requests without an unfinished job are deleted: they were never acknowledged, or their job has ended.
 void find_requests(const DataFolder& folder, const Database& database, bool is_new, std::vector<FoundJob>& found) {
   std::set<std::string> ended;
   for (const auto& job : found) ended.insert(job.job.id);
   const auto waiting = ids(database, "SELECT id FROM jobs WHERE finished = 0");
-  for (const auto& file : unknown_files(folder.places().requests(), ".request", waiting)) {
+  for (const auto& file : orphaned_files(folder.paths().requests(), ".request", waiting)) {
     const auto id = file.stem().string();
     const bool is_request = file.extension() == ".request";
     if (is_request && (!is_new || ended.contains(id))) {
@@ -153,21 +153,21 @@ void find_requests(const DataFolder& folder, const Database& database, bool is_n
   }
 }
 
-/// Small requests have a spare file each, but those of an earlier version, of a restored backup and of a machine that
-/// stopped.
-void write_missing_spare_files(const DataFolder& folder, const Database& database) {
+/// Writes the files of small requests that have none: those of an earlier version, of a restored backup, and of a
+/// machine that stopped.
+void write_missing_request_copies(const DataFolder& folder, const Database& database) {
   try {
     for (Statement rows(database, "SELECT job, content FROM requests"); rows.step();) {
-      const auto path = folder.places().request(rows.text(0));
+      const auto path = folder.paths().request(rows.text(0));
       const auto content = rows.text(1);
-      if (bytes_of(path) != static_cast<std::int64_t>(content.size())) write_spare_file(path, {content});
+      if (bytes_of(path) != static_cast<std::int64_t>(content.size())) write_unsynced_file(path, {content});
     }
   } catch (const Error& error) {
     folder.warn(std::string("the requests of waiting jobs are in the database alone: ") + error.what());
   }
 }
 
-std::unique_ptr<Database> try_database(const fs::path& path) {
+std::unique_ptr<Database> open_prepared_database(const fs::path& path) {
   auto opened = std::make_unique<Database>(path);
   opened->check();
   prepare_tables(*opened);
@@ -178,9 +178,9 @@ std::unique_ptr<Database> try_database(const fs::path& path) {
 }  // namespace
 
 std::unique_ptr<Database> open_database(const DataFolder& folder, bool& is_new) {
-  const auto path = folder.places().database();
-  const auto set_aside = [&] {
-    // Its log and its index belong to it: beside a new database they would be taken for that one's.
+  const auto path = folder.paths().database();
+  const auto quarantine_database = [&] {
+    // The log and the index of a database must go with it. SQLite would take them for those of the new one.
     for (const char* suffix : {"", "-wal", "-shm"}) {
       auto file = path;
       file += suffix;
@@ -188,15 +188,15 @@ std::unique_ptr<Database> open_database(const DataFolder& folder, bool& is_new) 
     }
   };
   is_new = !fs::exists(path);
-  if (is_new) set_aside();
+  if (is_new) quarantine_database();
   try {
-    return try_database(path);
+    return open_prepared_database(path);
   } catch (const DamagedDatabase& error) {
     folder.warn(std::string(error.what()) + " It is set aside and a new one is made.");
   }
-  set_aside();
+  quarantine_database();
   is_new = true;
-  return try_database(path);
+  return open_prepared_database(path);
 }
 
 void recover_files(const DataFolder& folder, Database& database, const LocalStore::Recovery& recovery, bool is_new) {
@@ -209,7 +209,7 @@ void recover_files(const DataFolder& folder, Database& database, const LocalStor
   });
   OwnerTable owners(database);
   for (const auto& job : jobs) insert_found_job(folder, database, owners, job);
-  write_missing_spare_files(folder, database);
+  write_missing_request_copies(folder, database);
 }
 
 }  // namespace supple::store

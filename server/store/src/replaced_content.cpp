@@ -6,22 +6,22 @@ namespace supple::store {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> content_of(const Places& places, const std::set<fs::path>& stays) {
+std::vector<fs::path> content_of(const DataPaths& paths, const std::set<fs::path>& excluded) {
   std::vector<fs::path> content;
-  if (!fs::exists(places.folder)) return content;
-  for (const auto& entry : fs::directory_iterator(places.folder)) {
+  if (!fs::exists(paths.folder)) return content;
+  for (const auto& entry : fs::directory_iterator(paths.folder)) {
     const auto& path = entry.path();
-    if (path == places.lock() || path == places.quarantine() || stays.contains(path)) continue;
+    if (path == paths.lock() || path == paths.quarantine() || excluded.contains(path)) continue;
     if (!entry.is_directory() || !fs::is_empty(path)) content.push_back(path);
   }
   return content;
 }
 
-fs::path place_of_replaced(const Places& places) {
+fs::path quarantine_folder_of_replaced(const DataPaths& paths) {
   const auto name = compact_time() + "-replaced";
-  auto place = places.quarantine() / name;
-  for (int i = 1; fs::exists(place); ++i) place = places.quarantine() / (name + "." + std::to_string(i));
-  return place;
+  auto folder = paths.quarantine() / name;
+  for (int i = 1; fs::exists(folder); ++i) folder = paths.quarantine() / (name + "." + std::to_string(i));
+  return folder;
 }
 
 void Moves::move(const fs::path& from, const fs::path& to) {

@@ -9,17 +9,18 @@
 
 namespace supple::store {
 
-/// What a restored backup would replace in a data folder: all but its lock, its quarantine, empty folders, and what
-/// `stays`.
-std::vector<std::filesystem::path> content_of(const Places& places, const std::set<std::filesystem::path>& stays = {});
+/// The content of a data folder that a restored backup would replace: everything but its lock, its quarantine, empty
+/// folders, and `excluded`.
+std::vector<std::filesystem::path> content_of(const DataPaths& paths,
+                                              const std::set<std::filesystem::path>& excluded = {});
 
-/// Where what is replaced now belongs: a folder in quarantine that is not made yet.
-std::filesystem::path place_of_replaced(const Places& places);
+/// Path of a folder in quarantine for content that is replaced now. The folder does not exist yet.
+std::filesystem::path quarantine_folder_of_replaced(const DataPaths& paths);
 
-/// Files and folders that are moved, and moved back where not all of it succeeds.
+/// Moves files and folders, and can move them back if a later move fails.
 class Moves {
  public:
-  /// Makes the folder of `to`; an empty folder of that name makes room. Throws std::filesystem::filesystem_error.
+  /// Makes the parent folder of `to`, and removes an empty folder at `to`. Throws std::filesystem::filesystem_error.
   void move(const std::filesystem::path& from, const std::filesystem::path& to);
   void undo() noexcept;
 

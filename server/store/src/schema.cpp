@@ -9,7 +9,7 @@
 namespace supple::store {
 namespace {
 
-/// Version 1 had neither clients, sessions and attempts of jobs nor times of use of meshes.
+/// Version of the tables. Version 1 had no clients, sessions and attempts of jobs, and no times of use of meshes.
 constexpr std::int64_t table_version = 2;
 
 constexpr const char* tables = R"(
@@ -53,7 +53,7 @@ CREATE TRIGGER IF NOT EXISTS requests_of_removed_jobs AFTER DELETE ON jobs
 BEGIN DELETE FROM requests WHERE job = old.id; END;
 )";
 
-/// What came later. Bytes are those of the files; -1: not counted yet.
+/// A column that was added to a table after version 1. "bytes" is the size of the file; -1: not counted yet.
 struct Column {
   const char* table;
   const char* name;
@@ -69,7 +69,7 @@ constexpr Column later_columns[] = {
 constexpr const char* indices_of_later_columns =
     "CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE idempotency_key <> ''";
 
-/// Of the table itself.
+/// The columns of the table "jobs" that make a job.
 constexpr const char* job_columns =
     "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
     "attempts, idempotency_key, request_hash";
@@ -93,7 +93,7 @@ void prepare_tables(Database& database) {
     }
   }
   database.execute(tables);
-  // Not by the version: a server of version 1 may have used the folder in between.
+  // The version does not tell which columns exist: a server of version 1 may have used the folder in between.
   for (const auto& column : later_columns) {
     if (has_column(database, column)) continue;
     database.execute(
@@ -101,7 +101,7 @@ void prepare_tables(Database& database) {
   }
   database.execute(indices_of_later_columns);
   database.execute(("PRAGMA user_version = " + std::to_string(table_version)).c_str());
-  // A column that is missing is found now, not by the first request that needs it.
+  // A column that is missing is found now, and not by the first request that needs it.
   const Statement clock(database, "SELECT machine_start_id, machine_start FROM clock");
   const Statement meshes(database, "SELECT id, created, description, used, bytes, sequence FROM meshes");
   const Statement jobs(database, "SELECT " + std::string(job_columns) +
@@ -182,14 +182,14 @@ void insert_mesh(const Database& database, const MeshRecord& mesh, std::int64_t 
       .run();
 }
 
-void count_bytes_of_rows(Database& database, const Places& places) {
+void fill_missing_byte_counts(Database& database, const DataPaths& paths) {
   std::vector<std::pair<std::string, std::int64_t>> meshes;
   std::vector<std::pair<std::string, std::int64_t>> jobs;
   for (Statement rows(database, "SELECT id FROM meshes WHERE bytes < 0"); rows.step();)
-    meshes.emplace_back(rows.text(0), bytes_of(places.mesh(rows.text(0))));
+    meshes.emplace_back(rows.text(0), bytes_of(paths.mesh(rows.text(0))));
   for (Statement rows(database, "SELECT id, finished FROM jobs WHERE bytes < 0"); rows.step();) {
     const auto id = rows.text(0);
-    jobs.emplace_back(id, bytes_of(rows.integer(1) > 0 ? places.result(id) : places.request(id)));
+    jobs.emplace_back(id, bytes_of(rows.integer(1) > 0 ? paths.result(id) : paths.request(id)));
   }
   if (meshes.empty() && jobs.empty()) return;
   Transaction transaction(database);

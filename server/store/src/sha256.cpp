@@ -27,11 +27,11 @@ std::string Hasher::hexadecimal() {
 }
 
 std::string sha256(std::string_view bytes, const CancellationToken& cancellation) {
-  constexpr std::size_t most_at_once = 1 << 20;
+  constexpr std::size_t max_bytes_at_once = 1 << 20;
   Hasher hasher;
   while (!bytes.empty()) {
     cancellation.throw_if_requested();
-    const auto piece = bytes.substr(0, most_at_once);
+    const auto piece = bytes.substr(0, max_bytes_at_once);
     hasher.add(piece);
     bytes.remove_prefix(piece.size());
   }

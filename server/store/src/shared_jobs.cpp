@@ -13,8 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Jobs of lost servers that one call takes at most, so that all that are left have their share of them.
-constexpr std::size_t orphans_at_a_time = 8;
+/// Number of lost servers' jobs that one call may take, even if it asks for fewer. It is small, so that other servers
+/// get some too.
+constexpr std::size_t abandoned_jobs_per_call = 8;
 
 std::int64_t integer_of(const pqxx::field& field) { return field.as<std::int64_t>(); }
 
@@ -24,7 +25,7 @@ template <class... Values>
 std::size_t SharedStore::Implementation::remove_jobs(const std::string& sequences, const Values&... values) {
   struct Removed {
     std::string id;
-    std::int64_t hold;
+    std::int64_t fencing_token;
     std::int64_t bytes;
   };
   const auto removed = database.transaction([&](pqxx::work& transaction) {
@@ -36,8 +37,8 @@ std::size_t SharedStore::Implementation::remove_jobs(const std::string& sequence
   });
   for (const auto& job : removed) {
     remove_results_before(job.id, job.hold + 1);
-    remove_file(places.request(job.id));
-    add(Part::results, -job.bytes);
+    remove_file(paths.request(job.id));
+    add(Category::results, -job.bytes);
   }
   return removed.size();
 }
@@ -54,11 +55,12 @@ std::size_t SharedStore::Implementation::expire_oldest_results(std::int64_t byte
   return expired;
 }
 
-void SharedStore::Implementation::remove_results_before(const std::string& id, std::int64_t hold) const {
-  for (std::int64_t earlier = 0; earlier < hold; ++earlier) remove_file(places.result(shared_result_stem(id, earlier)));
+void SharedStore::Implementation::remove_results_before(const std::string& id, std::int64_t fencing_token) const {
+  for (std::int64_t earlier = 0; earlier < fencing_token; ++earlier)
+    remove_file(paths.result(shared_result_stem(id, earlier)));
 }
 
-bool SharedStore::Implementation::holds(const JobRecord& job) {
+bool SharedStore::Implementation::has_lease(const JobRecord& job) {
   return database.transaction([&](pqxx::work& transaction) {
     return !transaction
                 .exec_params("SELECT 1 FROM jobs WHERE id = $1 AND finished = 0 AND holder = $2 AND hold = $3", job.id,
@@ -67,7 +69,7 @@ bool SharedStore::Implementation::holds(const JobRecord& job) {
   });
 }
 
-bool SharedStore::Implementation::is_result_of(const JobRecord& job, const std::string& hash) {
+bool SharedStore::Implementation::may_be_committed(const JobRecord& job, const std::string& hash) {
   try {
     return database.transaction([&](pqxx::work& transaction) {
       return !transaction
@@ -93,21 +95,21 @@ std::string SharedStore::keep_request(const JobRecord& job, const JobRequest& re
   auto& self = *implementation_;
   auto content = request_file(job, request).header(sha256(body));
   const auto bytes = static_cast<std::int64_t>(content.size() + body.size());
-  self.make_room(Part::requests, bytes, job.owner, job.id);
-  if (body.size() > largest_request_in_database) {
-    write_stored_file(self.places.request(job.id), {content, body});
+  self.make_room(Category::requests, bytes, job.owner, job.id);
+  if (body.size() > max_request_in_database) {
+    write_stored_file(self.paths.request(job.id), {content, body});
     return {};
   }
   return content.append(body);
 }
 
 void SharedStore::drop_request(const std::string& id) {
-  Implementation::remove_file(implementation_->places.request(id));
+  Implementation::remove_file(implementation_->paths.request(id));
 }
 
 bool SharedStore::has_request(const std::string& id) const {
   std::error_code ignored;
-  return fs::exists(implementation_->places.request(id), ignored) ||
+  return fs::exists(implementation_->paths.request(id), ignored) ||
          implementation_->database.transaction([&](pqxx::work& transaction) {
            return !transaction.exec_params("SELECT 1 FROM jobs WHERE id = $1 AND request IS NOT NULL", id).empty();
          });
@@ -119,22 +121,21 @@ StoredRequest SharedStore::job_request(const std::string& id) const {
     if (rows.empty()) return std::nullopt;
     return pqxx::binarystring(rows[0][0]).str();
   });
-  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->places.request(id));
+  auto bytes = in_database ? *std::move(in_database) : read_file(implementation_->paths.request(id));
   const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
   bytes.erase(0, file.header_size());
-  if (sha256(bytes) != file.body_hash()) throw_changed(id + ".request");
+  if (sha256(bytes) != file.body_hash()) throw_corrupted(id + ".request");
   return {request_of(file), std::move(bytes)};
 }
 
 bool SharedStore::add_job(const JobRecord& job, const std::string& request) {
   auto& self = *implementation_;
-  const auto bytes =
-      request.empty() ? bytes_of(self.places.request(job.id)) : static_cast<std::int64_t>(request.size());
+  const auto bytes = request.empty() ? bytes_of(self.paths.request(job.id)) : static_cast<std::int64_t>(request.size());
   const bool added = self.database.transaction([&](pqxx::work& transaction) {
-    // A second run of this transaction adds nothing to what a first one has added.
+    // If this transaction is run again, it adds nothing to what its first run has added.
     return insert_shared_job(transaction, job, bytes, self.server, request);
   });
-  if (added && request.empty()) self.add(Part::requests, bytes);  // others count as part of the database
+  if (added && request.empty()) self.add(Category::requests, bytes);  // small requests count as part of the database
   return added;
 }
 
@@ -154,20 +155,20 @@ bool SharedStore::note_progress(const JobRecord& job) {
 
 bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
   auto& self = *implementation_;
-  const auto path = self.places.result(shared_result_stem(job.id, job.hold));
-  if (!self.holds(job)) return false;  // its file may be there, and stays
+  const auto path = self.paths.result(shared_result_stem(job.id, job.hold));
+  if (!self.has_lease(job)) return false;  // the job may have ended with this file, which then stays
   self.remove_results_before(job.id, job.hold);
   ResultFile file;
-  bool known = false;
+  bool updated = false;
   try {
     if (result) {
       file.hash = sha256(result->body);
       const auto header = result_file(job, *result).header(file.hash);
       file.bytes = static_cast<std::int64_t>(header.size() + result->body.size());
-      self.make_room(Part::results, file.bytes, job.owner, job.id);
+      self.make_room(Category::results, file.bytes, job.owner, job.id);
       write_stored_file(path, {header, result->body});
     }
-    known = self.database.transaction([&](pqxx::work& transaction) {
+    updated = self.database.transaction([&](pqxx::work& transaction) {
       const auto rows = transaction.exec_params(
           "UPDATE jobs SET state = $2, started = $3, finished = $4, expires = $5, error = $6, error_status = $7, "
           "attempts = $8, bytes = $9, result_type = $10, result_headers = $11, result_hash = $12, request = NULL, "
@@ -178,17 +179,17 @@ bool SharedStore::finish_job(const JobRecord& job, const Result* result) {
       return rows.affected_rows() > 0;
     });
   } catch (...) {
-    // Whether the database has committed is not known where it was lost in that moment: then the file stays.
-    if (result && !self.is_result_of(job, file.hash)) Implementation::remove_file(path);
+    // If the database was lost during the commit, it is unknown whether it has committed; then the file stays.
+    if (result && !self.may_be_committed(job, file.hash)) Implementation::remove_file(path);
     throw;
   }
-  if (known) {
+  if (updated) {
     drop_request(job.id);
-    self.add(Part::results, file.bytes);
+    self.add(Category::results, file.bytes);
   } else {
     Implementation::remove_file(path);
   }
-  return known;
+  return updated;
 }
 
 std::optional<JobRecord> SharedStore::job(const std::string& id) const {
@@ -201,7 +202,7 @@ std::optional<JobRecord> SharedStore::job_of_key(const std::string& key) const {
 
 std::vector<JobRecord> SharedStore::jobs(const std::vector<JobState>& states, std::size_t limit,
                                          const std::string& after, const std::string& owner) const {
-  std::string names;  // of ours, so that they can be part of the statement
+  std::string names;  // constants of this program, which need no escaping in SQL
   for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
   return implementation_->database.transaction([&](pqxx::work& transaction) {
     std::vector<JobRecord> records;
@@ -223,25 +224,25 @@ bool SharedStore::owns_job(const std::string& id, const std::string& owner) cons
 }
 
 StoredResult SharedStore::job_result(const std::string& id) const {
-  Result kept;
+  Result row_of_result;
   std::string hash;
-  std::int64_t hold = 0;
-  const bool known = implementation_->database.transaction([&](pqxx::work& transaction) {
+  std::int64_t fencing_token = 0;
+  const bool found = implementation_->database.transaction([&](pqxx::work& transaction) {
     const auto rows =
         transaction.exec_params("SELECT result_type, result_headers, result_hash, hold FROM jobs WHERE id = $1", id);
     if (rows.empty()) return false;
-    kept = {};
-    kept.content_type = rows[0][0].c_str();
-    split_headers(rows[0][1].c_str(), kept);
+    row_of_result = {};
+    row_of_result.content_type = rows[0][0].c_str();
+    split_headers(rows[0][1].c_str(), row_of_result);
     hash = rows[0][2].c_str();
-    hold = rows[0][3].as<std::int64_t>();
+    fencing_token = rows[0][3].as<std::int64_t>();
     return true;
   });
   const auto throw_no_job = [&] { throw Error("job.not_found", "There is no job " + id + "."); };
-  if (!known) throw_no_job();
+  if (!found) throw_no_job();
   try {
-    return {std::move(kept.content_type), std::move(kept.headers),
-            open_checked(implementation_->places.result(shared_result_stem(id, hold)), result_kind, hash, {})};
+    return {std::move(row_of_result.content_type), std::move(row_of_result.headers),
+            open_checked(implementation_->paths.result(shared_result_stem(id, fencing_token)), result_kind, hash, {})};
   } catch (const Error& error) {
     if (implementation_->was_removed(error, "jobs", id)) throw_no_job();
     throw;
@@ -254,15 +255,15 @@ bool SharedStore::remove_job(const std::string& id) {
 
 std::vector<JobRecord> SharedStore::unfinished_jobs() const { return {}; }
 
-std::size_t SharedStore::remove_expired_jobs(std::int64_t now, std::size_t most) {
-  implementation_->look_at_unknown_files();
+std::size_t SharedStore::remove_expired_jobs(std::int64_t now, std::size_t max_count) {
+  implementation_->quarantine_orphans();
   return implementation_->remove_jobs(
       "SELECT sequence FROM jobs WHERE finished > 0 AND (expires <= $1 OR sequence NOT IN "
       "(SELECT sequence FROM jobs WHERE finished > 0 ORDER BY sequence DESC LIMIT $2)) FOR UPDATE SKIP LOCKED",
-      now, static_cast<std::int64_t>(most));
+      now, static_cast<std::int64_t>(max_count));
 }
 
-std::vector<JobRecord> SharedStore::take_jobs(std::size_t most) {
+std::vector<JobRecord> SharedStore::take_jobs(std::size_t max_count) {
   auto& self = *implementation_;
   return self.database.transaction([&](pqxx::work& transaction) {
     std::vector<JobRecord> taken;
@@ -278,11 +279,11 @@ std::vector<JobRecord> SharedStore::take_jobs(std::size_t most) {
           self.server, static_cast<std::int64_t>(limit));
       for (const auto& row : rows) taken.push_back(read_shared_job(row));
     };
-    // No join: of a row that another server has just taken PostgreSQL looks at the condition again, but not at the row
-    // that it was joined with before.
+    // A join would not do. If another server has just taken a row, PostgreSQL evaluates the condition again, but a join
+    // would still use the old row of "servers".
     take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now()",
-         std::max(most, orphans_at_a_time));
-    if (most > taken.size()) take("state = 'accepted'", most - taken.size());
+         std::max(max_count, abandoned_jobs_per_call));
+    if (max_count > taken.size()) take("state = 'accepted'", max_count - taken.size());
     return taken;
   });
 }

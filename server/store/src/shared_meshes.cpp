@@ -9,7 +9,7 @@
 namespace supple::store {
 namespace {
 
-constexpr std::chrono::seconds ask_again{1};  // whether a mesh is still there
+constexpr std::chrono::seconds presence_lifetime{1};  // time for which a mesh that the database had counts as stored
 
 [[noreturn]] void throw_no_mesh(const std::string& id) {
   throw Error("mesh.not_found", "There is no mesh " + id + ".");
@@ -38,9 +38,9 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
   const auto bytes = static_cast<std::int64_t>(ply.size());
   MeshRecord record;
   record.id = sha256(ply);
-  const auto file = self.places.mesh(record.id);
-  if (auto known = self.find_mesh(record.id)) {
-    record = *std::move(known);
+  const auto file = self.paths.mesh(record.id);
+  if (auto existing = self.find_mesh(record.id)) {
+    record = *std::move(existing);
     use_mesh(record.id);
     // Uploading again repairs a file that has been damaged.
     try {
@@ -48,16 +48,16 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
     } catch (const Error&) {
       write_stored_file(file, {ply});
     }
-    if (!owner.empty() && !owns_mesh(record.id, owner)) self.make_room(Part::meshes, bytes, owner, {});
+    if (!owner.empty() && !owns_mesh(record.id, owner)) self.make_room(Category::meshes, bytes, owner, {});
   } else {
     record.created = now_milliseconds();
     record.description = describe(record.id, record.created);
-    self.make_room(Part::meshes, bytes, owner, {});
+    self.make_room(Category::meshes, bytes, owner, {});
     write_stored_file(file, {ply});
   }
   bool is_new = false;
   auto added = self.database.transaction([&](pqxx::work& transaction) -> std::pair<MeshRecord, bool> {
-    // Waits for a server that removes the same mesh, which removes the file before it commits.
+    // This waits for a server that removes the same mesh, which deletes the file before it commits.
     is_new = transaction
                  .exec_params(
                      "INSERT INTO meshes (id, created, used, bytes, description) VALUES ($1, $2, $2, $3, $4) "
@@ -75,7 +75,7 @@ std::pair<MeshRecord, bool> SharedStore::add_mesh(const std::string& ply, const 
     auto stored = Implementation::find_mesh(transaction, record.id);
     return {stored ? *std::move(stored) : record, is_new || is_new_owner};
   });
-  if (is_new) self.add(Part::meshes, bytes);
+  if (is_new) self.add(Category::meshes, bytes);
   return added;
 }
 
@@ -98,8 +98,8 @@ std::vector<MeshRecord> SharedStore::meshes(std::size_t limit, const std::string
 std::string SharedStore::mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw_no_mesh(id);
   try {
-    auto bytes = read_file(implementation_->places.mesh(id), cancellation);
-    if (sha256(bytes, cancellation) != id) throw_changed(id + ".ply");
+    auto bytes = read_file(implementation_->paths.mesh(id), cancellation);
+    if (sha256(bytes, cancellation) != id) throw_corrupted(id + ".ply");
     return bytes;
   } catch (const Error& error) {
     if (implementation_->was_removed(error, "meshes", id)) throw_no_mesh(id);
@@ -110,7 +110,7 @@ std::string SharedStore::mesh_content(const std::string& id, const CancellationT
 OpenContent SharedStore::open_mesh_content(const std::string& id, const CancellationToken& cancellation) const {
   if (!mesh(id)) throw_no_mesh(id);
   try {
-    return open_checked(implementation_->places.mesh(id), {}, id, cancellation);
+    return open_checked(implementation_->paths.mesh(id), {}, id, cancellation);
   } catch (const Error& error) {
     if (implementation_->was_removed(error, "meshes", id)) throw_no_mesh(id);
     throw;
@@ -122,7 +122,8 @@ bool SharedStore::remove_mesh(const std::string& id, const std::string& owner) {
   std::int64_t freed = 0;
   const bool removed = self.database.transaction([&](pqxx::work& transaction) {
     freed = 0;
-    // The row of the mesh is locked first, so that of two last owners one is the last.
+    // The row of the mesh is locked, so that two owners who leave at the same time are ordered: the second one is the
+    // last.
     const auto rows = transaction.exec_params("SELECT bytes FROM meshes WHERE id = $1 FOR UPDATE", id);
     if (rows.empty()) return false;
     if (!owner.empty()) {
@@ -131,11 +132,11 @@ bool SharedStore::remove_mesh(const std::string& id, const std::string& owner) {
       if (!transaction.exec_params("SELECT 1 FROM mesh_owners WHERE mesh = $1 LIMIT 1", id).empty()) return true;
     }
     transaction.exec_params("DELETE FROM meshes WHERE id = $1", id);
-    Implementation::remove_file(self.places.mesh(id));
+    Implementation::remove_file(self.paths.mesh(id));
     freed = rows[0][0].as<std::int64_t>();
     return true;
   });
-  self.add(Part::meshes, -freed);
+  self.add(Category::meshes, -freed);
   return removed;
 }
 
@@ -155,12 +156,12 @@ bool SharedStore::is_last_owner_of_mesh(const std::string& id, const std::string
 
 void SharedStore::use_mesh(const std::string& id) const {
   const std::lock_guard lock(implementation_->mutex);
-  implementation_->uses[id] = now_milliseconds();
+  implementation_->unwritten_uses[id] = now_milliseconds();
 }
 
 std::vector<std::string> SharedStore::remove_unused_meshes(std::int64_t before) {
   auto& self = *implementation_;
-  keep_holds({});  // tells the uses
+  keep_holds({});  // writes the times of use to the database
   return self.database.transaction([&](pqxx::work& transaction) {
     std::vector<std::string> ids;
     const auto rows = transaction.exec_params(
@@ -168,7 +169,7 @@ std::vector<std::string> SharedStore::remove_unused_meshes(std::int64_t before) 
         "(SELECT 1 FROM jobs WHERE jobs.mesh = meshes.id AND finished = 0) RETURNING id",
         before);
     for (const auto& row : rows) ids.emplace_back(row[0].c_str());
-    for (const auto& id : ids) Implementation::remove_file(self.places.mesh(id));
+    for (const auto& id : ids) Implementation::remove_file(self.paths.mesh(id));
     return ids;
   });
 }
@@ -178,17 +179,17 @@ bool SharedStore::still_has_mesh(const std::string& id) const {
   const auto now = Implementation::SteadyClock::now();
   {
     const std::lock_guard lock(self.mutex);
-    const auto found = self.known.find(id);
-    if (found != self.known.end() && now - found->second < ask_again) return true;
+    const auto found = self.confirmed_meshes.find(id);
+    if (found != self.confirmed_meshes.end() && now - found->second < presence_lifetime) return true;
   }
-  const bool there = self.find_mesh(id).has_value();
+  const bool is_stored = self.find_mesh(id).has_value();
   const std::lock_guard lock(self.mutex);
-  if (there) {
-    self.known[id] = now;
+  if (is_stored) {
+    self.confirmed_meshes[id] = now;
   } else {
-    self.known.erase(id);
+    self.confirmed_meshes.erase(id);
   }
-  return there;
+  return is_stored;
 }
 
 }  // namespace supple::store

@@ -11,27 +11,28 @@
 
 namespace supple::store {
 
-/// The files that the rows of a shared store name, in the order of Catalogue::files, with their bytes.
+/// The files that the rows of a shared store name, in the order of Catalogue::files, with their sizes.
 std::vector<StoredFile> shared_files(pqxx::work& transaction);
 
-/// Whether the rows name a file by its kind and its stem, or its job has not ended and may be about to write it. Waits
-/// for a server that is removing its row.
-bool shared_rows_name(pqxx::work& transaction, const StoredFile& file);
+/// Whether the rows name a file of this kind and stem, or its job is unfinished and may be about to write it. Waits for
+/// a server that is removing its row.
+bool is_named_by_shared_rows(pqxx::work& transaction, const StoredFile& file);
 
-/// A row of a job that is not as a server leaves it.
+/// A row of a job that no server leaves like this.
 struct FaultyRow {
   std::string id;
   std::string fault;    ///< a sentence
   std::string request;  ///< the damaged request; empty where the row contradicts itself
 };
 
-/// Looks at each job, and at each request that is in the database, which is counted in `check`.
+/// Checks each job, and each request that is in the database. The requests are counted in `check`.
 std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, Check& check);
 
-/// Writes all rows into a new database of a data folder, as LocalStore keeps them.
+/// Writes all rows into a new database of a data folder, in the tables of LocalStore.
 void write_rows(pqxx::work& transaction, const std::filesystem::path& database);
 
-/// Adds the rows of a data folder's database, whose tables are prepared, to tables that are empty.
+/// Adds the rows of a data folder's database to the tables of a shared store, which are empty. The tables of `database`
+/// have been prepared.
 void read_rows(pqxx::work& transaction, const Database& database);
 
 }  // namespace supple::store

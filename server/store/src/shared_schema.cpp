@@ -17,10 +17,10 @@ namespace fs = std::filesystem;
 
 constexpr int version_of_shared_tables = 1;
 
-/// Servers that start together make the tables one after the other.
-constexpr const char* one_at_a_time = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
+/// SQL statement of a lock, with which servers that start together make the tables one after the other.
+constexpr const char* table_creation_lock = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
 
-/// In "jobs", `holder` is the server that has the job, empty where none has; `hold` is the number of that hold.
+/// In "jobs", `holder` is the server that has the lease of the job, empty where none has. `hold` is the fencing token.
 constexpr const char* shared_tables = R"(
 CREATE TABLE IF NOT EXISTS store (
   version integer NOT NULL,
@@ -82,72 +82,72 @@ CREATE INDEX IF NOT EXISTS jobs_of_meshes ON jobs (mesh) WHERE finished = 0;
 CREATE UNIQUE INDEX IF NOT EXISTS jobs_by_key ON jobs (idempotency_key) WHERE idempotency_key <> '';
 )";
 
-/// The name that a folder was given by the database that it belongs to; empty where it was given none.
-std::string name_of_folder(const Places& places) {
-  if (!fs::exists(places.shared_mark())) return {};
-  auto name = read_file(places.shared_mark());
-  if (!name.empty() && name.back() == '\n') name.pop_back();
-  return name;
+/// The id of the database that a folder belongs to; empty where it belongs to none.
+std::string database_id_of_folder(const DataPaths& paths) {
+  if (!fs::exists(paths.shared_marker())) return {};
+  auto id = read_file(paths.shared_marker());
+  if (!id.empty() && id.back() == '\n') id.pop_back();
+  return id;
 }
 
-void require_no_own_database(const Places& places) {
-  if (!fs::exists(places.database())) return;
-  throw Error("store.unavailable", "The data folder " + places.folder.string() +
+void require_no_own_database(const DataPaths& paths) {
+  if (!fs::exists(paths.database())) return;
+  throw Error("store.unavailable", "The data folder " + paths.folder.string() +
                                        " belongs to a server with a database of its own (supple.sqlite).");
 }
 
-[[noreturn]] void throw_not_its_folder(const Places& places) {
+[[noreturn]] void throw_not_its_folder(const DataPaths& paths) {
   throw Error("store.unavailable",
-              "The data folder " + places.folder.string() + " is not the one that this database belongs to.");
+              "The data folder " + paths.folder.string() + " is not the one that this database belongs to.");
 }
 
 constexpr const char* version_and_id = "SELECT version, id FROM store";
 
-void require_version_and_folder(const pqxx::row& row, const Places& places) {
+void require_version_and_folder(const pqxx::row& row, const DataPaths& paths) {
   if (const auto version = row[0].as<int>(); version > version_of_shared_tables) {
     throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
                                          std::to_string(version) + "; this one knows " +
                                          std::to_string(version_of_shared_tables) + ").");
   }
-  if (name_of_folder(places) != row[1].c_str()) throw_not_its_folder(places);
+  if (database_id_of_folder(paths) != row[1].c_str()) throw_not_its_folder(paths);
 }
 
 }  // namespace
 
-std::string random_name() {
+std::string random_id() {
   std::array<unsigned char, 16> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
   return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, 32);
 }
 
 void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
-  const auto& places = folder.places();
-  require_no_own_database(places);
+  const auto& paths = folder.paths();
+  require_no_own_database(paths);
   database.transaction([&](pqxx::work& transaction) {
-    transaction.exec(one_at_a_time);
+    transaction.exec(table_creation_lock);
     transaction.exec0(shared_tables);
     if (const auto rows = transaction.exec(version_and_id); !rows.empty()) {
-      require_version_and_folder(rows[0], places);
+      require_version_and_folder(rows[0], paths);
       return true;
     }
-    if (!name_of_folder(places).empty()) throw_not_its_folder(places);
-    const auto id = random_name();
+    if (!database_id_of_folder(paths).empty()) throw_not_its_folder(paths);
+    const auto id = random_id();
     transaction.exec_params("INSERT INTO store (version, id) VALUES ($1, $2)", version_of_shared_tables, id);
-    write_stored_file(places.shared_mark(), {id, "\n"});
+    write_stored_file(paths.shared_marker(), {id, "\n"});
     return true;
   });
 }
 
-void require_shared_tables(pqxx::work& transaction, const Places& places) {
-  require_no_own_database(places);
+void require_shared_tables(pqxx::work& transaction, const DataPaths& paths) {
+  require_no_own_database(paths);
   const auto throw_no_store = [] { throw Error("store.unavailable", "There is no store in the database."); };
   if (transaction.exec1("SELECT to_regclass('store') IS NULL")[0].as<bool>()) throw_no_store();
   const auto rows = transaction.exec(version_and_id);
   if (rows.empty()) throw_no_store();
-  require_version_and_folder(rows[0], places);
+  require_version_and_folder(rows[0], paths);
 }
 
-void keep_servers_away(pqxx::work& transaction) {
+void lock_out_servers(pqxx::work& transaction) {
   const auto require_none = [&] {
     const auto servers =
         transaction.exec1("SELECT count(*) FROM servers WHERE until > clock_timestamp()")[0].as<std::int64_t>();
@@ -156,8 +156,8 @@ void keep_servers_away(pqxx::work& transaction) {
                                          (servers == 1 ? " server" : " servers") +
                                          "; one that was killed is in it until its lease ends.");
   };
-  require_none();  // before the locks, for which a busy server would let us wait
-  transaction.exec(one_at_a_time);
+  require_none();  // fails before the locks, which a busy server would delay
+  transaction.exec(table_creation_lock);
   transaction.exec0("LOCK TABLE servers, meshes, mesh_owners, jobs IN EXCLUSIVE MODE");
   require_none();
 }
@@ -210,6 +210,8 @@ bool insert_shared_job(pqxx::work& transaction, const JobRecord& job, std::int64
   return true;
 }
 
-std::string shared_result_stem(const std::string& id, std::int64_t hold) { return id + "." + std::to_string(hold); }
+std::string shared_result_stem(const std::string& id, std::int64_t fencing_token) {
+  return id + "." + std::to_string(fencing_token);
+}
 
 }  // namespace supple::store

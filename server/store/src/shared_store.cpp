@@ -19,16 +19,16 @@ namespace fs = std::filesystem;
 SharedStore::Implementation::Implementation(const Options& given)
     : options(given),
       folder(options.folder, options.warn, DataFolder::Use::shared),
-      places(folder.places()),
-      database(options.database, options.patience),
-      server(random_name()),
-      look_at_files(static_cast<std::int64_t>(options.unknown_files * 1000)) {
+      paths(folder.paths()),
+      database(options.database, options.transaction_timeout),
+      server(random_id()),
+      orphan_age(static_cast<std::int64_t>(options.orphan_age * 1000)) {
   prepare_shared_tables(database, folder);
-  say_alive();
+  renew_server_lease();
   count();
 }
 
-void SharedStore::Implementation::say_alive() {
+void SharedStore::Implementation::renew_server_lease() {
   database.transaction([&](pqxx::work& transaction) {
     transaction.exec_params(
         "INSERT INTO servers (id, until) VALUES ($1, now() + $2 * interval '1 second') "
@@ -54,64 +54,66 @@ void SharedStore::Implementation::count() {
   counted.limit = options.quota.bytes;
   counted.mesh_limit = options.quota.mesh_bytes;
   const std::lock_guard lock(mutex);
-  of_all_servers = counted;
+  usage_of_all_servers = counted;
   counted_at = SteadyClock::now();
 }
 
-void SharedStore::Implementation::add(Part part, std::int64_t bytes) {
+void SharedStore::Implementation::add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex);
-  auto& all = of_all_servers;
-  (part == Part::meshes ? all.meshes : part == Part::results ? all.results : all.requests) += bytes;
+  auto& all = usage_of_all_servers;
+  (category == Category::meshes ? all.meshes : category == Category::results ? all.results : all.requests) += bytes;
 }
 
 Usage SharedStore::Implementation::usage_now() const {
   const std::lock_guard lock(mutex);
-  return of_all_servers;
+  return usage_of_all_servers;
 }
 
-bool SharedStore::Implementation::fits(Part part, std::int64_t bytes) const {
+bool SharedStore::Implementation::fits(Category category, std::int64_t bytes) const {
   try {
-    return bytes_too_many(usage_now(), part, bytes) == 0;
+    return excess_bytes(usage_now(), category, bytes) == 0;
   } catch (const Error&) {
     return false;
   }
 }
 
-void SharedStore::Implementation::make_room(Part part, std::int64_t bytes, const std::string& owner,
+void SharedStore::Implementation::make_room(Category category, std::int64_t bytes, const std::string& owner,
                                             const std::string& job) {
-  if (!fits(part, bytes)) {
-    // Other servers may have removed something since: nothing is refused, and nothing expires, by an old count.
+  if (!fits(category, bytes)) {
+    // Other servers may have removed something since the last count. Nothing is refused, and nothing expires, because
+    // of an old count.
     count();
-    while (const auto too_many = bytes_too_many(usage_now(), part, bytes)) {
-      const auto expired = expire_oldest_results(too_many, {});
+    while (const auto excess = excess_bytes(usage_now(), category, bytes)) {
+      const auto expired = expire_oldest_results(excess, {});
       count();
-      if (expired == 0 && !fits(part, bytes)) refuse_store(usage_now(), part, bytes);
+      if (expired == 0 && !fits(category, bytes)) refuse_store(usage_now(), category, bytes);
     }
   }
   const auto limit = options.quota.of_owner && !owner.empty() ? options.quota.of_owner(owner) : 0;
   if (limit <= 0) return;
-  const auto held = holding(owner, job);
-  const auto too_many = held.total() + bytes - limit;
-  if (too_many > held.results) refuse_owner(owner, held, part, bytes, limit);
-  if (too_many > 0) expire_oldest_results(too_many, owner);
+  const auto owned = owner_usage(owner, job);
+  const auto excess = owned.total() + bytes - limit;
+  if (excess > owned.results) refuse_owner(owner, held, category, bytes, limit);
+  if (excess > 0) expire_oldest_results(excess, owner);
 }
 
-Holding SharedStore::Implementation::holding(const std::string& owner, const std::string& without_job) {
+OwnerUsage SharedStore::Implementation::owner_usage(const std::string& owner, const std::string& without_job) {
   return database.transaction([&](pqxx::work& transaction) {
-    Holding holding;
-    holding.meshes = transaction
-                         .exec_params1(
-                             "SELECT coalesce(sum(bytes), 0)::bigint FROM mesh_owners JOIN meshes ON meshes.id = mesh "
-                             "WHERE owner = $1",
-                             owner)[0]
-                         .as<std::int64_t>();
+    OwnerUsage owner_usage;
+    owner_usage.meshes =
+        transaction
+            .exec_params1(
+                "SELECT coalesce(sum(bytes), 0)::bigint FROM mesh_owners JOIN meshes ON meshes.id = mesh "
+                "WHERE owner = $1",
+                owner)[0]
+            .as<std::int64_t>();
     const auto jobs = transaction.exec_params1(
         "SELECT coalesce(sum(bytes) FILTER (WHERE finished > 0), 0)::bigint, "
         "coalesce(sum(bytes) FILTER (WHERE finished = 0), 0)::bigint FROM jobs WHERE owner = $1 AND id <> $2",
         owner, without_job);
-    holding.results = jobs[0].as<std::int64_t>();
-    holding.requests = jobs[1].as<std::int64_t>();
-    return holding;
+    owner_usage.results = jobs[0].as<std::int64_t>();
+    owner_usage.requests = jobs[1].as<std::int64_t>();
+    return owner_usage;
   });
 }
 
@@ -121,9 +123,9 @@ bool SharedStore::Implementation::was_removed(const Error& fault, const std::str
   });
 }
 
-void SharedStore::Implementation::look_at_unknown_files() {
-  if (SteadyClock::now() < next_look_at_files) return;
-  next_look_at_files = SteadyClock::now() + look_at_files;
+void SharedStore::Implementation::quarantine_orphans() {
+  if (SteadyClock::now() < next_orphan_scan) return;
+  next_orphan_scan = SteadyClock::now() + orphan_age;
   const auto names_of = [&](const char* query) {
     return database.transaction([&](pqxx::work& transaction) {
       std::map<std::string, bool> names;
@@ -131,14 +133,14 @@ void SharedStore::Implementation::look_at_unknown_files() {
       return names;
     });
   };
-  const auto before = now_milliseconds() - look_at_files.count();
-  for (const auto& [place, suffix, query] :
-       {std::tuple(places.meshes(), ".ply", "SELECT id FROM meshes"),
-        std::tuple(places.results(), ".result", "SELECT id || '.' || hold FROM jobs"),
-        std::tuple(places.requests(), ".request", "SELECT id FROM jobs WHERE finished = 0")}) {
+  const auto before = now_milliseconds() - orphan_age.count();
+  for (const auto& [subfolder, suffix, query] :
+       {std::tuple(paths.meshes(), ".ply", "SELECT id FROM meshes"),
+        std::tuple(paths.results(), ".result", "SELECT id || '.' || hold FROM jobs"),
+        std::tuple(paths.requests(), ".request", "SELECT id FROM jobs WHERE finished = 0")}) {
     std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(place))
-      if (entry.is_regular_file() && modified(entry.path()) < before) old.push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(subfolder))
+      if (entry.is_regular_file() && modification_time(entry.path()) < before) old.push_back(entry.path());
     if (old.empty()) continue;
     const auto names = names_of(query);
     for (const auto& path : old) {
@@ -165,7 +167,7 @@ SharedStore::SharedStore(const Options& options) {
   }
 }
 
-/// Its jobs are free at once.
+/// Gives up the leases of this server's jobs, so that others can take them at once.
 SharedStore::~SharedStore() {
   if (!implementation_) return;
   try {
@@ -174,7 +176,7 @@ SharedStore::~SharedStore() {
       return true;
     });
   } catch (const Error&) {
-    // Its lease ends by itself.
+    // The lease of this server ends by itself.
   }
 }
 
@@ -185,16 +187,16 @@ Usage SharedStore::usage() const { return implementation_->usage_now(); }
 std::vector<HeldJob> SharedStore::keep_holds(const std::vector<JobProgress>& running) {
   auto& self = *implementation_;
   std::map<std::string, std::int64_t> uses;
-  bool counts = false;
+  bool recount_is_due = false;
   {
     const std::lock_guard lock(self.mutex);
-    uses.swap(self.uses);
-    counts = std::chrono::duration<double>(Implementation::SteadyClock::now() - self.counted_at).count() >
-             self.options.count_again;
+    uses.swap(self.unwritten_uses);
+    recount_is_due = std::chrono::duration<double>(Implementation::SteadyClock::now() - self.counted_at).count() >
+                     self.options.recount_interval;
   }
   try {
-    self.say_alive();
-    auto held = self.database.transaction([&](pqxx::work& transaction) {
+    self.renew_server_lease();
+    auto leased = self.database.transaction([&](pqxx::work& transaction) {
       transaction.exec0("SET LOCAL synchronous_commit TO OFF");
       for (const auto& [id, when] : uses)
         transaction.exec_params("UPDATE meshes SET used = greatest(used, $2) WHERE id = $1", id, when);
@@ -211,11 +213,11 @@ std::vector<HeldJob> SharedStore::keep_holds(const std::vector<JobProgress>& run
         jobs.push_back({row[0].c_str(), row[1].as<std::int64_t>()});
       return jobs;
     });
-    if (counts) self.count();
-    return held;
+    if (recount_is_due) self.count();
+    return leased;
   } catch (...) {
     const std::lock_guard lock(self.mutex);
-    for (const auto& [id, when] : uses) self.uses.emplace(id, when);
+    for (const auto& [id, when] : uses) self.unwritten_uses.emplace(id, when);
     throw;
   }
 }

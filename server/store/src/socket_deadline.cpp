@@ -11,7 +11,7 @@ SocketDeadline::SocketDeadline(double limit)
 SocketDeadline::~SocketDeadline() {
   {
     const std::lock_guard lock(mutex_);
-    stops_ = true;
+    ending_ = true;
   }
   changed_.notify_one();
   thread_.join();
@@ -20,29 +20,29 @@ SocketDeadline::~SocketDeadline() {
 SocketDeadline::Watch SocketDeadline::watch(int socket) {
   const std::lock_guard lock(mutex_);
   socket_ = socket;
-  until_ = Clock::now() + limit_;
-  // Otherwise its thread wakes at the end of an earlier watch, which is before the end of this one.
-  if (asleep_) changed_.notify_one();
+  expires_at_ = Clock::now() + limit_;
+  // If the thread waits for the end of an earlier watch, it wakes before the end of this one anyway.
+  if (waits_for_watch_) changed_.notify_one();
   return Watch(*this);
 }
 
 void SocketDeadline::end() {
   const std::lock_guard lock(mutex_);
-  until_.reset();
+  expires_at_.reset();
 }
 
 void SocketDeadline::run() {
   std::unique_lock lock(mutex_);
-  while (!stops_) {
-    if (!until_) {
-      asleep_ = true;
+  while (!ending_) {
+    if (!expires_at_) {
+      waits_for_watch_ = true;
       changed_.wait(lock);
-      asleep_ = false;
-    } else if (const auto until = *until_; Clock::now() < until) {
-      changed_.wait_until(lock, until);
+      waits_for_watch_ = false;
+    } else if (const auto expires_at = *expires_at_; Clock::now() < expires_at) {
+      changed_.wait_until(lock, expires_at);
     } else {
       ::shutdown(socket_, SHUT_RDWR);
-      until_.reset();
+      expires_at_.reset();
     }
   }
 }

@@ -8,12 +8,12 @@
 
 namespace supple::store {
 
-/// Shuts a socket down that has been watched for too long, so that a call which reads from it fails instead of waiting
-/// for ever: the other side may hang while its machine still acknowledges what it is sent, which no limit of TCP
-/// notices. One socket at a time.
+/// Shuts a socket down that was watched for too long, so that a call that reads from it fails. The limits of TCP do not
+/// notice a hanging process, whose machine still acknowledges what it is sent. One socket at a time.
 class SocketDeadline {
  public:
-  /// Ends the watch. It has to end before the socket is closed, whose number may be another's then.
+  /// Ends the watch when it is destroyed. That must be before the socket is closed, whose number may belong to another
+  /// one afterwards.
   class Watch {
    public:
     explicit Watch(SocketDeadline& deadline) : deadline_(deadline) {}
@@ -43,9 +43,9 @@ class SocketDeadline {
   std::mutex mutex_;
   std::condition_variable changed_;
   int socket_ = -1;
-  std::optional<Clock::time_point> until_;  ///< none where nothing is watched
-  bool asleep_ = false;                     ///< until the next watch begins
-  bool stops_ = false;
+  std::optional<Clock::time_point> expires_at_;  ///< none where nothing is watched
+  bool waits_for_watch_ = false;                 ///< whether the thread sleeps until the next watch begins
+  bool ending_ = false;
   std::thread thread_;
 };
 

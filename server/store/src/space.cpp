@@ -16,12 +16,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What the database's log grows by until the next file asks for room: the rows of this one, a few pages each.
+/// Bytes by which the rows of a new file let the database's log grow: a few pages each.
 constexpr std::int64_t bytes_of_rows = 64 << 10;
 
 constexpr std::array<std::string_view, 3> names{"mesh", "result", "request"};
 
-/// Bytes of the files in a folder and below it; those that vanish meanwhile do not count.
+/// Bytes of the files in a folder and below it. Files that vanish meanwhile do not count.
 std::int64_t bytes_of_files(const fs::path& folder) {
   std::int64_t sum = 0;
   std::error_code error;
@@ -51,55 +51,57 @@ std::int64_t default_quota(const fs::path& folder) {
   return error ? 0 : static_cast<std::int64_t>(space.capacity / 10 * 9);
 }
 
-void Space::count() {
+void UsageCounter::count() {
   Usage counted;
-  counted.meshes = bytes_of_files(places_.meshes());
-  counted.results = bytes_of_files(places_.results());
-  counted.requests = bytes_of_files(places_.requests());
-  counted.quarantine = bytes_of_files(places_.quarantine());
+  counted.meshes = bytes_of_files(paths_.meshes());
+  counted.results = bytes_of_files(paths_.results());
+  counted.requests = bytes_of_files(paths_.requests());
+  counted.quarantine = bytes_of_files(paths_.quarantine());
   const std::lock_guard lock(mutex_);
   counted_ = counted;
 }
 
-void Space::count_quarantine() {
-  const auto bytes = bytes_of_files(places_.quarantine());
+void UsageCounter::count_quarantine() {
+  const auto bytes = bytes_of_files(paths_.quarantine());
   const std::lock_guard lock(mutex_);
   counted_.quarantine = bytes;
 }
 
-std::int64_t& Space::counter(Part part) {
-  return part == Part::meshes ? counted_.meshes : part == Part::results ? counted_.results : counted_.requests;
+std::int64_t& UsageCounter::counted_bytes(Category category) {
+  return category == Category::meshes    ? counted_.meshes
+         : category == Category::results ? counted_.results
+                                         : counted_.requests;
 }
 
-void Space::add(Part part, std::int64_t bytes) {
+void UsageCounter::add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
-  counter(part) += bytes;
+  counted_bytes(category) += bytes;
 }
 
-Usage Space::measured() const {
+Usage UsageCounter::measured() const {
   auto usage = counted_;
   usage.limit = quota_.bytes;
   usage.mesh_limit = quota_.mesh_bytes;
-  const auto database = places_.database().string();
+  const auto database = paths_.database().string();
   for (const char* suffix : {"", "-wal", "-shm"}) usage.database += bytes_of(database + suffix);
-  usage.database += bytes_of(places_.reserve());
+  usage.database += bytes_of(paths_.reserve());
   return usage;
 }
 
-Usage Space::usage() const {
+Usage UsageCounter::usage() const {
   const std::lock_guard lock(mutex_);
   return measured();
 }
 
-std::int64_t Space::try_add(Part part, std::int64_t bytes) {
+std::int64_t UsageCounter::try_add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
-  const auto too_many = bytes_too_many(measured(), part, bytes);
-  if (too_many == 0) counter(part) += bytes;
-  return too_many;
+  const auto excess = excess_bytes(measured(), category, bytes);
+  if (excess == 0) counted_bytes(category) += bytes;
+  return excess;
 }
 
-std::int64_t bytes_too_many(const Usage& usage, Part part, std::int64_t bytes) {
-  if (part == Part::meshes && usage.mesh_limit > 0 && usage.meshes + bytes > usage.mesh_limit) {
+std::int64_t excess_bytes(const Usage& usage, Category category, std::int64_t bytes) {
+  if (category == Category::meshes && usage.mesh_limit > 0 && usage.meshes + bytes > usage.mesh_limit) {
     const auto value = usage.meshes + bytes;
     throw_quota("store.quota",
                 "With this mesh of " + std::to_string(bytes) + " bytes all meshes would take " + std::to_string(value) +
@@ -107,43 +109,45 @@ std::int64_t bytes_too_many(const Usage& usage, Part part, std::int64_t bytes) {
                 usage.mesh_limit, value, "--max-mesh-bytes");
   }
   if (usage.limit <= 0) return 0;
-  const auto too_many = usage.total() + bytes + bytes_of_rows - usage.limit;
-  // Results are not thrown away for what would not fit without them either.
-  if (too_many > usage.results) refuse_store(usage, part, bytes);
-  return std::max<std::int64_t>(too_many, 0);
+  const auto excess = usage.total() + bytes + bytes_of_rows - usage.limit;
+  // Nothing is removed if the bytes would not even fit without all results.
+  if (excess > usage.results) refuse_store(usage, category, bytes);
+  return std::max<std::int64_t>(excess, 0);
 }
 
-void refuse_store(const Usage& usage, Part part, std::int64_t bytes) {
+void refuse_store(const Usage& usage, Category category, std::int64_t bytes) {
   const auto value = usage.total() + bytes + bytes_of_rows;
   throw_quota("store.quota",
-              "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
-                  " bytes and its rows the data folder would hold " + std::to_string(value) + " bytes, its limit is " +
-                  std::to_string(usage.limit) + "; meshes take " + std::to_string(usage.meshes) + ", results " +
-                  std::to_string(usage.results) + ", requests of jobs " + std::to_string(usage.requests) +
-                  ", the database " + std::to_string(usage.database) + " and what is in quarantine " +
-                  std::to_string(usage.quarantine),
+              "With this " + std::string(names.at(static_cast<std::size_t>(category))) + " of " +
+                  std::to_string(bytes) + " bytes and its rows the data folder would hold " + std::to_string(value) +
+                  " bytes, its limit is " + std::to_string(usage.limit) + "; meshes take " +
+                  std::to_string(usage.meshes) + ", results " + std::to_string(usage.results) + ", requests of jobs " +
+                  std::to_string(usage.requests) + ", the database " + std::to_string(usage.database) +
+                  " and what is in quarantine " + std::to_string(usage.quarantine),
               usage.limit, value, "--max-store");
 }
 
-void refuse_owner(const std::string& owner, const Holding& holding, Part part, std::int64_t bytes, std::int64_t limit) {
-  const auto value = holding.total() + bytes;
+void refuse_owner(const std::string& owner, const OwnerUsage& owner_usage, Category category, std::int64_t bytes,
+                  std::int64_t limit) {
+  const auto value = owner_usage.total() + bytes;
   throw_quota("store.key_quota",
-              "With this " + std::string(names.at(static_cast<std::size_t>(part))) + " of " + std::to_string(bytes) +
-                  " bytes the key " + owner + " would hold " + std::to_string(value) + " bytes, its limit is " +
-                  std::to_string(limit) + "; its meshes take " + std::to_string(holding.meshes) + ", its results " +
-                  std::to_string(holding.results) + " and requests of its jobs " + std::to_string(holding.requests),
+              "With this " + std::string(names.at(static_cast<std::size_t>(category))) + " of " +
+                  std::to_string(bytes) + " bytes the key " + owner + " would hold " + std::to_string(value) +
+                  " bytes, its limit is " + std::to_string(limit) + "; its meshes take " +
+                  std::to_string(owner_usage.meshes) + ", its results " + std::to_string(owner_usage.results) +
+                  " and requests of its jobs " + std::to_string(owner_usage.requests),
               limit, value, "--max-stored");
 }
 
-void Reserve::take() noexcept {
+void Reserve::refill() noexcept {
   if (bytes_of(file_) == bytes) return;
   const int descriptor = ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor < 0) return;
-  const bool taken = ::posix_fallocate(descriptor, 0, bytes) == 0;
+  const bool allocated = ::posix_fallocate(descriptor, 0, bytes) == 0;
   ::close(descriptor);
-  if (!taken) ::unlink(file_.c_str());
+  if (!allocated) ::unlink(file_.c_str());
 }
 
-bool Reserve::give_back() noexcept { return ::unlink(file_.c_str()) == 0; }
+bool Reserve::release() noexcept { return ::unlink(file_.c_str()) == 0; }
 
 }  // namespace supple::store

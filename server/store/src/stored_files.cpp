@@ -8,19 +8,19 @@ namespace {
 
 void check_content(const StoredFile& file, const std::string& name, std::string_view content) {
   if (file.kind == StoredFile::Kind::mesh) {
-    if (sha256(content) != file.hash) throw_changed(name);
+    if (sha256(content) != file.hash) throw_corrupted(name);
     return;
   }
   const bool is_result = file.kind == StoredFile::Kind::result;
   const auto kind = is_result ? result_kind : request_kind;
   std::string hash = file.hash;
   std::size_t begin = 0;
-  if (!is_result || RecordFile::is_one(kind, content)) {
+  if (!is_result || RecordFile::starts_with_header(kind, content)) {
     const auto record = RecordFile::parse(kind, content, name);
     if (!is_result) hash = record.body_hash();
     begin = record.header_size();
   }
-  if (sha256(content.substr(begin)) != hash) throw_changed(name);
+  if (sha256(content.substr(begin)) != hash) throw_corrupted(name);
 }
 
 std::vector<StoredFile> stored_files(const Database& database) {
@@ -49,8 +49,8 @@ bool is_named(const Database& database, const StoredFile& file) {
 
 }  // namespace
 
-std::filesystem::path StoredFile::place(const Places& places) const {
-  return kind == Kind::mesh ? places.mesh(stem) : kind == Kind::result ? places.result(stem) : places.request(stem);
+std::filesystem::path StoredFile::path(const DataPaths& paths) const {
+  return kind == Kind::mesh ? paths.mesh(stem) : kind == Kind::result ? paths.result(stem) : paths.request(stem);
 }
 
 Catalogue catalogue_of(const Database& database) {
@@ -67,6 +67,6 @@ std::string fault_of(const StoredFile& file, const std::string& name, std::strin
   }
 }
 
-std::string missing_file(const std::string& name) { return "The stored file " + name + " is missing."; }
+std::string missing_file_message(const std::string& name) { return "The stored file " + name + " is missing."; }
 
 }  // namespace supple::store

@@ -14,29 +14,31 @@ namespace supple::store {
 struct StoredFile {
   enum class Kind { mesh, result, request };
   Kind kind;
-  std::string id;           ///< of the mesh or the job
-  std::string hash;         ///< of all of a mesh, of the body of a result; empty for a request, which has its own
+  std::string id;  ///< id of the mesh or the job
+  /// Hash of the whole file of a mesh, or of the body of a result. Empty for a request, whose file has its hash.
+  std::string hash;
   std::string stem = id;    ///< name of the file without its suffix
-  std::int64_t bytes = -1;  ///< of the file, as its row says; negative where it does not say it
+  std::int64_t bytes = -1;  ///< size of the file according to its row; negative where the row has none
 
-  std::filesystem::path place(const Places& places) const;
+  std::filesystem::path path(const DataPaths& paths) const;
 };
 
-/// What a database says of the files of its store.
+/// The files that a database names.
 struct Catalogue {
-  /// All of them, requests first, for they are the first to go; of each kind the oldest first.
+  /// All files: the requests first, which are the first to be removed. Files of one kind are in the order of their age,
+  /// the oldest first.
   std::function<std::vector<StoredFile>()> files;
-  /// Whether the file, by its kind and its stem, is one of them or is about to be.
-  std::function<bool(const StoredFile&)> names;
+  /// Whether a file of this kind and stem is one of them, or may be about to be written.
+  std::function<bool(const StoredFile&)> contains;
 };
 
-/// The catalogue of a data folder with a database of its own. `database` outlives it.
+/// The catalogue of a data folder with a database of its own. `database` must outlive it.
 Catalogue catalogue_of(const Database& database);
 
-/// A sentence about a content that does not have its hash; empty where it is as it should be.
+/// A sentence about content that does not have its hash; empty where it has.
 std::string fault_of(const StoredFile& file, const std::string& name, std::string_view content);
 
 /// "The stored file `name` is missing."
-std::string missing_file(const std::string& name);
+std::string missing_file_message(const std::string& name);
 
 }  // namespace supple::store

@@ -16,11 +16,11 @@
 
 namespace {
 
-/// The largest block that was asked for while an exception was on its way: where memory is short, one that is refused
-/// there ends the process.
+/// The largest block that was requested while an exception was thrown. If memory is short and this block is refused,
+/// the process ends.
 thread_local std::size_t largest_while_unwinding = 0;
 
-/// Bytes that this thread has allocated and not freed, with what malloc keeps in front of each block, and their peak.
+/// Bytes that this thread has allocated and not freed, with the overhead of malloc for each block, and their peak.
 thread_local std::int64_t taken = 0;
 thread_local std::int64_t peak = 0;
 constexpr std::int64_t before_each_block = 8;
@@ -49,7 +49,7 @@ void release(void* block) {
 
 void* operator new(std::size_t size) { return allocate(size); }
 void* operator new[](std::size_t size) { return allocate(size); }
-// All forms, or a sanitizer finds blocks that one of them gave and another one's partner takes back.
+// All forms are replaced: a sanitizer reports blocks that one form allocates and the partner of another one frees.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted(std::malloc(size)); }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return counted(std::malloc(size)); }
 void operator delete(void* block) noexcept { release(block); }
@@ -62,7 +62,7 @@ void operator delete[](void* block, const std::nothrow_t&) noexcept { release(bl
 namespace supple::json {
 namespace {
 
-/// Parses a text that is no request, and tells the largest block that was allocated on the way out.
+/// Parses a text that is no request. Returns the largest block that was allocated while its exception was thrown.
 std::size_t allocated_on_the_way_out(const std::string& text, const char* code = "request.malformed_json") {
   largest_while_unwinding = 0;
   try {
@@ -96,7 +96,7 @@ TEST(Document, IsTakenApartWithoutAllocatingOnceItHasBeenRead) {
         << element;
 }
 
-/// An array of copies of a value.
+/// A JSON array of copies of a value.
 std::string array_of(const std::string& value, int count) {
   return "[" + repeated(value + ",", count - 1) + value + "]";
 }
@@ -108,9 +108,9 @@ TEST(Document, TakesNoMoreMemoryThanItReserves) {
   const std::string long_keys = "{\"" + std::string(40, 'k') + "\":1}";
   std::vector<std::string> texts = {keys, array_of(long_keys, 60'000), array_of("[[[]]]", 100'000)};
   for (const std::string value : {"0", "0.5", "true", "null", "[]", "{}", "[1]", "[0.2,0.3,0.5]", "{\"a\":1}"})
-    texts.push_back(array_of(value, 131'073));  // one more than a block that doubles has room for
+    texts.push_back(array_of(value, 131'073));  // one entry more than the capacity of an array that doubles
   for (const std::size_t length : {0, 1, 15, 16, 30, 31, 100, 1000}) {
-    // Just after an array has doubled, and just before it doubles again.
+    // The array has just doubled, or will double with the next entry.
     for (const int count : {32'769, 65'536}) texts.push_back(array_of('"' + std::string(length, 'x') + '"', count));
   }
   for (const std::string& text : texts) {

@@ -136,8 +136,8 @@ TEST(EmbeddedSystemAnswers, LeavePositionsOfLargeNetworksOutOfIntermediateStates
   };
   EXPECT_EQ(partial(1),
             nlohmann::json::parse(R"({"iteration":3,"energy":16,"gradient_norm":0.25,"positions":[[1,0,0]]})"));
-  EXPECT_EQ(partial(most_partial_positions).at("positions").size(), most_partial_positions);
-  EXPECT_FALSE(partial(most_partial_positions + 1).contains("positions"));
+  EXPECT_EQ(partial(max_partial_positions).at("positions").size(), max_partial_positions);
+  EXPECT_FALSE(partial(max_partial_positions + 1).contains("positions"));
 }
 
 }  // namespace

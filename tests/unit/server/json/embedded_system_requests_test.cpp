@@ -14,7 +14,7 @@ std::string network_body(const std::string& fields) {
   return R"({"mesh":")" + std::string(64, 'a') + "\"," + fields + "}";
 }
 
-/// Of a network of two points and a spring, with further fields.
+/// The body of a request for a network of two points and a spring, with further fields.
 std::string two_points_and(const std::string& fields) {
   return network_body(R"("points":[{"vertex":0},{"vertex":1}],"springs":[{"between":[0,1]}])" +
                       (fields.empty() ? "" : "," + fields));

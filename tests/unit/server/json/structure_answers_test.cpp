@@ -33,7 +33,7 @@ tiling::Structure reflected_tile() {
   structure.tiling.tiles = {{{0, 0}, {2, 0}, {0, 1}}};
   structure.tiling.placements = {{0, Eigen::Vector2d(-1, 1).asDiagonal(), {5, 0}}};
   structure.tiling.lattice << 1, 3, 2, 4;
-  structure.holes = {{{{4.5, 0.5}, {4, 0.25}, {4.5, 0.25}}}};  // of the placement, where it lies in the plane
+  structure.holes = {{{{4.5, 0.5}, {4, 0.25}, {4.5, 0.25}}}};  // the hole of the placement, in coordinates of the plane
   structure.cell_area = 4;
   structure.solid_area = 1;
   return structure;

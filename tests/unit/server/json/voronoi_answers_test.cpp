@@ -157,17 +157,17 @@ TEST(VoronoiAnswers, ShowADiagramOnItsWayUnlessItIsLarge) {
   EXPECT_EQ(partial, json::parse(R"({"iteration":3,"energy":2,"gradient_norm":1,"step_length":0.5,
       "site_positions":[[0,2,0],[2,0,0]],"sites":[{"face":1,"barycentric":[0,0,1]},{"face":0,"barycentric":[0,1,0]}],
       "positions":[[1,0,0],[1,1,0]],"vertices":[1],"borders":[[0,1]]})"));
-  small.diagram.points.resize(most_partial_border_points + 1);
-  small.diagram.edges[0].points.resize(most_partial_border_points + 1);
+  small.diagram.points.resize(max_partial_border_points + 1);
+  small.diagram.edges[0].points.resize(max_partial_border_points + 1);
   std::iota(small.diagram.edges[0].points.begin(), small.diagram.edges[0].points.end(), 0);
-  small.diagram.sites.resize(most_partial_sites + 1, small.diagram.sites[0]);
+  small.diagram.sites.resize(max_partial_sites + 1, small.diagram.sites[0]);
   const auto large = json::parse(write_partial_optimization(3, {2, 1, 0.5}, small.mesh, small.diagram));
   EXPECT_EQ(large.size(), 4U);
 }
 
 TEST(VoronoiAnswers, ShowBordersOnTheirWayStraightWithinAFace) {
   SmallDiagram small;
-  // A border of a crossing, an inner point, a crossing and the vertex, and one within a face.
+  // One border has a crossing, an inner point, a crossing and the vertex; the other one lies within a face.
   small.diagram.points[2].kind = DiagramPoint::Kind::inner;
   small.diagram.points.push_back({DiagramPoint::Kind::crossing, {FaceId{0}, {0.5, 0, 0.5}}, {1, 1.5, 0}, 1});
   small.diagram.points.push_back({DiagramPoint::Kind::inner, {FaceId{0}, {0.5, 0, 0.5}}, {1.5, 1, 0}, 1});

@@ -14,7 +14,7 @@ std::string voronoi_body(const std::string& fields) {
   return R"({"mesh":")" + std::string(64, 'a') + "\"," + fields + "}";
 }
 
-/// Of two sites, with further fields.
+/// The body of a request with two sites and further fields.
 std::string two_sites_and(const std::string& fields) {
   return voronoi_body(R"("sites":[{"vertex":0},{"face":1,"barycentric":[0.5,0.25,0.25]}])" +
                       (fields.empty() ? "" : "," + fields));
@@ -112,7 +112,7 @@ TEST(VoronoiRequests, AskForNoMoreIterationsThanTheEngineDoes) {
 
 TEST(VoronoiRequests, NeedAnObjectiveByItsName) {
   EXPECT_EQ(faults_of_optimization(two_sites_and(R"("objectives":{})")), (Where{"/objectives"}));
-  // Whether its weight is above 0 is asked by the engine.
+  // The engine checks whether a weight is above 0.
   EXPECT_NO_THROW(parse_voronoi_optimization(two_sites_and(R"("objectives":{"planarity":0})"), {}));
 }
 

@@ -27,7 +27,7 @@ TEST(ProcessClock, StartsWithTheMachinesTimeOfDay) {
   const auto before = duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
   const auto now = ProcessClock().now();
   const auto after = duration_cast<milliseconds>(system_clock::now().time_since_epoch()).count();
-  EXPECT_GE(now, before - 2);  // each of two clocks is cut to whole milliseconds
+  EXPECT_GE(now, before - 2);  // both clocks are truncated to whole milliseconds
   EXPECT_LE(now, after + 2);
 }
 

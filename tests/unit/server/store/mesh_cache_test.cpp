@@ -23,13 +23,13 @@ class MeshCacheTest : public testing::Test {
     return mkdtemp(pattern.data());
   }
 
-  /// A right triangle of side `size`.
+  /// Adds a right triangle with legs of length `size`.
   std::string add_triangle(double size) {
     const auto mesh = surface::TriangleMesh::build({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
     return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
   }
 
-  /// A flat square of so many cells along each side.
+  /// Adds a flat square of so many cells along each side.
   std::string add_grid(int side) {
     surface::TriangleSoup grid;
     for (int i = 0; i <= side; ++i)
@@ -73,7 +73,7 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOne
 }
 
 TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
-  const auto id = add_grid(400);  // 320,000 faces: a tenth of a second and more
+  const auto id = add_grid(400);  // 320,000 faces, which load in a tenth of a second or more
   MeshCache cache(store_, 1 << 30);
   const auto code_of = [&](const Execution& execution) -> std::string {
     try {
@@ -157,7 +157,7 @@ TEST_F(MeshCacheTest, SaysThatThereIsNoSuchMesh) {
 
 TEST_F(MeshCacheTest, LoadsAMeshThatWasAcceptedUnderHigherLimits) {
   MeshCache cache(store_, 1 << 20);
-  // A head alone: what is said of it shows that its numbers were taken, and the vertices themselves looked for.
+  // The file has only a header: the error shows that its numbers were accepted and the vertices are missing.
   const auto head = [this](const std::string& vertices) {
     return store_
         .add_mesh("ply\nformat binary_little_endian 1.0\nelement vertex " + vertices +

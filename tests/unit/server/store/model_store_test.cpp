@@ -54,7 +54,7 @@ class ModelStoreTest : public testing::Test {
 
   static fs::path made(const char* name) { return *made_ / name; }
 
-  /// Puts a file into the folder under another name, all at once.
+  /// Puts a file into the folder under another name, in one step.
   void put(const char* name, const std::string& as) {
     fs::copy_file(made(name), folder_ / (as + ".part"));
     fs::rename(folder_ / (as + ".part"), folder_ / as);
@@ -92,7 +92,7 @@ class ModelStoreTest : public testing::Test {
     return result;
   }
 
-  /// Waits for what the next looks at the folder bring.
+  /// Waits until a condition is true, which the next scans of the folder should bring about.
   template <class Condition>
   static bool soon(Condition condition) {
     const auto end = std::chrono::steady_clock::now() + 60s;

@@ -47,7 +47,7 @@ TEST_F(StoreTest, OwnersOutliveARestartAndGoWithWhatTheyOwn) {
 
 TEST_F(StoreTest, NothingIsStoredWhoseOwnerIsNot) {
   LocalStore store(folder_);
-  // What a kill between two transactions would leave shows where the second one fails.
+  // Where the second of two statements fails, the test shows what a kill between two transactions would leave.
   Database(folder_ / "supple.sqlite")
       .execute("CREATE TRIGGER fault BEFORE INSERT ON owners BEGIN SELECT RAISE(ABORT, 'no owners today'); END");
   EXPECT_EQ(code_of([&] { store.add_job(new_job("j", "a")); }), "store.unavailable");
@@ -68,7 +68,7 @@ TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
   }
   constexpr std::size_t enough = 50;
   const auto seen = [&] {
-    // Another process sees what was committed.
+    // This process sees what the other one has committed.
     try {
       const Database database(folder_ / "supple.sqlite");
       Statement row(database, "SELECT COUNT(*) FROM jobs WHERE id NOT IN (SELECT id FROM owners WHERE kind = 'job')");
@@ -78,7 +78,7 @@ TEST_F(StoreTest, AJobHasItsOwnerFromTheMomentItCanBeSeen) {
       all.step();
       return static_cast<std::size_t>(all.integer(0));
     } catch (const Error&) {
-      return std::size_t{0};  // its tables are not there yet
+      return std::size_t{0};  // the other process has not made its tables yet
     }
   };
   while (seen() < enough) usleep(100);
@@ -110,7 +110,7 @@ TEST_F(StoreTest, AJobHasItsOwnerAgainWhenTheDatabaseIsLost) {
   EXPECT_FALSE(store.owns_job("ended", "a"));
 }
 
-/// A store in which "small" may hold 10,000 bytes, and everybody else as many as there are.
+/// Tests of stores in which the owner "small" may have 10,000 bytes, and all others have no limit.
 class OwnerQuotaTest : public StoreTest {
  protected:
   static constexpr std::int64_t limit = 10'000;

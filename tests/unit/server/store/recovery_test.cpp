@@ -195,7 +195,7 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
        {"ALTER TABLE jobs DROP COLUMN client", "ALTER TABLE jobs DROP COLUMN session",
         "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
     change(statement);
-  std::ofstream(folder_ / "results" / "old.result") << "42";  // the body alone
+  std::ofstream(folder_ / "results" / "old.result") << "42";  // a file of version 1, which is the body alone
   {
     LocalStore store(folder_, recovery());
     EXPECT_EQ(store.job_result("old").body.text(), "42");

@@ -8,7 +8,7 @@
 namespace supple::store {
 namespace {
 
-/// Of requests that are kept in the database and in a spare file, and of ones that are too large for the database.
+/// Runs each test with a small request, stored in the database and in a file, and with one too large for the database.
 class RequestTest : public StoreTest, public testing::WithParamInterface<std::size_t> {
  protected:
   const std::string body_ = "{\"body\": 1}" + std::string(1, '\0') + std::string(GetParam(), '\xFF');
@@ -74,7 +74,8 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
     ::kill(::getpid(), SIGKILL);
   }
   ASSERT_EQ(waitpid(child, nullptr, 0), child);
-  for (const char* rest : {"supple.sqlite-wal", "supple.sqlite-shm"}) fs::remove(folder_ / rest);  // would mend it
+  for (const char* rest : {"supple.sqlite-wal", "supple.sqlite-shm"})
+    fs::remove(folder_ / rest);  // with these, SQLite would repair the database
   std::ofstream(folder_ / "supple.sqlite") << std::string(10'000, '?');
   for (const char* when : {"damaged", "lost"}) {
     {

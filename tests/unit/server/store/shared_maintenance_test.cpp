@@ -53,7 +53,7 @@ class SharedMaintenanceTest : public SharedStoreTest {
     job.error_status = 422;
     store.finish_job(job, nullptr);
   }
-  /// Meshes, small and large requests, results and failures, of owners and of none.
+  /// Adds meshes, small and large requests, results and failures, some of owners and some of none.
   static void fill(Store& store) {
     store.add_mesh("one", describe);
     store.add_mesh("two", describe, "alice");
@@ -108,7 +108,7 @@ class SharedMaintenanceTest : public SharedStoreTest {
   }
   static std::string problem(const std::string& sentence) { return "{\"detail\":\"" + sentence + "\"}"; }
   Check repair(const SharedPlace& place) const { return repair_shared_store(place, {}, problem); }
-  /// The place of the one file whose name has these letters.
+  /// The path of the only file whose name contains these letters.
   static fs::path file_of(const fs::path& folder, const std::string& letters) {
     for (const auto& entry : fs::directory_iterator(folder))
       if (entry.path().filename().string().find(letters) != std::string::npos) return entry.path();
@@ -140,7 +140,7 @@ class Meanwhile {
 /// A way to damage a store that `fill` has filled.
 struct Damage {
   std::string name;
-  std::string sentence;  ///< a part of what the check says of it
+  std::string sentence;  ///< part of the sentence with which the check reports it
   std::function<void(const SharedPlace&)> make;
 };
 
@@ -249,7 +249,7 @@ TEST_F(SharedMaintenanceTest, RefusesWhatALostServerSaysAfterARepair) {
   const auto job = waiting(lost, "job", "body");
   wait_milliseconds(100);
   EXPECT_EQ(code_of([&] { repair(place()); }), "store.unavailable") << "it still has the folder";
-  fs::remove(in_data("lock"));  // as of a server on another machine whose folder does not lock
+  fs::remove(in_data("lock"));  // as if the server were on another machine whose file system has no locks
   repair(place());
   const Result result{"text/plain", {}, "answer"};
   EXPECT_FALSE(lost.finish_job(ended(job), &result));
@@ -304,7 +304,7 @@ TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
   EXPECT_EQ(check_shared_store(again).faults, std::vector<std::string>());
 }
 
-/// Every job is there only while its mesh is: a backup of different moments has one without.
+/// Each job exists only while its mesh does: a backup that mixes two moments has a job without its mesh.
 TEST_F(SharedMaintenanceTest, BacksUpOneMomentWhileServersStoreAndRemove) {
   SharedStore store(options());
   for (int i = 0; i < 60; ++i) store.add_mesh("constant " + std::to_string(i), describe);
@@ -398,7 +398,7 @@ TEST_F(SharedMaintenanceTest, RefusesToReplaceOrRepairWhatServersUse) {
                              std::function([&] { restore_shared_store(folder_ / "backup", place(), true); })})
       EXPECT_NE(message_of(call).find("in use by"), std::string::npos) << message_of(call);
   }
-  // On another machine, where its lock of the folder is not seen.
+  // A server on another machine, whose lock of the folder is not seen here.
   sql("INSERT INTO servers VALUES ($$elsewhere$$, now() + interval $$1 hour$$)");
   const std::string sentence = "The database is in use by 1 server; one that was killed is in it until its lease ends.";
   EXPECT_EQ(message_of([&] { repair(place()); }), sentence);

@@ -16,7 +16,7 @@ namespace supple::store {
 
 using testing::PrivatePostgres;
 
-/// Two servers of one database and one folder.
+/// Tests of several servers with one database and one folder.
 class SharedStoreTest : public StoreTest {
  protected:
   SharedStore::Options options(double lease = 60) {
@@ -25,12 +25,12 @@ class SharedStoreTest : public StoreTest {
     options.folder = folder_ / "data";
     options.lease = lease;
     options.quota = quota_;
-    options.count_again = count_again_;
-    options.unknown_files = unknown_files_;
+    options.recount_interval = recount_interval_;
+    options.orphan_age = orphan_age_;
     options.warn = [this](const std::string& text) { warnings_.push_back(text); };
     return options;
   }
-  /// A job that the server has and runs.
+  /// Adds a job that the server runs.
   static JobRecord running(SharedStore& server, const std::string& id) {
     auto job = new_job(id);
     server.add_job(job, "request");
@@ -58,8 +58,8 @@ class SharedStoreTest : public StoreTest {
 
   const std::string database_ = PrivatePostgres::of_this_process().new_database();
   Quota quota_;
-  double count_again_ = 5;
-  double unknown_files_ = 3600;
+  double recount_interval_ = 5;
+  double orphan_age_ = 3600;
   std::vector<std::string> warnings_;
 };
 

@@ -120,7 +120,7 @@ TEST_F(SharedStoreTest, TakesTheJobsOfAServerThatIsNotHeardOf) {
   EXPECT_EQ(taken[0].hold, job.hold + 1);
   EXPECT_EQ(other.take_jobs(5).size(), 0U) << "it has them already";
 
-  // The lost one goes on without knowing it: nothing of what it says counts.
+  // The lost server goes on without knowing that it was lost: its reports are refused.
   const Result late{"text/plain", {}, "late"};
   EXPECT_FALSE(lost.note_progress(job));
   EXPECT_FALSE(lost.finish_job(ended(job), &late));
@@ -170,7 +170,7 @@ TEST_F(SharedStoreTest, TakesEachJobOnce) {
   for (int i = 0; i < jobs; ++i) {
     const auto job = new_job("job" + std::to_string(i));
     source.add_job(job, "request");
-    source.note_progress(job);  // it waits: nobody has it
+    source.note_progress(job);  // the job waits, and no server has it
   }
   std::atomic<int> taken{0};
   const auto take = [&](SharedStore& server) {
@@ -367,7 +367,7 @@ TEST_F(SharedStoreTest, SaysThatWhatAnotherServerIsRemovingIsNotThere) {
   const Result result{"text/plain", {}, "answer"};
   store.finish_job(ended(running(store, "job")), &result);
   const auto mesh = store.add_mesh("mesh", describe).first.id;
-  // The other server has removed the files, and commits in a moment.
+  // Another server is removing the files, and commits in a moment.
   std::thread other(
       [&] { PrivatePostgres::rows(database_, "DELETE FROM jobs; DELETE FROM meshes; SELECT pg_sleep(1)"); });
   while (PrivatePostgres::rows(database_, "SELECT pid FROM pg_stat_activity WHERE wait_event = $$PgSleep$$").empty())
@@ -406,11 +406,11 @@ TEST_F(SharedStoreTest, CountsWhatItHolds) {
   const auto id = store.add_mesh("four", describe, "alice").first.id;
   store.add_mesh("four", describe, "bob");
   const auto job = large_request("job");
-  const auto small = new_job("small");  // its request is part of the database
+  const auto small = new_job("small");  // its request is in the database
   store.add_job(small, store.keep_request(small, {"POST", "/v1/x", {}, "text/plain", "*/*"}, "x"));
   const Result result{"text/plain", {}, std::string(1000, 'x')};
   store.finish_job(ended(running(store, "other")), &result);
-  const auto counted = [&] { return SharedStore(options()).usage(); };  // by the database
+  const auto counted = [&] { return SharedStore(options()).usage(); };  // counted by a new server from the database
   const auto expect_counted = [&] {
     EXPECT_EQ(store.usage().meshes, counted().meshes);
     EXPECT_EQ(store.usage().results, counted().results);
@@ -454,7 +454,7 @@ TEST_F(SharedStoreTest, ExpiresTheResultsOfAnOwnerForWhatIsNewOfIt) {
   const Result result{"text/plain", {}, std::string(1200, 'x')};
   const auto finish = [&](const std::string& id, const std::string& owner) {
     auto job = new_job(id, owner);
-    // The request of the job itself goes with its end, and leaves its room to the result.
+    // The request of the job is removed at its end, which makes room for the result.
     store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(1200, 'r')));
     return store.finish_job(ended(job), &result);
   };
@@ -484,7 +484,7 @@ TEST_F(SharedStoreTest, TellsTheDatabaseOfUsesOnceItIsThereAgain) {
 }
 
 TEST_F(SharedStoreTest, CountsAnewWhatOthersHaveAdded) {
-  count_again_ = 0.5;
+  recount_interval_ = 0.5;
   SharedStore one(options());
   SharedStore two(options());
   two.add_mesh("mesh", describe);
@@ -496,7 +496,7 @@ TEST_F(SharedStoreTest, CountsAnewWhatOthersHaveAdded) {
 }
 
 TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
-  unknown_files_ = 1;
+  orphan_age_ = 1;
   SharedStore store(options());
   const Result result{"text/plain", {}, "answer"};
   store.finish_job(ended(running(store, "ended")), &result);
@@ -564,7 +564,7 @@ TEST_F(SharedStoreTest, IsUnavailableWhileTheDatabaseIsAwayAndGoesOnAfterwards) 
 
 TEST_F(SharedStoreTest, GivesUpADatabaseThatHangsAndGoesOnAfterwards) {
   auto impatient = options();
-  impatient.patience = 0.5;
+  impatient.transaction_timeout = 0.5;
   SharedStore store(impatient);
   store.add_job(new_job("job"));
   auto& postgres = PrivatePostgres::of_this_process();

@@ -10,10 +10,10 @@
 
 namespace supple::store {
 
-/// Stands where a database is expected: the system takes connections to it, and nobody answers them.
+/// A socket in place of a database: the system accepts connections to it, but nobody answers them.
 class SilentDatabase {
  public:
-  /// At a port of this machine.
+  /// Listens at a port of this machine.
   SilentDatabase() : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
@@ -23,7 +23,7 @@ class SilentDatabase {
     EXPECT_EQ(::getsockname(socket_, reinterpret_cast<sockaddr*>(&address), &size), 0);
     port_ = ntohs(address.sin_port);
   }
-  /// At the socket that PostgreSQL has in a folder, which is made.
+  /// Listens at the socket that PostgreSQL would have in this folder, which is made.
   explicit SilentDatabase(const std::filesystem::path& folder)
       : socket_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     std::filesystem::create_directories(folder);
@@ -38,7 +38,7 @@ class SilentDatabase {
   SilentDatabase& operator=(const SilentDatabase&) = delete;
 
   int port() const { return port_; }
-  /// The next connection to it, which is the caller's to close.
+  /// The next connection; the caller has to close it.
   int accept() const { return ::accept(socket_, nullptr, nullptr); }
 
  private:

@@ -82,10 +82,10 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
   EXPECT_EQ(::umount(folder_.c_str()), 0);
 }
 
-/// Stores whose bytes are limited.
+/// Tests of stores with a quota.
 class QuotaTest : public StoreTest {
  protected:
-  /// A job that has ended with so many bytes.
+  /// Adds a job that has ended with a result of so many bytes.
   static void add_ended(Store& store, const std::string& id, std::size_t bytes) {
     auto job = new_job(id);
     store.add_job(job);
@@ -95,7 +95,7 @@ class QuotaTest : public StoreTest {
     const Result result{"text/plain", {}, std::string(bytes, 'x')};
     store.finish_job(job, &result);
   }
-  /// Bytes of all files in the folder, as the disk tells.
+  /// Bytes of all files in the folder, by their sizes on disk.
   std::int64_t on_disk() const {
     std::int64_t sum = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder_))
@@ -156,7 +156,7 @@ TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
 
 TEST_F(QuotaTest, ExpiresTheOldestResultsForWhatIsNew) {
   constexpr std::int64_t result = 1 << 20;
-  constexpr std::int64_t limit = 5 * result;  // three results, and the database with its log
+  constexpr std::int64_t limit = 5 * result;  // room for three results, and for the database with its log
   LocalStore store(folder_, recovery(), {limit, 0});
   for (int i = 0; i < 6; ++i) {
     add_ended(store, "j" + std::to_string(i), result);

@@ -18,7 +18,7 @@ namespace supple::store {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for each test.
+/// Gives each test a folder of its own.
 class StoreTest : public testing::Test {
  protected:
   StoreTest() {
@@ -49,7 +49,7 @@ class StoreTest : public testing::Test {
     return "nothing was thrown";
   }
 
-  /// Knows only "no mesh" as no mesh.
+  /// Callbacks of a recovery that takes any content for a mesh, except "no mesh".
   LocalStore::Recovery recovery() {
     return {[](const std::string& ply, const std::string& id, std::int64_t created) {
               if (ply == "no mesh") throw Error("mesh.malformed", "This is no mesh.");
@@ -57,7 +57,7 @@ class StoreTest : public testing::Test {
             },
             [this](const std::string& text) { warnings_.push_back(text); }};
   }
-  /// The contents of what is in quarantine.
+  /// The contents of the files in quarantine.
   std::multiset<std::string> quarantined() const { return quarantined_in(folder_ / "quarantine"); }
   static std::multiset<std::string> quarantined_in(const fs::path& folder) {
     std::multiset<std::string> contents;

@@ -42,7 +42,7 @@ TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
     content += std::to_string(i) + "\n";  // several pieces, the last one short
   const auto mesh = store.add_mesh(content, describe).first.id;
   auto job = new_job("j");
-  job.session = std::string(100'000, 's');  // lines of its file that are longer than what is read of them at first
+  job.session = std::string(100'000, 's');  // the header of its file is longer than the part that is read at first
   store.add_job(job);
   job.state = JobState::successful;
   const Result result{"text/plain", {}, content};

@@ -17,7 +17,7 @@
 /// a number that is not finite; an unreachable distance is null.
 namespace supple::json {
 
-/// What a computation cost.
+/// The cost of a computation.
 struct Bill {
   double seconds = 0;  ///< wall clock
   CostLedger ledger;
@@ -27,7 +27,7 @@ struct Bill {
 std::string time_text(std::int64_t milliseconds);
 
 std::string write_problem(const problem::Problem& problem);
-/// `repair` where the upload asked for repairs.
+/// `repair` is null where the upload asked for none.
 std::string write_mesh(const std::string& id, std::int64_t created, const surface::MeshReport& report,
                        const surface::RepairOutcome* repair = nullptr);
 /// `ends` are the pairs' points in the faces that the derivatives refer to.

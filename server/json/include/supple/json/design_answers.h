@@ -11,26 +11,26 @@
 /// The answers of inverse design as JSON text; they throw like those of answers.h.
 namespace supple::json {
 
-/// Which model a design is of.
+/// The model that a design was found with.
 struct DesignModel {
   std::string family;
   std::string id;
   std::string sha256;
-  double youngs_modulus = 0;  ///< of its data, MPa
-  double poisson_ratio = 0;   ///< of its data
+  double youngs_modulus = 0;  ///< modulus of the material of its data, MPa
+  double poisson_ratio = 0;   ///< Poisson's ratio of the material of its data
 };
 
 /// One region's answer.
 struct FoundDesigns {
-  std::vector<DesignModel> models;               ///< of the spaces that were searched
+  std::vector<DesignModel> models;               ///< models of the spaces that were searched
   std::vector<design::VerifiedDesign> ranking;   ///< best first, at least one
-  std::optional<design::Polished> verification;  ///< of the first; none where the request does not ask for one
-  RegionSpec spec{};                             ///< what was asked for
-  std::vector<std::optional<double>> discretization_error{};  ///< as in VerifiedDesigns; empty without verification
+  std::optional<design::Polished> verification;  ///< verification of the first design; none where not requested
+  RegionSpec spec{};                             ///< what the request asks for
+  std::vector<std::optional<double>> discretization_error{};  ///< see VerifiedDesigns; empty without verification
 };
 
 std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);
-/// What the job's events carry while it runs.
+/// What the events of the job carry while it runs: the design of an iteration.
 std::string write_partial_design(const std::string& name, const DesignModel& model,
                                  const design::DesignProgress& progress);
 /// The same for a structure that was simulated.

@@ -10,12 +10,12 @@
 #include "supple/json/limits.h"
 
 /// The requests of inverse design as types; they are read like those of requests.h and throw the same. Whether targets
-/// make sense and parameters fit the family is not asked here.
+/// make sense and parameters fit the family is not checked here.
 namespace supple::json {
 
-/// What a structure may be made of.
+/// A material that a structure may be made of.
 struct MaterialSpec {
-  std::string where;               ///< its place in its region: "material" or "material/3"
+  std::string where;               ///< pointer within its region: "material" or "material/3"
   std::string name;                ///< empty where it has none
   design::Range youngs_modulus{};  ///< MPa; none: that of the model
   bool has_modulus = false;
@@ -24,20 +24,20 @@ struct MaterialSpec {
   double density = 1.2;                 ///< g/cm^3
 };
 
-/// What one design is to do, and where to look.
+/// The targets of one design, and where to search for it.
 struct RegionSpec {
   std::string name;            ///< empty where it has none
-  std::string family = "any";  ///< or "any"
-  std::string model;           ///< instead of a family; empty where it is not given
-  /// Without the moduli of materials that leave them to the model.
+  std::string family = "any";  ///< id of the family, or "any"
+  std::string model;           ///< id of the model, given instead of a family; empty where it is not given
+  /// The problem, without the moduli that are left to the model.
   design::DesignProblem problem;
   std::vector<MaterialSpec> materials;  ///< empty where the request has none
-  double beam_width = 0.3;              ///< mm; does not count where there is a cell size
-  double cell_size = 0;                 ///< mm, or 0
+  double beam_width = 0.3;              ///< mm; not used where there is a cell size
+  double cell_size = 0;                 ///< mm; 0 where it is not given
 };
 
 struct DesignRequest {
-  bool several = false;             ///< "regions" rather than one problem
+  bool several = false;             ///< whether the request has "regions"
   std::vector<RegionSpec> regions;  ///< at least one
   bool verify = false;
   design::VerificationPlan verification;
@@ -45,7 +45,7 @@ struct DesignRequest {
   std::string session;  ///< empty where it is not given
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 
-  /// Whether designs are simulated: because the request says so, or because they are to be polished at all events.
+  /// Whether designs are simulated: the request asks for it, or switches their polish on.
   bool simulates() const { return verify || verification.polish == Switch::on; }
 };
 DesignRequest parse_design(std::string_view body, const Limits& limits);

@@ -13,7 +13,7 @@
 #include "supple/json/requests.h"
 
 /// The request of elastic networks on surfaces as a type; it is read like those of requests.h and throws the same.
-/// Whether points lie on the mesh and springs join points that there are is not asked here.
+/// Whether points lie on the mesh and springs join existing points is not checked here.
 namespace supple::json {
 
 struct EmbeddedSystemRequest {
@@ -23,7 +23,7 @@ struct EmbeddedSystemRequest {
   std::vector<std::int32_t> fixed_points;
   std::variant<std::vector<std::array<std::int32_t, 3>>, embedded::DualTriangles> triangles{};
   embedded::MembraneMaterial material{};
-  double rest_scale = 1;                ///< of the triangles' lengths at the start
+  double rest_scale = 1;                ///< rest lengths of the triangles, as a factor of their lengths at the start
   embedded::RelaxationOptions options;  ///< without an observer
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out

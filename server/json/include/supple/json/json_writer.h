@@ -8,16 +8,15 @@
 
 namespace supple::json {
 
-/// The most bytes that an answer in JSON may have (setting --max-answer); set once, before the first answer.
+/// Sets the largest size of a JSON answer in bytes (setting --max-answer). Called once, before the first answer.
 void set_answer_limit(std::size_t bytes);
 
 /// Writes JSON into a string, without building a document first.
 ///
-/// Numbers are the shortest text that reads back as the same double. What comes out is always valid: a number that is
-/// not finite throws Error "computation.non_finite" with its key; text that is not UTF-8 has its faulty bytes replaced
-/// by U+FFFD. Commas and nesting are kept track of; keys must be literals or known to need no escapes, or be
-/// written by `text_key`. An answer beyond its limit throws ProblemError "answer.too_large" before it has grown
-/// further.
+/// Numbers are the shortest text that reads back as the same double. The output is always valid: a number that is not
+/// finite throws Error "computation.non_finite" with its key; text that is not UTF-8 has its faulty bytes replaced by
+/// U+FFFD. Keys must be literals or known to need no escapes, or be written by `text_key`. An answer beyond its limit
+/// throws ProblemError "answer.too_large" before it has grown further.
 class JsonWriter {
  public:
   JsonWriter& begin_object() { return open('{'); }

@@ -7,10 +7,10 @@
 
 namespace supple::json {
 
-/// A measured curve that has become control points, and where it came from.
+/// A measured curve, reduced to control points, and its origin.
 struct MeasuredCurveAnswer {
-  design::Measurements measurements;  ///< whose points are not used
-  std::string encoding;               ///< of the table's text
+  design::Measurements measurements;  ///< the points in it are not used
+  std::string encoding;               ///< encoding of the table's text
   design::Task task = design::Task::stress_strain;
   design::ReductionOptions options;
   design::ReducedCurve curve;

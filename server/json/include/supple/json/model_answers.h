@@ -14,7 +14,7 @@
 /// The answers about neural models as JSON text; they throw like those of answers.h.
 namespace supple::json {
 
-/// Says which file answered: a model's may be replaced between two requests.
+/// The file that an answer comes from: the file of a model may be replaced between two requests.
 struct ModelVersion {
   std::string id;
   std::string sha256;
@@ -23,8 +23,8 @@ struct ModelVersion {
 /// One model; `sha256` is that of its file.
 std::string write_model(const neural::Model& model, const std::string& sha256);
 
-/// `trust` has an entry for each strain; of `values` what the order asks for is written. `has_bars`: the model has a
-/// calibration.
+/// `trust` has an entry for each strain. Writes the `values` up to `order`. `has_bars` says whether the
+/// model has a calibration.
 std::string write_evaluation(const ModelVersion& model, neural::Order order, const neural::Evaluation& values,
                              const std::vector<neural::Trust>& trust, bool has_bars, const Bill& bill);
 

@@ -9,11 +9,11 @@
 #include "supple/neural/uniaxial.h"
 
 /// The requests to neural models as types; they are read like those of requests.h and throw the same. Whether there are
-/// as many parameters as the model has, and as many designs as strains, is not asked here.
+/// as many parameters as the model has, and as many designs as strains, is not checked here.
 namespace supple::json {
 
 struct EvaluationRequest {
-  std::vector<std::vector<double>> designs;  ///< parameters, of one design or of one for each strain
+  std::vector<std::vector<double>> designs;  ///< parameters of one design, or of one design for each strain
   Eigen::Matrix3Xd strains;                  ///< columns (E_xx, E_yy, 2 E_xy), as the engine has them
   neural::Order order = neural::Order::stress;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
@@ -23,7 +23,7 @@ EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits);
 struct UniaxialRequest {
   std::vector<double> parameters;
   double direction = 0;               ///< rad
-  std::vector<double> green_strains;  ///< along the direction; of stretches the strains that they are
+  std::vector<double> green_strains;  ///< strains along the direction; stretches are converted to them
   neural::UniaxialOptions options;
   double deadline = 0;
 };

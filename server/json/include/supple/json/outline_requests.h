@@ -8,7 +8,7 @@
 #include "supple/outlines/drawing.h"
 
 /// Drawings that become outlines, as request and answer; the request is read like those of requests.h. Whether the text
-/// is a drawing is not asked here.
+/// is a drawing is not checked here.
 namespace supple::json {
 
 struct OutlineRequest {

@@ -11,7 +11,7 @@
 #include "supple/tiling/part.h"
 
 /// Parts, as requests and answers; read like those of requests.h. Whether outlines and structures make sense is not
-/// asked here.
+/// checked here.
 namespace supple::json {
 
 /// A structure that fills an area.
@@ -28,12 +28,12 @@ struct PartRegionSpec {
 };
 
 struct PartRequest {
-  tiling::PartDesign design;  ///< but for its fillings and regions
+  tiling::PartDesign design;  ///< without its fillings and regions
   FillingSpec filling;
   std::vector<PartRegionSpec> regions;
-  /// The direction of the design (rad) that is to lie along the load; of coupons and blocks alone.
+  /// The direction of the design (rad) that is to lie along the load; only for coupons and blocks.
   std::optional<double> direction;
-  std::vector<std::string> solid_names;  ///< of the design's solids: "lower_grip", "upper_plate"
+  std::vector<std::string> solid_names;  ///< names of the design's solids: "lower_grip", "upper_plate"
   double material_density = 1.2;         ///< g/cm^3
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
@@ -45,7 +45,7 @@ struct PartRequest {
 };
 PartRequest parse_part(std::string_view body, const Limits& limits);
 
-/// What the answer says of a part that is not all that was asked for, and what helps; empty where it is.
+/// Message about a part that is not all that was asked for, with remedies; empty where it is.
 std::string part_message(const PartRequest& request, const tiling::Part& part);
 
 std::string write_part(const PartRequest& request, const tiling::Part& part, const std::string* svg, const Bill& bill);

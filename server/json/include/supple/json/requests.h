@@ -20,20 +20,20 @@
 /// The requests of api/openapi.yaml as types. Each `parse_*` reads a body completely and collects every fault: they
 /// throw "request.not_utf8", "request.malformed_json", "request.too_deep", "request.too_many_values",
 /// "request.limit_exceeded" and "request.invalid", the last with a JSON pointer for each field. Unknown fields are
-/// faults. Whether a point lies on the mesh is not asked here.
+/// faults. Whether a point lies on the mesh is not checked here.
 namespace supple::json {
 
 /// A point as a client writes it.
 struct PointSpec {
   bool by_vertex = false;
-  std::int32_t index = 0;  ///< of the vertex or of the face
+  std::int32_t index = 0;  ///< index of the vertex or of the face
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Vector3d> position;  ///< of a point in space, in place of all else
+  std::optional<Eigen::Vector3d> position;  ///< position of a point in space, in place of all else
 };
 
-/// Where a point in space of a request lies on the surface. The route finds this, and the answer says it.
+/// Where a point in space of a request lies on the surface. The route computes it for the answer.
 struct PlacedPoint {
-  std::string pointer;  ///< to the point in the request
+  std::string pointer;  ///< JSON pointer to the point in the request
   surface::NearestPoint nearest;
 };
 
@@ -97,9 +97,9 @@ std::string parse_sign_in(std::string_view body, const Limits& limits);
 
 struct MeshUpload {
   surface::TriangleSoup soup;
-  std::optional<surface::RepairOptions> repair;  ///< where repairs are asked for
+  std::optional<surface::RepairOptions> repair;  ///< set where repairs are asked for
 };
-/// {"vertices", "faces", "repair", "weld_tolerance"}. Also throws "mesh.too_large", and what the token does.
+/// {"vertices", "faces", "repair", "weld_tolerance"}. Also throws "mesh.too_large", and the error of a stop request.
 MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits,
                              const CancellationToken& cancellation);
 

@@ -17,7 +17,7 @@ std::string write_families(const std::vector<tiling::Structure>& presets);
 /// One family, `preset` being its structure at the default parameters.
 std::string write_family(const tiling::Structure& preset);
 
-/// What is told about a mesh of one cell.
+/// What the answer says about the mesh of one cell.
 struct MeshedCell {
   tiling::MeshOptions options;
   tiling::MeshStatistics statistics;

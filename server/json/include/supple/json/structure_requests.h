@@ -11,7 +11,7 @@
 #include "supple/tiling/mesh.h"
 
 /// The requests about structures as types; they are read like those of requests.h and throw the same. Whether a family
-/// exists and its parameters give a structure is not asked here.
+/// exists and its parameters give a structure is not checked here.
 namespace supple::json {
 
 /// A member of a family; without parameters the family's default.

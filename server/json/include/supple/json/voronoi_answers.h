@@ -19,9 +19,9 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
                                        const voronoi::Optimization& optimization, const Bill& bill,
                                        const Limits& limits);
 
-/// Sites, and points of borders, that are part of an intermediate result; those of larger ones are left out.
-inline constexpr std::size_t most_partial_sites = 5000;
-inline constexpr std::size_t most_partial_border_points = 20'000;
+/// Limits for the sites and the border points in an intermediate result: those of larger diagrams are left out.
+inline constexpr std::size_t max_partial_sites = 5000;
+inline constexpr std::size_t max_partial_border_points = 20'000;
 
 /// The diagram after an iteration. Its borders are straight within a face.
 std::string write_partial_optimization(int iteration, const voronoi::OptimizationStep& step,

@@ -11,7 +11,7 @@
 #include "supple/voronoi/optimization.h"
 
 /// The requests of Voronoi diagrams as types; they are read like those of requests.h and throw the same. Whether sites
-/// lie on the mesh is not asked here.
+/// lie on the mesh is not checked here.
 namespace supple::json {
 
 struct RandomSites {
@@ -24,7 +24,7 @@ using SitesSpec = std::variant<std::vector<PointSpec>, RandomSites>;
 /// What an answer says of a diagram besides its cells.
 struct DiagramInclude {
   bool points = false;  ///< the borders' points as points of the surface
-  bool pieces = false;  ///< whose each vertex and each part of a face is
+  bool pieces = false;  ///< the site of each vertex and of each part of a face
 };
 
 struct VoronoiDiagramRequest {
@@ -33,7 +33,7 @@ struct VoronoiDiagramRequest {
   voronoi::DiagramOptions options;
   DiagramInclude include;
   bool statistics = true;
-  bool keep = false;       ///< for another one of almost the same sites
+  bool keep = false;       ///< the server keeps the diagram for a later one of almost the same sites
   double panel_scale = 1;  ///< millimetres per mesh unit
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out

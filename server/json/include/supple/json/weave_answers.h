@@ -9,7 +9,8 @@
 /// The answers about weaves as JSON text; they throw like those of answers.h.
 namespace supple::json {
 
-/// `svg` is null where it was not asked for. Stops where a stop is requested: an answer may have a million crossings.
+/// `svg` is null where it was not asked for. It throws where a stop is requested, for an answer may have a million
+/// crossings.
 std::string write_weave_layout(const weave::Weave& weave, const std::vector<std::string>& warnings,
                                const std::string* svg, const Bill& bill, const Execution& execution = {});
 
@@ -21,9 +22,9 @@ std::string write_weave_homogenization(const WeaveHomogenizationRequest& request
 std::string write_weave_deformation(const WeaveDeformationRequest& request, const weave::Weave& weave,
                                     const std::vector<weave::CellState>& states, const Bill& bill);
 
-/// Where supports ended up: those of a box are several.
+/// A point of a strand with a support. A support with a box has several.
 struct HeldPlace {
-  int support = 0;  ///< index of the request's
+  int support = 0;  ///< index of the support in the request
   int strand = 0;
   double coordinate = 0;  ///< mm
 };

@@ -14,17 +14,17 @@
 #include "supple/weave/simulation.h"
 
 /// The requests about weaves as types; they are read like those of requests.h and throw the same. Whether strands meet
-/// and indices exist is not asked here. Lengths are in mm.
+/// and indices exist is not checked here. Lengths are in mm.
 namespace supple::json {
 
 struct StrandSpec {
   std::vector<Eigen::Vector2d> points;
   weave::Ends ends = weave::Ends::open;
   Eigen::Vector2d translation{0, 0};
-  std::optional<double> radius;  ///< the weave's without it
+  std::optional<double> radius;  ///< mm; the default is the radius of the weave
 };
 
-/// How far a member may slide; as `WeaveSpec::sliding_share` says where nothing is given.
+/// How far a member may slide. A limit that is not given follows from `WeaveSpec::sliding_share`.
 struct SlidingRange {
   std::optional<double> backward;  ///< infinity for no limit
   std::optional<double> forward;
@@ -40,14 +40,14 @@ struct MemberSpec {
 
 struct LayoutSpec {
   std::vector<StrandSpec> strands;
-  std::optional<std::vector<std::vector<MemberSpec>>> crossings;  ///< found without it
+  std::optional<std::vector<std::vector<MemberSpec>>> crossings;  ///< found by the engine where they are not given
   std::optional<Eigen::Matrix2d> lattice;
 };
 
 struct SheetSpec {
   int columns = 1;
   int rows = 1;
-  int fused_border = 0;  ///< of regular weaves
+  int fused_border = 0;  ///< strands at the border whose crossings are fused; only of regular weaves
 };
 
 struct RegularSpec {
@@ -78,10 +78,10 @@ struct SampleSpec {
   weave::Sample sample = weave::Sample::fused_grid;
 };
 
-/// A crossing that is connected otherwise than the pattern has it.
+/// A crossing whose connections differ from those of the pattern.
 struct CrossingOverride {
   int crossing = 0;
-  std::vector<int> slides;  ///< members
+  std::vector<int> slides;  ///< indices of its members
   SlidingRange range;
 };
 
@@ -117,14 +117,14 @@ struct WeaveDeformationRequest {
 };
 WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits);
 
-/// Where something is held or pulled.
+/// The places at which a support or a force acts.
 struct StrandCoordinate {
   int strand = 0;
   double coordinate = 0;
 };
 struct StrandShare {
   int strand = 0;
-  double share = 0;  ///< of the strand's length
+  double share = 0;  ///< fraction of the strand's length
 };
 struct AtCrossing {
   int crossing = 0;
@@ -137,12 +137,12 @@ using PlaceSpec = std::variant<StrandCoordinate, StrandShare, AtCrossing, InBox>
 
 struct WeaveSupportSpec {
   PlaceSpec at;
-  weave::Support support;  ///< without its place
+  weave::Support support;  ///< the support without its place
 };
 
 struct WeaveForceSpec {
   PlaceSpec at;
-  Eigen::Vector3d force{0, 0, 0};  ///< N; shared by a box' places
+  Eigen::Vector3d force{0, 0, 0};  ///< N; distributed over the places of a box
 };
 
 enum class DeformedStrands { none, json, obj, vtu };

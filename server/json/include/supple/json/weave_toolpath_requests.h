@@ -22,7 +22,7 @@ struct WeaveToolpathRequest {
   WeaveSpec weave;
   weave::PrinterProfile printer;
   weave::ToolpathOptions options;
-  std::vector<int> overrun_strands;  ///< of each entry of the request's overruns; no strand twice
+  std::vector<int> overrun_strands;  ///< strand of each entry of the request's overruns; no strand twice
   ToolpathParts include;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };

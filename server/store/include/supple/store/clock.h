@@ -6,16 +6,17 @@
 
 namespace supple::store {
 
-/// The time of day without its jumps: the wall clock at the start, plus the time that has passed since by a clock that
-/// nobody sets. So ages are true and time stamps never run backward within one process, whatever is done to the
-/// machine's clock; a clock that was wrong at the start stays wrong by the same amount until the next one.
+/// The wall clock at the start of the process plus the time that a monotonic clock has counted since. So time stamps
+/// never run backward within one process, and ages are right whatever is done to the machine's clock. A clock that was
+/// wrong at the start stays wrong by as much until the next start.
 class ProcessClock {
  public:
   using Source = std::function<std::int64_t()>;
 
-  /// Over the machine's clocks; time while the machine sleeps counts.
+  /// Reads the machine's clocks. Time during which the machine sleeps counts.
   ProcessClock();
-  /// Over clocks in milliseconds: `wall` since 1970, asked once; `elapsed` since any moment, never backward.
+  /// Reads two clocks in milliseconds. `wall` counts since 1970 and is read once. `elapsed` counts since any moment and
+  /// never runs backward.
   ProcessClock(const Source& wall, Source elapsed);
 
   /// Milliseconds since 1970. Any thread may call.
@@ -31,10 +32,10 @@ class ProcessClock {
 /// Milliseconds since 1970 by a ProcessClock that starts with the first call.
 std::int64_t now_milliseconds();
 
-/// When the machine was started, in milliseconds since 1970 by that clock: another process sees the same until the
-/// machine's clock is set.
+/// Start of the machine in milliseconds since 1970, by the clock of now_milliseconds(). Another process computes the
+/// same value unless the machine's clock is set in between.
 std::int64_t machine_start();
-/// Which start of the machine this is; empty where the system does not tell.
+/// Random id that the kernel gives to each start of the machine; empty where the system has none.
 std::string machine_start_id();
 
 }  // namespace supple::store

@@ -9,33 +9,32 @@
 
 namespace supple::store {
 
-/// A store of one server, in one folder: an SQLite database (write-ahead log) for what is
-/// searched and for small requests, one file for each mesh, each result, and each request of a job that has not ended.
+/// The store of one server, in one folder: an SQLite database (with a write-ahead log) for everything that is searched
+/// and for small requests, and a file for each mesh, each result and each request of an unfinished job.
 ///
-/// A file is written beside its place, synchronized, and renamed; its row is committed afterwards. So a row's file is
-/// always complete, whenever the process or the machine stops. The file of a small request is a spare one beside what
-/// the database has: it outlives the process and the database, and only where the machine stops and the database is
-/// lost as well, those of the last seconds may be lost with it. Files of results and requests begin with what their
-/// rows say of them.
+/// A file is written under a temporary name, synchronized and renamed; its row is committed afterwards, so that a row's
+/// file is always complete. The file of a small request is a second, unsynchronized copy of what the database has. It
+/// survives the end of the process and the loss of the database. If the machine stops and the database is lost as well,
+/// the requests of the last seconds may be lost. Files of results and requests begin with everything that their rows
+/// say.
 ///
-/// At the start the database is looked through. A damaged one is moved into the folder "quarantine" and a new one is
-/// made. Files without a row get a row again: meshes whose name is their hash, results whose own hashes are right, and,
-/// where the database is new, requests. Every other file that no row knows is moved into quarantine. Removed is
-/// only what was never acknowledged, or is no longer needed: half-written files, the result of an unfinished job, the
-/// request of a finished one.
+/// At the start the database is checked. A damaged one is moved into the folder "quarantine", and a new one is made.
+/// Files without a row get one again: meshes whose name is their hash, results whose hashes are right and, where the
+/// database is new, requests. Other files without a row are moved into quarantine. Files are deleted only if they were
+/// never acknowledged or are not needed any more: half-written files, the result of an unfinished job, the request of a
+/// finished one.
 ///
-/// Removing works on a full disk too, in the place of a reserve that is held for that.
+/// Removing works on a full disk too: the reserve file is deleted first, since a commit needs space.
 class LocalStore final : public Store {
  public:
-  /// What the store needs in order to recover at the start.
+  /// Callbacks of the recovery at the start.
   struct Recovery {
-    /// Makes the description of a mesh anew from its file. Without it, or where it throws, the file goes into
-    /// quarantine.
+    /// Makes the description of a mesh from its file. If it is empty or throws, the file is moved into quarantine.
     std::function<std::string(const std::string& ply, const std::string& id, std::int64_t created)> describe;
-    std::function<void(const std::string&)> warn;  ///< hears what was found and what became of it
+    std::function<void(const std::string&)> warn;  ///< receives sentences about what was found and done
   };
 
-  /// Opens or makes the folder. Throws also where another process has it open.
+  /// Opens the folder, or makes it. Throws also where another process has it open.
   explicit LocalStore(const std::filesystem::path& folder, const Recovery& recovery = {}, const Quota& quota = {});
   ~LocalStore() override;
 
@@ -66,7 +65,7 @@ class LocalStore final : public Store {
   StoredResult job_result(const std::string& id) const override;
   bool remove_job(const std::string& id) override;
   std::vector<JobRecord> unfinished_jobs() const override;
-  std::size_t remove_expired_jobs(std::int64_t now, std::size_t most) override;
+  std::size_t remove_expired_jobs(std::int64_t now, std::size_t max_count) override;
   void take_reserve() override;
   Usage usage() const override;
 

@@ -20,55 +20,57 @@
 
 namespace supple::store {
 
-/// The mesh of a stored file, O(its bytes). No limit of meshes applies: the one under which it was accepted did, and
-/// may have been changed since. Throws as surface::load_mesh.
+/// The mesh of a stored file, O(its bytes). It is loaded whatever its size: the limits of its upload may have changed
+/// since. Throws as surface::load_mesh does.
 surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& execution = {});
 
-/// A mesh in memory, with what its geodesics need from when they are asked for on. Any thread may call.
+/// A mesh in memory with two search structures, each of which is built when it is first needed. Any thread may call.
 class LoadedMesh {
  public:
   explicit LoadedMesh(std::shared_ptr<const surface::TriangleMesh> mesh) : mesh_(std::move(mesh)) {}
   const surface::TriangleMesh& mesh() const { return *mesh_; }
-  /// The first call makes it, which takes three times the memory of the mesh and some tenths of a second for a million
-  /// faces: within the computation that needs it, not where a mesh is only stored or looked at. Others wait for that.
-  /// A stop is heard within some ten milliseconds, then another one makes it.
+  /// The geodesic solver. The first call builds it, which takes three times the memory of the mesh, and some tenths of
+  /// a second for a million faces. Only a computation that needs it should call this; others wait meanwhile. The build
+  /// ends within some ten milliseconds of a stop request; then the next caller builds the solver.
   const surface::GeodesicSolver& solver(const Execution& execution = {}) const {
-    if (!is_made_.load(std::memory_order_acquire)) make_solver(execution);
+    if (!has_solver_.load(std::memory_order_acquire)) make_solver(execution);
     return *solver_;
   }
-  /// Finds the points of the surface that are nearest to points in space. The first call makes it, see its header.
+  /// Finds the points of the surface that are nearest to points in space. The first call builds it; nearest_point.h
+  /// says at what cost.
   const surface::NearestPointSearch& nearest(const Execution& execution = {}) const;
-  /// Whether nearest() answers at once.
+  /// Whether the search of nearest() has been built.
   bool has_nearest() const { return has_nearest_.load(std::memory_order_acquire); }
 
  private:
   void make_solver(const Execution& execution) const;
 
   const std::shared_ptr<const surface::TriangleMesh> mesh_;
-  mutable StoppableMutex making_;
-  mutable std::atomic<bool> is_made_{false};
+  mutable StoppableMutex solver_mutex_;
+  mutable std::atomic<bool> has_solver_{false};
   mutable std::optional<surface::GeodesicSolver> solver_;
-  mutable StoppableMutex making_nearest_;
+  mutable StoppableMutex nearest_mutex_;
   mutable std::atomic<bool> has_nearest_{false};
   mutable std::optional<surface::NearestPointSearch> nearest_;
 };
 
-/// Holds the meshes that were used last, up to a limit of memory. A mesh that a computation uses stays until the
-/// computation ends, whatever the limit; the one used last is always held.
+/// Least-recently-used cache of meshes, up to a limit of memory. A mesh that a computation uses stays in memory until
+/// the computation ends, whatever the limit. The mesh that was used last is always cached.
 class MeshCache {
  public:
   MeshCache(const Store& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
 
-  /// The mesh if it is held, otherwise null. Takes microseconds.
+  /// The mesh if it is cached, otherwise null. Takes microseconds.
   std::shared_ptr<const LoadedMesh> find(const std::string& id);
-  /// Loads the mesh if it is not held; of several requests for one mesh, one loads it and the others wait. A stop is
-  /// heard within some ten milliseconds, while it waits too; where the one that loads is stopped, another one loads.
-  /// Throws "mesh.not_found", "store.corrupted". A stored mesh loads whatever the limits of meshes are now.
+  /// The mesh, which is loaded if it is not cached. Of several requests for one mesh, one loads it and the others wait.
+  /// Loading and waiting end within some ten milliseconds of a stop request; if the request that loads is stopped,
+  /// another one loads the mesh. Throws "mesh.not_found", "store.corrupted". A stored mesh is loaded whatever the
+  /// limits of meshes are now.
   std::shared_ptr<const LoadedMesh> get(const std::string& id, const Execution& execution = {});
-  /// Holds a mesh that is in memory already.
+  /// Caches a mesh that is in memory already.
   void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
   void forget(const std::string& id);
-  /// Removes from `store`, and forgets, what nobody has used for so many seconds. Returns their number.
+  /// Removes the meshes that nobody has used for so many seconds from `store` and from the cache. Returns their number.
   std::size_t remove_unused(Store& store, double seconds);
 
   struct Size {
@@ -82,17 +84,17 @@ class MeshCache {
     StoppableMutex loading;
     std::shared_ptr<const LoadedMesh> mesh;
     std::int64_t bytes = 0;
-    std::list<std::string>::iterator place;
+    std::list<std::string>::iterator position;
   };
-  /// Under the mutex: the entry's mesh, which counts as used now; null where it has none.
-  std::shared_ptr<const LoadedMesh> use(const std::string& id, Entry& entry);
-  void keep(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh);
+  /// The entry's mesh, which is marked as used now; null where it is not loaded. Requires the mutex.
+  std::shared_ptr<const LoadedMesh> touch(const std::string& id, Entry& entry);
+  void insert(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh);
 
   const Store& store_;
   const std::int64_t max_bytes_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;
-  std::list<std::string> recent_;  // of the loaded ones, the last used first
+  std::list<std::string> recent_;  // ids of the loaded meshes, the last used first
   std::int64_t bytes_ = 0;
 };
 

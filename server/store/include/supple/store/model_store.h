@@ -19,33 +19,33 @@
 
 namespace supple::store {
 
-/// A model in memory. Who holds it may go on computing with it whatever becomes of its file.
+/// A model in memory. A computation can go on with it after its file has changed or gone.
 struct LoadedModel {
   neural::Model model;
   neural::Evaluator evaluator;
   design::Candidates candidates;
-  std::string sha256;       ///< of the file, hexadecimal
+  std::string sha256;       ///< SHA-256 of the file, hexadecimal
   std::string description;  ///< the JSON that clients get
 };
 
-/// The models of one folder: the files "*.h5" directly in it, read when the store is made and again whenever they
-/// change.
+/// The models of one folder: its files "*.h5", read at the start and again whenever they change.
 ///
-/// One thread looks at the folder, every `period` by the files' numbers, sizes and times, and is the only one to read
-/// model files, for HDF5 is not thread safe. Helper processes take them apart where there are any. A file that cannot
-/// be read is reported with its reason, leaves all other models and its own earlier version served, and is not read
-/// again until it changes. A file that changes while it is read counts at the next look. Where two files have one id,
-/// the first by name is served. While the folder itself cannot be read, what was loaded stays. Any thread may call.
+/// One thread scans the folder every `period`, and compares inode numbers, sizes and times. It alone reads model files,
+/// for HDF5 is not thread safe; helper processes parse them where there are any. A file that cannot be read is
+/// reported, and is not read again until it changes; other models, and its own earlier version, stay available. A file
+/// that changes while it is read is left to the next scan. Of two files with one id, the first by name is used. While
+/// the folder itself cannot be read, the loaded models stay. Any thread may call.
 class ModelStore {
  public:
   enum class Level { info, warning };
   struct Options {
-    std::filesystem::path folder;  ///< none where empty
+    std::filesystem::path folder;  ///< no models where it is empty
     std::chrono::milliseconds period{2000};
     std::int64_t max_file = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
-    std::chrono::seconds longest_read{
-        60};  ///< where a helper process reads; a file that takes longer counts as damaged
-    /// Makes the description; what it throws makes the file count as damaged. Called from the store's thread.
+    /// Time limit for reading one file, which takes effect only where a helper process reads. A file that takes
+    /// longer counts as damaged.
+    std::chrono::seconds max_read_time{60};
+    /// Makes the description of a model. If it throws, the file counts as damaged. Called from the store's thread.
     std::function<std::string(const neural::Model&, const std::string& sha256)> describe;
     std::function<void(Level, const std::string&)> log;  ///< called from the store's thread
   };
@@ -61,47 +61,47 @@ class ModelStore {
   void wait_until_read() const;
   bool has_been_read() const;
 
-  /// Throws "model.not_found", which names the models that there are.
+  /// The model of this id. Throws "model.not_found", which names the models that there are.
   std::shared_ptr<const LoadedModel> get(const std::string& id) const;
-  /// In the order of their ids.
+  /// All models, in the order of their ids.
   std::vector<std::shared_ptr<const LoadedModel>> models() const;
   std::size_t size() const;
-  /// Files of which no present version could be read.
+  /// Number of files whose present version could not be read.
   std::size_t damaged() const;
 
  private:
-  /// What a change of a file changes.
+  /// Properties of a file, of which any change of the file changes at least one.
   struct Stamp {
-    std::uint64_t number = 0;   ///< inode: a file that is renamed into place is another one
+    std::uint64_t number = 0;   ///< inode number; a file that is renamed into place has another one
     std::int64_t size = 0;      ///< bytes
     std::int64_t modified = 0;  ///< ns
-    std::int64_t changed = 0;   ///< ns, of the status: permissions count too
+    std::int64_t changed = 0;   ///< ns, time of the last change of the status, which includes permissions
     bool operator==(const Stamp&) const = default;
   };
   struct File {
-    Stamp stamp;                               ///< when it was read last
+    Stamp stamp;                               ///< stamp at which the file was read last
     std::shared_ptr<const LoadedModel> model;  ///< null where no version of it could be read
-    bool damaged = false;                      ///< its present version
+    bool damaged = false;                      ///< whether its present version could not be read
   };
   using Models = std::map<std::string, std::shared_ptr<const LoadedModel>>;
 
   void run();
-  bool ending() const;
-  void look();
-  /// The files of the folder by name; nothing where the folder cannot be read.
-  std::optional<std::map<std::string, Stamp>> list();
+  bool is_ending() const;
+  void scan();
+  /// The stamps of the folder's model files by name; nullopt where the folder cannot be read.
+  std::optional<std::map<std::string, Stamp>> list_files();
   static std::optional<Stamp> stamp_of(const std::filesystem::path& path);
-  /// Whether the file was read or is known to be damaged; false where it changed meanwhile.
+  /// Reads a file. True if it was read or found damaged; false if it changed meanwhile.
   bool read(const std::string& name, const Stamp& stamp, File& file);
-  /// Calls read() with a token that stops it after the longest time that a file may take, and when the store ends.
+  /// Calls read() with a token that is cancelled after `max_read_time`, and when the store ends.
   neural::Model read_in_time(const std::function<neural::Model(const Execution&)>& read) const;
-  void serve();
+  void publish();
 
   const Options options_;
-  // Only the thread sees these.
+  // Only the thread uses these members.
   std::map<std::string, File> files_;
   std::set<std::string> reported_duplicates_;
-  bool folder_reported_ = false;
+  bool folder_error_reported_ = false;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable wake_;

@@ -21,11 +21,11 @@ enum class JobState { accepted, running, successful, failed, dismissed };
 std::string_view state_name(JobState state);
 std::optional<JobState> state_of(std::string_view name);
 
-/// A job without what only lives while it runs. Times in milliseconds since 1970, 0 where they have not come yet.
+/// What is stored of a job. Times are in milliseconds since 1970, and 0 for what has not happened yet.
 struct JobRecord {
   std::string id;    ///< 128 random bits, hexadecimal
-  std::string kind;  ///< "karcher-means"
-  std::string mesh;  ///< empty where it works on none
+  std::string kind;  ///< for example "karcher-means"
+  std::string mesh;  ///< id of the mesh that it works on; empty where there is none
   JobState state = JobState::accepted;
   std::int64_t created = 0;
   std::int64_t started = 0;
@@ -34,22 +34,23 @@ struct JobRecord {
   double deadline = 0;          ///< seconds
   std::string error;            ///< problem JSON of a failed job
   int error_status = 0;         ///< its HTTP status
-  std::string client;           ///< whose turn in the queue it takes; empty where clients are not told apart
-  std::string session;          ///< of its computation; empty: of none
-  std::string owner;            ///< the id of the key that it was made for; empty: of none
-  int attempts = 0;             ///< how often it was begun, without those times that ended in good order
-  std::string idempotency_key;  ///< of who asked for it and how they named it, as a hash; empty: they named it not
-  std::string request_hash;     ///< of what was asked with that key
-  std::int64_t hold = 0;        ///< number of the hold that a server has on it, in a shared store
+  std::string client;           ///< its client, among whom the queue takes turns; empty where they are not told apart
+  std::string session;          ///< session of its computation; empty where there is none
+  std::string owner;            ///< id of the key that it was made for; empty where none was needed
+  int attempts = 0;             ///< number of starts, except those that a shutdown of the server interrupted
+  std::string idempotency_key;  ///< hash of the access key and the idempotency key; empty where none was sent
+  std::string request_hash;     ///< hash of the request that came with that key
+  std::int64_t hold = 0;        ///< fencing token of its lease, in a shared store
 };
 
-/// A job that a server of a shared store holds: with another number it has been taken by another server since.
+/// A job that is leased to a server of a shared store. If another server has taken the job since, its fencing token has
+/// grown.
 struct HeldJob {
   std::string id;
   std::int64_t hold = 0;
 };
 
-/// How far a job is.
+/// Progress of a job.
 struct JobProgress {
   std::string id;
   double fraction = 0;  ///< in [0, 1]
@@ -58,7 +59,7 @@ struct JobProgress {
   std::int64_t revision = 0;  ///< grows with every change
 };
 
-/// What a job is made again from in a later process. Its body is kept beside it.
+/// The request of a job without its body. A later process can make the job again from it.
 struct JobRequest {
   std::string method;
   std::string path;

@@ -9,30 +9,32 @@
 
 namespace supple::store {
 
-/// A store that several servers use together: a PostgreSQL database for what is searched and for small requests, and a
-/// folder that all of them see for meshes, results and large requests.
+/// A store that several servers use together: a PostgreSQL database for everything that is searched and for small
+/// requests, and a folder that all servers see for meshes, results and large requests.
 ///
-/// Each job is held by one server, under a number that grows each time that a server takes it. A server that has not
-/// been heard of for `lease` loses its jobs to others. What it still says of them is refused, because their number has
-/// grown, and the file of a result has that number in its name, so that a late one replaces nothing.
+/// Each job is leased to one server, under a fencing token that grows each time that a server takes the job. A server
+/// that has not been heard of for `lease` loses its jobs to others. What it still reports about them is refused,
+/// because their tokens have grown. The file name of a result contains the token, so that a late result replaces
+/// nothing.
 ///
-/// Ages of what expires are by the servers' clocks; leases are by the clock of the database. A lost connection is made
-/// again by the next call. What nobody knows in the folder for an hour is moved into its folder "quarantine".
+/// Objects expire by the servers' clocks, leases by the clock of the database. After a connection was lost, the next
+/// call makes a new one. Files that no row names are moved into the subfolder "quarantine" when they are older than
+/// `orphan_age`.
 class SharedStore final : public Store {
  public:
   struct Options {
     std::string database;  ///< connection string of libpq: "postgresql://user@host/name", or "host=... dbname=..."
-    std::filesystem::path folder;  ///< the same for all servers
-    double lease = 10;             ///< seconds
-    double patience = 20;          ///< seconds until a transaction is given up that the database does not answer
-    Quota quota;                   ///< of all servers together
-    double count_again = 5;        ///< seconds until what they hold is counted anew
-    double unknown_files = 3600;   ///< seconds until what nobody knows in the folder is moved into quarantine
+    std::filesystem::path folder;     ///< the same for all servers
+    double lease = 10;                ///< seconds after which a server that was not heard of loses its jobs
+    double transaction_timeout = 20;  ///< seconds after which a transaction without an answer is given up
+    Quota quota;                      ///< limits for all servers together
+    double recount_interval = 5;      ///< seconds after which the stored bytes are counted again
+    double orphan_age = 3600;         ///< seconds after which a file that no row names is moved into quarantine
     std::function<void(const std::string&)> warn;
   };
 
   /// Makes tables and folder where they do not exist. Throws "store.unavailable" where the database does not answer,
-  /// has tables of a later version, or has another folder, and where a LocalStore has the folder.
+  /// has tables of a later version, or belongs to another folder, and where a LocalStore uses the folder.
   explicit SharedStore(const Options& options);
   ~SharedStore() override;
 
@@ -63,12 +65,12 @@ class SharedStore final : public Store {
   StoredResult job_result(const std::string& id) const override;
   bool remove_job(const std::string& id) override;
   std::vector<JobRecord> unfinished_jobs() const override;
-  std::size_t remove_expired_jobs(std::int64_t now, std::size_t most) override;
+  std::size_t remove_expired_jobs(std::int64_t now, std::size_t max_count) override;
   void take_reserve() override;
   Usage usage() const override;
   bool is_shared() const override { return true; }
   std::vector<HeldJob> keep_holds(const std::vector<JobProgress>& running) override;
-  std::vector<JobRecord> take_jobs(std::size_t most) override;
+  std::vector<JobRecord> take_jobs(std::size_t max_count) override;
   std::optional<JobProgress> job_progress(const std::string& id) const override;
   std::optional<JobRecord> dismiss_job(const std::string& id, std::int64_t finished, std::int64_t expires) override;
   bool has_unfinished_job_on(const std::string& mesh) const override;

@@ -8,36 +8,36 @@
 
 namespace supple::store {
 
-/// A mutex that whoever waits for it can be called away from. std::timed_mutex would serve, but GCC 12's thread
-/// sanitizer does not see how its try_lock_for locks, and reports each unlocking.
+/// A mutex for which a thread can stop waiting when a stop is requested. std::timed_mutex would serve, but the thread
+/// sanitizer of GCC 12 does not recognize how its try_lock_for locks, and reports each unlock.
 class StoppableMutex {
  public:
-  /// Returns when the mutex is the caller's, and throws as throw_if_requested within some ten milliseconds of a stop
-  /// if it is not by then.
+  /// Returns when the caller has the mutex. If a stop is requested before that, it throws as throw_if_requested does,
+  /// within some ten milliseconds.
   void lock(const CancellationToken& cancellation) {
-    constexpr std::chrono::milliseconds look_at_token{10};  // a token wakes nobody
+    constexpr std::chrono::milliseconds check_interval{10};  // a stop request does not notify the condition variable
     std::unique_lock lock(mutex_);
-    while (taken_) {
+    while (locked_) {
       cancellation.throw_if_requested();
-      freed_.wait_for(lock, look_at_token);
+      unlocked_.wait_for(lock, check_interval);
     }
-    taken_ = true;
+    locked_ = true;
   }
   void unlock() {
     {
       const std::lock_guard lock(mutex_);
-      taken_ = false;
+      locked_ = false;
     }
-    freed_.notify_one();
+    unlocked_.notify_one();
   }
 
  private:
   std::mutex mutex_;
-  std::condition_variable freed_;
-  bool taken_ = false;
+  std::condition_variable unlocked_;
+  bool locked_ = false;
 };
 
-/// The mutex, locked as above, until the answer goes.
+/// Locks the mutex as above. The returned object unlocks it when it is destroyed.
 inline std::unique_lock<StoppableMutex> lock_stoppably(StoppableMutex& mutex, const CancellationToken& cancellation) {
   mutex.lock(cancellation);
   return {mutex, std::adopt_lock};

@@ -15,43 +15,42 @@
 
 namespace supple::store {
 
-/// SHA-256 in hexadecimal. Looks at the token every few milliseconds.
+/// SHA-256 in hexadecimal. Checks for a stop request every few milliseconds.
 std::string sha256(std::string_view bytes, const CancellationToken& cancellation = {});
 
-/// Limits of what a store holds, in bytes; 0: none.
+/// Limits of stored bytes; 0: no limit.
 struct Quota {
-  std::int64_t bytes = 0;       ///< of the whole data folder; setting --max-store
-  std::int64_t mesh_bytes = 0;  ///< of meshes; setting --max-mesh-bytes
-  /// Of what an owner holds: the meshes that it owns, each of them in full, and results and requests of its jobs;
-  /// setting --max-stored of its key. Called from any thread.
+  std::int64_t bytes = 0;       ///< bytes of the whole data folder; setting --max-store
+  std::int64_t mesh_bytes = 0;  ///< bytes of meshes; setting --max-mesh-bytes
+  /// Limit for one owner: the meshes that it owns, each counted in full, and results and requests of its jobs; setting
+  /// --max-stored of its key. Called from any thread.
   std::function<std::int64_t(const std::string& owner)> of_owner{};
 };
 
-/// Nine tenths of the disk that a data folder is on, or would be on: of its size, not of what is free just now, so that
-/// nothing expires because others fill it. 0 where that cannot be told.
+/// Nine tenths of the size of the disk that a data folder is on, or would be on; 0 where it is unknown. Present free
+/// space does not count, so that nothing expires because others fill the disk.
 std::int64_t default_quota(const std::filesystem::path& folder);
 
-/// Bytes that a data folder holds.
+/// Bytes that are stored in a data folder.
 struct Usage {
   std::int64_t meshes = 0;
   std::int64_t results = 0;
-  std::int64_t requests = 0;    ///< large ones of jobs that have not ended; small ones are in the database
-  std::int64_t database = 0;    ///< with its log, its index and the reserve for a full disk
-  std::int64_t quarantine = 0;  ///< counted at the start and with each removal of what has expired
-  std::int64_t limit = 0;       ///< of all of them together; 0: none
-  std::int64_t mesh_limit = 0;  ///< of the meshes; 0: none
+  std::int64_t requests = 0;    ///< files of requests of unfinished jobs
+  std::int64_t database = 0;    ///< with its log and its index, and the reserve file for a full disk
+  std::int64_t quarantine = 0;  ///< counted at the start and at each removal of expired jobs
+  std::int64_t limit = 0;       ///< limit for the total; 0: none
+  std::int64_t mesh_limit = 0;  ///< limit for meshes; 0: none
   std::int64_t total() const { return meshes + results + requests + database + quarantine; }
 };
 
-/// Meshes, jobs, their requests and their results, beyond the life of a process.
+/// Durable storage of meshes, jobs, their requests and their results.
 ///
-/// Bytes are counted as they come and go. What would go beyond the quota expires the oldest results first, and throws
-/// ProblemError "store.quota" where that does not make enough room. So it is with what one owner may hold: its own
-/// oldest results go, and "store.key_quota" says that they do not suffice.
+/// If new bytes would exceed the quota, the oldest results expire. Where that does not free enough, ProblemError
+/// "store.quota" is thrown. The limit of one owner works alike, with its own results and "store.key_quota".
 ///
 /// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
-/// throws Error "store.full" where the disk is, "store.unavailable" where it or the database refuses otherwise. Any
-/// thread may call; calls take turns.
+/// throws Error "store.full" where the disk is full, "store.unavailable" where the disk or the database fails
+/// otherwise. Any thread may call; calls run one after the other.
 class Store {
  public:
   Store() = default;
@@ -60,91 +59,94 @@ class Store {
   Store& operator=(const Store&) = delete;
 
   using DescribeMesh = std::function<std::string(const std::string& id, std::int64_t created)>;
-  /// The id is the hash of `ply`. Makes the description with `describe` and returns the record, and whether it is new;
-  /// a mesh that is stored already stays as it is. `owner`, where it is named, becomes one of the mesh's owners in the
-  /// same transaction, and new is what it did not own before.
+  /// Stores a mesh, whose id is the hash of `ply`, with the description that `describe` makes. Returns the record, and
+  /// whether it is new. A mesh that is stored already does not change. If `owner` is not empty, it becomes one of the
+  /// mesh's owners in the same transaction, and a mesh counts as new if the owner did not own it before.
   virtual std::pair<MeshRecord, bool> add_mesh(const std::string& ply, const DescribeMesh& describe,
                                                const std::string& owner = {}) = 0;
   virtual std::optional<MeshRecord> mesh(const std::string& id) const = 0;
-  /// The newest first, of an owner alone where one is named; `after` is the last id of the page before.
+  /// The newest `limit` meshes, of one owner if `owner` is not empty. `after` is the last id of the previous page.
   virtual std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after,
                                          const std::string& owner = {}) const = 0;
-  /// Canonical PLY. Throws "mesh.not_found", "store.corrupted", and what a requested stop does.
+  /// The mesh as canonical PLY. Throws "mesh.not_found", "store.corrupted", and the error of a stop request.
   virtual std::string mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const = 0;
-  /// The same, open, to be read in pieces: it takes a mebibyte of memory however large it is.
+  /// The same as an open file, to be read in pieces. Takes a mebibyte of memory for a mesh of any size.
   virtual OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const = 0;
-  /// False where there was none. Of an owner that is named the mesh is one no longer, and it goes with its last one.
+  /// Removes a mesh; false where there was none. If `owner` is not empty, it stops being an owner of the mesh, and the
+  /// mesh is removed with its last owner.
   virtual bool remove_mesh(const std::string& id, const std::string& owner = {}) = 0;
   virtual bool owns_mesh(const std::string& id, const std::string& owner) const = 0;
-  /// Whether removing it for the owner would remove the mesh itself.
+  /// Whether remove_mesh for this owner would remove the mesh itself.
   virtual bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const = 0;
-  /// Says that a mesh is used now. It costs a microsecond; the database hears of it with the next removal of unused
-  /// meshes.
+  /// Notes that a mesh is used now, in a microsecond. The database gets the time before unused meshes are removed.
   virtual void use_mesh(const std::string& id) const = 0;
-  /// Removes the meshes that nobody has used since `before`, in milliseconds since 1970, and that no unfinished job
-  /// works on. Returns their ids.
+  /// Removes the meshes that nobody has used since `before`, in milliseconds since 1970, and on which no unfinished job
+  /// works. Returns their ids.
   virtual std::vector<std::string> remove_unused_meshes(std::int64_t before) = 0;
 
-  /// Keeps what a job is made again from in a later process: in a file, durably once this returns, where it is large;
-  /// otherwise the database takes it together with the job, for which it is returned, and a spare file has it for the
-  /// case that the database is lost. One whose job is not added is dropped.
+  /// Stores the request from which a later process can make the job again. A large one goes to a file, durably once
+  /// this returns. A small one is returned for add_job, which stores it in the database with the job; a local store
+  /// also writes a copy to a file, in case the database is lost. If the job is not added, the caller drops the request.
   virtual std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) = 0;
   virtual void drop_request(const std::string& id) = 0;
   virtual bool has_request(const std::string& id) const = 0;
   /// Throws "store.corrupted".
   virtual StoredRequest job_request(const std::string& id) const = 0;
 
-  /// Durable once this returns, together with whose it is. `request` is what keep_request has returned. False, and
-  /// nothing is added, where there is a job with the same key of idempotency.
+  /// Adds a job with its owner; durable once this returns. `request` is what keep_request has returned. False, and
+  /// nothing is added, where another job has the same idempotency key.
   virtual bool add_job(const JobRecord& job, const std::string& request = {}) = 0;
-  /// Notes an unfinished job's state, its start and its attempts. Outlives the process, but not necessarily the
-  /// machine: nothing waits for the disk. Does nothing for a job that has finished. In a shared store it takes the job
-  /// from all servers where it is to wait. False where another server has the job now, or has ended it.
+  /// Stores state, start and attempts of an unfinished job; does nothing for a finished one. They survive the end of
+  /// the process, but not necessarily of the machine. In a shared store, a job in the state "accepted" is given back
+  /// for any server to take. False where another server has taken or ended the job.
   virtual bool note_progress(const JobRecord& job) = 0;
-  /// Commits a job's end, with its result if it has one. Durable once this returns; its request is gone then. False,
-  /// and nothing changes, where the job is not there any more, or another server has it.
+  /// Commits the end of a job, with its result if it has one, and removes its request. Durable once this returns.
+  /// False, and nothing changes, where the job is gone or another server has it.
   virtual bool finish_job(const JobRecord& job, const Result* result) = 0;
   virtual std::optional<JobRecord> job(const std::string& id) const = 0;
-  /// Those in one of the states, or all where there is none, of an owner alone where one is named, the newest first;
-  /// `after` is the last id of the page before.
+  /// The newest `limit` jobs in one of the states, or in any state where `states` is empty; of one owner if `owner` is
+  /// not empty. `after` is the last id of the previous page.
   virtual std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                                       const std::string& owner = {}) const = 0;
-  /// The job that was asked for with this key of idempotency.
+  /// The job with this idempotency key.
   virtual std::optional<JobRecord> job_of_key(const std::string& key) const = 0;
   virtual bool owns_job(const std::string& id, const std::string& owner) const = 0;
-  /// Its body has been compared with its hash, in a mebibyte of memory however large it is, and is open. Throws
-  /// "job.not_found", "store.corrupted".
+  /// The result of a job. Its body has been compared with its hash, and is open; that takes a mebibyte of memory for
+  /// any size. Throws "job.not_found", "store.corrupted".
   virtual StoredResult job_result(const std::string& id) const = 0;
   virtual bool remove_job(const std::string& id) = 0;
-  /// Jobs that an earlier process left unfinished, the oldest first; in a shared store none, for others may run them.
+  /// Jobs that an earlier process left unfinished, the oldest first. A shared store returns none, for other servers may
+  /// run them.
   virtual std::vector<JobRecord> unfinished_jobs() const = 0;
-  /// Removes finished jobs that have expired by `now`, and the oldest finished ones beyond `most`. Returns their
+  /// Removes finished jobs that have expired by `now`, and the oldest finished ones beyond `max_count`. Returns their
   /// number.
-  virtual std::size_t remove_expired_jobs(std::int64_t now, std::size_t most) = 0;
+  virtual std::size_t remove_expired_jobs(std::int64_t now, std::size_t max_count) = 0;
 
-  /// Whether several servers use it. What follows does something only there: each job is held by one server, which has
-  /// to be heard of every few seconds.
+  /// Whether several servers use the store. Only then the members down to still_has_mesh do something: each job is
+  /// leased to one server, which has to report every few seconds.
   virtual bool is_shared() const { return false; }
-  /// Says that this server is alive and how far its jobs are, and when meshes were used. Returns the jobs that it
-  /// holds.
+  /// Renews the lease of this server, and stores the progress of its jobs and the times at which meshes were used.
+  /// Returns the jobs that are leased to it.
   virtual std::vector<HeldJob> keep_holds(const std::vector<JobProgress>& /*running*/) { return {}; }
-  /// Takes jobs from servers that have not been heard of, then jobs that wait at other servers, the oldest first.
-  virtual std::vector<JobRecord> take_jobs(std::size_t /*most*/) { return {}; }
-  /// How far a job is that another server runs.
+  /// Leases jobs to this server, the oldest first: those of servers that have not been heard of, then those that wait
+  /// at other servers.
+  virtual std::vector<JobRecord> take_jobs(std::size_t /*max_count*/) { return {}; }
+  /// Progress of a job that another server runs.
   virtual std::optional<JobProgress> job_progress(const std::string& /*id*/) const { return std::nullopt; }
-  /// Ends an unfinished job, whichever server holds it, as dismissed. Nothing where there is none.
+  /// Ends an unfinished job as dismissed, whichever server has it. Nullopt where there is no such job.
   virtual std::optional<JobRecord> dismiss_job(const std::string& /*id*/, std::int64_t /*finished*/,
                                                std::int64_t /*expires*/) {
     return std::nullopt;
   }
   virtual bool has_unfinished_job_on(const std::string& /*mesh*/) const { return false; }
-  /// False where another server has removed the mesh, which may take a second to be seen.
+  /// False where another server has removed the mesh, which may take a second to be noticed.
   virtual bool still_has_mesh(const std::string& /*id*/) const { return true; }
 
-  /// Takes the reserve again that was given back on a full disk, once there is space; a microsecond where it is there.
+  /// Makes the reserve file again, which was deleted on a full disk, once there is space. Takes a microsecond where it
+  /// exists.
   virtual void take_reserve() = 0;
 
-  /// Takes a few microseconds.
+  /// The bytes that are stored now. Takes a few microseconds.
   virtual Usage usage() const = 0;
 };
 

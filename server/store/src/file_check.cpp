@@ -1,4 +1,4 @@
-#include "look_through.h"
+#include "file_check.h"
 
 #include <algorithm>
 #include <chrono>
@@ -19,13 +19,14 @@ void count(const StoredFile& file, Check& check) {
   ++(file.kind == Kind::mesh ? check.meshes : file.kind == Kind::result ? check.results : check.requests);
 }
 
-/// What a server adds or removes at the moment is there before its row is, or after it: that is looked at twice.
-void find_unknown(const Places& places, const Catalogue& catalogue, const std::set<fs::path>& known, Check& check) {
-  const auto first = unknown_files(places, catalogue.names, known);
+/// While a server adds or removes a file, the file may exist without its row for a moment. Therefore only files that
+/// have no row in two scans count.
+void find_orphans(const DataPaths& paths, const Catalogue& catalogue, const std::set<fs::path>& named, Check& check) {
+  const auto first = orphaned_files(paths, catalogue.contains, named);
   if (first.empty()) return;
   constexpr std::chrono::milliseconds between_file_and_row{500};
   std::this_thread::sleep_for(between_file_and_row);
-  const auto second = unknown_files(places, catalogue.names, known);
+  const auto second = orphaned_files(paths, catalogue.contains, named);
   for (const auto& path : first) {
     if (std::find(second.begin(), second.end(), path) == second.end()) continue;
     check.faults.push_back("The database does not name the file " + path.filename().string() + ".");
@@ -34,8 +35,8 @@ void find_unknown(const Places& places, const Catalogue& catalogue, const std::s
 
 }  // namespace
 
-std::string fault_on_disk(const StoredFile& file, const Places& places) {
-  const auto path = file.place(places);
+std::string fault_on_disk(const StoredFile& file, const DataPaths& paths) {
+  const auto path = file.path(paths);
   const auto name = path.filename().string();
   try {
     const auto content = read_file(path);
@@ -51,34 +52,35 @@ std::string fault_on_disk(const StoredFile& file, const Places& places) {
   }
 }
 
-std::vector<fs::path> unknown_files(const Places& places, const std::function<bool(const StoredFile&)>& names,
-                                    const std::set<fs::path>& known) {
+std::vector<fs::path> orphaned_files(const DataPaths& paths, const std::function<bool(const StoredFile&)>& is_named,
+                                     const std::set<fs::path>& named) {
   std::vector<fs::path> unknown;
   for (const auto& [kind, folder, suffix] :
-       {std::tuple(Kind::mesh, places.meshes(), ".ply"), std::tuple(Kind::result, places.results(), ".result"),
-        std::tuple(Kind::request, places.requests(), ".request")}) {
+       {std::tuple(Kind::mesh, paths.meshes(), ".ply"), std::tuple(Kind::result, paths.results(), ".result"),
+        std::tuple(Kind::request, paths.requests(), ".request")}) {
     if (!fs::exists(folder)) continue;
     for (const auto& entry : fs::directory_iterator(folder)) {
       const auto& path = entry.path();
-      if (is_unfinished(path) || known.contains(path)) continue;
-      if (path.extension() != suffix || !names({kind, path.stem().string(), {}})) unknown.push_back(path);
+      if (is_unfinished(path) || named.contains(path)) continue;
+      if (path.extension() != suffix || !is_named({kind, path.stem().string(), {}})) unknown.push_back(path);
     }
   }
   return unknown;
 }
 
-void look_through(const Places& places, const Catalogue& catalogue, Check& check) {
-  std::set<fs::path> known;
+void check_files(const DataPaths& paths, const Catalogue& catalogue, Check& check) {
+  std::set<fs::path> named;
   for (const auto& file : catalogue.files()) {
-    known.insert(file.place(places));
-    auto fault = fault_on_disk(file, places);
-    // What has gone meanwhile is no fault; nor is what a repair by a client has put right.
-    if (!fault.empty()) fault = catalogue.names(file) ? fault_on_disk(file, places) : std::string();
-    if (!fault.empty() && !catalogue.names(file)) continue;
+    named.insert(file.path(paths));
+    auto fault = fault_on_disk(file, paths);
+    // A file that was removed meanwhile is no fault, and neither is one that a client has repaired by uploading it
+    // again.
+    if (!fault.empty()) fault = catalogue.contains(file) ? fault_on_disk(file, paths) : std::string();
+    if (!fault.empty() && !catalogue.contains(file)) continue;
     count(file, check);
     if (!fault.empty()) check.faults.push_back(std::move(fault));
   }
-  find_unknown(places, catalogue, known, check);
+  find_orphans(paths, catalogue, named, check);
 }
 
 }  // namespace supple::store
