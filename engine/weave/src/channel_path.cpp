@@ -10,19 +10,19 @@
 namespace supple::weave {
 namespace {
 
-constexpr int arc_pieces = 8;  ///< of each half of an arc
+constexpr int arc_pieces = 8;  ///< number of line segments in each half of an arc
 
-/// The height over the feet at a distance from the apex; `half` is where the foot is.
+/// The height of a channel over its feet at a distance from the apex. The foot is at the distance `half`. All in mm.
 double height(const Channel& channel, double distance, double half) {
-  const double share = std::min(1.0, distance / half);
-  return channel.shape == ChannelShape::triangle ? channel.apex * (1 - share)
-                                                 : channel.apex * std::cos(std::numbers::pi / 2 * share);
+  const double fraction = std::min(1.0, distance / half);
+  return channel.shape == ChannelShape::triangle ? channel.apex * (1 - fraction)
+                                                 : channel.apex * std::cos(std::numbers::pi / 2 * fraction);
 }
 
-/// Strands that slide across each strand: what no foot may touch.
+/// A strand that slides across another one. No foot may touch it.
 struct StrandSlider {
-  double at;
-  double half;  ///< of its width along the strand below
+  double coordinate;  ///< coordinate on the strand below, mm
+  double half_width;  ///< half of its width along the strand below, mm
   int crossing;
 };
 
@@ -30,13 +30,14 @@ std::vector<std::vector<StrandSlider>> sliders(const Weave& weave, const std::ve
   std::vector<std::vector<StrandSlider>> result(weave.strands.size());
   for (const SlidingCrossing& c : crossings)
     result[static_cast<std::size_t>(c.bottom)].push_back(
-        {c.bottom_at, weave.strands[static_cast<std::size_t>(c.upper)].radius / c.sine, c.crossing});
+        {c.bottom_coordinate, weave.strands[static_cast<std::size_t>(c.upper)].radius / c.sine, c.crossing});
   for (auto& list : result)
-    std::sort(list.begin(), list.end(), [](const StrandSlider& a, const StrandSlider& b) { return a.at < b.at; });
+    std::sort(list.begin(), list.end(),
+              [](const StrandSlider& a, const StrandSlider& b) { return a.coordinate < b.coordinate; });
   return result;
 }
 
-/// How far a foot may be from the crossing, and what is there.
+/// Maximum distance of a foot from its crossing, mm, and what limits it.
 struct Reach {
   double distance = std::numeric_limits<double>::infinity();
   std::string limit{};
@@ -54,16 +55,16 @@ class Feet {
     const bool closed = strand.curve.ends() == Ends::closed;
     Reach result;
     if (!closed) {
-      result.distance = direction < 0 ? crossing.bottom_at + overruns_[bottom].start
-                                      : length + overruns_[bottom].end - crossing.bottom_at;
+      result.distance = direction < 0 ? crossing.bottom_coordinate + overruns_[bottom].start
+                                      : length + overruns_[bottom].end - crossing.bottom_coordinate;
       result.limit = "the end of " + strand_name(crossing.bottom);
     }
     for (const StrandSlider& other : sliders_[bottom]) {
       if (other.crossing == crossing.crossing) continue;
-      double ahead = direction * (other.at - crossing.bottom_at);
+      double ahead = direction * (other.coordinate - crossing.bottom_coordinate);
       if (ahead < 0 && closed) ahead += length;
-      // The foot is as wide as the strand that it stands on.
-      const double distance = ahead - other.half - strand.radius;
+      // A foot is as wide as the strand on which it stands.
+      const double distance = ahead - other.half_width - strand.radius;
       if (ahead >= 0 && distance < result.distance)
         result = {distance, "the strand that slides at " + crossing_name(other.crossing)};
     }
@@ -76,7 +77,8 @@ class Feet {
   const std::vector<Overrun>& overruns_;
 };
 
-/// The channel's underside where the strand's side is, against the strand's upper side.
+/// Checks that a channel clears the strand inside it: at the strand's sides, its underside must be above the strand's
+/// top.
 void check_clearance(const Weave& weave, const SlidingCrossing& crossing, const PrinterProfile& profile,
                      PrintFaults& faults) {
   const Channel& channel = profile.channel;
@@ -90,13 +92,13 @@ void check_clearance(const Weave& weave, const SlidingCrossing& crossing, const 
     return;
   }
   const double bottom_radius = weave.strands[static_cast<std::size_t>(crossing.bottom)].radius;
-  // As thick as a round bead of the channel's area.
+  // The thickness is the diameter of a round bead of the channel's area.
   const double thickness = 2 * std::sqrt(profile.channel_flow * bead_area(profile, bottom_radius) / std::numbers::pi);
   const double shape = height(channel, side, channel.half_width) / channel.apex;
-  const double least = (profile.lift.height + thickness) / shape;
-  if (channel.apex < least)
+  const double min_apex = (profile.lift.height + thickness) / shape;
+  if (channel.apex < min_apex)
     faults.add(crossing_name(crossing.crossing),
-               "the channel would touch the strand within: channel/apex must be at least " + mm(least) +
+               "the channel would touch the strand within: channel/apex must be at least " + mm(min_apex) +
                    " for a lift of " + mm(profile.lift.height) + ", is " + mm(channel.apex));
 }
 
@@ -109,10 +111,10 @@ std::vector<Eigen::Vector3d> polyline(const StrandCurve& curve, double at, doubl
   const Eigen::Vector2d centre = position(0);
   std::vector<Eigen::Vector3d> points;
   const int pieces = channel.shape == ChannelShape::triangle ? 1 : arc_pieces;
-  // Straight above the chords from foot to crossing: that is where a bead under tension goes.
-  const auto add = [&](double half, double foot, double share) {
-    const Eigen::Vector2d p = centre + share * (position(foot) - centre);
-    points.emplace_back(p[0], p[1], profile.strand_height + height(channel, share * half, half));
+  // The points lie above the chords from the feet to the crossing, because a bead under tension follows them.
+  const auto add = [&](double half, double foot, double fraction) {
+    const Eigen::Vector2d p = centre + fraction * (position(foot) - centre);
+    points.emplace_back(p[0], p[1], profile.strand_height + height(channel, fraction * half, half));
   };
   for (int i = 0; i <= pieces; ++i) add(first, -first, 1 - static_cast<double>(i) / pieces);
   for (int i = 1; i <= pieces; ++i) add(second, second, static_cast<double>(i) / pieces);
@@ -144,7 +146,7 @@ std::vector<std::vector<Eigen::Vector3d>> channel_paths(const Weave& weave,
                                                        " for its feet, and there are " +
                                                        mm(std::max(0.0, nearer.distance)) + " to " + nearer.limit);
     }
-    paths.push_back(polyline(weave.strands[static_cast<std::size_t>(crossing.bottom)].curve, crossing.bottom_at,
+    paths.push_back(polyline(weave.strands[static_cast<std::size_t>(crossing.bottom)].curve, crossing.bottom_coordinate,
                              forwards ? 1 : -1, profile));
   }
   return paths;

@@ -8,7 +8,7 @@
 namespace supple::weave {
 namespace {
 
-/// Tangent and reference director on either side of a turn.
+/// Tangent and reference director on one side of a Turn.
 struct Side {
   Eigen::Vector3d tangent;
   Eigen::Vector3d director;
@@ -24,8 +24,8 @@ Side side(const RodModel& model, const Chart& chart, const Turn& turn, int edge)
 }
 
 double twist_between(const Side& in, const Side& out) {
-  const Eigen::Vector3d carried = transport(in.director, in.tangent, out.tangent);
-  return -std::atan2(carried.dot(out.tangent.cross(out.director)), carried.dot(out.director));
+  const Eigen::Vector3d transported = transport(in.director, in.tangent, out.tangent);
+  return -std::atan2(transported.dot(out.tangent.cross(out.director)), transported.dot(out.director));
 }
 
 }  // namespace
@@ -70,14 +70,14 @@ Chart rebase(const RodModel& model, const Chart& chart, Eigen::VectorXd& q) {
   next.director.resize(edges);
   for (std::size_t e = 0; e < edges; ++e) {
     next.tangent[e] = model.edge_vector(model.edges()[e], q).normalized();
-    const Eigen::Vector3d carried = transport(chart.director[e], chart.tangent[e], next.tangent[e]);
-    // Against the drift of many transports.
-    next.director[e] = (carried - carried.dot(next.tangent[e]) * next.tangent[e]).normalized();
+    const Eigen::Vector3d transported = transport(chart.director[e], chart.tangent[e], next.tangent[e]);
+    // Orthonormalization removes the drift of many transports.
+    next.director[e] = (transported - transported.dot(next.tangent[e]) * next.tangent[e]).normalized();
   }
   next.joint.reserve(chart.joint.size());
   for (int j = 0; j < model.joints(); ++j) {
-    const Eigen::Quaterniond turned(cayley(q.segment<3>(model.joint(j))) * chart.joint[static_cast<std::size_t>(j)]);
-    next.joint.emplace_back(turned.normalized().toRotationMatrix());
+    const Eigen::Quaterniond rotated(cayley(q.segment<3>(model.joint(j))) * chart.joint[static_cast<std::size_t>(j)]);
+    next.joint.emplace_back(rotated.normalized().toRotationMatrix());
     q.segment<3>(model.joint(j)).setZero();
   }
   next.twist.reserve(model.turns().size());

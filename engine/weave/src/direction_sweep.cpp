@@ -9,21 +9,23 @@
 namespace supple::weave {
 namespace {
 
-/// Neighbours farther apart than this say too little about each other, rad.
-constexpr double widest_gap = 0.16;
-/// The difference of two neighbours' energies is the gap between them times a slope between theirs.
-/// Nothing is suspicious below this share of the larger energy, or of the largest one over all directions.
-constexpr double unexplained_share = 0.01;
-constexpr double negligible_share = 1e-5;
-/// Energies closer than this, relative, are those of one equilibrium or of mirror images.
-constexpr double least_improvement = 1e-4;
+/// Maximum angle between neighbours that are compared, rad.
+constexpr double max_neighbour_gap = 0.16;
+/// The difference of two neighbours' energies should be the angle between them times a slope between theirs. It is
+/// suspicious if it deviates from that by more than `unexplained_fraction` of the larger energy plus
+/// `negligible_fraction` of the largest energy over all directions.
+constexpr double unexplained_fraction = 0.01;
+constexpr double negligible_fraction = 1e-5;
+/// Relative difference of energies above which a lower energy is another equilibrium. Smaller differences are those of
+/// one equilibrium or of mirror images.
+constexpr double min_improvement = 1e-4;
 
-double turned_into_half_turn(double direction) {
-  const double turned = std::fmod(direction, std::numbers::pi);
-  return turned < 0 ? turned + std::numbers::pi : turned;
+double reduced_to_half_turn(double direction) {
+  const double reduced = std::fmod(direction, std::numbers::pi);
+  return reduced < 0 ? reduced + std::numbers::pi : reduced;
 }
 
-/// How much more energy (or less, if negative) the second of two neighbours has than the slopes of both explain, N/m.
+/// Energy of the second of two neighbours minus the nearest value that the slopes of both explain, N/m.
 double unexplained_rise(const DirectionalResponse& first, const DirectionalResponse& second, double gap,
                         const HomogenizationOptions& options) {
   const auto [low, high] = std::minmax({energy_slope(first, options), energy_slope(second, options)});
@@ -38,15 +40,15 @@ double energy_slope(const DirectionalResponse& response, const HomogenizationOpt
   const Eigen::Vector2d n(-d[1], d[0]);
   const Eigen::Matrix2d& f = response.state.deformation_gradient;
   const Eigen::Matrix2d& p = response.state.nominal_stress;
-  // The derivative of F^T d = stretch d: F'^T d = stretch n - F^T n.
+  // Derivative of F^T d = stretch d by the direction: F'^T d = stretch n - F^T n.
   double slope = d.dot(p * ((1 + options.strain) * n - f.transpose() * n));
-  // The derivative of n^T F d = 0, where shear is suppressed: n^T F' d = d^T F d - n^T F n.
+  // Derivative of n^T F d = 0, which holds if shear is suppressed: n^T F' d = d^T F d - n^T F n.
   if (!options.shear_free) slope += n.dot(p * d) * (d.dot(f * d) - n.dot(f * n));
   return slope;
 }
 
 DirectionOrder::DirectionOrder(const std::vector<DirectionalResponse>& responses) : indices_(responses.size()) {
-  const auto angle = [&](std::size_t i) { return turned_into_half_turn(responses[i].direction); };
+  const auto angle = [&](std::size_t i) { return reduced_to_half_turn(responses[i].direction); };
   std::iota(indices_.begin(), indices_.end(), std::size_t{0});
   std::stable_sort(indices_.begin(), indices_.end(), [&](std::size_t a, std::size_t b) { return angle(a) < angle(b); });
   gaps_.reserve(size());
@@ -56,7 +58,7 @@ DirectionOrder::DirectionOrder(const std::vector<DirectionalResponse>& responses
 
 std::optional<std::size_t> DirectionOrder::neighbour(std::size_t position, bool upwards) const {
   const std::size_t other = (position + (upwards ? 1 : size() - 1)) % size();
-  if (other == position || gaps_[upwards ? position : other] > widest_gap) return std::nullopt;
+  if (other == position || gaps_[upwards ? position : other] > max_neighbour_gap) return std::nullopt;
   return other;
 }
 
@@ -78,7 +80,7 @@ std::vector<SweepStart> suspicious_directions(const std::vector<DirectionalRespo
     if (one_converged && other_converged) {
       rise = unexplained_rise(one, other, order.gap_after(k), options);
       const double larger = std::max(one.state.energy_density, other.state.energy_density);
-      if (std::abs(rise) <= unexplained_share * larger + negligible_share * largest) continue;
+      if (std::abs(rise) <= unexplained_fraction * larger + negligible_fraction * largest) continue;
     } else if (one_converged != other_converged) {
       rise = one_converged ? 1 : -1;
     }
@@ -88,20 +90,20 @@ std::vector<SweepStart> suspicious_directions(const std::vector<DirectionalRespo
   return starts;
 }
 
-bool is_better(const DirectionalResponse& response, const DirectionalResponse& than) {
+bool is_better(const DirectionalResponse& response, const DirectionalResponse& other) {
   if (response.state.stopped != Stop::converged || !response.state.stable) return false;
-  if (than.state.stopped != Stop::converged) return than.state.stopped != Stop::folded_flat;
-  return response.state.energy_density < (1 - least_improvement) * than.state.energy_density;
+  if (other.state.stopped != Stop::converged) return other.state.stopped != Stop::folded_flat;
+  return response.state.energy_density < (1 - min_improvement) * other.state.energy_density;
 }
 
-void take_better(std::vector<BetterResponse> found, std::vector<DirectionalResponse>& responses) {
+void replace_by_better(std::vector<BetterResponse> found, std::vector<DirectionalResponse>& responses) {
   for (BetterResponse& better : found) {
-    DirectionalResponse& kept = responses[better.index];
-    if (!is_better(better.response, kept)) continue;
-    better.response.state.iterations += kept.state.iterations;
-    better.response.state.load_steps += kept.state.load_steps;
-    better.response.state.branches += kept.state.branches + 1;
-    kept = std::move(better.response);
+    DirectionalResponse& current = responses[better.index];
+    if (!is_better(better.response, current)) continue;
+    better.response.state.iterations += current.state.iterations;
+    better.response.state.load_steps += current.state.load_steps;
+    better.response.state.branches += current.state.branches + 1;
+    current = std::move(better.response);
   }
 }
 

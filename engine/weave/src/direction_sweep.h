@@ -8,48 +8,50 @@
 
 namespace supple::weave {
 
-/// The derivative of the energy density of an equilibrium by the direction along which the cell is strained, N/m per
-/// rad. With F^T d = stretch d it is P : F', where only the part of F' that is prescribed does work.
+/// The derivative of the energy density of an equilibrium by the direction angle along which the cell is strained, N/m
+/// per rad. It is P : F', where F' is the derivative of the deformation gradient with F^T d = stretch d. Only the
+/// prescribed part of F' does work.
 double energy_slope(const DirectionalResponse& response, const HomogenizationOptions& options);
 
-/// Directions in the order of their angles over half a turn, after which the first one follows again.
+/// Directions sorted by their angles over half a turn. The first one follows the last one.
 class DirectionOrder {
  public:
   explicit DirectionOrder(const std::vector<DirectionalResponse>& responses);
   std::size_t size() const { return indices_.size(); }
-  /// The index of the direction at a position in the order.
+  /// The index of the direction at a position in this order.
   std::size_t index(std::size_t position) const { return indices_[position]; }
-  /// The position before or after this one, if the directions are at most 0.16 rad apart.
+  /// The position before or after this one; nothing if the two directions are more than 0.16 rad apart.
   std::optional<std::size_t> neighbour(std::size_t position, bool upwards) const;
-  double gap_after(std::size_t position) const { return gaps_[position]; }  ///< rad
+  double gap_after(std::size_t position) const { return gaps_[position]; }  ///< angle to the next direction, rad
 
  private:
   std::vector<std::size_t> indices_;
   std::vector<double> gaps_;
 };
 
-/// A direction whose equilibrium is carried over to the directions beside it, one after the other, as long as that
-/// finds lower energies.
+/// A direction whose equilibrium is the initial state for the next direction, and so on from direction to direction as
+/// long as lower energies are found.
 struct SweepStart {
-  std::size_t position = 0;  ///< in the order
+  std::size_t position = 0;  ///< in the DirectionOrder
   bool upwards = true;       ///< towards larger angles
 };
 
-/// The directions beside which the energy is suspicious: it rises to a neighbour by more than the slopes of both
-/// explain, or the neighbour has no equilibrium. O(n) for n directions.
+/// The starts of sweeps, each next to a suspicious direction. A direction is suspicious if its energy exceeds the
+/// neighbour's by more than the slopes of both explain, or if it has no equilibrium. O(n) for n directions.
 std::vector<SweepStart> suspicious_directions(const std::vector<DirectionalResponse>& responses,
                                               const DirectionOrder& order, const HomogenizationOptions& options);
 
-/// Whether a response is an equilibrium of less energy than another one for the same direction, or the other is none.
-bool is_better(const DirectionalResponse& response, const DirectionalResponse& than);
+/// Whether `response` is a stable equilibrium whose energy is lower than that of `other` for the same direction, or
+/// `other` is no equilibrium. A cell that folded flat is not replaced.
+bool is_better(const DirectionalResponse& response, const DirectionalResponse& other);
 
-/// A better response for the direction with this index.
+/// A better response for the direction with the index `index`.
 struct BetterResponse {
   std::size_t index = 0;
   DirectionalResponse response{};
 };
-/// Replaces responses by the best ones that were found. The counts of what was computed add up, and another branch
-/// counts as left.
-void take_better(std::vector<BetterResponse> found, std::vector<DirectionalResponse>& responses);
+/// Replaces responses by the best ones that were found. Counts of iterations and load steps are added up, and the
+/// replacement counts as one more unstable equilibrium that was left.
+void replace_by_better(std::vector<BetterResponse> found, std::vector<DirectionalResponse>& responses);
 
 }  // namespace supple::weave

@@ -10,8 +10,8 @@
 namespace supple::weave {
 namespace {
 
-constexpr double margin = 2;   ///< mm
-constexpr double piece = 0.5;  ///< mm of a curved strand between two points of its picture
+constexpr double margin = 2;           ///< around the picture, mm
+constexpr double point_spacing = 0.5;  ///< length of a curved strand between two points of its picture, mm
 constexpr const char* strand_colour = "#3a6ea5";
 constexpr const char* fused_colour = "#b03030";
 constexpr const char* sliding_colour = "#d08020";
@@ -19,7 +19,7 @@ constexpr const char* sliding_colour = "#d08020";
 std::string number(double x) {
   std::ostringstream text;
   text.precision(6);
-  // Tiny numbers are rounding; minus zero is zero.
+  // Tiny numbers are rounding, and minus zero is written as zero.
   text << (std::abs(x) < 1e-9 ? 0.0 : x);
   return text.str();
 }
@@ -66,7 +66,7 @@ class Picture {
 }  // namespace
 
 std::size_t polyline_size(const StrandCurve& curve) {
-  return curve.straight() ? 2 : static_cast<std::size_t>(std::max(4.0, std::ceil(curve.length() / piece))) + 1;
+  return curve.straight() ? 2 : static_cast<std::size_t>(std::max(4.0, std::ceil(curve.length() / point_spacing))) + 1;
 }
 
 std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution& execution) {
@@ -78,7 +78,7 @@ std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution&
     pace.look();
     points.push_back(curve.at(curve.length() * static_cast<double>(i) / count).position);
   }
-  // By name: at its length a loop begins again, and so would the picture of a periodic strand.
+  // The last point follows from the first one: at its length a closed or periodic curve begins its next period.
   points.emplace_back(curve.ends() == Ends::open ? curve.at(curve.length()).position
                                                  : Eigen::Vector2d(points.front() + curve.translation()));
   return points;

@@ -27,8 +27,8 @@ void validate(const EquilibriumOptions& options) {
   faults.require(options.max_iterations >= 1 && options.max_iterations <= 10'000, "max_iterations",
                  "must lie within [1, 10000]");
   faults.require(options.load_steps >= 0 && options.load_steps <= 10'000, "load_steps", "must lie within [0, 10000]");
-  const auto within = [](const std::optional<double>& value, double least, double most) {
-    return !value || (*value >= least && *value <= most);
+  const auto within = [](const std::optional<double>& value, double min, double max) {
+    return !value || (*value >= min && *value <= max);
   };
   faults.require(within(options.least_distance, 0, 1e3), "least_distance", "must lie within [0, 1000] mm");
   faults.require(options.limit_tolerance >= 1e-12 && options.limit_tolerance <= 1, "limit_tolerance",

@@ -12,9 +12,9 @@
 namespace supple::weave {
 namespace {
 
-constexpr double park_height = 30;  ///< mm over the print, where the bed allows
+constexpr double park_height = 30;  ///< above the print, as far as the bed's height allows, mm
 
-/// The shortest way to say it with at most this many decimals, whatever the locale.
+/// The shortest text of a number with at most this many decimals. It does not depend on the locale.
 std::string decimal(double value, int decimals) {
   std::array<char, 64> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::fixed, decimals).ptr;
@@ -26,31 +26,32 @@ std::string decimal(double value, int decimals) {
   return result == "-0" ? "0" : result;
 }
 
-class Writer {
+class GcodeWriter {
  public:
-  explicit Writer(const PrinterProfile& profile) : profile_(profile) {}
+  explicit GcodeWriter(const PrinterProfile& profile) : profile_(profile) {}
 
   void line(const std::string& text) { text_ += text + "\n"; }
   void own_lines(const std::string& text) { text_ += own_gcode_lines(text); }
 
   void travel(const Move& move) {
-    extruder(filament_ - profile_.retraction);
-    for (std::size_t i = 1; i < move.points.size(); ++i) go("G0", move.points[i - 1], move.points[i], move.speed, "");
-    extruder(filament_);
+    push_filament_to(filament_ - profile_.retraction);
+    for (std::size_t i = 1; i < move.points.size(); ++i)
+      move_to("G0", move.points[i - 1], move.points[i], move.speed, "");
+    push_filament_to(filament_);
   }
 
   void extrude(const Move& move) {
-    const double per_mm = filament_per_mm(profile_, move.area);
+    const double filament_per_length = filament_per_mm(profile_, move.area);
     for (std::size_t i = 1; i < move.points.size(); ++i) {
-      filament_ += per_mm * (move.points[i] - move.points[i - 1]).norm();
-      go("G1", move.points[i - 1], move.points[i], move.speed, " E" + decimal(filament_, 5));
+      filament_ += filament_per_length * (move.points[i] - move.points[i - 1]).norm();
+      move_to("G1", move.points[i - 1], move.points[i], move.speed, " E" + decimal(filament_, 5));
     }
   }
 
-  /// Up from the print, out of its way, everything off.
+  /// Moves up from the print and out of its way, and switches everything off.
   void finish(double height) {
     const std::string speed = " F" + decimal(profile_.travel_speed, 1);
-    extruder(filament_ - profile_.retraction);
+    push_filament_to(filament_ - profile_.retraction);
     line("G0 Z" + decimal(height, 3) + speed);
     if (profile_.park) line("G0 X0 Y" + decimal(profile_.bed[1], 3) + speed + " ; park");
     own_lines(profile_.footer_gcode);
@@ -61,12 +62,12 @@ class Writer {
   std::string take() { return std::move(text_); }
 
  private:
-  void extruder(double filament) {
+  void push_filament_to(double filament) {
     if (profile_.retraction > 0) line("G1 E" + decimal(filament, 5) + " F" + decimal(profile_.retraction_speed, 1));
   }
 
-  void go(const char* command, const Eigen::Vector3d& from, const Eigen::Vector3d& to, double speed,
-          const std::string& extrusion) {
+  void move_to(const char* command, const Eigen::Vector3d& from, const Eigen::Vector3d& to, double speed,
+               const std::string& extrusion) {
     if (from == to) return;
     constexpr std::array letters{" X", " Y", " Z"};
     text_ += command;
@@ -84,7 +85,7 @@ class Writer {
 
 std::string to_gcode(const Toolpath& toolpath, const PrinterProfile& profile) {
   validate(profile);
-  Writer writer(profile);
+  GcodeWriter writer(profile);
   const ToolpathStatistics& s = toolpath.statistics;
   const std::string nozzle = decimal(profile.nozzle_temperature, 1);
   const std::string bed = decimal(profile.bed_temperature, 1);
@@ -103,7 +104,7 @@ std::string to_gcode(const Toolpath& toolpath, const PrinterProfile& profile) {
     writer.line(std::string(own_lines_begin));
     writer.own_lines(profile.startup_gcode);
     writer.line(std::string(own_lines_end));
-    // The owner's lines may have left other modes.
+    // The owner's lines may have changed the modes.
     writer.line("G21 ; millimetres");
     writer.line("G90 ; absolute positions");
     writer.line("M82 ; absolute extrusion");

@@ -9,15 +9,16 @@ namespace supple::weave {
 
 /// A straight move that deposited filament.
 struct Bead {
-  int line = 0;  ///< of the G-code
-  int run = 0;   ///< beads without a travel between them have the same
+  int line = 0;  ///< line of the G-code, counted from 1
+  int run = 0;   ///< number of the run: beads without a travel between them have the same
   Eigen::Vector3d from{0, 0, 0};
   Eigen::Vector3d to{0, 0, 0};
-  double filament = 0;  ///< deposited, mm
+  double filament = 0;  ///< deposited filament, mm
 };
 
-/// Runs of beads that rise at once, fall to where they began and end there, with both ends on beads of earlier runs
-/// that are no higher. O(beads), and for each candidate the number of beads nearby. Throws where a stop is asked for.
+/// Finds channels: runs of beads that first only rise and then only fall to the height at which they began. Both ends
+/// are on beads of earlier runs that are no higher. O(beads), and for each candidate the number of beads nearby. Throws
+/// if a stop is requested.
 std::vector<FoundChannel> find_channels(const std::vector<Bead>& beads, double strand_width,
                                         const CancellationToken& cancellation = {});
 

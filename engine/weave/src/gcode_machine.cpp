@@ -10,22 +10,25 @@
 namespace supple::weave {
 namespace {
 
-constexpr std::size_t most_violations = 1000;
-constexpr double slack = 1e-6;           ///< mm: positions are rounded when written
-constexpr double extruder_slack = 1e-4;  ///< mm: less filament is rounding
-constexpr double largest_blob = 0.02;    ///< mm of filament that may be too much or missing at one place
-constexpr double speed_slack = 1e-3;     ///< share: speeds are rounded too
-constexpr double slowest = 0.01;         ///< mm/min; less is not moving
+constexpr std::size_t max_violations = 1000;
+constexpr double position_slack = 1e-6;  ///< written positions are rounded by less, mm
+constexpr double extruder_slack = 1e-4;  ///< less filament is rounding, mm
+constexpr double max_blob = 0.02;        ///< excess or lack of filament that is allowed at one place, mm
+constexpr double speed_slack = 1e-3;     ///< relative rounding of written speeds
+constexpr double min_feed_rate = 0.01;   ///< a smaller feed rate is no speed, mm/min
 constexpr double mm_per_inch = 25.4;
-constexpr double beyond_bed = 10;  ///< mm by which a printer's own start lines may leave the bed, to clean the nozzle
-constexpr std::size_t most_unchecked = 1000;
+constexpr double own_lines_margin = 10;  ///< own lines may leave the bed by this to clean the nozzle, mm
+constexpr std::size_t max_unchecked = 1000;
 constexpr const char* axes = "XYZ";
 
-/// Commands that pause, stop or leave the print, choose another file, or change what lengths of filament mean.
-constexpr std::array breaking{0,   1,   2,   23,  24,  25,  28,  30,  32,  108, 112, 125, 206, 218, 226,
-                              410, 428, 524, 600, 601, 602, 603, 605, 665, 666, 701, 702, 703, 997, 999};
-/// Levelling, probing, parking, cleaning and firmware retraction: the printer does them and comes back.
-constexpr std::array preparing{10, 11, 12, 22, 23, 27, 29, 30, 31, 32, 33, 34, 35, 36, 60, 61, 80, 81, 87, 88, 89};
+/// Codes of M commands that pause, stop or leave the print, choose another file, or change the meaning of lengths of
+/// filament.
+constexpr std::array refused_codes{0,   1,   2,   23,  24,  25,  28,  30,  32,  108, 112, 125, 206, 218, 226,
+                                   410, 428, 524, 600, 601, 602, 603, 605, 665, 666, 701, 702, 703, 997, 999};
+/// Codes of G commands for levelling, probing, parking, cleaning and firmware retraction. The printer executes them and
+/// returns.
+constexpr std::array preparation_codes{10, 11, 12, 22, 23, 27, 29, 30, 31, 32, 33,
+                                       34, 35, 36, 60, 61, 80, 81, 87, 88, 89};
 
 template <class Codes>
 bool contains(const Codes& codes, int code) {
@@ -45,35 +48,36 @@ const GcodeWord* find(const std::vector<GcodeWord>& words, char letter) {
 
 }  // namespace
 
-void GcodeMachine::violate(ViolationKind kind, int line, std::string message) {
+void GcodeMachine::add_violation(ViolationKind kind, int line, std::string message) {
   ++report_.violation_count;
-  if (report_.violations.size() < most_violations) report_.violations.push_back({kind, line, std::move(message)});
+  if (report_.violations.size() < max_violations) report_.violations.push_back({kind, line, std::move(message)});
 }
 
-void GcodeMachine::obey(const GcodeLine& line, int number_of_line) {
-  line_ = number_of_line;
-  for (const std::string& fault : line.faults) violate(ViolationKind::malformed_word, line_, fault);
-  if (!line.macro.empty()) return pass(line.macro);
+void GcodeMachine::execute(const GcodeLine& line, int line_number) {
+  line_ = line_number;
+  for (const std::string& fault : line.faults) add_violation(ViolationKind::malformed_word, line_, fault);
+  if (!line.macro.empty()) return record_unchecked(line.macro);
   if (line.words.empty()) return;
   const GcodeWord& first = line.words.front();
   if (std::strchr("GMT", first.letter) == nullptr) {
-    violate(ViolationKind::malformed_word, line_,
-            std::string("a line must begin with a command, not with ") + first.letter);
+    add_violation(ViolationKind::malformed_word, line_,
+                  std::string("a line must begin with a command, not with ") + first.letter);
     return;
   }
   command(first, {line.words.begin() + 1, line.words.end()});
 }
 
 void GcodeMachine::command(const GcodeWord& command, const std::vector<GcodeWord>& parameters) {
-  if (command.letter == 'T') return tool(command);
+  if (command.letter == 'T') return select_tool(command);
   const bool is_code = command.has_value && command.value >= 0;
   const int family = is_code ? static_cast<int>(command.value) : -1;
   const bool whole = is_code && command.value == family;
-  // "M862.3" and "G29.1" are kinds of M862 and G29.
-  if (is_code && !whole && (command.letter == 'M' ? !contains(breaking, family) : family == 29))
-    return pass(command.letter + readable(command.value));
+  // "M862.3" and "G29.1" are variants of M862 and G29.
+  if (is_code && !whole && (command.letter == 'M' ? !contains(refused_codes, family) : family == 29))
+    return record_unchecked(command.letter + readable(command.value));
   if (!whole) {
-    violate(ViolationKind::unknown_command, line_, command.letter + (command.has_value ? readable(command.value) : ""));
+    add_violation(ViolationKind::unknown_command, line_,
+                  command.letter + (command.has_value ? readable(command.value) : ""));
     return;
   }
   if (command.letter == 'G')
@@ -82,15 +86,15 @@ void GcodeMachine::command(const GcodeWord& command, const std::vector<GcodeWord
     machine_command(family, parameters);
 }
 
-void GcodeMachine::tool(const GcodeWord& command) {
-  // The first tool is in use already.
+void GcodeMachine::select_tool(const GcodeWord& command) {
+  // The first tool is already in use.
   if (command.has_value && command.value == 0) return;
-  violate(ViolationKind::unknown_command, line_, "T" + (command.has_value ? readable(command.value) : ""));
+  add_violation(ViolationKind::unknown_command, line_, "T" + (command.has_value ? readable(command.value) : ""));
 }
 
-void GcodeMachine::pass(std::string command) {
+void GcodeMachine::record_unchecked(std::string command) {
   ++report_.unchecked_count;
-  if (report_.unchecked.size() < most_unchecked) report_.unchecked.push_back({line_, std::move(command)});
+  if (report_.unchecked.size() < max_unchecked) report_.unchecked.push_back({line_, std::move(command)});
 }
 
 void GcodeMachine::set_unit(bool inches) { unit_ = inches ? mm_per_inch : 1; }
@@ -101,7 +105,7 @@ void GcodeMachine::set_factor(const std::vector<GcodeWord>& parameters, double& 
   if (percent->has_value && percent->value > 0)
     factor = percent->value / 100;
   else
-    violate(ViolationKind::malformed_word, line_, "S is no percentage above 0");
+    add_violation(ViolationKind::malformed_word, line_, "S is no percentage above 0");
 }
 
 void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& parameters) {
@@ -123,12 +127,12 @@ void GcodeMachine::general_command(int code, const std::vector<GcodeWord>& param
     case 92:
       return set_position(parameters);
     default:
-      if (contains(preparing, code)) {
+      if (contains(preparation_codes, code)) {
         moved_ = true;
-        // Mesh levelling without probing, and leaving a canned cycle, are G80 of two families of printers.
-        return code == 80 ? void() : pass("G" + std::to_string(code));
+        // G80 is mesh levelling without probing on some printers, and the end of a canned cycle on others.
+        return code == 80 ? void() : record_unchecked("G" + std::to_string(code));
       }
-      violate(ViolationKind::unknown_command, line_, "G" + std::to_string(code));
+      add_violation(ViolationKind::unknown_command, line_, "G" + std::to_string(code));
   }
 }
 
@@ -136,7 +140,7 @@ void GcodeMachine::machine_command(int code, const std::vector<GcodeWord>& param
   switch (code) {
     case 18:
     case 84:
-      // Without current the carriage can be pushed anywhere.
+      // Without current in the motors, the carriage can be pushed anywhere.
       homed_ = {false, false, false};
       reported_home_ = false;
       return;
@@ -154,9 +158,9 @@ void GcodeMachine::machine_command(int code, const std::vector<GcodeWord>& param
     case 107:
       return;
     case 200: {
-      // A diameter above 0 makes E a volume.
+      // With a diameter above 0, E is a volume.
       const GcodeWord* diameter = find(parameters, 'D');
-      if (diameter != nullptr && diameter->value > 0) violate(ViolationKind::unknown_command, line_, "M200 D");
+      if (diameter != nullptr && diameter->value > 0) add_violation(ViolationKind::unknown_command, line_, "M200 D");
       return;
     }
     case 220:
@@ -164,8 +168,8 @@ void GcodeMachine::machine_command(int code, const std::vector<GcodeWord>& param
     case 221:
       return set_factor(parameters, flow_factor_);
     default:
-      if (!contains(breaking, code)) return pass("M" + std::to_string(code));
-      violate(ViolationKind::unknown_command, line_, "M" + std::to_string(code));
+      if (!contains(refused_codes, code)) return record_unchecked("M" + std::to_string(code));
+      add_violation(ViolationKind::unknown_command, line_, "M" + std::to_string(code));
   }
 }
 
@@ -174,11 +178,11 @@ void GcodeMachine::check_parameters(const std::vector<GcodeWord>& parameters, co
     const GcodeWord& word = parameters[i];
     const std::string letter(1, word.letter);
     if (std::strchr(allowed, word.letter) == nullptr)
-      violate(ViolationKind::malformed_word, line_, letter + " means nothing here");
+      add_violation(ViolationKind::malformed_word, line_, letter + " means nothing here");
     else if (!word.has_value)
-      violate(ViolationKind::malformed_word, line_, letter + " has no number");
+      add_violation(ViolationKind::malformed_word, line_, letter + " has no number");
     else if (find(parameters, word.letter) != &word)
-      violate(ViolationKind::malformed_word, line_, letter + " is there twice");
+      add_violation(ViolationKind::malformed_word, line_, letter + " is there twice");
   }
 }
 
@@ -210,7 +214,7 @@ void GcodeMachine::set_temperature(const std::vector<GcodeWord>& parameters, boo
   const GcodeWord* word = find(parameters, 'S');
   if (word == nullptr && waits) word = find(parameters, 'R');
   if (word == nullptr || !word->has_value) {
-    violate(ViolationKind::malformed_word, line_, "a temperature is missing");
+    add_violation(ViolationKind::malformed_word, line_, "a temperature is missing");
     return;
   }
   if (!nozzle) return;
@@ -229,10 +233,10 @@ void GcodeMachine::dwell(const std::vector<GcodeWord>& parameters) {
 void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   check_parameters(parameters, "XYZEF");
   if (const GcodeWord* f = find(parameters, 'F'); f != nullptr && f->has_value) {
-    if (f->value >= slowest)
+    if (f->value >= min_feed_rate)
       speed_ = f->value * unit_;
     else
-      violate(ViolationKind::no_speed, line_, "F" + readable(f->value) + " is no speed");
+      add_violation(ViolationKind::no_speed, line_, "F" + readable(f->value) + " is no speed");
   }
   Eigen::Vector3d target = position_;
   for (int axis = 0; axis < 3; ++axis) {
@@ -241,7 +245,7 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
     target[axis] = absolute_ ? word->value * unit_ + offset_[axis] : position_[axis] + word->value * unit_;
     if (!homed_[static_cast<std::size_t>(axis)] && !reported_home_) {
       reported_home_ = true;
-      violate(ViolationKind::not_homed, line_, std::string("moves along ") + axes[axis] + " before G28");
+      add_violation(ViolationKind::not_homed, line_, std::string("moves along ") + axes[axis] + " before G28");
     }
   }
   double pushed = 0;
@@ -253,12 +257,12 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
   check_position(target);
   if (pushed < 0 && retracted() < extruder_slack) ++report_.retractions;
   const double length = (target - position_).norm();
-  if (pushed > 0 && length > 0 && retracted() > largest_blob)
-    violate(ViolationKind::under_extrusion, line_,
-            "begins to extrude with " + readable(retracted()) + " mm retracted: the bead has a gap");
+  if (pushed > 0 && length > 0 && retracted() > max_blob)
+    add_violation(ViolationKind::under_extrusion, line_,
+                  "begins to extrude with " + readable(retracted()) + " mm retracted: the bead has a gap");
   filament_ += pushed;
-  const double deposited = filament_ - most_filament_;
-  most_filament_ = std::max(most_filament_, filament_);
+  const double deposited = filament_ - max_filament_;
+  max_filament_ = std::max(max_filament_, filament_);
   if (length > 0 || pushed != 0) check_speed(deposited > extruder_slack && length > 0);
   if (speed_ > 0) report_.minutes += (length > 0 ? length : std::abs(pushed)) / (speed_ * speed_factor_);
   if (deposited > 0) {
@@ -273,25 +277,26 @@ void GcodeMachine::move(const std::vector<GcodeWord>& parameters) {
 void GcodeMachine::check_position(const Eigen::Vector3d& target) {
   const auto at = [&] { return readable(target[0]) + ", " + readable(target[1]) + ", " + readable(target[2]) + " mm"; };
   if (target == position_) return;
-  // Where the owner's lines left an axis is no fault of the lines that follow.
+  // The position at which the owner's lines left an axis is no fault of the lines that follow.
   const Eigen::Array<bool, 3, 1> changes = target.array() != position_.array();
-  for (int axis = 0; axis < 3; ++axis) left_by_owner_[axis] = own_lines_ || (left_by_owner_[axis] && !changes[axis]);
-  const Eigen::Array<bool, 3, 1> moves = changes || !left_by_owner_;
-  const double room = own_lines_ ? beyond_bed : slack;
-  if (moves[1] && target[1] < -room) violate(ViolationKind::y_below_zero, line_, "goes to " + at());
-  if (moves[2] && target[2] < -slack) violate(ViolationKind::z_below_zero, line_, "goes to " + at());
-  const Eigen::Vector3d most = limits_.bed + Eigen::Vector3d(room, room, slack);
-  const bool inside = (!moves[0] || (target[0] >= -room && target[0] <= most[0])) &&
-                      (!moves[1] || target[1] <= most[1]) && (!moves[2] || target[2] <= most[2]);
+  for (int axis = 0; axis < 3; ++axis)
+    left_by_own_lines_[axis] = own_lines_ || (left_by_own_lines_[axis] && !changes[axis]);
+  const Eigen::Array<bool, 3, 1> moves = changes || !left_by_own_lines_;
+  const double allowance = own_lines_ ? own_lines_margin : position_slack;
+  if (moves[1] && target[1] < -allowance) add_violation(ViolationKind::y_below_zero, line_, "goes to " + at());
+  if (moves[2] && target[2] < -position_slack) add_violation(ViolationKind::z_below_zero, line_, "goes to " + at());
+  const Eigen::Vector3d upper = limits_.bed + Eigen::Vector3d(allowance, allowance, position_slack);
+  const bool inside = (!moves[0] || (target[0] >= -allowance && target[0] <= upper[0])) &&
+                      (!moves[1] || target[1] <= upper[1]) && (!moves[2] || target[2] <= upper[2]);
   if (!inside)
-    violate(ViolationKind::outside_bed, line_,
-            "goes to " + at() + "; the bed ends at " + readable(limits_.bed[0]) + ", " + readable(limits_.bed[1]) +
-                ", " + readable(limits_.bed[2]) + " mm");
+    add_violation(ViolationKind::outside_bed, line_,
+                  "goes to " + at() + "; the bed ends at " + readable(limits_.bed[0]) + ", " +
+                      readable(limits_.bed[1]) + ", " + readable(limits_.bed[2]) + " mm");
 }
 
 void GcodeMachine::check_speed(bool extrudes) {
   if (speed_ <= 0) {
-    if (!reported_speed_) violate(ViolationKind::no_speed, line_, "moves before any feed rate is given");
+    if (!reported_speed_) add_violation(ViolationKind::no_speed, line_, "moves before any feed rate is given");
     reported_speed_ = true;
     return;
   }
@@ -299,21 +304,22 @@ void GcodeMachine::check_speed(bool extrudes) {
   const double speed = speed_ * speed_factor_;
   const double limit = extrudes ? limits_.print_speed : limits_.travel_speed;
   if (speed > limit * (1 + speed_slack))
-    violate(ViolationKind::too_fast, line_,
-            readable(speed) + " mm/min, at most " + readable(limit) +
-                (extrudes ? " while extruding" : " while travelling"));
+    add_violation(ViolationKind::too_fast, line_,
+                  readable(speed) + " mm/min, at most " + readable(limit) +
+                      (extrudes ? " while extruding" : " while travelling"));
 }
 
 void GcodeMachine::extrude_to(const Eigen::Vector3d& target, double deposited) {
   if (temperature_ < limits_.cold && !reported_cold_) {
     reported_cold_ = true;
-    violate(ViolationKind::cold_extrusion, line_,
-            "the nozzle has reached " + readable(temperature_) + " degrees for certain, at least " +
-                readable(limits_.cold) + " are needed");
+    add_violation(ViolationKind::cold_extrusion, line_,
+                  "the nozzle has reached " + readable(temperature_) + " degrees for certain, at least " +
+                      readable(limits_.cold) + " are needed");
   }
   if (target == position_) {
-    if (deposited > largest_blob && !own_lines_)
-      violate(ViolationKind::over_extrusion, line_, readable(deposited) + " mm of filament while the nozzle rests");
+    if (deposited > max_blob && !own_lines_)
+      add_violation(ViolationKind::over_extrusion, line_,
+                    readable(deposited) + " mm of filament while the nozzle rests");
     return;
   }
   if (moved_) {
@@ -332,14 +338,14 @@ void GcodeMachine::travel_to(const Eigen::Vector3d& target) {
   moved_ = true;
   report_.travel_length += (target - position_).norm();
   travelled_ += (target - position_).head<2>().norm();
-  // Before the first bead nothing can ooze that matters.
+  // Before the first bead, oozing filament does no harm.
   if (beads_.empty() || reported_travel_ || travelled_ <= limits_.free_travel) return;
-  // The factor of the flow counts for retractions too.
+  // The flow factor applies to retractions too.
   if (retracted() >= limits_.retraction * std::min(1.0, flow_factor_) - extruder_slack) return;
   reported_travel_ = true;
-  violate(ViolationKind::travel_without_retraction, line_,
-          readable(travelled_) + " mm with " + readable(retracted()) + " mm retracted, at least " +
-              readable(limits_.retraction) + " are needed");
+  add_violation(ViolationKind::travel_without_retraction, line_,
+                readable(travelled_) + " mm with " + readable(retracted()) + " mm retracted, at least " +
+                    readable(limits_.retraction) + " are needed");
 }
 
 }  // namespace supple::weave

@@ -13,17 +13,17 @@ namespace {
 
 constexpr std::size_t max_words = 32;
 constexpr std::size_t max_faults = 4;
-/// Printers take some hundred bytes.
-constexpr std::size_t longest_line = 1 << 16;
+/// Maximum number of bytes of a line that are read. Printers accept some hundred.
+constexpr std::size_t max_line_length = 1 << 16;
 
-/// The longest name of a macro that is shown.
-constexpr std::size_t longest_macro = 60;
+/// Maximum length of a macro's name in a report.
+constexpr std::size_t max_macro_length = 60;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z'); }
 char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
-/// Whether the checker uses the parameters of a command; those of all others may be any text.
+/// Whether the checker uses the parameters of a command. All other commands may be followed by any text.
 bool has_words(const GcodeWord& command) {
   constexpr std::array general{0.0, 1.0, 4.0, 20.0, 21.0, 28.0, 90.0, 91.0, 92.0};
   constexpr std::array machine{18.0, 82.0, 83.0, 84.0, 104.0, 106.0, 107.0, 109.0, 140.0, 190.0, 200.0, 220.0, 221.0};
@@ -33,15 +33,15 @@ bool has_words(const GcodeWord& command) {
   return true;
 }
 
-std::string shown(char c) {
+std::string display_text(char c) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), c > ' ' && c <= '~' ? "'%c'" : "byte 0x%02x", static_cast<unsigned char>(c));
   return text.data();
 }
 
-class Reader {
+class LineReader {
  public:
-  explicit Reader(std::string_view line) : line_(line) {}
+  explicit LineReader(std::string_view line) : line_(line) {}
 
   GcodeLine read() {
     while (at_ < line_.size()) {
@@ -61,7 +61,7 @@ class Reader {
         word();
         if (result_.words.size() == 1 && !has_words(result_.words.front())) break;
       } else {
-        fault("unexpected " + shown(c));
+        fault("unexpected " + display_text(c));
         ++at_;
       }
     }
@@ -79,7 +79,7 @@ class Reader {
     if (digits == 0 || digits > 3) fault("a checksum must have one to three digits");
   }
 
-  /// Whether a name of two or more letters stands here: commands have one letter, and a number after it.
+  /// Whether a name of two or more letters begins here. A command has one letter, and a number after it.
   bool begins_macro() const {
     const auto at = [this](std::size_t k) { return k < line_.size() ? line_[k] : ' '; };
     return (is_letter(at(at_)) || at(at_) == '_') && (is_letter(at(at_ + 1)) || at(at_ + 1) == '_');
@@ -87,7 +87,7 @@ class Reader {
   void macro() {
     std::size_t end = at_;
     while (end < line_.size() && (is_letter(line_[end]) || is_digit(line_[end]) || line_[end] == '_')) ++end;
-    result_.macro = std::string(line_.substr(at_, std::min(end - at_, longest_macro)));
+    result_.macro = std::string(line_.substr(at_, std::min(end - at_, max_macro_length)));
   }
 
   void word() {
@@ -95,7 +95,7 @@ class Reader {
     std::size_t begin = at_;
     const bool negative = begin < line_.size() && line_[begin] == '-';
     if (negative || (begin < line_.size() && line_[begin] == '+')) ++begin;
-    // Only digits and points are left to the library, which would also take "inf" and "nan".
+    // Only digits and points go to the library, which would also accept "inf" and "nan".
     std::size_t end = begin;
     while (end < line_.size() && (is_digit(line_[end]) || line_[end] == '.')) ++end;
     const std::string_view digits = line_.substr(begin, end - begin);
@@ -108,7 +108,7 @@ class Reader {
         fault(std::string(1, word.letter) + " is followed by something that is not a number");
         return;
       }
-      if (read.ec != std::errc() || !(word.value <= largest_gcode_value)) {
+      if (read.ec != std::errc() || !(word.value <= max_gcode_value)) {
         fault(std::string(1, word.letter) + " is out of range");
         return;
       }
@@ -132,11 +132,11 @@ class Reader {
 }  // namespace
 
 GcodeLine read_gcode_line(std::string_view line) {
-  const std::string_view read = line.substr(0, longest_line);
-  GcodeLine result = Reader(read).read();
-  if (line.size() > longest_line && read.find(';') == std::string_view::npos)
+  const std::string_view read = line.substr(0, max_line_length);
+  GcodeLine result = LineReader(read).read();
+  if (line.size() > max_line_length && read.find(';') == std::string_view::npos)
     result.faults.push_back("a line of " + std::to_string(line.size()) + " bytes, of which " +
-                            std::to_string(longest_line) + " were read");
+                            std::to_string(max_line_length) + " were read");
   return result;
 }
 

@@ -10,23 +10,23 @@ namespace supple::weave {
 /// A letter and its number: "X12.5".
 struct GcodeWord {
   char letter = ' ';  ///< upper case
-  double value = 0;   ///< at most largest_gcode_value in absolute value
+  double value = 0;   ///< at most `max_gcode_value` in magnitude
   bool has_value = false;
 };
-inline constexpr double largest_gcode_value = 1e6;
+inline constexpr double max_gcode_value = 1e6;
 
 struct GcodeLine {
-  std::vector<GcodeWord> words;     ///< without line numbers and checksums; of a text command the first word alone
-  std::string macro;                ///< name of a macro, "START_PRINT", in which case there are no words
-  std::vector<std::string> faults;  ///< what could not be read, printable ASCII
+  std::vector<GcodeWord> words;     ///< no line numbers or checksums; only the first word if text follows
+  std::string macro;                ///< name of a macro, such as "START_PRINT"; there are then no words
+  std::vector<std::string> faults;  ///< what could not be read, in printable ASCII
 };
 
-/// Reads one line, without its end: comments after ';' and in parentheses, line numbers, checksums and '%' are skipped.
-/// Numbers have no exponents: "X1E5" is X1 and E5. What follows a command whose parameters the checker does not use (a
-/// macro, or "M862.3 P "MK3S"") is text and is not read. Any bytes are fine. O(length).
+/// Reads one line, without its end. Comments after ';' and in parentheses, line numbers, checksums and '%' are skipped.
+/// Numbers have no exponents: "X1E5" is X1 and E5. If the checker does not use the parameters of a command (a macro, or
+/// "M862.3 P "MK3S""), the rest of the line is text and is not read. Accepts any bytes. O(length).
 GcodeLine read_gcode_line(std::string_view line);
 
-/// The next line of a text from `begin` on, which moves behind its end: '\n', "\r\n" or '\r'.
+/// The line of a text that begins at `begin`. Moves `begin` past its end: '\n', "\r\n" or '\r'.
 std::string_view next_gcode_line(std::string_view text, std::size_t& begin);
 
 }  // namespace supple::weave

@@ -16,16 +16,17 @@
 namespace supple::weave {
 namespace {
 
-constexpr double newtons_per_metre = 1000;  ///< in a N/mm
-constexpr double largest_strain = 2;
-constexpr double smallest_strain = -0.5;
-/// Fewer directions than these may have no neighbours near enough to be compared with.
-constexpr std::size_t few_directions = 20;
-/// How many times as many load steps a path has that a path is compared with, and how many at most.
-constexpr int finer_paths = 3;
-constexpr int most_finer_steps = 1000;
-/// Over that at rest: where a cell free to narrow has less, its strands lie beside each other.
-constexpr double least_area = 1e-3;
+constexpr double newtons_per_metre = 1000;  ///< in one N/mm
+constexpr double max_strain = 2;
+constexpr double min_strain = -0.5;
+/// Minimum number of directions for a comparison of neighbours. Fewer may have no neighbours that are near enough.
+constexpr std::size_t min_directions_to_compare = 20;
+/// Ratio of the load steps of a comparison path to those of the original path.
+constexpr int finer_step_ratio = 3;
+/// Maximum number of load steps of a comparison path.
+constexpr int max_finer_steps = 1000;
+/// Ratio of a cell's area to its area at rest below which the cell is folded flat: its strands lie beside each other.
+constexpr double min_area_ratio = 1e-3;
 
 void check(const Weave& weave, const EquilibriumOptions& options, const Execution& execution) {
   validate(weave, execution);
@@ -46,7 +47,7 @@ void check_gradient(const Eigen::Matrix2d& f, const std::string& where, Faults& 
 
 void check(const HomogenizationOptions& options) {
   Faults faults;
-  faults.require(options.strain >= smallest_strain && options.strain <= largest_strain && options.strain != 0, "strain",
+  faults.require(options.strain >= min_strain && options.strain <= max_strain && options.strain != 0, "strain",
                  "must lie within [-0.5, 2] and not be 0");
   faults.require(!options.directions.empty(), "directions", "must not be empty");
   for (std::size_t i = 0; i < options.directions.size(); ++i)
@@ -57,19 +58,19 @@ void check(const HomogenizationOptions& options) {
   faults.throw_if_any("weave.invalid_option");
 }
 
-/// `run` is of a weave in these units.
-CellState state_of(WeaveRun& run, const NaturalUnits& units, bool arrived, bool lines) {
+/// The reported state of a run, whose weave is in these units.
+CellState state_of(WeaveRun& run, const NaturalUnits& units, bool arrived, bool with_polylines) {
   const LimitedState& reported = run.reported();
   const RodModel& model = run.model();
   const WeavePath& path = run.path();
   CellState state;
   const Eigen::VectorXd& q = reported.q;
-  // From an energy over the cell's area at rest, both in natural units.
+  // Factor of an energy over the cell's area at rest, both in natural units.
   const double to_newtons_per_metre =
       newtons_per_metre * units.force_per_length() / model.weave().lattice->determinant();
   const Eigen::Matrix2d f = model.deformation_gradient(q);
   state.deformation_gradient = f;
-  // The dyads are orthonormal: the derivative by F has these components along them.
+  // The dyads are orthonormal, so that the derivative by F has these components along them.
   for (int k = 0; k < 4; ++k)
     state.nominal_stress +=
         to_newtons_per_metre * reported.gradient[model.strain() + k] * model.dyads()[static_cast<std::size_t>(k)];
@@ -78,10 +79,10 @@ CellState state_of(WeaveRun& run, const NaturalUnits& units, bool arrived, bool 
   state.sliding.reserve(model.sliders().size());
   for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i)
     state.sliding.push_back(units.length * q[model.slider(i)]);
-  if (lines) state.strands = polylines(model, q, units.length);
+  if (with_polylines) state.strands = polylines(model, q, units.length);
   state.out_of_plane = run.spatial();
   state.stable = reported.stable;
-  state.stopped = path.stopped();
+  state.stopped = path.termination();
   if (!arrived && state.stopped == Stop::converged) state.stopped = Stop::step_too_small;
   state.residual = units.force() * reported.residual;
   state.tolerance = units.force() * path.tolerance();
@@ -96,45 +97,45 @@ Prescription::Entry strain_entry(int component, double change) {
   return {Prescription::Entry::Kind::strain, component, 0, change};
 }
 
-/// For each of so many entries whether it is among the indices.
+/// Says for each of `count` entries whether it is among the indices.
 std::vector<bool> chosen(const std::vector<int>& indices, std::size_t count) {
   std::vector<bool> result(count, false);
   for (const int i : indices) result[static_cast<std::size_t>(i)] = true;
   return result;
 }
 
-/// The equilibrium under a gradient that has been checked.
+/// The equilibrium under a gradient that has already been checked.
 CellState state_under(const NaturalWeave& natural, const Eigen::Matrix2d& f, const EquilibriumOptions& options,
-                      const Execution& execution, bool lines) {
+                      const Execution& execution, bool with_polylines) {
   Prescription prescription;
-  // Along the axes the dyads are the matrix' entries, row by row.
+  // With the direction along x, the dyads select the entries of the matrix, row by row.
   for (int k = 0; k < 4; ++k)
-    prescription.held.push_back(strain_entry(k, f(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
+    prescription.fixed.push_back(strain_entry(k, f(k / 2, k % 2) - (k == 0 || k == 3 ? 1 : 0)));
   prescription.strain = (f - Eigen::Matrix2d::Identity()).cwiseAbs().maxCoeff();
   const CellPath path =
       follow_cell(natural.weave(), prescription, 0, in_natural_units(options, natural.units()), execution);
-  CellState state = state_of(*path.run, natural.units(), path.arrived, lines);
+  CellState state = state_of(*path.run, natural.units(), path.arrived, with_polylines);
   path.run->bill_effects();
   return state;
 }
 
-/// F^T d = stretch d: of the components along d d^T, d n^T, n d^T, n n^T the first two are given.
+/// Uniaxial strain F^T d = stretch d. It prescribes the first two of the components along d d^T, d n^T, n d^T, n n^T.
 Prescription uniaxial(const HomogenizationOptions& options) {
   Prescription prescription;
-  prescription.held = {strain_entry(0, options.strain), strain_entry(1, 0)};
-  if (!options.shear_free) prescription.held.push_back(strain_entry(2, 0));
+  prescription.fixed = {strain_entry(0, options.strain), strain_entry(1, 0)};
+  if (!options.shear_free) prescription.fixed.push_back(strain_entry(2, 0));
   prescription.strain = std::abs(options.strain);
   return prescription;
 }
 
-/// What a run along a direction came to, or how far it came.
+/// The response at the end of a run along a direction, or at the last equilibrium of a run that did not arrive.
 DirectionalResponse response_of(WeaveRun& run, const NaturalUnits& units, const HomogenizationOptions& options,
-                                double direction, bool arrived, bool lines) {
+                                double direction, bool arrived, bool with_polylines) {
   DirectionalResponse response;
   response.direction = direction;
-  response.state = state_of(run, units, arrived, lines);
+  response.state = state_of(run, units, arrived, with_polylines);
   run.bill_effects();
-  if (response.state.stopped == Stop::converged && response.state.deformation_gradient.determinant() < least_area) {
+  if (response.state.stopped == Stop::converged && response.state.deformation_gradient.determinant() < min_area_ratio) {
     response.state.stopped = Stop::folded_flat;
     response.state.cauchy_stress.setZero();
   }
@@ -142,13 +143,14 @@ DirectionalResponse response_of(WeaveRun& run, const NaturalUnits& units, const 
   const Eigen::Vector2d d(std::cos(direction), std::sin(direction));
   const Eigen::Vector2d n(-d[1], d[0]);
   response.youngs_modulus = d.dot(response.state.cauchy_stress * d) / options.strain;
-  // N/m are 10^-3 N/mm.
+  // 1 N/m = 10^-3 N/mm.
   if (options.thickness) response.youngs_modulus_mpa = response.youngs_modulus / newtons_per_metre / *options.thickness;
   response.poisson_ratio = -(n.dot(response.state.deformation_gradient * n) - 1) / options.strain;
   return response;
 }
 
-/// Adds the directions' bills. The ledger keeps the latest reason; of an effect that ran somewhere it is to say why.
+/// Adds the directions' bills. The ledger keeps the latest reason of an effect; an effect that ran in some direction
+/// gets the reason why it ran.
 void add_bills(const std::vector<CostLedger>& bills, CostLedger& total) {
   for (const CostLedger& bill : bills) total.merge(bill);
   for (const CostLedger& bill : bills)
@@ -180,24 +182,25 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
     const double direction = options.directions[i];
     const CellPath path = follow_cell(natural.weave(), prescription, direction, equilibrium, own);
     responses[i] = response_of(*path.run, natural.units(), options, direction, path.arrived, wanted[i]);
-    // Without neighbours to compare it with, a direction whose path left a branch is compared with a finer path.
-    if (responses[i].state.branches == 0 || options.directions.size() >= few_directions) return;
+    // A direction without near neighbours, whose path left an unstable equilibrium, is compared with a finer path.
+    if (responses[i].state.branches == 0 || options.directions.size() >= min_directions_to_compare) return;
     EquilibriumOptions finer = equilibrium;
-    finer.load_steps = finer_paths * responses[i].state.load_steps;
-    if (equilibrium.buckling == Switch::off || finer.load_steps > most_finer_steps) return;
+    finer.load_steps = finer_step_ratio * responses[i].state.load_steps;
+    if (equilibrium.buckling == Switch::off || finer.load_steps > max_finer_steps) return;
     const CellPath again = follow_cell(natural.weave(), prescription, direction, finer, own);
     std::vector<DirectionalResponse> one{std::move(responses[i])};
-    take_better({{0, response_of(*again.run, natural.units(), options, direction, again.arrived, wanted[i])}}, one);
+    replace_by_better({{0, response_of(*again.run, natural.units(), options, direction, again.arrived, wanted[i])}},
+                      one);
     responses[i] = std::move(one.front());
   });
   if (execution.cost) add_bills(bills, *execution.cost);
   if (equilibrium.buckling == Switch::off) return responses;
-  // A direction whose energy is far above what its neighbours lead to expect is looked at again, from their states.
+  // A direction whose energy is far above the value that its neighbours suggest is computed again from their states.
   const DirectionOrder order(responses);
   const std::vector<SweepStart> starts = suspicious_directions(responses, order, options);
   std::vector<std::vector<BetterResponse>> found(starts.size());
   const Execution unreported{execution.cancellation, nullptr, execution.cost};
-  const auto look_again = [&](int index, const Execution& own) {
+  const auto sweep = [&](int index, const Execution& own) {
     const auto [position, upwards] = starts[static_cast<std::size_t>(index)];
     const double from = options.directions[order.index(position)];
     const CellPath first = follow_cell(natural.weave(), prescription, from, equilibrium, own);
@@ -207,27 +210,26 @@ std::vector<DirectionalResponse> homogenize(const Weave& weave, const Homogeniza
     for (std::size_t steps = 1; next && steps < order.size(); ++steps, next = order.neighbour(*next, upwards)) {
       const std::size_t i = order.index(*next);
       WeaveRun run(natural.weave(), prescription, options.directions[i], equilibrium, own);
-      if (!run.go_on_from(at)) return;
+      if (!run.continue_from(at)) return;
       auto response = response_of(run, natural.units(), options, options.directions[i], true, wanted[i]);
       if (!is_better(response, responses[i])) return;
       at = run.configuration();
       found[static_cast<std::size_t>(index)].push_back({i, std::move(response)});
     }
   };
-  const auto more_bills =
-      parallel_bills(static_cast<int>(starts.size()), unreported, "neighbouring directions", look_again);
+  const auto more_bills = parallel_bills(static_cast<int>(starts.size()), unreported, "neighbouring directions", sweep);
   if (execution.cost) add_bills(more_bills, *execution.cost);
-  for (auto& better : found) take_better(std::move(better), responses);
+  for (auto& better : found) replace_by_better(std::move(better), responses);
   return responses;
 }
 
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
-                      const EquilibriumOptions& options, const Execution& execution, bool lines) {
+                      const EquilibriumOptions& options, const Execution& execution, bool with_polylines) {
   check(weave, options, execution);
   Faults faults;
   check_gradient(deformation_gradient, "deformation_gradient", faults);
   faults.throw_if_any("weave.invalid_load");
-  return state_under(NaturalWeave(weave), deformation_gradient, options, execution, lines);
+  return state_under(NaturalWeave(weave), deformation_gradient, options, execution, with_polylines);
 }
 
 std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen::Matrix2d>& deformation_gradients,

@@ -9,11 +9,11 @@
 namespace supple::weave {
 namespace {
 
-constexpr double small_angle = 0.2;  ///< rad
-/// Crossings between two looks for a stop request: a few milliseconds.
-constexpr std::size_t warned_crossings_between_looks = 1024;
-/// Places of a strand this close, relative to its length, are one.
-constexpr double near_share = 1e-6;
+constexpr double small_angle = 0.2;  ///< a smaller crossing angle is worth a warning, rad
+/// Crossings between two checks for a stop request: a few milliseconds.
+constexpr std::size_t warned_crossings_between_checks = 1024;
+/// Places of a strand this close to each other, relative to its length, are the same place.
+constexpr double same_place_fraction = 1e-6;
 
 /// Counts cases and keeps the first one.
 struct Cases {
@@ -25,9 +25,10 @@ struct Cases {
   }
 };
 
-void tell(const Cases& cases, const std::string& what, const char* things, std::vector<std::string>& warnings) {
+void add_warning(const Cases& cases, const std::string& finding, const char* subject,
+                 std::vector<std::string>& warnings) {
   if (cases.count == 0) return;
-  warnings.push_back(std::to_string(cases.count) + " " + things + " " + what + "; the first is " +
+  warnings.push_back(std::to_string(cases.count) + " " + subject + " " + finding + "; the first is " +
                      std::to_string(cases.first) + ".");
 }
 
@@ -35,7 +36,7 @@ const Strand& strand_of(const Weave& weave, const CrossingMember& member) {
   return weave.strands[static_cast<std::size_t>(member.strand)];
 }
 
-/// Disjoint sets of strands that crossings connect.
+/// Disjoint sets of strands that crossings connect (union-find).
 class Parts {
  public:
   explicit Parts(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
@@ -58,16 +59,16 @@ void warn_of_parts(const Weave& weave, std::vector<std::string>& warnings) {
       parts.join(static_cast<std::size_t>(member.strand), static_cast<std::size_t>(crossing.members.front().strand));
     }
   }
-  Cases loose;
+  Cases unconnected;
   std::set<std::size_t> roots;
   for (std::size_t s = 0; s < crosses.size(); ++s) {
     if (crosses[s]) {
       roots.insert(parts.find(s));
     } else {
-      loose.add(s);
+      unconnected.add(s);
     }
   }
-  tell(loose, "have no crossing: nothing connects them", "strands", warnings);
+  add_warning(unconnected, "have no crossing: nothing connects them", "strands", warnings);
   if (roots.size() > 1)
     warnings.push_back("The strands with crossings form " + std::to_string(roots.size()) +
                        " parts that nothing connects.");
@@ -77,7 +78,8 @@ double angle_between(const Eigen::Vector2d& u, const Eigen::Vector2d& v) {
   return std::asin(std::min(1.0, std::abs(u[0] * v[1] - u[1] * v[0])));
 }
 
-/// Whether two strands meet at a small angle. Of 17 lines two always do: no more are compared.
+/// Whether two strands of a crossing meet at a small angle. At most 17 strands are compared, since of 17 lines two
+/// always do.
 bool has_small_angle(const Weave& weave, const Crossing& crossing) {
   std::vector<Eigen::Vector2d> tangents;
   for (const CrossingMember& member : crossing.members) {
@@ -90,12 +92,12 @@ bool has_small_angle(const Weave& weave, const Crossing& crossing) {
 }
 
 void warn_of_angles(const Weave& weave, const Execution& execution, std::vector<std::string>& warnings) {
-  Cases flat;
+  Cases at_small_angles;
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    if (c % warned_crossings_between_looks == 0) execution.cancellation.throw_if_requested();
-    if (has_small_angle(weave, weave.crossings[c])) flat.add(c);
+    if (c % warned_crossings_between_checks == 0) execution.cancellation.throw_if_requested();
+    if (has_small_angle(weave, weave.crossings[c])) at_small_angles.add(c);
   }
-  tell(flat, "have strands that meet at less than 0.2 rad", "crossings", warnings);
+  add_warning(at_small_angles, "have strands that meet at less than 0.2 rad", "crossings", warnings);
 }
 
 /// Coordinates of crossings on every strand, ascending, with the crossings' indices.
@@ -120,8 +122,8 @@ void warn_of_distances(const Weave& weave, std::vector<std::string>& warnings) {
         list.front().first + weave.strands[s].curve.length() - list.back().first < diameter)
       near.insert(list.back().second);
   }
-  tell({near.size(), near.empty() ? 0 : *near.begin()}, "lie closer to the next one of a strand than its diameter",
-       "crossings", warnings);
+  add_warning({near.size(), near.empty() ? 0 : *near.begin()},
+              "lie closer to the next one of a strand than its diameter", "crossings", warnings);
 }
 
 void warn_of_missing_crossings(const Weave& weave, const Execution& execution, std::vector<std::string>& warnings) {
@@ -129,7 +131,7 @@ void warn_of_missing_crossings(const Weave& weave, const Execution& execution, s
   const auto is_place = [&](const CrossingMember& member) {
     const auto& list = places[static_cast<std::size_t>(member.strand)];
     const double length = strand_of(weave, member).curve.length();
-    const double near = near_share * length;
+    const double near = same_place_fraction * length;
     const auto is_near = [&](double coordinate) {
       const auto next = std::lower_bound(list.begin(), list.end(), std::pair(coordinate - near, std::size_t{0}));
       return next != list.end() && next->first <= coordinate + near;

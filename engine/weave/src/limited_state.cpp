@@ -11,9 +11,10 @@
 namespace supple::weave {
 namespace {
 
-/// Minimizations, each followed by a correction of the limits' forces and of the set of closed limits.
+/// Maximum number of minimizations, each followed by an update of the multipliers and of the active set.
 constexpr int max_corrections = 30;
-/// Newton iterations of one of them. Limits that are near enough to be reached take about five.
+/// Maximum number of Newton iterations of one such minimization. If the limits are near enough to be reached, it takes
+/// about five.
 constexpr int max_correction_iterations = 30;
 
 double relative_to(double error, double energy) {
@@ -30,7 +31,8 @@ LimitedState with_barriers(WeaveSystem& system, double residual, bool stable) {
   state.residual = residual;
   state.stable = stable;
   if (!system.limits()) return state;
-  // Sliders that went on to their limits would release the forces' work along the way, and the barriers' energy.
+  // Sliders that moved on to their limits would release the energy of the barriers, and the work of the barriers'
+  // forces along the remaining distances.
   double error = 0;
   for (const BarrierEnergy* barriers :
        {static_cast<const BarrierEnergy*>(system.limits()), static_cast<const BarrierEnergy*>(system.contact())})
@@ -45,7 +47,7 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
                                const EquilibriumOptions& options, double gradient_tolerance,
                                const Execution& execution) {
   LimitMultipliers& limits = *rigid.multipliers();
-  limits.begin(rigid.q());
+  limits.initialize(rigid.q());
   rigid.forget();
   numerics::MinimizerOptions minimizer = minimizer_options();
   minimizer.gradient_tolerance = gradient_tolerance;
@@ -62,11 +64,12 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
     state.residual = result.gradient_norm;
     state.energy = rigid.stored_energy();
     state.limit_error = relative_to(limits.error(state.q), state.energy);
-    const bool changed = limits.update(state.q);
+    const bool active_set_changed = limits.update(state.q);
     rigid.forget();
-    // Where all limits opened, they were closed too early, and a cell that slides freely is far from equilibrium now.
-    if (changed && limits.all_open()) break;
-    if (changed || state.limit_error > options.limit_tolerance) continue;
+    // If all limits became inactive, they were activated too early, and a cell that slides freely is now far from
+    // equilibrium.
+    if (active_set_changed && limits.all_inactive()) break;
+    if (active_set_changed || state.limit_error > options.limit_tolerance) continue;
     state.stable = start.stable && (!result.indefinite || cholesky.factorize(rigid.evaluate(2).hessian, 0));
     if (start.stable && !state.stable) break;
     state.iterations = iterations;

@@ -9,10 +9,10 @@
 namespace supple::weave {
 namespace {
 
-/// A unit that differs from 1 by less does so by rounding.
+/// A unit that differs from 1 by less than this is 1 up to rounding.
 constexpr double unit_rounding = 1e-12;
 
-/// A crossing this close to the end of a strand, relative to its length, is at the end.
+/// A crossing this close to the end of a strand, relative to the strand's length, is at the end.
 constexpr double end_tolerance = 1e-7;
 
 double rounded_unit(double unit) { return std::abs(unit - 1) < unit_rounding ? 1 : unit; }
@@ -52,7 +52,7 @@ NaturalUnits natural_units(const Weave& weave) {
       if (curve.ends() != Ends::open || to_end > end_tolerance * curve.length()) ++rods;
     }
   }
-  // A loop that nothing crosses is no more than one rod.
+  // A loop without crossings counts no rod above, so that the number may be 0.
   const double mean = length / static_cast<double>(std::max<std::ptrdiff_t>(rods, 1));
   return {rounded_unit(mean / mean_rod_length),
           rounded_unit(weave.material.youngs_modulus / Material{}.youngs_modulus)};

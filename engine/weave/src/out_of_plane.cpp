@@ -6,8 +6,9 @@
 namespace supple::weave {
 namespace {
 
-/// A curvature above minus this share of the matrix's scale is no instability: strands that lie loose have none.
-constexpr double least_instability = 1e-9;
+/// Smallest negative curvature that counts as an instability, as a fraction of the matrix's scale. Strands that lie
+/// loose have curvatures of 0 up to rounding.
+constexpr double min_instability = 1e-9;
 
 }  // namespace
 
@@ -25,10 +26,10 @@ SpatialState lift(const RodModel& planar, const Eigen::VectorXd& q, const RodMod
   return state;
 }
 
-std::vector<bool> lift_held(const RodModel& planar, const std::vector<bool>& held, const RodModel& spatial) {
-  std::vector<bool> result = free_but_for_gauges(spatial);
+std::vector<bool> lift_fixed(const RodModel& planar, const std::vector<bool>& fixed, const RodModel& spatial) {
+  std::vector<bool> result = gauge_constraints(spatial);
   const auto copy = [&](int from, int to) {
-    if (held[static_cast<std::size_t>(from)]) result[static_cast<std::size_t>(to)] = true;
+    if (fixed[static_cast<std::size_t>(from)]) result[static_cast<std::size_t>(to)] = true;
   };
   for (int i = 0; i < static_cast<int>(planar.nodes().size()); ++i)
     for (int c = 0; c < 2; ++c) copy(planar.position(i) + c, spatial.position(i) + c);
@@ -40,27 +41,27 @@ std::vector<bool> lift_held(const RodModel& planar, const std::vector<bool>& hel
 }
 
 std::optional<Eigen::VectorXd> out_of_plane_mode(const RodModel& spatial, const SpatialState& state,
-                                                 const std::vector<bool>& held, const EnergyOptions& options,
+                                                 const std::vector<bool>& fixed, const EnergyOptions& options,
                                                  const Execution& execution) {
   const StageTimer timer(execution.cost, "out-of-plane stability");
-  std::vector<bool> in_plane_held(held.size(), true);
-  const auto free = [&](int dof) {
-    in_plane_held[static_cast<std::size_t>(dof)] = held[static_cast<std::size_t>(dof)];
+  std::vector<bool> fixed_with_plane(fixed.size(), true);
+  const auto keep_constraint = [&](int dof) {
+    fixed_with_plane[static_cast<std::size_t>(dof)] = fixed[static_cast<std::size_t>(dof)];
   };
-  for (int i = 0; i < static_cast<int>(spatial.nodes().size()); ++i) free(spatial.position(i) + 2);
-  for (int e = 0; e < static_cast<int>(spatial.edges().size()); ++e) free(spatial.angle(e));
+  for (int i = 0; i < static_cast<int>(spatial.nodes().size()); ++i) keep_constraint(spatial.position(i) + 2);
+  for (int e = 0; e < static_cast<int>(spatial.edges().size()); ++e) keep_constraint(spatial.angle(e));
   for (int j = 0; j < spatial.joints(); ++j)
-    for (int c = 0; c < 2; ++c) free(spatial.joint(j) + c);
-  WeaveSystem objective(spatial, state.q, state.chart, in_plane_held, options, {}, {execution.cancellation});
+    for (int c = 0; c < 2; ++c) keep_constraint(spatial.joint(j) + c);
+  WeaveSystem objective(spatial, state.q, state.chart, fixed_with_plane, options, {}, {execution.cancellation});
   if (objective.dimension() == 0) return std::nullopt;
   const numerics::Evaluation at = objective.evaluate(2);
   numerics::ShiftedCholesky cholesky;
   cholesky.stop_with(execution.cancellation);
   const double scale = numerics::matrix_scale(at.hessian);
-  if (cholesky.factorize(at.hessian, least_instability * scale)) return std::nullopt;
+  if (cholesky.factorize(at.hessian, min_instability * scale)) return std::nullopt;
   const numerics::Mode mode =
       numerics::least_stable_mode(at.hessian, objective.dimension(), cholesky, execution.cancellation);
-  if (!(mode.curvature < -least_instability * scale)) return std::nullopt;
+  if (!(mode.curvature < -min_instability * scale)) return std::nullopt;
   return objective.expand(mode.direction);
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 bool is_decimal(char c) { return c >= '0' && c <= '9'; }
 
-/// Where the comment of a line begins, or its end.
+/// Length of a line without its comment.
 std::size_t code_length(std::string_view line) { return std::min(line.find(';'), line.size()); }
 
 std::string_view without_line_number(std::string_view line) {
@@ -22,7 +22,7 @@ std::string_view without_line_number(std::string_view line) {
   return line.substr(at);
 }
 
-/// The line without "*73" at the end of its commands.
+/// The line without a checksum such as "*73" at the end of its commands.
 std::string without_checksum(std::string_view line) {
   const std::size_t length = code_length(line);
   const std::string_view code = line.substr(0, length);
@@ -35,7 +35,7 @@ std::string without_checksum(std::string_view line) {
   return std::string(code.substr(0, star)) + std::string(line.substr(length));
 }
 
-/// A placeholder within a line's commands; empty if there is none. Brackets in quotation marks are text.
+/// The first placeholder within a line's commands; empty if there is none. Brackets in quotation marks are text.
 std::string_view placeholder_of(std::string_view line) {
   const std::string_view code = line.substr(0, code_length(line));
   bool quoted = false;
@@ -62,7 +62,7 @@ std::string own_gcode_lines(std::string_view text) {
 }
 
 std::optional<std::string> fault_of_own_gcode(std::string_view text) {
-  constexpr std::size_t longest_shown = 60;
+  constexpr std::size_t max_shown_length = 60;
   int number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::string_view line = next_gcode_line(text, begin);
@@ -71,7 +71,7 @@ std::optional<std::string> fault_of_own_gcode(std::string_view text) {
     if (!std::all_of(line.begin(), line.end(), printable)) return where + "must be printable ASCII";
     const std::string_view placeholder = placeholder_of(line);
     if (placeholder.empty()) continue;
-    return where + "the placeholder " + std::string(placeholder.substr(0, longest_shown)) +
+    return where + "the placeholder " + std::string(placeholder.substr(0, max_shown_length)) +
            " of a slicing program was not replaced; write what the printer is to do";
   }
   return std::nullopt;

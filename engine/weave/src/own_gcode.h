@@ -6,13 +6,13 @@
 
 namespace supple::weave {
 
-/// The lines that a printer's owner adds, as they are written into a file: each ends with a line feed, and line numbers
-/// and checksums, which count the lines of another file, are taken away. All else is passed on as it is. O(length).
+/// The lines that a printer's owner adds, as they are written into a file. Each ends with a line feed. Line numbers and
+/// checksums, which refer to the lines of another file, are removed. Everything else is unchanged. O(length).
 std::string own_gcode_lines(std::string_view text);
 
-/// What is wrong with such lines, with the number of the line: bytes that are not printable ASCII, or a placeholder of
-/// a slicing program ("[first_layer_temperature]", "{bed_temperature}") outside of comments, which no printer knows.
-/// None if they can be passed on. O(length).
+/// The fault of such lines with the number of the line: bytes that are not printable ASCII, or a placeholder of a
+/// slicing program ("[first_layer_temperature]", "{bed_temperature}") outside of comments, which no printer
+/// understands. Nothing if there is no fault. O(length).
 std::optional<std::string> fault_of_own_gcode(std::string_view text);
 
 }  // namespace supple::weave

@@ -13,10 +13,10 @@ namespace supple::weave {
 namespace {
 
 using std::numbers::pi;
-/// Points of a circle's spline: its radius of curvature is then right to 1e-5.
+/// Number of points of a circle's spline. The radius of curvature is then right to 1e-5.
 constexpr int circle_points = 64;
-/// Crossings between two looks for a stop request: a few milliseconds.
-constexpr std::size_t laid_crossings_between_looks = 1024;
+/// Crossings that are laid out between two checks for a stop request: a few milliseconds.
+constexpr std::size_t laid_crossings_between_checks = 1024;
 
 void require(bool good, const char* where, const std::string& message) {
   if (!good) throw Error("weave.invalid_pattern", std::string(where) + " " + message, {{where, message}});
@@ -34,7 +34,7 @@ Strand circle(const Eigen::Vector2d& centre, double radius) {
   return {StrandCurve(points, Ends::closed)};
 }
 
-/// A square's sides counterclockwise from the bottom, each a strand.
+/// Adds the sides of a square, each a strand, counterclockwise from the bottom one.
 void add_square(const Eigen::Vector2d& centre, double side, std::vector<Strand>& strands) {
   const double h = side / 2;
   const std::array<Eigen::Vector2d, 4> corners{Eigen::Vector2d(-h, -h), Eigen::Vector2d(h, -h), Eigen::Vector2d(h, h),
@@ -47,7 +47,7 @@ bool is_horizontal(const Weave& weave, const CrossingMember& member) {
   return std::abs(t[0]) >= std::abs(t[1]);
 }
 
-/// A member of a crossing of strands; of two.
+/// The member of a crossing of two strands that lies along x, and the one along y.
 CrossingMember& along_x(const Weave& weave, Crossing& crossing) {
   return crossing.members[is_horizontal(weave, crossing.members[0]) ? 0 : 1];
 }
@@ -60,9 +60,9 @@ void connect(const Weave& weave, Connection connection, Crossing& crossing) {
   if (connection == Connection::slides_y) along_y(weave, crossing).slides = true;
 }
 
-/// Squares: strand 4 k + side of square k; the first `full` squares are those on the lattice, whose centres decide what
-/// "bottom-left" is.
-void connect_squares(SquareType type, double side, int full, Weave& weave, const Execution& execution = {}) {
+/// Decides which members slide where squares cross. Strand 4 k + i is side i of square k. The first `lattice_squares`
+/// squares are those on the lattice; positions such as "bottom-left" refer to their centres.
+void connect_squares(SquareType type, double side, int lattice_squares, Weave& weave, const Execution& execution = {}) {
   const auto is_end = [side](const CrossingMember& m) {
     return m.coordinate < 1e-6 * side || m.coordinate > side * (1 - 1e-6);
   };
@@ -73,9 +73,9 @@ void connect_squares(SquareType type, double side, int full, Weave& weave, const
       along_x(weave, crossing).slides = true;
       continue;
     }
-    // The lattice's square slides through its neighbours' corners, with its horizontal side in the one crossing of each
-    // and with its vertical side in the other.
-    CrossingMember& own = crossing.members[crossing.members[0].strand / 4 < full ? 0 : 1];
+    // The square on the lattice slides through its neighbours' corners: with its horizontal side at one crossing of
+    // each corner, and with its vertical side at the other one.
+    CrossingMember& own = crossing.members[crossing.members[0].strand / 4 < lattice_squares ? 0 : 1];
     const auto bottom = static_cast<std::size_t>(own.strand) / 4 * 4;
     const Eigen::Vector2d centre =
         0.5 * (weave.strands[bottom].curve.at(0).position + weave.strands[bottom + 2].curve.at(0).position);
@@ -99,17 +99,17 @@ void check_count(int columns, int rows) {
           "times rows must be at most " + std::to_string(most_pattern_strands));
 }
 
-/// Each crossing of circles: the one whose neighbour lies in +x or -y slides.
+/// Decides which member of each crossing of circles slides: the circle whose neighbour lies in +x or -y.
 void connect_circles(CircleType type, double radius, Weave& weave, const Execution& execution = {}) {
   if (type == CircleType::all_fused) return;
   for (Crossing& crossing : weave.crossings) {
-    // The centre of the member's copy, seen from the crossing: which of the two lies lower left.
+    // Centre of the circle's copy at the crossing. A circle's coordinate 0 is to the right of its centre.
     const auto centre = [&](const CrossingMember& m) -> Eigen::Vector2d {
       return rest_position(weave, {m.strand, 0, m.shift}) - radius * Eigen::Vector2d(1, 0);
     };
     const Eigen::Vector2d between = centre(crossing.members[1]) - centre(crossing.members[0]);
     const bool beside = std::abs(between[0]) > std::abs(between[1]);
-    // Beside each other the left one slides, above each other the upper one.
+    // Beside each other the left circle slides, and above each other the upper one.
     const bool first = beside ? between[0] > 0 : between[1] < 0;
     crossing.members[first ? 0 : 1].slides = true;
   }
@@ -118,27 +118,29 @@ void connect_circles(CircleType type, double radius, Weave& weave, const Executi
 
 }  // namespace
 
-void limit_sliding(Weave& weave, double share, const Execution& execution) {
-  std::vector<std::vector<double>> places(weave.strands.size());
-  for (std::size_t s = 0; s < places.size(); ++s)
-    if (weave.strands[s].curve.ends() == Ends::open) places[s] = {0, weave.strands[s].curve.length()};
+void limit_sliding(Weave& weave, double fraction, const Execution& execution) {
+  std::vector<std::vector<double>> coordinates(weave.strands.size());
+  for (std::size_t s = 0; s < coordinates.size(); ++s)
+    if (weave.strands[s].curve.ends() == Ends::open) coordinates[s] = {0, weave.strands[s].curve.length()};
   for (const Crossing& crossing : weave.crossings)
-    for (const CrossingMember& m : crossing.members) places[static_cast<std::size_t>(m.strand)].push_back(m.coordinate);
-  for (auto& list : places) std::sort(list.begin(), list.end());
+    for (const CrossingMember& m : crossing.members)
+      coordinates[static_cast<std::size_t>(m.strand)].push_back(m.coordinate);
+  for (auto& list : coordinates) std::sort(list.begin(), list.end());
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    if (c % laid_crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (c % laid_crossings_between_checks == 0) execution.cancellation.throw_if_requested();
     for (CrossingMember& m : weave.crossings[c].members) {
       if (!m.slides) continue;
       const auto s = static_cast<std::size_t>(m.strand);
       const StrandCurve& curve = weave.strands[s].curve;
       const double near = 1e-7 * curve.length();
-      const auto before_it = std::lower_bound(places[s].begin(), places[s].end(), m.coordinate - near);
-      const auto after_it = std::upper_bound(places[s].begin(), places[s].end(), m.coordinate + near);
-      // Loops go on where they began; of open strands the ends are places.
-      const double before = before_it != places[s].begin() ? *std::prev(before_it) : places[s].back() - curve.length();
-      const double after = after_it != places[s].end() ? *after_it : places[s].front() + curve.length();
-      m.backward = share * (m.coordinate - before);
-      m.forward = share * (after - m.coordinate);
+      const auto previous = std::lower_bound(coordinates[s].begin(), coordinates[s].end(), m.coordinate - near);
+      const auto next = std::upper_bound(coordinates[s].begin(), coordinates[s].end(), m.coordinate + near);
+      // Loops continue at their beginning. The ends of open strands are in the list.
+      const double before =
+          previous != coordinates[s].begin() ? *std::prev(previous) : coordinates[s].back() - curve.length();
+      const double after = next != coordinates[s].end() ? *next : coordinates[s].front() + curve.length();
+      m.backward = fraction * (m.coordinate - before);
+      m.forward = fraction * (after - m.coordinate);
     }
   }
 }

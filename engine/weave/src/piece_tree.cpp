@@ -5,13 +5,13 @@
 namespace supple::weave {
 namespace {
 
-/// Pieces that are looked through one by one.
-constexpr std::int32_t pieces_of_a_leaf = 8;
-/// Fewer take less time to sort than anyone waits for a stop.
-constexpr std::int32_t pieces_between_looks = 4096;
-/// A point lies on a piece's end within this share of its curve's length.
-constexpr double piece_end = 1e-9;
-/// A straight strand has one piece, which lies within its box up to rounding.
+/// Maximum number of pieces in a leaf, which a search compares one by one.
+constexpr std::int32_t max_leaf_pieces = 8;
+/// A branch of more pieces checks for a stop request before it is sorted.
+constexpr std::int32_t pieces_between_checks = 4096;
+/// Margin of a piece's box as a fraction of the curve's length: a point this close to the end of a piece lies on it.
+constexpr double piece_end_tolerance = 1e-9;
+/// Margin of the box of a straight strand, as a fraction of its length, for rounding.
 constexpr double straight_margin = 1e-6;
 
 }  // namespace
@@ -23,12 +23,14 @@ std::vector<Eigen::AlignedBox2d> piece_boxes(const StrandCurve& curve) {
   for (std::size_t i = 0; i + 1 < knots.size(); ++i) {
     const auto begin = curve.at(knots[i]);
     Eigen::AlignedBox2d box(begin.position);
-    // A piece's last point by its own polynomial: the next piece's is the same, and beyond the last one a loop repeats.
+    // The end of the piece comes from its own polynomial: `at` would evaluate the next piece, and at the end of a loop
+    // its beginning.
     const double h = knots[i + 1] - knots[i];
     box.extend(begin.position + h * (begin.first + h / 2 * (begin.second + h / 3 * begin.third)));
-    // Pieces turn by little: they leave their chord by less than an eighth of their length times the turn.
-    const double leaves_chord = curve.straight() ? straight_margin * h : h / 16;
-    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(leaves_chord + piece_end * curve.length());
+    // The distance of a piece from its chord is less than an eighth of its length times its turning angle, and this
+    // angle is small.
+    const double chord_distance = curve.straight() ? straight_margin * h : h / 16;
+    const Eigen::Vector2d margin = Eigen::Vector2d::Constant(chord_distance + piece_end_tolerance * curve.length());
     result.emplace_back(box.min() - margin, box.max() + margin);
   }
   return result;
@@ -49,7 +51,7 @@ void PieceTree::divide(std::int32_t branch, const Execution& execution) {
   const auto number = static_cast<std::size_t>(branch);
   const std::int32_t first = branches_[number].first;
   const std::int32_t end = branches_[number].end;
-  if (end - first > pieces_between_looks) execution.cancellation.throw_if_requested();
+  if (end - first > pieces_between_checks) execution.cancellation.throw_if_requested();
   Eigen::AlignedBox2d box;
   std::int32_t last_strand = -1;
   for (std::int32_t i = first; i < end; ++i) {
@@ -58,7 +60,7 @@ void PieceTree::divide(std::int32_t branch, const Execution& execution) {
   }
   branches_[number].box = box;
   branches_[number].last_strand = last_strand;
-  if (end - first <= pieces_of_a_leaf) return;
+  if (end - first <= max_leaf_pieces) return;
   Eigen::Index axis = 0;
   box.sizes().maxCoeff(&axis);
   const std::int32_t middle = first + (end - first) / 2;

@@ -11,8 +11,8 @@ StrandPlace place_of(const Crossing& crossing) {
 }
 
 std::vector<StrandPlace> places_in(const Weave& weave, const Eigen::Vector2d& lower, const Eigen::Vector2d& upper) {
-  // An end within this share of its strand's length from a crossing is that crossing.
-  constexpr double same_place = 1e-6;
+  // An end within this fraction of its strand's length from a crossing belongs to the crossing.
+  constexpr double same_place_tolerance = 1e-6;
   const auto inside = [&](const Eigen::Vector2d& at) {
     return (at.array() >= lower.array()).all() && (at.array() <= upper.array()).all();
   };
@@ -22,8 +22,8 @@ std::vector<StrandPlace> places_in(const Weave& weave, const Eigen::Vector2d& lo
     for (const auto& member : crossing.members) {
       const auto s = static_cast<std::size_t>(member.strand);
       const double length = weave.strands[s].curve.length();
-      if (member.coordinate <= same_place * length) crossed[s][0] = true;
-      if (member.coordinate >= length - same_place * length) crossed[s][1] = true;
+      if (member.coordinate <= same_place_tolerance * length) crossed[s][0] = true;
+      if (member.coordinate >= length - same_place_tolerance * length) crossed[s][1] = true;
     }
     if (inside(rest_position(weave, crossing.members.front()))) places.push_back(place_of(crossing));
   }

@@ -13,40 +13,43 @@
 namespace supple::weave {
 namespace {
 
-/// Strands that cross at a smaller angle than 10 degrees lie beside each other for too long to be lifted over.
-const double least_sine = std::sin(10 * std::numbers::pi / 180);
+/// Minimum sine of a crossing angle: 10 degrees. At a smaller angle the strands overlap over a length that is too long
+/// for a lift.
+const double min_sine = std::sin(10 * std::numbers::pi / 180);
 
 Eigen::Vector2d tangent(const Weave& weave, const CrossingMember& member) {
   return weave.strands[static_cast<std::size_t>(member.strand)].curve.at(member.coordinate).first.normalized();
 }
 
-/// Crossings of strands that cannot all be below each other: follows what must come first until it repeats.
+/// Reports a cycle of strands each of which would have to be below the next one. It goes from each strand to one that
+/// must be printed before it, until a strand repeats.
 [[noreturn]] void refuse_cycle(const std::vector<SlidingCrossing>& crossings, const std::vector<char>& printed) {
-  const auto first_before = [&](int strand) -> const SlidingCrossing& {
+  const auto blocking_crossing = [&](int strand) -> const SlidingCrossing& {
     return *std::find_if(crossings.begin(), crossings.end(), [&](const SlidingCrossing& c) {
       return c.upper == strand && std::any_of(c.below.begin(), c.below.end(),
                                               [&](int b) { return printed[static_cast<std::size_t>(b)] == 0; });
     });
   };
-  const auto under = [&](const SlidingCrossing& c) {
+  const auto blocking_strand = [&](const SlidingCrossing& c) {
     return *std::find_if(c.below.begin(), c.below.end(),
                          [&](int b) { return printed[static_cast<std::size_t>(b)] == 0; });
   };
   int strand = 0;
   while (printed[static_cast<std::size_t>(strand)] != 0) ++strand;
-  // Each remaining strand waits for another: as many steps as there are strands end on the cycle.
-  for (std::size_t i = 0; i < printed.size(); ++i) strand = under(first_before(strand));
+  // Each remaining strand has one that must be printed before it: after as many steps as there are strands, the current
+  // one is on a cycle.
+  for (std::size_t i = 0; i < printed.size(); ++i) strand = blocking_strand(blocking_crossing(strand));
   const int start = strand;
   PrintFaults faults;
   do {
-    const SlidingCrossing& c = first_before(strand);
-    strand = under(c);
+    const SlidingCrossing& c = blocking_crossing(strand);
+    strand = blocking_strand(c);
     faults.add(crossing_name(c.crossing), strand_name(c.upper) + " slides across " + strand_name(strand) +
                                               " and would have to be printed after it, which elsewhere must come " +
                                               "first: strands in a ring lie below each other");
   } while (strand != start);
   faults.throw_if_any();
-  std::abort();  // The ring has at least one crossing.
+  std::abort();  // not reached: a cycle has at least one crossing
 }
 
 }  // namespace
@@ -84,14 +87,14 @@ std::vector<SlidingCrossing> sliding_crossings(const Weave& weave, PrintFaults& 
       const Eigen::Vector2d across = tangent(weave, member);
       const double sine = std::abs(along[0] * across[1] - along[1] * across[0]);
       found.below.push_back(member.strand);
-      found.least_sine = std::min(found.least_sine, sine);
+      found.min_sine = std::min(found.min_sine, sine);
       if (sine > found.sine) {
         found.sine = sine;
         found.bottom = member.strand;
-        found.bottom_at = member.coordinate;
+        found.bottom_coordinate = member.coordinate;
       }
     }
-    if (found.least_sine < least_sine) {
+    if (found.min_sine < min_sine) {
       faults.add(crossing_name(number), "its strands meet at less than 10 degrees: too nearly parallel for a lift");
       continue;
     }
@@ -123,19 +126,19 @@ std::vector<int> print_order(int strands, const std::vector<SlidingCrossing>& cr
     return requested;
   }
   std::vector<std::vector<int>> above(count);
-  std::vector<int> waits_for(count, 0);
+  std::vector<int> unprinted_below(count, 0);
   for (const SlidingCrossing& c : crossings) {
     for (const int b : c.below) {
       above[static_cast<std::size_t>(b)].push_back(c.upper);
-      ++waits_for[static_cast<std::size_t>(c.upper)];
+      ++unprinted_below[static_cast<std::size_t>(c.upper)];
     }
   }
   using Entry = std::pair<bool, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> ready;
   std::vector<char> lifted(count, 0);
   for (std::size_t s = 0; s < count; ++s) {
-    lifted[s] = waits_for[s] > 0 ? 1 : 0;
-    if (waits_for[s] == 0) ready.emplace(false, static_cast<int>(s));
+    lifted[s] = unprinted_below[s] > 0 ? 1 : 0;
+    if (unprinted_below[s] == 0) ready.emplace(false, static_cast<int>(s));
   }
   std::vector<int> order;
   std::vector<char> printed(count, 0);
@@ -146,7 +149,8 @@ std::vector<int> print_order(int strands, const std::vector<SlidingCrossing>& cr
     order.push_back(s);
     printed[static_cast<std::size_t>(s)] = 1;
     for (const int u : above[static_cast<std::size_t>(s)])
-      if (--waits_for[static_cast<std::size_t>(u)] == 0) ready.emplace(lifted[static_cast<std::size_t>(u)] != 0, u);
+      if (--unprinted_below[static_cast<std::size_t>(u)] == 0)
+        ready.emplace(lifted[static_cast<std::size_t>(u)] != 0, u);
   }
   if (order.size() < count) refuse_cycle(crossings, printed);
   return order;

@@ -12,19 +12,19 @@ namespace {
 
 using std::numbers::pi;
 
-/// A bead as slicers reckon it: a rectangle with half circles for sides; mm^2.
+/// Area of a bead as slicing programs compute it: a rectangle with half circles at its sides; mm^2.
 constexpr double slicer_area(double width, double height) {
   return height * (width - height) + pi * height * height / 4;
 }
-/// 1.2 times the nozzle wide, a strand high.
+/// Area of a strand's bead: 1.2 times the nozzle's diameter wide and 0.5 mm high.
 constexpr double strand_area = slicer_area(0.48, 0.5);
-/// The same width, 0.2 high.
+/// Area of a channel's bead: the same width, 0.2 mm high.
 constexpr double channel_area = slicer_area(0.48, 0.2);
 
 PrinterProfile sample_profile() {
   PrinterProfile profile;
   profile.bead_area = strand_area;
-  // The published statistics leave the start and the end out.
+  // The published statistics do not include the start and the end.
   profile.priming_length = 0;
   profile.park = false;
   profile.channel_flow = channel_area / strand_area;
@@ -35,13 +35,13 @@ PrintJob grid(Connection connection) {
   PrintJob job{regular_sheet(20, 20, uniform_block(connection)), sample_profile(), {}};
   job.profile.lifted_flow = 0.55;
   job.profile.channel.longer = 0.4;
-  // Three tenths of a strand, to hold it on the bed.
+  // The overruns, three tenths of a strand each, fasten the strand to the bed.
   job.options.overrun = {24, 24};
   job.options.frame = Frame{0, 16};
   return job;
 }
 
-/// The layout without some of its strands: what connected them to others goes too.
+/// The layout without the removed strands. Crossings that are left with one strand are removed too.
 Weave without(const Weave& weave, const std::vector<bool>& removed) {
   Weave result;
   result.material = weave.material;
@@ -52,18 +52,18 @@ Weave without(const Weave& weave, const std::vector<bool>& removed) {
     result.strands.push_back(weave.strands[s]);
   }
   for (const Crossing& crossing : weave.crossings) {
-    Crossing kept;
+    Crossing remaining;
     for (CrossingMember member : crossing.members) {
       if (removed[static_cast<std::size_t>(member.strand)]) continue;
       member.strand = number[static_cast<std::size_t>(member.strand)];
-      kept.members.push_back(member);
+      remaining.members.push_back(member);
     }
-    if (kept.members.size() > 1) result.crossings.push_back(std::move(kept));
+    if (remaining.members.size() > 1) result.crossings.push_back(std::move(remaining));
   }
   return result;
 }
 
-/// Bars on the left and on the right of a sheet that reaches from `low` to `high` in y.
+/// Bars on the left and on the right of a sheet that extends from `low` to `high` in y; mm.
 std::vector<Grip> grips(double left, double right, double low, double high) {
   return {{{left, high}, {left, low}, 10}, {{right, low}, {right, high}, 10}};
 }
@@ -72,7 +72,7 @@ PrintJob squares(SquareType type) {
   constexpr int count = 5;
   constexpr double size = 79.2;
   const Weave sheet = interlacing_squares_sheet(type, count, count);
-  // The grips take the place of the outermost sides.
+  // The grips replace the outermost sides.
   std::vector<bool> removed(sheet.strands.size(), false);
   for (std::size_t row = 0; row < count; ++row) {
     removed[4 * (row * count) + 3] = true;
@@ -114,7 +114,8 @@ PrintJob circles(CircleType type) {
   weave.crossings = find_crossings(weave.strands);
   if (type == CircleType::all_slide) {
     for (Crossing& crossing : weave.crossings) {
-      // The left one of two, or the upper one; at the left grip they are fused.
+      // Beside each other the left circle slides, above each other the upper one, except at the left grip, where they
+      // are fused.
       const int first = crossing.members[0].strand;
       const int second = crossing.members[1].strand;
       const bool beside = first / columns == second / columns;
@@ -149,7 +150,7 @@ PrintJob actuation() {
   const auto line = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     weave.strands.push_back({StrandCurve({from, to}, Ends::open)});
   };
-  // The slanted spokes leave the innermost ring empty: where more than two strands meet none can slide well.
+  // The slanted spokes do not enter the innermost ring: where more than two strands meet, none can slide well.
   for (const double angle : {pi / 4, 3 * pi / 4, 5 * pi / 4, 7 * pi / 4}) {
     const Eigen::Vector2d d(std::cos(angle), std::sin(angle));
     line(inner * d, outer * d);

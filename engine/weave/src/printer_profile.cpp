@@ -9,13 +9,13 @@
 namespace supple::weave {
 namespace {
 
-constexpr std::size_t longest_text = 20'000;
-constexpr double largest_bed = 10'000;     ///< mm
-constexpr double largest_length = 100;     ///< mm; of beads, lifts and channels
-constexpr double largest_speed = 100'000;  ///< mm/min
-constexpr double largest_temperature = 500;
+constexpr std::size_t max_text_length = 20'000;
+constexpr double max_bed_size = 10'000;  ///< mm
+constexpr double max_length = 100;       ///< limit of the sizes of beads, lifts and channels, mm
+constexpr double max_speed = 100'000;    ///< mm/min
+constexpr double max_temperature = 500;  ///< degrees Celsius
 
-/// Without zeros at its end.
+/// A number in decimals without zeros at its end.
 std::string short_text(double value) {
   std::string text = std::to_string(value);
   if (text.find('.') != std::string::npos) {
@@ -25,16 +25,16 @@ std::string short_text(double value) {
   return text;
 }
 
-/// Within [least, most], or (0, most] where `least` is 0 and `positive`.
-void check_range(Faults& faults, double value, const char* where, double least, double most, const char* unit,
+/// Requires a value within [low, high], or (low, high] if it must be `positive`.
+void check_range(Faults& faults, double value, const char* where, double low, double high, const char* unit,
                  bool positive = false) {
-  faults.require(value >= least && value <= most && !(positive && value <= 0), where,
-                 std::string("must lie within ") + (positive ? "(" : "[") + short_text(least) + ", " +
-                     short_text(most) + "] " + unit + ", got " + short_text(value));
+  faults.require(value >= low && value <= high && !(positive && value <= 0), where,
+                 std::string("must lie within ") + (positive ? "(" : "[") + short_text(low) + ", " + short_text(high) +
+                     "] " + unit + ", got " + short_text(value));
 }
 
 bool printable(const std::string& text) {
-  if (text.size() > longest_text) return false;
+  if (text.size() > max_text_length) return false;
   for (const char c : text)
     if (c != '\n' && (c < ' ' || c > '~')) return false;
   return true;
@@ -45,31 +45,31 @@ bool printable(const std::string& text) {
 void validate(const PrinterProfile& profile) {
   Faults faults;
   const auto length = [&](double value, const char* where) {
-    check_range(faults, value, where, 0, largest_length, "mm", true);
+    check_range(faults, value, where, 0, max_length, "mm", true);
   };
   const auto speed = [&](double value, const char* where) {
-    check_range(faults, value, where, 0, largest_speed, "mm/min", true);
+    check_range(faults, value, where, 0, max_speed, "mm/min", true);
   };
   faults.require(profile.name.find('\n') == std::string::npos && printable(profile.name), "name",
                  "must be one line of printable ASCII");
-  faults.require(profile.bed.allFinite() && profile.bed.minCoeff() > 0 && profile.bed.maxCoeff() <= largest_bed, "bed",
-                 "must lie within (0, " + std::to_string(static_cast<int>(largest_bed)) + "] mm in x, y and z");
+  faults.require(profile.bed.allFinite() && profile.bed.minCoeff() > 0 && profile.bed.maxCoeff() <= max_bed_size, "bed",
+                 "must lie within (0, " + std::to_string(static_cast<int>(max_bed_size)) + "] mm in x, y and z");
   length(profile.nozzle_diameter, "nozzle_diameter");
   length(profile.filament_diameter, "filament_diameter");
-  check_range(faults, profile.nozzle_temperature, "nozzle_temperature", 0, largest_temperature, "degrees");
-  check_range(faults, profile.bed_temperature, "bed_temperature", 0, largest_temperature, "degrees");
+  check_range(faults, profile.nozzle_temperature, "nozzle_temperature", 0, max_temperature, "degrees");
+  check_range(faults, profile.bed_temperature, "bed_temperature", 0, max_temperature, "degrees");
   length(profile.strand_width, "strand_width");
-  if (profile.bead_area) check_range(faults, *profile.bead_area, "bead_area", 0, largest_length, "mm^2", true);
+  if (profile.bead_area) check_range(faults, *profile.bead_area, "bead_area", 0, max_length, "mm^2", true);
   check_range(faults, profile.lifted_flow, "lifted_flow", 0, 2, "", true);
   check_range(faults, profile.channel_flow, "channel_flow", 0, 2, "", true);
   length(profile.strand_height, "strand_height");
   length(profile.travel_clearance, "travel_clearance");
-  check_range(faults, profile.retraction, "retraction", 0, largest_length, "mm");
-  check_range(faults, profile.priming_length, "priming_length", 0, largest_bed, "mm");
+  check_range(faults, profile.retraction, "retraction", 0, max_length, "mm");
+  check_range(faults, profile.priming_length, "priming_length", 0, max_bed_size, "mm");
   length(profile.lift.height, "lift/height");
   length(profile.lift.top, "lift/top");
-  check_range(faults, profile.lift.run, "lift/run", profile.lift.top, largest_length, "mm", true);
-  check_range(faults, profile.lift.bridge, "lift/bridge", 0, largest_length, "mm");
+  check_range(faults, profile.lift.run, "lift/run", profile.lift.top, max_length, "mm", true);
+  check_range(faults, profile.lift.bridge, "lift/bridge", 0, max_length, "mm");
   length(profile.channel.half_width, "channel/half_width");
   check_range(faults, profile.channel.longer, "channel/longer", 0, 2, "");
   length(profile.channel.apex, "channel/apex");
@@ -78,10 +78,10 @@ void validate(const PrinterProfile& profile) {
   speed(profile.channel_speed, "channel_speed");
   speed(profile.travel_speed, "travel_speed");
   speed(profile.retraction_speed, "retraction_speed");
-  const std::string text = "must be printable ASCII of at most " + std::to_string(longest_text) + " characters";
+  const std::string text = "must be printable ASCII of at most " + std::to_string(max_text_length) + " characters";
   const auto own_lines = [&](const std::string& lines, const char* where) {
-    faults.require(lines.size() <= longest_text, where, text);
-    if (lines.size() > longest_text) return;
+    faults.require(lines.size() <= max_text_length, where, text);
+    if (lines.size() > max_text_length) return;
     if (const auto fault = fault_of_own_gcode(lines)) faults.add(where, *fault);
   };
   own_lines(profile.startup_gcode, "startup_gcode");

@@ -12,44 +12,46 @@ namespace supple::weave {
 using numerics::Jet;
 using numerics::Vector3;
 
-/// Rest quantities as functions of the sliders that they depend on. They are those of the polygon that the nodes'
-/// material coordinates s_i inscribe in the strand's rest curve X(s): a strand that lies as this polygon does, moved
-/// rigidly or slid along itself, is at rest exactly. They need X'' in their second derivatives and no more.
-using RestJet = Jet<SliderSlots::most>;
+/// Rest lengths and rest curvatures as functions of the sliders on which they depend. They are those of the polygon
+/// that the nodes' material coordinates s_i inscribe in the strand's rest curve X(s). A strand that has the shape of
+/// this polygon, moved rigidly or slid along itself, is therefore exactly at rest. The second derivatives need X'' and
+/// no higher derivative.
+using RestJet = Jet<SliderSlots::max_sliders>;
 
-/// 2 tan(phi / 2) for the angle phi from e to f.
-double planar_turn(const Eigen::Vector2d& e, const Eigen::Vector2d& f);
-/// The turn of that value as a function of what the angle depends on.
+/// The integrated curvature 2 tan(phi / 2) for the angle phi from e to f.
+double integrated_curvature(const Eigen::Vector2d& e, const Eigen::Vector2d& f);
+/// The integrated curvature as a function of the variables on which the angle depends. Its value is `curvature`.
 template <int n>
-Jet<n> planar_turn(double turn, const Jet<n>& angle) {
-  // Its derivatives by the angle are 1 + turn^2 / 4 and turn (1 + turn^2 / 4) / 2.
-  const double slope = 1 + 0.25 * turn * turn;
-  return compose(angle, turn, slope, 0.5 * turn * slope);
+Jet<n> integrated_curvature(double curvature, const Jet<n>& angle) {
+  // Its derivatives by the angle are 1 + curvature^2 / 4 and curvature (1 + curvature^2 / 4) / 2.
+  const double slope = 1 + 0.25 * curvature * curvature;
+  return compose(angle, curvature, slope, 0.5 * curvature * slope);
 }
 
-/// How the material coordinates at an edge's ends follow the sliders of an element.
-struct EdgeShares {
-  std::array<double, SliderSlots::most> from{};
-  std::array<double, SliderSlots::most> to{};
+/// Weights of an element's sliders in the material coordinates at an edge's ends.
+struct EdgeWeights {
+  std::array<double, SliderSlots::max_sliders> from{};
+  std::array<double, SliderSlots::max_sliders> to{};
 };
 
-/// |X(to) - X(from)|, mm.
+/// Rest length |X(to) - X(from)| of an edge, mm.
 class RestLength {
  public:
   RestLength(const RodModel& model, const Edge& edge);
   const SliderSlots& slots() const { return slots_; }
-  /// Derivatives up to `order`.
+  /// The value, and its derivatives up to `order`.
   RestJet at(const RodModel& model, const Eigen::VectorXd& q, int order) const;
 
  private:
   const Edge* edge_;
   SliderSlots slots_;
-  EdgeShares shares_;
+  EdgeWeights weights_;
   RestJet constant_;
 };
 
-/// Length over which a turn is spread (half of each of its edges', mm) and signed turn 2 tan(angle / 2) between its
-/// edges, or between its one edge and the curve's tangent where the joint holds it.
+/// Rest length over which a turn is distributed (half of the sum of its edges' rest lengths, mm), and its signed
+/// integrated rest curvature 2 tan(angle / 2). The angle is that between its edges, or between its one edge and the
+/// tangent of the curve at the joint.
 struct RestTurnValue {
   RestJet length;
   RestJet curvature;
@@ -58,7 +60,7 @@ class RestTurn {
  public:
   RestTurn(const RodModel& model, const Turn& turn);
   const SliderSlots& slots() const { return slots_; }
-  /// Derivatives up to `order`.
+  /// The value, and its derivatives up to `order`.
   RestTurnValue at(const RodModel& model, const Eigen::VectorXd& q, int order) const;
 
  private:
@@ -66,9 +68,9 @@ class RestTurn {
 
   const Turn* turn_;
   SliderSlots slots_;
-  EdgeShares in_;
-  EdgeShares out_;
-  Eigen::Vector2d tangent_;  ///< of the curve at the turn
+  EdgeWeights in_;
+  EdgeWeights out_;
+  Eigen::Vector2d tangent_;  ///< unit tangent of the rest curve at the turn
   RestTurnValue constant_;
 };
 

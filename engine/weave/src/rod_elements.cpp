@@ -30,10 +30,10 @@ void SliderSlots::add(const MaterialCoordinate& c) {
   }
 }
 
-double SliderSlots::share(const MaterialCoordinate& c, int i) const {
+double SliderSlots::weight(const MaterialCoordinate& c, int i) const {
   double sum = 0;
   for (std::size_t k = 0; k < 2; ++k)
-    if (c.slider[k] >= 0 && c.slider[k] == slider_[static_cast<std::size_t>(i)]) sum += c.share[k];
+    if (c.slider[k] >= 0 && c.slider[k] == slider_[static_cast<std::size_t>(i)]) sum += c.weight[k];
   return sum;
 }
 

@@ -9,8 +9,8 @@
 
 namespace supple::weave {
 
-/// E = EA / 2 sum_e (l_e - L_e)^2 / L_e over the edges: deformed length l, rest length L (mm); N mm. The same however
-/// finely a uniformly stretched strand is cut.
+/// E = EA / 2 sum_e (l_e - L_e)^2 / L_e over the edges: deformed length l, rest length L (mm); N mm. For a uniformly
+/// stretched strand it does not depend on the number of edges.
 class StretchEnergy : public Energy {
  public:
   explicit StretchEnergy(const RodModel& model);
@@ -27,12 +27,14 @@ class StretchEnergy : public Energy {
   std::vector<Element> elements_;
 };
 
+/// A free turn lies between two edges, and a jointed one between an edge and a joint.
 enum class TurnKind { free, jointed };
 
-/// E = EI / 2 sum_i ((k1_i - K_i)^2 + k2_i^2) / L_i over the turns of one kind: integrated curvatures k = 2 tan(angle /
-/// 2) about the two material directors, rest turn K about the one that is normal to the rest plane, L half the rest
-/// lengths of the turn's edges (mm); N mm. Discrete elastic rods' bending energy (Bergou et al. 2008, section 4.2) of
-/// the nominal stiffness. A joint's half of a turn is spread over half of its one edge.
+/// E = EI / 2 sum_i ((k1_i - K_i)^2 + k2_i^2) / L_i over the turns of one kind, N mm. k1 and k2 are the integrated
+/// curvatures 2 tan(angle / 2) about the two material directors. K is the integrated rest curvature about the director
+/// that is normal to the rest plane. L is half the sum of the rest lengths of the turn's edges (mm). This is the
+/// bending energy of discrete elastic rods [Bergou2008, section 4.2] with the nominal stiffness. A turn at a joint is
+/// distributed over half of its one edge.
 class PlanarBendEnergy : public Energy {
  public:
   PlanarBendEnergy(const RodModel& model, TurnKind kind);
@@ -42,7 +44,7 @@ class PlanarBendEnergy : public Energy {
  private:
   struct Element {
     const Turn* turn;
-    Eigen::Vector2d tangent;  ///< of the joint at rest
+    Eigen::Vector2d tangent;  ///< unit tangent of the rest curve at the joint
     RestTurn rest;
     ElementRows rows;
   };
@@ -51,7 +53,7 @@ class PlanarBendEnergy : public Energy {
   std::vector<Element> elements_;
 };
 
-/// What bending and twisting in space share: turns seen from the state's chart.
+/// The elements of bending and twisting in space. Both measure angles in the state's chart.
 class SpatialTurns {
  public:
   SpatialTurns(const RodModel& model, TurnKind kind);
@@ -60,7 +62,7 @@ class SpatialTurns {
   struct Element {
     std::size_t index;
     const Turn* turn;
-    Eigen::Matrix3d frame;  ///< of the strand at the joint, at rest
+    Eigen::Matrix3d frame;  ///< frame of the strand's rest curve at the turn; see rest_frame
     RestTurn rest;
     ElementRows rows;
   };
@@ -69,7 +71,7 @@ class SpatialTurns {
   std::vector<Element> elements_;
 };
 
-/// See PlanarBendEnergy; the material directors are the chart's reference directors turned by the edges' angles.
+/// See PlanarBendEnergy. The material directors are the chart's reference directors rotated by the edges' angles.
 class SpatialBendEnergy : public Energy, private SpatialTurns {
  public:
   using SpatialTurns::SpatialTurns;
@@ -77,8 +79,8 @@ class SpatialBendEnergy : public Energy, private SpatialTurns {
   void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
 };
 
-/// E = GJ / 2 sum_i (m_i - M_i)^2 / L_i: twist m = difference of the edges' angles plus the reference directors' twist
-/// (Bergou et al. 2010), rest twist M, lengths L as in bending; N mm.
+/// E = GJ / 2 sum_i (m_i - M_i)^2 / L_i: twist m = difference of the edges' angles plus the twist of the reference
+/// directors [Bergou2010], rest twist M, lengths L as in bending; N mm.
 class TwistEnergy : public Energy, private SpatialTurns {
  public:
   using SpatialTurns::SpatialTurns;

@@ -8,11 +8,11 @@
 
 namespace supple::weave {
 
-/// All degrees of freedom q of a weave (see RodModel) and, in space, the chart that they are seen from. Derivatives are
-/// given in the chart at the state itself, so that every Newton step starts from one without singularities.
+/// All degrees of freedom q of a weave (see RodModel) and, in space, the chart to which its angles and rotations refer.
+/// Derivatives are taken in the chart at the state itself, so that no Newton step starts at a singularity.
 class RodState {
  public:
-  /// `model` outlives the state. The chart is empty in the plane; q is seen from it.
+  /// `model` must outlive the state. `chart` is the one to which q refers; it is empty in the plane.
   RodState(const RodModel& model, Eigen::VectorXd q, Chart chart = {});
 
   const Eigen::VectorXd& q() const { return q_; }
@@ -24,9 +24,9 @@ class RodState {
     q_ += step;
     return step;
   }
-  /// Rebases the chart: the joints' unknowns become 0.
+  /// Replaces the chart by the one at the current state. The joints' unknowns become 0.
   void take_frame();
-  /// Charts of neighbouring states differ little: coordinates are carried along as they are.
+  /// Charts of neighbouring states differ little, so the coordinates of a tangent vector stay as they are.
   bool transport(Eigen::VectorXd& /*tangent*/) const { return true; }
 
  private:

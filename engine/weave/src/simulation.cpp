@@ -17,7 +17,7 @@
 namespace supple::weave {
 namespace {
 
-constexpr int most_states = 10'000;
+constexpr int max_states = 10'000;
 
 void check_place(const Weave& weave, int strand, double coordinate, const std::string& where, Faults& faults) {
   const bool known = strand >= 0 && strand < static_cast<int>(weave.strands.size());
@@ -32,7 +32,7 @@ void check(const Weave& weave, const SheetLoad& load) {
   Faults faults;
   faults.require(!weave.lattice, "lattice", "is for periodic cells; a sheet has none");
   faults.require(!load.supports.empty(), "supports", "must not be empty: nothing would hold the sheet");
-  faults.require(load.states >= 1 && load.states <= most_states, "states", "must lie within [1, 10000]");
+  faults.require(load.states >= 1 && load.states <= max_states, "states", "must lie within [1, 10000]");
   for (std::size_t i = 0; i < load.supports.size(); ++i) {
     const Support& support = load.supports[i];
     const std::string where = "supports/" + std::to_string(i);
@@ -48,7 +48,7 @@ void check(const Weave& weave, const SheetLoad& load) {
   faults.throw_if_any("weave.invalid_load");
 }
 
-/// The load in these units.
+/// The load converted to these units.
 SheetLoad in_natural_units(SheetLoad load, const NaturalUnits& units) {
   for (Support& support : load.supports) {
     support.coordinate /= units.length;
@@ -70,8 +70,8 @@ Prescription prescribe(const SheetLoad& load) {
     result.anchors.push_back({support.strand, support.coordinate, support.clamped});
     for (int c = 0; c < 3; ++c) {
       if (support.held[static_cast<std::size_t>(c)])
-        result.held.push_back({Kind::position, anchor, c, support.displacement[c]});
-      if (support.clamped) result.held.push_back({Kind::joint, anchor, c, support.rotation[c]});
+        result.fixed.push_back({Kind::position, anchor, c, support.displacement[c]});
+      if (support.clamped) result.fixed.push_back({Kind::joint, anchor, c, support.rotation[c]});
     }
     result.leaves_plane = result.leaves_plane || (support.held[2] && support.displacement[2] != 0) ||
                           (support.clamped && !support.rotation.head<2>().isZero());
@@ -84,7 +84,8 @@ Prescription prescribe(const SheetLoad& load) {
   return result;
 }
 
-/// A clamp needs a joint, which a strand that slides through its crossing has not; and what is held is held once.
+/// Checks that each clamp has a joint, which a strand that slides through its crossing has not, and that no component
+/// is fixed twice.
 void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& prescription,
                  const EquilibriumOptions& options, const Execution& execution) {
   const RodModel model(
@@ -94,7 +95,7 @@ void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& 
   for (std::size_t i = 0; i < load.supports.size(); ++i)
     if (load.supports[i].clamped && model.anchor_joint(i) < 0)
       faults.add("supports/" + std::to_string(i) + "/clamped", "must be false where the strand slides");
-  // The support that holds a node's component first.
+  // Index of the first support that fixes a component of a node.
   std::unordered_map<int, std::array<std::optional<std::size_t>, 3>> holders;
   for (std::size_t i = 0; i < load.supports.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -110,7 +111,7 @@ void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& 
   faults.throw_if_any("weave.invalid_load");
 }
 
-/// The largest displacement over the layout's extent, or rotation over a half turn.
+/// The strain of a load: the largest displacement over the layout's extent, or rotation over half a turn.
 double strain_of(const SheetLoad& load, const Weave& weave) {
   Eigen::AlignedBox2d box;
   for (const Strand& strand : weave.strands)
@@ -122,14 +123,14 @@ double strain_of(const SheetLoad& load, const Weave& weave) {
   return strain;
 }
 
-/// `run` is of a sheet in these units, as `load` is.
+/// The reported state of a run. Its sheet and `load` are in these units.
 SheetState state_of(WeaveRun& run, const SheetLoad& load, const NaturalUnits& units) {
   const LimitedState& reported = run.reported();
   const RodModel& model = run.model();
   const int dimension = model.dimension();
   SheetState state;
   const Eigen::VectorXd& q = reported.q;
-  state.share = run.share();
+  state.share = run.fraction();
   state.energy = units.energy() * reported.energy;
   state.strands = polylines(model, q, units.length);
   state.crossings.reserve(model.weave().crossings.size());
@@ -151,7 +152,7 @@ SheetState state_of(WeaveRun& run, const SheetLoad& load, const NaturalUnits& un
   }
   state.out_of_plane = run.spatial();
   state.stable = reported.stable;
-  state.stopped = run.path().stopped();
+  state.stopped = run.path().termination();
   state.residual = units.force() * reported.residual;
   state.tolerance = units.force() * run.path().tolerance();
   state.limit_error = reported.limit_error;
@@ -188,7 +189,7 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
     result.unknowns = std::max(result.unknowns, static_cast<int>(run.objective().dimension()));
     result.states.push_back(std::move(state));
     if (arrived) continue;
-    result.message = "The path could not be followed beyond " + std::to_string(run.share()) +
+    result.message = "The path could not be followed beyond " + std::to_string(run.fraction()) +
                      " of the loads: the load step was halved down to its limit without convergence (" +
                      std::string(to_string(result.states.back().stopped)) + ").";
     break;

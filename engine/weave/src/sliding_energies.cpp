@@ -8,13 +8,14 @@
 namespace supple::weave {
 namespace {
 
-/// A step may close this share of a distance: the barrier then still acts in the next one.
-constexpr double share_of_way = 0.95;
-/// A barrier begins no farther from its limit than this share of the way to it at rest.
-constexpr double share_of_range = 0.5;
-/// Stiffness of a barrier over that of its strand, EA / l: 10 N/mm for a strand of printed PLA with a radius of 0.25 mm
-/// whose crossings are 4 mm apart.
-constexpr double barrier_stretch = 0.0582;
+/// Maximum fraction of a distance that one step may close. The barrier then still acts in the next step.
+constexpr double max_closing_fraction = 0.95;
+/// Upper limit of the range of a barrier, and of the distance that crossings must keep, as a fraction of the distance
+/// at rest.
+constexpr double max_range_fraction = 0.5;
+/// Ratio of a barrier's stiffness to that of its strand, EA / l. It gives 10 N/mm for a strand of printed PLA with a
+/// radius of 0.25 mm whose crossings are 4 mm apart.
+constexpr double barrier_stiffness_ratio = 0.0582;
 
 }  // namespace
 
@@ -28,7 +29,7 @@ Barrier barrier(double distance, double range, double stiffness) {
 }
 
 double BarrierEnergy::stiffness(const SlidingLimit& limit) const {
-  return barrier_stretch * model_.stiffness(limit.strand).stretch / mean_rod_length;
+  return barrier_stiffness_ratio * model_.stiffness(limit.strand).stretch / mean_rod_length;
 }
 
 Barrier BarrierEnergy::at(const SlidingLimit& limit, const Eigen::VectorXd& x) const {
@@ -52,16 +53,16 @@ void BarrierEnergy::add(const RodState& state, int order, numerics::EnergySum& s
 
 double BarrierEnergy::largest_step(const RodState& state, const Eigen::VectorXd& step) const {
   const Eigen::VectorXd& x = state.q();
-  double largest = std::numeric_limits<double>::infinity();
+  double max_step = std::numeric_limits<double>::infinity();
   for (const SlidingLimit& limit : limits_) {
-    double speed = 0;
-    for (const Link& link : limit.links) speed += link.coefficient * step[link.dof];
-    if (speed < 0) largest = std::min(largest, share_of_way * limit.distance(x) / -speed);
+    double rate = 0;
+    for (const Link& link : limit.links) rate += link.coefficient * step[link.dof];
+    if (rate < 0) max_step = std::min(max_step, max_closing_fraction * limit.distance(x) / -rate);
   }
-  return largest;
+  return max_step;
 }
 
-int BarrierEnergy::near(const Eigen::VectorXd& x) const {
+int BarrierEnergy::count_within_range(const Eigen::VectorXd& x) const {
   return static_cast<int>(
       std::count_if(limits_.begin(), limits_.end(), [&](const SlidingLimit& l) { return l.distance(x) < l.range; }));
 }
@@ -70,21 +71,27 @@ SlidingLimits::SlidingLimits(const RodModel& model, double range) : BarrierEnerg
   for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
     const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];
     const int dof = model.slider(i);
-    if (std::isfinite(slider.high) && slider.high > 0)
-      limits_.push_back({slider.strand, slider.high, std::min(range, share_of_range * slider.high), {{dof, 0, -1}}});
-    if (std::isfinite(slider.low) && slider.low < 0)
-      limits_.push_back({slider.strand, -slider.low, std::min(range, share_of_range * -slider.low), {{dof, 0, 1}}});
+    if (std::isfinite(slider.max_displacement) && slider.max_displacement > 0)
+      limits_.push_back({slider.strand,
+                         slider.max_displacement,
+                         std::min(range, max_range_fraction * slider.max_displacement),
+                         {{dof, 0, -1}}});
+    if (std::isfinite(slider.min_displacement) && slider.min_displacement < 0)
+      limits_.push_back({slider.strand,
+                         -slider.min_displacement,
+                         std::min(range, max_range_fraction * -slider.min_displacement),
+                         {{dof, 0, 1}}});
   }
 }
 
-CrossingContact::CrossingContact(const RodModel& model, const std::optional<double>& least, double range)
+CrossingContact::CrossingContact(const RodModel& model, const std::optional<double>& min_distance, double range)
     : BarrierEnergy(model) {
   limits_.reserve(model.gaps().size());
   for (const Gap& gap : model.gaps()) {
     const double at_rest = gap.to.start - gap.from.start;
-    const double touching = least ? *least * (gap.at_end ? 0.5 : 1) : gap.touching;
-    const double kept = std::min(touching, share_of_range * at_rest);
-    SlidingLimit limit{gap.strand, at_rest - kept, std::min(range, share_of_range * (at_rest - kept))};
+    const double contact_distance = min_distance ? *min_distance * (gap.at_end ? 0.5 : 1) : gap.contact_distance;
+    const double retained = std::min(contact_distance, max_range_fraction * at_rest);
+    SlidingLimit limit{gap.strand, at_rest - retained, std::min(range, max_range_fraction * (at_rest - retained))};
     for (const auto& [place, sign] : {std::pair(&gap.to, 1.0), std::pair(&gap.from, -1.0)})
       if (place->slider[0] >= 0) limit.links.push_back({model.slider(place->slider[0]), 0, sign});
     limits_.push_back(std::move(limit));
@@ -107,13 +114,13 @@ void SlidingRegularizer::add(const RodState& state, int order, numerics::EnergyS
 double PointForces::potential(const Eigen::VectorXd& x) const {
   double work = 0;
   for (const Load& load : loads_) work += load.force * x[load.dof];
-  return -share_ * work;
+  return -fraction_ * work;
 }
 
 void PointForces::add(const RodState& state, int order, numerics::EnergySum& sum) const {
   sum.value += potential(state.q());
   if (order < 1) return;
-  for (const Load& load : loads_) sum.gradient[load.dof] -= share_ * load.force;
+  for (const Load& load : loads_) sum.gradient[load.dof] -= fraction_ * load.force;
 }
 
 }  // namespace supple::weave

@@ -7,8 +7,8 @@
 
 namespace supple::weave {
 
-/// b(d) = -k (d - r)^2 ln(d / r) for distances 0 < d < r (Li et al. 2020), 0 beyond: twice continuously differentiable,
-/// infinite at 0. k in N/mm, distances in mm, b in N mm.
+/// The barrier b(d) = -k (d - r)^2 ln(d / r) for distances 0 < d < r, and 0 beyond [Li2020]. It is twice continuously
+/// differentiable and infinite at 0. k in N/mm, distances in mm, b in N mm.
 struct Barrier {
   double value = 0;
   double first = 0;
@@ -16,12 +16,13 @@ struct Barrier {
 };
 Barrier barrier(double distance, double range, double stiffness);
 
-/// A distance d = offset + sum of coefficients times the degrees of freedom x that may not fall below 0, mm.
+/// A constraint on sliding: a distance d = offset + sum of coefficients times the degrees of freedom x must not fall
+/// below 0, mm.
 struct SlidingLimit {
   int strand = 0;     ///< the strand that slides
   double offset = 0;  ///< distance at rest, mm
   double range = 0;   ///< distance at which the barrier begins, mm
-  Links links{};      ///< of the one slot 0
+  Links links{};      ///< the summands, all of slot 0
 
   double distance(const Eigen::VectorXd& x) const {
     double d = offset;
@@ -30,18 +31,19 @@ struct SlidingLimit {
   }
 };
 
-/// Barriers before limits, which keep a path of equilibria clear of them. The stiffness of each is proportional to that
-/// of its strand: `barrier_stretch` EA / l, where l is the mean length of rod between crossings.
+/// Barriers before limits. They keep a path of equilibria at a distance from the limits. The stiffness of each barrier
+/// is proportional to the stretching stiffness of its strand: `barrier_stiffness_ratio` EA / l, where l is the mean
+/// length of rod between crossings.
 class BarrierEnergy : public Energy {
  public:
   void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
   double largest_step(const RodState& state, const Eigen::VectorXd& step) const override;
   bool empty() const { return limits_.empty(); }
   const std::vector<SlidingLimit>& limits() const { return limits_; }
-  /// The barrier of a limit at x. It pushes with the force -first, N.
+  /// The barrier of a limit at x. Its force on the slider is -first, N.
   Barrier at(const SlidingLimit& limit, const Eigen::VectorXd& x) const;
-  /// How many distances are within their barrier's range at x.
-  int near(const Eigen::VectorXd& x) const;
+  /// Number of distances at x that are within their barrier's range.
+  int count_within_range(const Eigen::VectorXd& x) const;
 
  protected:
   explicit BarrierEnergy(const RodModel& model) : model_(model) {}
@@ -52,24 +54,26 @@ class BarrierEnergy : public Energy {
   const RodModel& model_;
 };
 
-/// Sliders end at their limits.
+/// Barriers before the limits of the sliders' displacements.
 class SlidingLimits : public BarrierEnergy {
  public:
-  /// `range`, mm: how far from a limit its barrier begins; a half of the slider's way to it at most.
+  /// `range` is the distance in mm from a limit at which its barrier begins. It is at most half of the slider's
+  /// distance from the limit at rest.
   SlidingLimits(const RodModel& model, double range);
   std::string_view name() const override { return "sliding_limits"; }
 };
 
-/// Crossings of a strand, of which one at least slides, stay `least` mm of strand apart, or half as far as at rest
-/// where that is less. Without `least`, they stay so far apart that the strands that cross there touch. They stay half
-/// as far from the strand's ends.
+/// Barriers that keep neighbouring crossings of a strand, of which at least one slides, apart. The minimum distance
+/// along the strand is `min_distance` (mm), or by default the one at which the strands that cross there touch. It is at
+/// most half of the distance at rest. From the strand's ends it is half as large.
 class CrossingContact : public BarrierEnergy {
  public:
-  CrossingContact(const RodModel& model, const std::optional<double>& least, double range);
+  CrossingContact(const RodModel& model, const std::optional<double>& min_distance, double range);
   std::string_view name() const override { return "crossing_contact"; }
 };
 
-/// E = k / 2 sum_j u_j^2 over the sliders' displacements u (mm), k in N/mm: a unique equilibrium where sliding is free.
+/// E = k / 2 sum_j u_j^2 over the sliders' displacements u (mm), k in N/mm. It makes the equilibrium unique where
+/// sliding is free.
 class SlidingRegularizer : public Energy {
  public:
   SlidingRegularizer(const RodModel& model, double stiffness);
@@ -81,7 +85,7 @@ class SlidingRegularizer : public Energy {
   double stiffness_;
 };
 
-/// E = -sum f . x: dead loads f (N, or N mm on angles) on degrees of freedom.
+/// E = -sum f x: dead loads f (N, or N mm on angles) on degrees of freedom x.
 class PointForces : public Energy {
  public:
   struct Load {
@@ -93,12 +97,12 @@ class PointForces : public Energy {
   void add(const RodState& state, int order, numerics::EnergySum& sum) const override;
   /// The potential of the forces at x, N mm.
   double potential(const Eigen::VectorXd& x) const;
-  /// The forces act at this share of their size.
-  void set_share(double share) { share_ = share; }
+  /// Sets the fraction of their full size at which the forces act.
+  void set_fraction(double fraction) { fraction_ = fraction; }
 
  private:
   std::vector<Load> loads_;
-  double share_ = 1;
+  double fraction_ = 1;
 };
 
 }  // namespace supple::weave

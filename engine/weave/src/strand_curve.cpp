@@ -11,20 +11,20 @@
 namespace supple::weave {
 namespace {
 
-/// Pieces of the refined curve turn by less, rad: within one the parameter's speed varies by the square of this over a
-/// few hundred.
-constexpr double longest_turn_of_piece = 0.06;
+/// Maximum turning angle of a piece of the refined curve, rad. The parameter's speed then varies within a piece by the
+/// square of this angle over a few hundred.
+constexpr double max_piece_turn = 0.06;
 constexpr double max_pieces_between_points = 4096;
-/// How often a piece that still turns by more than twice that is halved.
-constexpr int max_halvings = 12;
-/// Rounds of replacing parameter lengths by arc lengths: each gains three digits or more.
-constexpr int rounds = 4;
+/// Maximum depth of the bisection of a piece that turns by more than twice `max_piece_turn`.
+constexpr int max_piece_bisections = 12;
+/// Iterations that replace parameter lengths by arc lengths. Each one gains at least three digits.
+constexpr int arc_length_iterations = 4;
 /// Neighbouring points closer than this, relative to the extent, are the same point.
 constexpr double same_point = 1e-9;
-/// Points that leave a line by less, relative to the extent, lie on it.
+/// Points within this distance of a line, relative to the extent, lie on it.
 constexpr double on_line = 1e-12;
-/// Pieces between two looks for a stop request: a millisecond's work.
-constexpr std::size_t curve_pieces_between_looks = 1024;
+/// Pieces between two checks for a stop request: a millisecond's work.
+constexpr std::size_t curve_pieces_between_checks = 1024;
 
 /// Gauss-Legendre points and weights on [-1, 1].
 constexpr std::array<std::array<double, 2>, 5> gauss{{{-0.9061798459386640, 0.2369268850561891},
@@ -35,8 +35,9 @@ constexpr std::array<std::array<double, 2>, 5> gauss{{{-0.9061798459386640, 0.23
 
 using Vectors = std::vector<Eigen::Vector2d>;
 
-/// Solves a tridiagonal system of diagonally dominant rows: below[i] x[i-1] + diagonal[i] x[i] + above[i] x[i+1] =
-/// x[i], in place. Looks for a stop request before each of its two sweeps, of some 10 ns for each row.
+/// Solves a tridiagonal system of diagonally dominant rows in place: x holds the right-hand side r before and the
+/// solution after, with below[i] x[i-1] + diagonal[i] x[i] + above[i] x[i+1] = r[i]. Checks for a stop request before
+/// each of its two sweeps, which take some 10 ns for each row.
 template <typename Value>
 void solve_tridiagonal(const std::vector<double>& below, std::vector<double> diagonal, const std::vector<double>& above,
                        std::vector<Value>& x, const CancellationToken& cancellation) {
@@ -51,21 +52,23 @@ void solve_tridiagonal(const std::vector<double>& below, std::vector<double> dia
   for (std::size_t i = x.size() - 1; i-- > 0;) x[i] = (x[i] - above[i] * x[i + 1]) / diagonal[i];
 }
 
-/// Second derivatives of the periodic spline: n intervals h, slopes of the chords.
-Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes, const CancellationToken& cancellation) {
+/// Second derivatives of the periodic spline at its knots, from the lengths h of its n intervals and the slopes of the
+/// chords.
+Vectors periodic_second_derivatives(const std::vector<double>& h, const Vectors& slopes,
+                                    const CancellationToken& cancellation) {
   const std::size_t n = h.size();
   Vectors m(n);
   const auto right = [&](std::size_t i) -> Eigen::Vector2d { return 6 * (slopes[i] - slopes[(i + n - 1) % n]); };
   if (n == 1) {
     m[0] = Eigen::Vector2d::Zero();
   } else if (n == 2) {
-    // Both neighbours of a knot are the other one.
+    // With two intervals, both neighbours of a knot are the same knot.
     const double d = 2 * (h[0] + h[1]);
     const double o = h[0] + h[1];
     m[0] = (d * right(0) - o * right(1)) / (d * d - o * o);
     m[1] = (d * right(1) - o * right(0)) / (d * d - o * o);
   } else {
-    // The corner entries are a matrix of rank one more than a tridiagonal one (Sherman and Morrison 1950).
+    // The matrix is a tridiagonal one plus a matrix of rank one that has the corner entries [Sherman1950].
     std::vector<double> below(n);
     std::vector<double> diagonal(n);
     std::vector<double> above(n);
@@ -84,16 +87,18 @@ Vectors periodic_seconds(const std::vector<double>& h, const Vectors& slopes, co
     u[n - 1] = corner;
     solve_tridiagonal(below, diagonal, above, m, cancellation);
     solve_tridiagonal(below, diagonal, above, u, cancellation);
-    const double share = 1 + u[0] + corner / gamma * u[n - 1];
-    const Eigen::Vector2d factor = (m[0] + corner / gamma * m[n - 1]) / share;
+    const double denominator = 1 + u[0] + corner / gamma * u[n - 1];
+    const Eigen::Vector2d factor = (m[0] + corner / gamma * m[n - 1]) / denominator;
     for (std::size_t i = 0; i < n; ++i) m[i] -= u[i] * factor;
   }
   m.push_back(m.front());
   return m;
 }
 
-/// The same for an open curve whose first two and last two pieces are one polynomial each.
-Vectors open_seconds(const std::vector<double>& h, const Vectors& slopes, const CancellationToken& cancellation) {
+/// Second derivatives of the spline of an open curve with not-a-knot ends: its first two pieces are one polynomial, and
+/// so are its last two.
+Vectors open_second_derivatives(const std::vector<double>& h, const Vectors& slopes,
+                                const CancellationToken& cancellation) {
   const std::size_t n = h.size();
   if (n == 1) return {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   if (n == 2) return Vectors(3, 2 * (slopes[1] - slopes[0]) / (h[0] + h[1]));
@@ -132,9 +137,9 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] *
 }
 
 void check(const Vectors& points, Ends ends, const Eigen::Vector2d& translation) {
-  const std::size_t least = ends == Ends::open ? 2 : ends == Ends::closed ? 3 : 1;
-  if (points.size() < least)
-    refuse("points", "must be at least " + std::to_string(least) + ", got " + std::to_string(points.size()));
+  const std::size_t min_points = ends == Ends::open ? 2 : ends == Ends::closed ? 3 : 1;
+  if (points.size() < min_points)
+    refuse("points", "must be at least " + std::to_string(min_points) + ", got " + std::to_string(points.size()));
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!points[i].allFinite()) refuse("points/" + std::to_string(i), "must be finite");
   if (!translation.allFinite() || (ends == Ends::periodic) != (translation.norm() > 0))
@@ -180,12 +185,12 @@ StrandCurve::StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends, 
     point_coordinates_ = knots_;
     knots_ = {0, along.norm()};
     values_ = {values.front(), values.back()};
-    seconds_.assign(2, Eigen::Vector2d::Zero());
+    second_derivatives_.assign(2, Eigen::Vector2d::Zero());
   } else {
     fit(values, execution);
     const std::vector<std::size_t> given = refine(execution);
-    for (int round = 0; round < rounds; ++round) {
-      measure(execution);
+    for (int iteration = 0; iteration < arc_length_iterations; ++iteration) {
+      reparametrize(execution);
       fit(values_, execution);
     }
     point_coordinates_.reserve(given.size());
@@ -203,43 +208,42 @@ void StrandCurve::fit(std::vector<Eigen::Vector2d> values, const Execution& exec
     slopes[i] = (values[i + 1] - values[i]) / h[i];
   }
   values_ = std::move(values);
-  const auto seconds = ends_ == Ends::open ? open_seconds : periodic_seconds;
-  seconds_ = seconds(h, slopes, execution.cancellation);
+  const auto second_derivatives = ends_ == Ends::open ? open_second_derivatives : periodic_second_derivatives;
+  second_derivatives_ = second_derivatives(h, slopes, execution.cancellation);
 }
 
 std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   Vectors refined;
-  std::size_t next_look = 0;
+  std::size_t next_check = 0;
   std::vector<std::size_t> given;
   given.reserve(values_.size());
   for (std::size_t piece = 0; piece + 1 < values_.size(); ++piece) {
     given.push_back(refined.size());
     const double h = knots_[piece + 1] - knots_[piece];
-    // The curvature of a curve through even points is greatest near an end of a piece or in its middle.
+    // Through evenly spaced points, the curvature of a piece is greatest near one of its ends or in its middle.
     double curvature = 0;
-    for (const double share : {0.0, 0.5, 1.0}) {
-      const Point p = in_piece(piece, share * h);
+    for (const double fraction : {0.0, 0.5, 1.0}) {
+      const Point p = point_in_piece(piece, fraction * h);
       curvature = std::max(curvature, std::abs(cross(p.first, p.second)) / std::pow(p.first.norm(), 3));
     }
     const double turn = curvature * piece_length(piece, 0, h);
-    // Clamped before it is an integer: at a cusp the curvature has no bound.
-    const auto count =
-        static_cast<int>(std::clamp(std::ceil(turn / longest_turn_of_piece), 1.0, max_pieces_between_points));
+    // At a cusp the curvature is unbounded: the number is clamped before it is converted to an integer.
+    const auto count = static_cast<int>(std::clamp(std::ceil(turn / max_piece_turn), 1.0, max_pieces_between_points));
     if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
-      if (refined.size() >= next_look) {
+      if (refined.size() >= next_check) {
         execution.cancellation.throw_if_requested();
-        next_look = refined.size() + curve_pieces_between_looks;
+        next_check = refined.size() + curve_pieces_between_checks;
       }
-      refined.emplace_back(in_piece(piece, h * k / count).position);
+      refined.emplace_back(point_in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
-      divide(piece, h * k / count, h * (k + 1) / count, max_halvings, refined);
+      bisect(piece, h * k / count, h * (k + 1) / count, max_piece_bisections, refined);
       if (refined.size() > most_pieces) refuse_pieces();
     }
   }
   given.push_back(refined.size());
   refined.push_back(values_.back());
-  // Chords for a start.
+  // The lengths of chords are the first parameter lengths.
   knots_.assign(1, 0);
   knots_.reserve(refined.size());
   for (std::size_t i = 1; i < refined.size(); ++i)
@@ -248,36 +252,37 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
   return given;
 }
 
-/// Where points lie far from even the curvature may be greatest anywhere: what a piece turns by shows on the way.
-void StrandCurve::divide(std::size_t piece, double begin, double end, int halvings, Vectors& refined) const {
-  if (halvings == 0) return;
+/// Bisects a part of a piece until each part turns by little. With uneven spacing the curvature can be greatest
+/// anywhere, so the turning angle is measured at the middle of each part.
+void StrandCurve::bisect(std::size_t piece, double begin, double end, int max_bisections, Vectors& refined) const {
+  if (max_bisections == 0) return;
   const double middle = 0.5 * (begin + end);
-  const Point there = in_piece(piece, middle);
+  const Point there = point_in_piece(piece, middle);
   const auto turned = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return std::abs(std::atan2(cross(a, b), a.dot(b)));
   };
   const double turn =
-      turned(in_piece(piece, begin).first, there.first) + turned(there.first, in_piece(piece, end).first);
-  if (turn <= 2 * longest_turn_of_piece) return;
-  divide(piece, begin, middle, halvings - 1, refined);
+      turned(point_in_piece(piece, begin).first, there.first) + turned(there.first, point_in_piece(piece, end).first);
+  if (turn <= 2 * max_piece_turn) return;
+  bisect(piece, begin, middle, max_bisections - 1, refined);
   refined.push_back(there.position);
-  divide(piece, middle, end, halvings - 1, refined);
+  bisect(piece, middle, end, max_bisections - 1, refined);
 }
 
-void StrandCurve::measure(const Execution& execution) {
+void StrandCurve::reparametrize(const Execution& execution) {
   std::vector<double> knots{0};
   knots.reserve(knots_.size());
   for (std::size_t piece = 0; piece + 1 < knots_.size(); ++piece) {
-    if (piece % curve_pieces_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (piece % curve_pieces_between_checks == 0) execution.cancellation.throw_if_requested();
     knots.push_back(knots.back() + piece_length(piece, 0, knots_[piece + 1] - knots_[piece]));
   }
   knots_ = std::move(knots);
 }
 
-StrandCurve::Point StrandCurve::in_piece(std::size_t piece, double t) const {
+StrandCurve::Point StrandCurve::point_in_piece(std::size_t piece, double t) const {
   const double h = knots_[piece + 1] - knots_[piece];
-  const Eigen::Vector2d& m0 = seconds_[piece];
-  const Eigen::Vector2d& m1 = seconds_[piece + 1];
+  const Eigen::Vector2d& m0 = second_derivatives_[piece];
+  const Eigen::Vector2d& m1 = second_derivatives_[piece + 1];
   const Eigen::Vector2d slope = (values_[piece + 1] - values_[piece]) / h - h / 6 * (2 * m0 + m1);
   Point point;
   point.third = (m1 - m0) / h;
@@ -290,7 +295,7 @@ StrandCurve::Point StrandCurve::in_piece(std::size_t piece, double t) const {
 double StrandCurve::piece_length(std::size_t piece, double from, double to) const {
   double sum = 0;
   for (const auto& [x, weight] : gauss)
-    sum += weight * in_piece(piece, 0.5 * (from + to) + 0.5 * (to - from) * x).first.norm();
+    sum += weight * point_in_piece(piece, 0.5 * (from + to) + 0.5 * (to - from) * x).first.norm();
   return 0.5 * (to - from) * sum;
 }
 
@@ -299,27 +304,27 @@ StrandCurve StrandCurve::scaled(double factor) const {
   curve.translation_ *= factor;
   for (double& knot : curve.knots_) knot *= factor;
   for (Eigen::Vector2d& value : curve.values_) value *= factor;
-  for (Eigen::Vector2d& second : curve.seconds_) second /= factor;
+  for (Eigen::Vector2d& second : curve.second_derivatives_) second /= factor;
   for (double& coordinate : curve.point_coordinates_) coordinate *= factor;
   return curve;
 }
 
 StrandCurve::Point StrandCurve::at(double s) const {
-  const double whole = length();
-  if (ends_ == Ends::open && !(s >= 0 && s <= whole)) {
-    Point end = s < 0 ? in_piece(0, 0) : in_piece(values_.size() - 2, whole - knots_[knots_.size() - 2]);
-    end.position += (s < 0 ? s : s - whole) * end.first;
+  const double total = length();
+  if (ends_ == Ends::open && !(s >= 0 && s <= total)) {
+    Point end = s < 0 ? point_in_piece(0, 0) : point_in_piece(values_.size() - 2, total - knots_[knots_.size() - 2]);
+    end.position += (s < 0 ? s : s - total) * end.first;
     end.second.setZero();
     end.third.setZero();
     return end;
   }
-  const double turns = ends_ == Ends::open ? 0 : std::floor(s / whole);
-  const double rest = s - turns * whole;
-  const auto next = std::upper_bound(knots_.begin(), knots_.end(), rest);
+  const double periods = ends_ == Ends::open ? 0 : std::floor(s / total);
+  const double local = s - periods * total;
+  const auto next = std::upper_bound(knots_.begin(), knots_.end(), local);
   const auto piece =
       std::min(static_cast<std::size_t>(std::max<std::ptrdiff_t>(next - knots_.begin() - 1, 0)), values_.size() - 2);
-  Point point = in_piece(piece, rest - knots_[piece]);
-  point.position += turns * translation_;
+  Point point = point_in_piece(piece, local - knots_[piece]);
+  point.position += periods * translation_;
   return point;
 }
 

@@ -16,23 +16,23 @@
 namespace supple::weave {
 namespace {
 
-constexpr double same_nozzle_position = 1e-6;  ///< mm
-constexpr double priming_margin = 5;           ///< from the bed's edges and from the print, mm
-constexpr double largest_option = 1000;        ///< mm; of overruns, margins and grips
-constexpr std::size_t most_grips = 100;
-constexpr int most_overlap = 10;  ///< of a loop over itself, in its lengths
-constexpr int most_points = 2'000'000;
+constexpr double same_position_tolerance = 1e-6;  ///< distance below which two positions are one, mm
+constexpr double priming_margin = 5;  ///< distance of the priming line from the bed's edges and from the print, mm
+constexpr double max_option = 1000;   ///< limit of overruns, margins and grips, mm
+constexpr std::size_t max_grips = 100;
+constexpr int max_overlap = 10;        ///< limit of the overlap of a loop, in lengths of the loop
+constexpr int max_points = 2'000'000;  ///< limit of the points of a toolpath
 
-/// Times that the nozzle goes along a grip to fill it.
+/// Number of passes along a grip that fill it.
 double passes_of(const Grip& grip, const PrinterProfile& profile) {
   return std::max(1.0, std::floor(grip.width / profile.strand_width + 1e-6));
 }
 
 void check(const ToolpathOptions& options, const Weave& weave, const PrinterProfile& profile) {
   Faults faults;
-  const auto length = [&](double value, const std::string& where, double least = 0) {
-    faults.require(value >= least && value <= largest_option, where,
-                   "must lie within [" + mm(least) + ", " + mm(largest_option) + "], got " + std::to_string(value));
+  const auto length = [&](double value, const std::string& where, double minimum = 0) {
+    faults.require(value >= minimum && value <= max_option, where,
+                   "must lie within [" + mm(minimum) + ", " + mm(max_option) + "], got " + std::to_string(value));
   };
   const auto overrun = [&](const Overrun& o, const std::string& where) {
     length(o.start, where + "/start");
@@ -50,7 +50,7 @@ void check(const ToolpathOptions& options, const Weave& weave, const PrinterProf
     length(options.frame->margin, "frame/margin");
     length(options.frame->lead_in, "frame/lead_in");
   }
-  faults.require(options.grips.size() <= most_grips, "grips", "must be at most " + std::to_string(most_grips));
+  faults.require(options.grips.size() <= max_grips, "grips", "must be at most " + std::to_string(max_grips));
   double passes = 0;
   for (std::size_t g = 0; g < options.grips.size(); ++g) {
     const Grip& grip = options.grips[g];
@@ -62,19 +62,19 @@ void check(const ToolpathOptions& options, const Weave& weave, const PrinterProf
     passes += passes_of(grip, profile);
   }
   faults.require(
-      !(2 * passes > most_points), "grips",
-      "must be printed in fewer passes of the profile's strand_width together than " + std::to_string(most_points / 2));
+      !(2 * passes > max_points), "grips",
+      "must be printed in fewer passes of the profile's strand_width together than " + std::to_string(max_points / 2));
   length(options.chord_error, "chord_error", 1e-4);
   faults.throw_if_any("weave.invalid_option");
 }
 
-/// Runs of extruded lines, before placement: travels are put between them.
-class Builder {
+/// Collects extruded moves and inserts travels between them. The moves are not yet placed on the bed.
+class ToolpathBuilder {
  public:
-  explicit Builder(const PrinterProfile& profile) : profile_(profile) {}
+  explicit ToolpathBuilder(const PrinterProfile& profile) : profile_(profile) {}
 
   void extrude(Move move) {
-    if (moves_.empty() || (moves_.back().points.back() - move.points.front()).norm() > same_nozzle_position)
+    if (moves_.empty() || (moves_.back().points.back() - move.points.front()).norm() > same_position_tolerance)
       travel(move.points.front());
     for (const Eigen::Vector3d& p : move.points) top_ = std::max(top_, p[2]);
     moves_.push_back(std::move(move));
@@ -87,7 +87,8 @@ class Builder {
   std::vector<Move> take() { return std::move(moves_); }
 
  private:
-  /// Up above all that is printed, across, and down. The first travel's beginning is not known before placement.
+  /// Moves up above all that is printed, across, and down. The start of the first travel is unknown until the print is
+  /// placed.
   void travel(const Eigen::Vector3d& to) {
     const Eigen::Vector3d from = moves_.empty() ? to : moves_.back().points.back();
     const double height = std::max({top_, from[2], to[2]}) + profile_.travel_clearance;
@@ -101,7 +102,7 @@ class Builder {
   std::vector<Move> moves_;
 };
 
-/// The box of all strands between their ends.
+/// Bounding box of all strands between their ends.
 Eigen::AlignedBox2d layout_box(const std::vector<StrandPath>& paths, const std::vector<Overrun>& overruns,
                                const Weave& weave) {
   Eigen::AlignedBox2d box;
@@ -118,7 +119,7 @@ Eigen::AlignedBox2d layout_box(const std::vector<StrandPath>& paths, const std::
 }
 
 void add_supports(const Eigen::AlignedBox2d& box, const PrinterProfile& profile, const ToolpathOptions& options,
-                  Builder& builder) {
+                  ToolpathBuilder& builder) {
   const double z = profile.strand_height;
   const auto line = [&](const std::vector<Eigen::Vector2d>& points) {
     Move move{MoveKind::support, {}, bead_area(profile, profile.strand_width / 2), profile.strand_speed};
@@ -144,8 +145,10 @@ void add_supports(const Eigen::AlignedBox2d& box, const PrinterProfile& profile,
   }
 }
 
-/// A strand, from the end that is nearer to the nozzle; runs of lifted and of flat segments.
-void add_strand(int number, const Strand& strand, StrandPath path, const PrinterProfile& profile, Builder& builder) {
+/// Adds a strand, beginning at the end that is nearer to the nozzle, as moves of consecutive segments that are either
+/// all lifted or all flat.
+void add_strand(int number, const Strand& strand, StrandPath path, const PrinterProfile& profile,
+                ToolpathBuilder& builder) {
   if (strand.curve.ends() == Ends::open && !builder.empty()) {
     const Eigen::Vector2d at = builder.position();
     if ((path.points.back().head<2>() - at).norm() < (path.points.front().head<2>() - at).norm()) {
@@ -174,7 +177,8 @@ Eigen::AlignedBox2d printed_box(const std::vector<Move>& moves) {
   return box;
 }
 
-/// A line along the first edge of the bed that is clear of the box: front, rear, left or right. Empty if none is.
+/// A line along the first edge of the bed, of front, rear, left and right, that is clear of the print. Empty if there
+/// is none.
 std::vector<Eigen::Vector2d> priming_line(const Eigen::AlignedBox2d& print, const PrinterProfile& profile) {
   const Eigen::Vector2d bed = profile.bed.head<2>();
   const Eigen::Vector2d length = (bed.array() - 2 * priming_margin).min(profile.priming_length);
@@ -183,15 +187,16 @@ std::vector<Eigen::Vector2d> priming_line(const Eigen::AlignedBox2d& print, cons
   const auto along_x = [&](double y) { return std::vector{Eigen::Vector2d(low[0], y), {low[0] + length[0], y}}; };
   const auto along_y = [&](double x) { return std::vector{Eigen::Vector2d(x, low[1]), {x, low[1] + length[1]}}; };
   for (auto& line : {along_x(low[1]), along_x(high[1]), along_y(low[0]), along_y(high[0])}) {
-    Eigen::AlignedBox2d own(line[0]);
-    own.extend(line[1]);
-    if ((line[1] - line[0]).norm() > 0 && own.squaredExteriorDistance(print) >= priming_margin * priming_margin)
+    Eigen::AlignedBox2d line_box(line[0]);
+    line_box.extend(line[1]);
+    if ((line[1] - line[0]).norm() > 0 && line_box.squaredExteriorDistance(print) >= priming_margin * priming_margin)
       return line;
   }
   return {};
 }
 
-/// Before everything that has been placed: the nozzle comes from above (0, 0), primes and goes on to the print.
+/// Inserts the priming line before the placed moves. The nozzle comes from above (0, 0), primes and travels to the
+/// print.
 void add_priming(std::vector<Move>& moves, const PrinterProfile& profile) {
   if (profile.priming_length == 0) return;
   const auto line = priming_line(printed_box(moves), profile);
@@ -211,7 +216,7 @@ void add_priming(std::vector<Move>& moves, const PrinterProfile& profile) {
   moves.insert(moves.begin(), {arrival, priming});
 }
 
-/// Moves everything to its place; the nozzle comes from above (0, 0).
+/// Moves the print to its place on the bed. The nozzle comes from above (0, 0).
 void place(std::vector<Move>& moves, const ToolpathOptions& options, const PrinterProfile& profile) {
   const Eigen::Vector2d shift =
       options.origin ? *options.origin : Eigen::Vector2d(profile.bed.head<2>() / 2 - printed_box(moves).center());
@@ -271,16 +276,16 @@ Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const Toolp
   for (std::size_t s = 0; s < weave.strands.size(); ++s) {
     if (weave.strands[s].curve.ends() == Ends::periodic)
       faults.add(strand_name(static_cast<int>(s)), "goes on for ever; only open and closed strands can be printed");
-    const double own = weave.strands[s].curve.length();
-    if (weave.strands[s].curve.ends() == Ends::closed && options.loop_overlap > most_overlap * own)
+    const double loop_length = weave.strands[s].curve.length();
+    if (weave.strands[s].curve.ends() == Ends::closed && options.loop_overlap > max_overlap * loop_length)
       faults.add(strand_name(static_cast<int>(s)),
-                 "is a loop of " + mm(own) + ", over which " + mm(options.loop_overlap) +
-                     " of loop_overlap would go round more than " + std::to_string(most_overlap) + " times");
-    length += own;
+                 "is a loop of " + mm(loop_length) + ", over which " + mm(options.loop_overlap) +
+                     " of loop_overlap would go round more than " + std::to_string(max_overlap) + " times");
+    length += loop_length;
   }
-  const double least_step = std::sqrt(options.chord_error);
-  if (length / least_step > most_points)
-    faults.add("strands", "are " + mm(length) + " long together; at most " + mm(most_points * least_step) +
+  const double min_step = std::sqrt(options.chord_error);
+  if (length / min_step > max_points)
+    faults.add("strands", "are " + mm(length) + " long together; at most " + mm(max_points * min_step) +
                               " can be printed at this chord_error");
   faults.throw_if_any();
 
@@ -293,7 +298,7 @@ Toolpath toolpath(const Weave& weave, const PrinterProfile& profile, const Toolp
   const auto channels = channel_paths(weave, crossings, profile, overruns, execution, faults);
   faults.throw_if_any();
 
-  Builder builder(profile);
+  ToolpathBuilder builder(profile);
   add_supports(layout_box(paths, overruns, weave), profile, options, builder);
   for (const int s : order) {
     execution.cancellation.throw_if_requested();

@@ -10,7 +10,7 @@
 namespace supple::weave {
 namespace {
 
-constexpr double margin = 2;  ///< mm
+constexpr double margin = 2;  ///< around the picture, mm
 
 const char* colour(MoveKind kind) {
   switch (kind) {
@@ -30,14 +30,14 @@ const char* colour(MoveKind kind) {
   return "#b8d8b8";
 }
 
-/// To a micrometre, of millimetres.
+/// A length in mm, written to a micrometre.
 std::string fixed_text(double x) {
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "%.3f", x);
   return text.data();
 }
 
-/// As wide as a round bead of the move's area.
+/// Width of the line of a move: the diameter of a round bead of the move's area, mm.
 double width(const Move& move) {
   return move.kind == MoveKind::travel ? 0.08 : 2 * std::sqrt(move.area / std::numbers::pi);
 }

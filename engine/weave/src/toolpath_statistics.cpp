@@ -7,7 +7,7 @@
 namespace supple::weave {
 namespace {
 
-constexpr double same_height = 1e-4;  ///< mm
+constexpr double same_height = 1e-4;  ///< difference below which two heights are one, mm
 
 double length_of(const Move& move) {
   double length = 0;

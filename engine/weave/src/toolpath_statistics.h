@@ -6,6 +6,7 @@
 
 namespace supple::weave {
 
+/// Totals of the moves of a toolpath. O(points).
 ToolpathStatistics statistics(const std::vector<Move>& moves, const PrinterProfile& profile);
 
 }  // namespace supple::weave

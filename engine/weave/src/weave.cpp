@@ -15,10 +15,10 @@ namespace {
 
 /// Members of one crossing lie this close together, relative to the layout's extent.
 constexpr double same_position = 1e-6;
-/// Two crossings of one strand are this far apart at least, relative to the strand's length.
+/// Minimum distance between two crossings of one strand, relative to the strand's length.
 constexpr double same_coordinate = 1e-7;
-/// Crossings that are checked between two looks for a stop: some milliseconds.
-constexpr std::size_t crossings_between_looks = 1024;
+/// Crossings that are validated between two checks for a stop request: some milliseconds.
+constexpr std::size_t crossings_between_checks = 1024;
 
 double extent(const Weave& weave) {
   Eigen::AlignedBox2d box;
@@ -31,21 +31,21 @@ std::string place(std::size_t crossing, std::size_t member) {
   return "crossings/" + std::to_string(crossing) + "/members/" + std::to_string(member);
 }
 
-/// Texts are made for faults alone: of a million members they would take longer than all the rest.
-void check_member(const Weave& weave, const CrossingMember& member, std::size_t crossing, std::size_t number,
+/// Checks a member. Texts are made for faults only: for a million members they would take longer than all the rest.
+void check_member(const Weave& weave, const CrossingMember& member, std::size_t crossing, std::size_t index,
                   Faults& faults) {
   if (!(member.strand >= 0 && member.strand < static_cast<int>(weave.strands.size())))
-    return faults.add(place(crossing, number) + "/strand", "names no strand");
+    return faults.add(place(crossing, index) + "/strand", "names no strand");
   const StrandCurve& curve = weave.strands[static_cast<std::size_t>(member.strand)].curve;
   if (!(member.coordinate >= 0 && member.coordinate <= curve.length()))
-    faults.add(place(crossing, number) + "/coordinate", "must lie within [0, " + std::to_string(curve.length()) +
-                                                            "] mm, got " + std::to_string(member.coordinate));
-  if (!member.shift.isZero() && !weave.lattice) faults.add(place(crossing, number) + "/shift", "needs a lattice");
+    faults.add(place(crossing, index) + "/coordinate", "must lie within [0, " + std::to_string(curve.length()) +
+                                                           "] mm, got " + std::to_string(member.coordinate));
+  if (!member.shift.isZero() && !weave.lattice) faults.add(place(crossing, index) + "/shift", "needs a lattice");
   if (!(member.backward >= 0 && member.forward >= 0))
-    faults.add(place(crossing, number), "slides by ranges that must not be negative");
+    faults.add(place(crossing, index), "slides by ranges that must not be negative");
 }
 
-/// Crossings at one place of one strand.
+/// Adds a fault for crossings at the same place of one strand.
 void check_places(const Weave& weave, const Execution& execution, Faults& faults) {
   struct Member {
     double coordinate;
@@ -64,16 +64,16 @@ void check_places(const Weave& weave, const Execution& execution, Faults& faults
     execution.cancellation.throw_if_requested();
     std::sort(on[s].begin(), on[s].end());
     const StrandCurve& curve = weave.strands[s].curve;
-    const double least = same_coordinate * curve.length();
-    const auto same = [&](const Member& here, const Member& there) {
+    const double min_distance = same_coordinate * curve.length();
+    const auto add_fault = [&](const Member& here, const Member& there) {
       faults.add(place(here.crossing, here.member),
                  "lies where " + place(there.crossing, there.member) + " lies on strand " + std::to_string(s));
     };
     for (std::size_t i = 1; i < on[s].size(); ++i)
-      if (!(on[s][i].coordinate - on[s][i - 1].coordinate > least)) same(on[s][i], on[s][i - 1]);
+      if (!(on[s][i].coordinate - on[s][i - 1].coordinate > min_distance)) add_fault(on[s][i], on[s][i - 1]);
     if (curve.ends() != Ends::open && on[s].size() > 1 &&
-        !(on[s].front().coordinate + curve.length() - on[s].back().coordinate > least))
-      same(on[s].back(), on[s].front());
+        !(on[s].front().coordinate + curve.length() - on[s].back().coordinate > min_distance))
+      add_fault(on[s].back(), on[s].front());
   }
 }
 
@@ -115,16 +115,16 @@ void validate(const Weave& weave, const Execution& execution) {
     faults.require((cells - cells.array().round().matrix()).norm() < same_position, where + "/translation",
                    "must be a whole number of the lattice's translations");
   }
-  const double apart = same_position * extent(weave);
+  const double max_distance = same_position * extent(weave);
   for (std::size_t c = 0; c < weave.crossings.size(); ++c) {
-    if (c % crossings_between_looks == 0) execution.cancellation.throw_if_requested();
+    if (c % crossings_between_checks == 0) execution.cancellation.throw_if_requested();
     const auto& members = weave.crossings[c].members;
     if (members.size() < 2) faults.add("crossings/" + std::to_string(c), "must have at least two members");
     for (std::size_t m = 0; m < members.size(); ++m) check_member(weave, members[m], c, m, faults);
     if (faults.any() || members.empty()) continue;
     const Eigen::Vector2d first = rest_position(weave, members.front());
     for (std::size_t m = 1; m < members.size(); ++m)
-      if (!((rest_position(weave, members[m]) - first).norm() <= apart))
+      if (!((rest_position(weave, members[m]) - first).norm() <= max_distance))
         faults.add(place(c, m), "does not meet the crossing's first member");
   }
   if (!faults.any()) check_places(weave, execution, faults);

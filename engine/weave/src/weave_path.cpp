@@ -9,26 +9,30 @@
 namespace supple::weave {
 namespace {
 
-/// A part of a load step below this is not halved again.
-constexpr double smallest_part = 1e-4;
-/// Fewer iterations than this let the next part grow.
+/// Minimum load increment, as a fraction of the load step. A shorter one is not halved again.
+constexpr double min_increment = 1e-4;
+/// If an increment took no more iterations than this, the next one may be longer.
 constexpr int quick_iterations = 12;
 
-/// Rounding of a gradient: units in the last place of a coordinate, times a stiffness over a length, in each entry.
-constexpr double rounding = 4e-15;
+/// Relative rounding error of a gradient: a few units in the last place of a coordinate. In each entry it is multiplied
+/// by a stretching stiffness over a length.
+constexpr double gradient_rounding = 4e-15;
 
-/// Bending is softer than stretching by the square of slenderness: regularizations begin well below both, and steps
-/// that leave an unstable state may be lengthened this often.
+/// First regularization of a Hessian. Bending is softer than stretching by the square of the slenderness, and the
+/// regularization begins well below both.
 constexpr double first_regularization = 1e-8;
+/// Maximum factor by which a step that leaves an unstable state is lengthened.
 constexpr double longest_expansion = 64;
-/// The way from an unstable equilibrium is long, and shorter load steps would not shorten it.
+/// Factor of the iterations allowed after an unstable equilibrium was left. The path to a stable one is long, and
+/// shorter load increments would not shorten it.
 constexpr int more_iterations_after_leaving = 5;
+/// Number of doublings of the step along an unstable mode.
 constexpr int mode_doublings = 12;
 
-/// Relative; equilibria of energies closer than this are mirror images.
-constexpr double same_energy = 1e-9;
+/// Relative difference of energies below which equilibria are mirror images of each other.
+constexpr double same_energy_tolerance = 1e-9;
 
-/// Of the path for the tangent to what is prescribed, by central differences.
+/// Finite-difference step of the load tangent.
 constexpr double tangent_step = 1e-6;
 
 numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
@@ -36,7 +40,7 @@ numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
   options.minimizer = minimizer_options();
   options.max_iterations = equilibrium.max_iterations;
   options.more_iterations_after_leaving = more_iterations_after_leaving;
-  options.smallest_step = smallest_part;
+  options.smallest_step = min_increment;
   options.quick_iterations = quick_iterations;
   options.leave_unstable = equilibrium.buckling != Switch::off;
   options.mode_doublings = mode_doublings;
@@ -69,9 +73,9 @@ double absolute_tolerance(const RodModel& model, double relative) {
   }
   for (const Eigen::Vector2d& p : model.nodes()) extent = std::max(extent, p.norm());
   length *= model.options().segments / static_cast<double>(model.edges().size());
-  const double floor =
-      rounding * stiffest / shortest * (1 + extent) * std::sqrt(static_cast<double>(model.edges().size()));
-  return std::max(relative * weakest / (length * length), floor);
+  const double rounding_floor =
+      gradient_rounding * stiffest / shortest * (1 + extent) * std::sqrt(static_cast<double>(model.edges().size()));
+  return std::max(relative * weakest / (length * length), rounding_floor);
 }
 
 WeaveScene::WeaveScene(WeaveSystem& objective, const EquilibriumOptions& options, CostLedger* cost)
@@ -79,22 +83,22 @@ WeaveScene::WeaveScene(WeaveSystem& objective, const EquilibriumOptions& options
       leaves_unstable_(options.buckling != Switch::off),
       tolerance_(absolute_tolerance(objective.model(), options.tolerance)) {
   cholesky_.bill_to(cost);
-  set_force_share(0);
+  set_force_fraction(0);
 }
 
-void WeaveScene::set_force_share(double share) {
-  force_share_ = share;
-  objective_.set_force_share(share);
+void WeaveScene::set_force_fraction(double fraction) {
+  force_fraction_ = fraction;
+  objective_.set_force_fraction(fraction);
 }
 
 void WeaveScene::set_state(const State& state) {
-  set_force_share(state.force_share);
+  set_force_fraction(state.force_fraction);
   objective_.set_state(state.q, state.chart);
   factorized_ = false;
 }
 
 double WeaveScene::gradient_tolerance() {
-  factorized_ = false;  // a minimization begins
+  factorized_ = false;  // the minimization that follows replaces the factors
   return tolerance_;
 }
 
@@ -112,20 +116,21 @@ bool WeaveScene::finish_unstable() {
 
 void WeaveScene::begin(const LoadStep& step) {
   step_ = &step;
-  done_ = 0;
-  share_before_ = force_share_;
+  completed_ = 0;
+  force_fraction_before_ = force_fraction_;
 }
 
-double WeaveScene::share_after(double share) const {
-  return share_before_ + (done_ + share * remaining()) * (step_->force_share - share_before_);
+double WeaveScene::force_fraction_after(double fraction) const {
+  return force_fraction_before_ +
+         (completed_ + fraction * remaining()) * (step_->force_fraction - force_fraction_before_);
 }
 
-void WeaveScene::prescribe(double share, Eigen::VectorXd& q) const {
-  q += share * step_->change;
+void WeaveScene::prescribe(double fraction, Eigen::VectorXd& q) const {
+  q += fraction * step_->change;
   const RodModel& model = objective_.model();
   if (!model.spatial()) return;
   for (int j = 0; j < model.joints(); ++j) {
-    const Eigen::Vector3d turn = share * step_->change.segment<3>(model.joint(j));
+    const Eigen::Vector3d turn = fraction * step_->change.segment<3>(model.joint(j));
     const double angle = turn.norm();
     if (angle > 0) q.segment<3>(model.joint(j)) += (2 * std::tan(angle / 2) / angle - 1) * turn;
   }
@@ -133,43 +138,43 @@ void WeaveScene::prescribe(double share, Eigen::VectorXd& q) const {
 
 void WeaveScene::begin_step() {
   start_ = state();
-  along_.resize(0);
-  // d g / d t along the prescribed path, by central differences: exact enough for a prediction.
-  const double more = step_->force_share - force_share_;
+  tangent_.resize(0);
+  // Derivative of the gradient by the load, by central differences: a prediction needs no more accuracy.
+  const double force_change = step_->force_fraction - force_fraction_;
   const auto gradient_at = [&](double t) -> Eigen::VectorXd {
     Eigen::VectorXd moved = start_.q;
     prescribe(t, moved);
-    objective_.set_force_share(force_share_ + t * more);
+    objective_.set_force_fraction(force_fraction_ + t * force_change);
     objective_.set_state(std::move(moved), start_.chart);
     return objective_.restrict(objective_.full_gradient());
   };
   const double t = tangent_step / std::max(1.0, step_->change.lpNorm<Eigen::Infinity>());
   const Eigen::VectorXd rate = (gradient_at(t) - gradient_at(-t)) / (2 * t);
-  objective_.set_force_share(force_share_);
+  objective_.set_force_fraction(force_fraction_);
   objective_.set_state(start_.q, start_.chart);
   if (!factorized_ && !factorize()) return;
   const Eigen::VectorXd y = -cholesky_.solve(rate);
-  if (y.allFinite()) along_ = objective_.expand(y);
+  if (y.allFinite()) tangent_ = objective_.expand(y);
 }
 
-bool WeaveScene::predict(double share) {
-  const double part = share * remaining();
-  set_force_share(share_after(share));
-  double least = std::numeric_limits<double>::infinity();
+bool WeaveScene::predict(double fraction) {
+  const double increment = fraction * remaining();
+  set_force_fraction(force_fraction_after(fraction));
+  double min_norm = std::numeric_limits<double>::infinity();
   std::optional<State> best;
-  // The tangent's prediction whole, in part (where it would run past a limit), or not at all.
-  for (const double of_tangent : {1.0, 0.5, 0.0}) {
-    if (of_tangent > 0 && along_.size() == 0) continue;
+  // Tries the whole tangent step, half of it (if the whole one would cross a limit), and none of it.
+  for (const double tangent_fraction : {1.0, 0.5, 0.0}) {
+    if (tangent_fraction > 0 && tangent_.size() == 0) continue;
     Eigen::VectorXd q = start_.q;
-    prescribe(part, q);
-    if (of_tangent > 0) q += of_tangent * part * along_;
+    prescribe(increment, q);
+    if (tangent_fraction > 0) q += tangent_fraction * increment * tangent_;
     objective_.set_state(std::move(q), start_.chart);
     if (!std::isfinite(objective_.evaluate(0).value)) continue;
     const double norm = objective_.evaluate(1).gradient.norm();
-    if (!(norm < least)) continue;
-    least = norm;
+    if (!(norm < min_norm)) continue;
+    min_norm = norm;
     best = state();
-    if (of_tangent == 1.0) break;
+    if (tangent_fraction == 1.0) break;
   }
   if (!best) return false;
   set_state(*best);
@@ -178,14 +183,14 @@ bool WeaveScene::predict(double share) {
 }
 
 void WeaveScene::arrived(const numerics::Arrival& arrival) {
-  done_ = arrival.share == 1 ? 1 : done_ + arrival.share * remaining();
-  if (arrival.indefinite) note_ridge();
+  completed_ = arrival.share == 1 ? 1 : completed_ + arrival.share * remaining();
+  if (arrival.indefinite) remember_bifurcation();
 }
 
-void WeaveScene::note_ridge() {
+void WeaveScene::remember_bifurcation() {
   const RodModel& model = objective_.model();
-  if (ridge_ || !leaves_unstable_ || model.spatial() || !model.weave().lattice || model.sliders().empty()) return;
-  ridge_ = predicted_;
+  if (bifurcation_ || !leaves_unstable_ || model.spatial() || !model.weave().lattice || model.sliders().empty()) return;
+  bifurcation_ = predicted_;
 }
 
 Eigen::VectorXd WeaveScene::unit_mode(const Eigen::VectorXd& mode) const {
@@ -208,7 +213,7 @@ WeavePath::WeavePath(WeaveSystem& objective, const EquilibriumOptions& options, 
 bool WeavePath::advance(const LoadStep& step) {
   using Progress = decltype(path_)::Progress;
   scene_.begin(step);
-  path_.set_largest_step(1.0 / std::max(1, step.parts));
+  path_.set_largest_step(1.0 / std::max(1, step.min_increments));
   for (Progress progress = Progress::underway; progress == Progress::underway;) {
     reached_ = 1 - scene_.remaining();
     execution_.checkpoint(reached_, "load step");
@@ -221,10 +226,10 @@ bool WeavePath::advance(const LoadStep& step) {
 
 bool WeavePath::prefer_lower_from(const WeaveScene::State& state, double energy,
                                   const std::function<double()>& energy_there) {
-  return path_.prefer_lower_from(state, same_energy, energy, energy_there);
+  return path_.prefer_lower_from(state, same_energy_tolerance, energy, energy_there);
 }
 
-Stop WeavePath::stopped() const {
+Stop WeavePath::termination() const {
   switch (path_.stopped()) {
     case numerics::PathStop::converged:
       return Stop::converged;

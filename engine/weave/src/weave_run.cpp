@@ -7,19 +7,23 @@
 namespace supple::weave {
 namespace {
 
-/// Of one load step, where their number is left open.
-constexpr double largest_strain_step = 0.04;
-constexpr double most_strain_steps = 1000;
+/// Maximum strain of one load increment, if the options leave the number of increments open.
+constexpr double max_strain_step = 0.04;
+/// Maximum number of increments in that case.
+constexpr double max_strain_steps = 1000;
 
-/// Load steps over a ridge, and the share of the way, from one side to the other, beyond which the ridge lies behind.
-constexpr int parts_across = 4;
-constexpr double least_way_across = 0.6;
+/// Number of load increments across a bifurcation to its other side.
+constexpr int increments_across = 4;
+/// Fraction of that path beyond which the bifurcation has been passed.
+constexpr double min_fraction_across = 0.6;
 
-/// How often barriers are narrowed, and by which factor, where rigid limits are too far from them.
-constexpr int most_narrowings = 3;
-constexpr double narrowing = 0.25;
-/// How often a whole path is followed again with narrower barriers.
-constexpr int most_narrower_paths = 2;
+/// Maximum number of times that barriers are narrowed, if the equilibrium with rigid limits is too far from that with
+/// barriers.
+constexpr int max_narrowings = 3;
+/// Factor of the barriers' range for each narrowing.
+constexpr double narrowing_factor = 0.25;
+/// Maximum number of times that a whole path is followed again with narrower barriers.
+constexpr int max_narrower_paths = 2;
 
 }  // namespace
 
@@ -38,9 +42,9 @@ WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double 
   start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));
 }
 
-std::vector<bool> WeaveRun::held_of(const RodModel& model) const {
-  std::vector<bool> held = free_but_for_gauges(model);
-  for (const Prescription::Entry& entry : prescription_.held) {
+std::vector<bool> WeaveRun::fixed_of(const RodModel& model) const {
+  std::vector<bool> fixed = gauge_constraints(model);
+  for (const Prescription::Entry& entry : prescription_.fixed) {
     int dof = -1;
     switch (entry.kind) {
       case Prescription::Entry::Kind::position:
@@ -60,37 +64,37 @@ std::vector<bool> WeaveRun::held_of(const RodModel& model) const {
         dof = model.strain() + entry.index;
         break;
     }
-    if (dof >= 0) held[static_cast<std::size_t>(dof)] = true;
+    if (dof >= 0) fixed[static_cast<std::size_t>(dof)] = true;
   }
-  return held;
+  return fixed;
 }
 
-LoadStep WeaveRun::step_to(double share) const {
+LoadStep WeaveRun::step_to(double fraction) const {
   const RodModel& model = *model_;
-  LoadStep step{Eigen::VectorXd::Zero(model.size()), share};
-  const double part = share - share_;
-  // Rounding is not to ask for one more.
-  const double strain_steps = std::ceil(part * prescription_.strain / largest_strain_step - 1e-9);
-  step.parts = options_.load_steps > 0 ? options_.load_steps
-                                       : static_cast<int>(std::clamp(strain_steps, 1.0, most_strain_steps));
-  for (const Prescription::Entry& entry : prescription_.held) {
+  LoadStep step{Eigen::VectorXd::Zero(model.size()), fraction};
+  const double increment = fraction - fraction_;
+  // The small offset keeps rounding from adding one more increment.
+  const double strain_steps = std::ceil(increment * prescription_.strain / max_strain_step - 1e-9);
+  step.min_increments =
+      options_.load_steps > 0 ? options_.load_steps : static_cast<int>(std::clamp(strain_steps, 1.0, max_strain_steps));
+  for (const Prescription::Entry& entry : prescription_.fixed) {
     switch (entry.kind) {
       case Prescription::Entry::Kind::position:
         if (entry.component < model.dimension())
           step.change[model.position(model.anchor_node(static_cast<std::size_t>(entry.index))) + entry.component] +=
-              part * entry.change;
+              increment * entry.change;
         break;
       case Prescription::Entry::Kind::joint: {
         const int joint = model.joint(model.anchor_joint(static_cast<std::size_t>(entry.index)));
         if (model.spatial()) {
-          step.change[joint + entry.component] += part * entry.change;
+          step.change[joint + entry.component] += increment * entry.change;
         } else if (entry.component == 2) {
-          step.change[joint] += part * entry.change;
+          step.change[joint] += increment * entry.change;
         }
         break;
       }
       case Prescription::Entry::Kind::strain:
-        step.change[model.strain() + entry.index] += part * entry.change;
+        step.change[model.strain() + entry.index] += increment * entry.change;
         break;
     }
   }
@@ -113,7 +117,7 @@ void WeaveRun::start(bool spatial) {
   Eigen::VectorXd q = model_->rest_state();
   Chart chart = spatial ? flat_chart(*model_, q) : Chart{};
   reported_.reset();
-  objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), held_of(*model_), energy_,
+  objective_ = std::make_unique<WeaveSystem>(*model_, std::move(q), std::move(chart), fixed_of(*model_), energy_,
                                              point_forces(), execution_);
   path_ = std::make_unique<WeavePath>(*objective_, options_, execution_);
 }
@@ -121,7 +125,7 @@ void WeaveRun::start(bool spatial) {
 const LimitedState& WeaveRun::reported() {
   if (reported_) return *reported_;
   reported_ = with_barriers(*objective_, path_->residual(), path_->stable());
-  if (reported_->limit_error == 0 || options_.limit_tolerance >= 1 || path_->stopped() != Stop::converged)
+  if (reported_->limit_error == 0 || options_.limit_tolerance >= 1 || path_->termination() != Stop::converged)
     return *reported_;
   const auto with_limits_of = [this](const WeaveSystem& barriers, LimitedState start) {
     WeaveSystem rigid = barriers.with_rigid_limits();
@@ -131,19 +135,19 @@ const LimitedState& WeaveRun::reported() {
     return found;
   };
   reported_ = with_limits_of(*objective_, std::move(*reported_));
-  // If the limits are too far from where the barriers keep the sliders, narrower barriers lead a part of the way.
+  // If the limits are too far from the equilibrium with barriers, narrower barriers lead to states closer to them.
   EnergyOptions narrower = energy_;
   std::unique_ptr<WeaveSystem> last;
-  for (int k = 0; k < most_narrowings && reported_->limit_error > options_.limit_tolerance; ++k) {
-    narrower.barrier_range *= narrowing;
+  for (int k = 0; k < max_narrowings && reported_->limit_error > options_.limit_tolerance; ++k) {
+    narrower.barrier_range *= narrowing_factor;
     const WeaveSystem& from = last ? *last : *objective_;
-    auto next = std::make_unique<WeaveSystem>(*model_, from.q(), from.chart(), held_of(*model_), narrower,
+    auto next = std::make_unique<WeaveSystem>(*model_, from.q(), from.chart(), fixed_of(*model_), narrower,
                                               point_forces(), execution_);
     WeavePath path(*next, options_, execution_);
-    path.resume_at(path_->force_share());
-    const bool settled = path.settle();
+    path.resume_at(path_->force_fraction());
+    const bool converged = path.find_equilibrium();
     iterations_ += path.iterations();
-    if (!settled) break;
+    if (!converged) break;
     reported_ = with_limits_of(*next, with_barriers(*next, path.residual(), path.stable()));
     last = std::move(next);
   }
@@ -154,7 +158,7 @@ CellConfiguration WeaveRun::configuration() const {
   return {spatial(), objective_->q(), objective_->chart(), model_->deformation_gradient(objective_->q())};
 }
 
-bool WeaveRun::go_on_from(const CellConfiguration& from) {
+bool WeaveRun::continue_from(const CellConfiguration& from) {
   start(from.spatial);
   Eigen::VectorXd q = from.q;
   for (int k = 0; k < 4; ++k)
@@ -162,54 +166,55 @@ bool WeaveRun::go_on_from(const CellConfiguration& from) {
         model_->dyads()[static_cast<std::size_t>(k)].cwiseProduct(from.deformation_gradient).sum();
   LoadStep step{Eigen::VectorXd::Zero(model_->size()), 1};
   const Eigen::VectorXd rest = model_->rest_state();
-  for (const Prescription::Entry& entry : prescription_.held) {
+  for (const Prescription::Entry& entry : prescription_.fixed) {
     const int dof = model_->strain() + entry.index;
     step.change[dof] = rest[dof] + entry.change - q[dof];
   }
   const double change = step.change.lpNorm<Eigen::Infinity>();
-  step.parts = std::max(1, static_cast<int>(std::ceil(change / largest_strain_step - 1e-9)));
+  step.min_increments = std::max(1, static_cast<int>(std::ceil(change / max_strain_step - 1e-9)));
   objective_->set_state(std::move(q), from.chart);
   path_->resume_at(1);
   const bool arrived = path_->advance(step);
-  share_ = arrived ? 1 : 0;
+  fraction_ = arrived ? 1 : 0;
   return arrived && leave_plane_if_unstable();
 }
 
-bool WeaveRun::advance_to(double share) {
-  const double before = share_;
+bool WeaveRun::advance_to(double fraction) {
+  const double fraction_before = fraction_;
   reported_.reset();
-  const bool arrived = path_->advance(step_to(share));
+  const bool arrived = path_->advance(step_to(fraction));
   if (arrived) {
-    prefer_lower_side();
-    prefer_straight_path();
+    try_other_branch();
+    try_path_without_branching();
   }
-  share_ = arrived ? share : before + path_->reached() * (share - before);
+  fraction_ = arrived ? fraction : fraction_before + path_->reached() * (fraction - fraction_before);
   return leave_plane_if_unstable() && arrived;
 }
 
-void WeaveRun::prefer_lower_side() {
-  const auto ridge = path_->take_ridge();
-  if (!ridge) return;
-  // The strands are pulled through their crossings over the ridge, as far to its other side.
+void WeaveRun::try_other_branch() {
+  const auto bifurcation = path_->take_bifurcation();
+  if (!bifurcation) return;
+  // The sliders are moved over the bifurcation, as far to its other side as they are on this one.
   const Eigen::VectorXd& found = objective_->q();
-  LoadStep across{Eigen::VectorXd::Zero(model_->size()), 1, parts_across};
-  std::vector<bool> held = held_of(*model_);
+  LoadStep across{Eigen::VectorXd::Zero(model_->size()), 1, increments_across};
+  std::vector<bool> fixed = fixed_of(*model_);
   for (int i = 0; i < static_cast<int>(model_->sliders().size()); ++i) {
     const int dof = model_->slider(i);
-    held[static_cast<std::size_t>(dof)] = true;
-    across.change[dof] = 2 * ((*ridge)[dof] - found[dof]);
+    fixed[static_cast<std::size_t>(dof)] = true;
+    across.change[dof] = 2 * ((*bifurcation)[dof] - found[dof]);
   }
-  WeaveSystem strands(*model_, found, objective_->chart(), held, energy_, {}, execution_);
-  WeavePath pulled(strands, options_, execution_);
-  pulled.advance(across);
-  iterations_ += pulled.iterations();
-  const bool lower = pulled.reached() > least_way_across && prefer_lower_from({strands.q(), strands.chart(), 1});
-  looked_across_ = true;
+  WeaveSystem constrained(*model_, found, objective_->chart(), fixed, energy_, {}, execution_);
+  WeavePath other_side(constrained, options_, execution_);
+  other_side.advance(across);
+  iterations_ += other_side.iterations();
+  const bool lower =
+      other_side.reached() > min_fraction_across && prefer_lower_from({constrained.q(), constrained.chart(), 1});
+  compared_branches_ = true;
   if (execution_.cost)
     execution_.cost->add_effect("buckling", true, "the tangent stiffness was not positive definite", lower ? 1 : 0);
 }
 
-void WeaveRun::prefer_straight_path() {
+void WeaveRun::try_path_without_branching() {
   if (!weave_.lattice || options_.buckling == Switch::off || path_->branches_left() == 0) return;
   EquilibriumOptions options = options_;
   options.buckling = Switch::off;
@@ -219,7 +224,7 @@ void WeaveRun::prefer_straight_path() {
   const bool arrived = straight.advance_to(1);
   iterations_ += straight.iterations();
   if (arrived) prefer_lower_from(straight.path_->state());
-  looked_across_ = true;
+  compared_branches_ = true;
 }
 
 bool WeaveRun::prefer_lower_from(const WeaveScene::State& state) {
@@ -234,15 +239,15 @@ bool WeaveRun::prefer_lower_from(const WeaveScene::State& state) {
 }
 
 bool WeaveRun::leave_plane_if_unstable() {
-  if (spatial() || options_.out_of_plane != Switch::automatic || path_->stopped() != Stop::converged) return true;
+  if (spatial() || options_.out_of_plane != Switch::automatic || path_->termination() != Stop::converged) return true;
   ModelOptions spatial_options = model_options_;
   spatial_options.spatial = true;
   auto spatial = std::make_unique<RodModel>(weave_, prescription_.anchors, spatial_options);
   SpatialState state = lift(*model_, objective_->q(), *spatial);
-  const std::vector<bool> held = held_of(*spatial);
-  const auto mode = out_of_plane_mode(*spatial, state, held, energy_, execution_);
+  const std::vector<bool> fixed = fixed_of(*spatial);
+  const auto mode = out_of_plane_mode(*spatial, state, fixed, energy_, execution_);
   if (!mode) return true;
-  buckled_out_ = true;
+  buckled_out_of_plane_ = true;
   iterations_ = iterations();
   load_steps_ = load_steps();
   branches_ = branches();
@@ -250,8 +255,8 @@ bool WeaveRun::leave_plane_if_unstable() {
   objective_.reset();
   start(true);
   objective_->set_state(std::move(state.q), std::move(state.chart));
-  path_->resume_at(share_);
-  return path_->leave_along(*mode) || path_->settle();
+  path_->resume_at(fraction_);
+  return path_->leave_along(*mode) || path_->find_equilibrium();
 }
 
 void WeaveRun::bill_effects() const {
@@ -262,16 +267,16 @@ void WeaveRun::bill_effects() const {
                    options_.out_of_plane == Switch::off ? "switched off by the request"
                    : asked                              ? "switched on by the request"
                    : prescription_.leaves_plane         ? "something is held or loaded out of the plane"
-                   : buckled_out_ ? "a planar equilibrium was unstable against a mode out of its plane"
-                                  : "planar equilibria were stable against all modes out of the plane");
+                   : buckled_out_of_plane_ ? "a planar equilibrium was unstable against a mode out of its plane"
+                                           : "planar equilibria were stable against all modes out of the plane");
   if (!spatial()) cost->add_effect("twist", false, "strands in the plane do not twist");
   if (model_->joints() == 0) cost->add_effect("joint_bend", false, "no crossing is fused");
   if (model_->sliders().empty()) {
     cost->add_effect("sliding_regularizer", false, "nothing slides");
   } else {
     const Eigen::VectorXd& q = reported_ ? reported_->q : objective_->q();
-    const int limits = objective_->limits()->near(q);
-    const int near = objective_->contact()->near(q);
+    const int limits = objective_->limits()->count_within_range(q);
+    const int near = objective_->contact()->count_within_range(q);
     cost->add_effect("at_sliding_limits", limits > 0,
                      limits > 0 ? "sliders came within the barrier's range of their limits"
                                 : "no slider came within the barrier's range of its limits",
@@ -281,7 +286,7 @@ void WeaveRun::bill_effects() const {
                               : "no neighbouring crossings came within the barrier's range",
                      near);
   }
-  if (branches() == 0 && !looked_across_)
+  if (branches() == 0 && !compared_branches_)
     cost->add_effect("buckling", false,
                      options_.buckling == Switch::off ? "switched off by the request"
                                                       : "the tangent stiffness stayed positive definite");
@@ -296,9 +301,9 @@ CellPath follow_cell(const Weave& weave, const Prescription& prescription, doubl
     return followed;
   };
   path = follow();
-  for (int k = 0; k < most_narrower_paths && path.arrived && path.run->reported().limit_error > options.limit_tolerance;
+  for (int k = 0; k < max_narrower_paths && path.arrived && path.run->reported().limit_error > options.limit_tolerance;
        ++k) {
-    options.barrier_range = narrowing * options.barrier_range.value_or(EnergyOptions{}.barrier_range);
+    options.barrier_range = narrowing_factor * options.barrier_range.value_or(EnergyOptions{}.barrier_range);
     CellPath narrower = follow();
     const bool better = narrower.arrived && narrower.run->reported().limit_error < path.run->reported().limit_error;
     if (better) std::swap(path, narrower);

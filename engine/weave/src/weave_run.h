@@ -12,26 +12,27 @@
 
 namespace supple::weave {
 
-/// What is prescribed of a weave, planar or spatial alike.
+/// The prescribed values and forces of a weave, planar or spatial.
 struct Prescription {
+  /// A fixed degree of freedom and its change over the whole path.
   struct Entry {
     enum class Kind { position, joint, strain } kind = Kind::position;
     int index = 0;      ///< anchor (position, joint) or strain component
-    int component = 0;  ///< 0, 1, 2; of a joint's rotation 2 is about z
-    double change = 0;  ///< mm, rad or 1; over the whole path
+    int component = 0;  ///< 0, 1, 2 for x, y, z; of a joint's rotation 2 is about z
+    double change = 0;  ///< mm, rad or 1
   };
   std::vector<Anchor> anchors;
-  std::vector<Entry> held;
+  std::vector<Entry> fixed;
   struct Force {
     int anchor = 0;
     Eigen::Vector3d force{0, 0, 0};  ///< N
   };
   std::vector<Force> forces;
-  bool leaves_plane = false;  ///< something is held away from it or pushed out of it
-  double strain = 0;          ///< over the whole path, as EquilibriumOptions::load_steps measures it
+  bool leaves_plane = false;  ///< whether a support moves or a force acts out of the plane
+  double strain = 0;          ///< over the whole path, as it is measured for EquilibriumOptions::load_steps
 };
 
-/// A state of a cell, whatever the direction along which it is strained.
+/// A state of a cell, independent of the direction along which the cell is strained.
 struct CellConfiguration {
   bool spatial = false;
   Eigen::VectorXd q;
@@ -39,51 +40,55 @@ struct CellConfiguration {
   Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
 };
 
-/// A weave on its way along one load path: in the plane first, in space from where that is called for.
+/// A weave that follows one load path: in the plane first, and in space from the state where that becomes necessary.
 class WeaveRun {
  public:
-  /// All arguments but `options` outlive the run. `weave` and all else are in natural units.
+  /// All arguments except `options` must outlive the run. `weave` and all other quantities are in natural units.
   WeaveRun(const Weave& weave, const Prescription& prescription, double direction, const EquilibriumOptions& options,
            const Execution& execution);
 
-  /// Follows the path to this share (0, 1] of the whole. False where it could not; the state is the last equilibrium.
-  bool advance_to(double share);
+  /// Follows the path to this fraction (0, 1] of the whole. Returns false if that is not possible; the state is then
+  /// the last equilibrium.
+  bool advance_to(double fraction);
 
-  /// The present equilibrium with its sliders at their limits.
+  /// The current equilibrium with its sliders at their limits.
   const LimitedState& reported();
 
-  /// The present state of a cell, with barriers.
+  /// The current state of a cell, with barriers before the limits.
   CellConfiguration configuration() const;
-  /// Goes from an equilibrium of the same cell that is strained otherwise to the whole of what is prescribed here.
-  /// False where it could not. What a path from rest led to is forgotten.
-  bool go_on_from(const CellConfiguration& from);
+  /// Follows a path from an equilibrium of the same cell under another strain to the whole of the prescribed strain.
+  /// Discards the results of a path from rest. Returns false if the end was not reached.
+  bool continue_from(const CellConfiguration& from);
 
   const RodModel& model() const { return *model_; }
   const WeaveSystem& objective() const { return *objective_; }
   const WeavePath& path() const { return *path_; }
   bool spatial() const { return model_->spatial(); }
   int iterations() const { return iterations_ + path_->iterations(); }
-  /// Iterations that another run took for the same answer count too.
+  /// Adds iterations that another run needed for the same answer.
   void count_iterations(int more) { iterations_ += more; }
   int load_steps() const { return load_steps_ + path_->load_steps(); }
   int branches() const { return branches_ + path_->branches_left(); }
-  double share() const { return share_; }
+  double fraction() const { return fraction_; }
 
-  /// The effects that ran and those that did not, and why, for the bill.
+  /// Writes to the bill which effects ran, which did not, and why.
   void bill_effects() const;
 
  private:
-  std::vector<bool> held_of(const RodModel& model) const;
-  LoadStep step_to(double share) const;
+  std::vector<bool> fixed_of(const RodModel& model) const;
+  LoadStep step_to(double fraction) const;
   std::vector<PointForces::Load> point_forces() const;
   void start(bool spatial);
-  /// Looks at the other side of a ridge on the way and goes over to it where the energy is lower.
-  void prefer_lower_side();
-  /// If an unstable equilibrium of a cell was left on the way, looks at the path that leaves none, and goes over to
-  /// where it ends if the energy is lower.
-  void prefer_straight_path();
+  /// If the path passed a bifurcation, computes the equilibrium on its other branch, and changes to it if its energy is
+  /// lower.
+  void try_other_branch();
+  /// If the path left an unstable equilibrium of a cell, also follows the path that leaves none, and changes to its end
+  /// if the energy there is lower.
+  void try_path_without_branching();
+  /// Changes to the equilibrium near `state` if its energy with rigid limits is lower. Returns whether it did.
   bool prefer_lower_from(const WeaveScene::State& state);
-  /// Where the planar equilibrium is unstable out of its plane, goes on in space. False where that search failed.
+  /// If the planar equilibrium is unstable out of its plane, continues in space. Returns false if the search there
+  /// failed.
   bool leave_plane_if_unstable();
 
   const Weave& weave_;
@@ -95,12 +100,12 @@ class WeaveRun {
   std::unique_ptr<RodModel> model_;
   std::unique_ptr<WeaveSystem> objective_;
   std::unique_ptr<WeavePath> path_;
-  double share_ = 0;
+  double fraction_ = 0;
   int iterations_ = 0;
   int load_steps_ = 0;
   int branches_ = 0;
-  bool buckled_out_ = false;
-  bool looked_across_ = false;  ///< at the other side of a ridge, or at the path that leaves no branch
+  bool buckled_out_of_plane_ = false;
+  bool compared_branches_ = false;  ///< whether another branch or path was computed for comparison
   std::optional<LimitedState> reported_;
   numerics::ShiftedCholesky rigid_cholesky_;
 };
@@ -109,13 +114,13 @@ struct CellPath {
   std::unique_ptr<WeaveRun> run;
   bool arrived = false;
 };
-/// Follows the whole path of a cell from rest. If no equilibrium with sliders at their limits is found near where it
-/// ends, the path is followed again with narrower barriers.
+/// Follows the whole path of a cell from rest. If no equilibrium with sliders at their limits is found near its end,
+/// the path is followed again with narrower barriers.
 CellPath follow_cell(const Weave& weave, const Prescription& prescription, double direction, EquilibriumOptions options,
                      const Execution& execution);
 
-/// Deformed polylines of all strands, closed ones with their first point at the end again, in the cell of the first
-/// node of each; mm, where `unit` is the length of the model's unit in mm.
+/// Deformed polylines of all strands in mm, where the model's unit is `unit` mm. Closed strands have their first point
+/// at the end again. Each strand is in the cell of its first node.
 std::vector<std::vector<Eigen::Vector3d>> polylines(const RodModel& model, const Eigen::VectorXd& q, double unit);
 
 }  // namespace supple::weave

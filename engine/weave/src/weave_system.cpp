@@ -32,19 +32,19 @@ WeaveSystem::Parts WeaveSystem::parts(const RodModel& model, const EnergyOptions
   return parts;
 }
 
-WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts,
+WeaveSystem::WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& fixed, Parts parts,
                          const Execution& execution)
-    : System(std::move(state), parts.all, numerics::Unknowns(held),
+    : System(std::move(state), parts.all, numerics::Unknowns(fixed),
              {.execution = {execution.cancellation, nullptr, execution.cost}}),
       model_(&model),
       parts_(std::move(parts)),
-      held_(held),
+      fixed_(fixed),
       execution_(execution) {}
 
-WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
+WeaveSystem::WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& fixed,
                          const EnergyOptions& options, std::vector<PointForces::Load> forces,
                          const Execution& execution)
-    : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), held,
+    : WeaveSystem(model, RodState(model, std::move(q), std::move(chart)), fixed,
                   parts(model, options, std::move(forces)), execution) {}
 
 WeaveSystem WeaveSystem::with_rigid_limits() const {
@@ -52,7 +52,7 @@ WeaveSystem WeaveSystem::with_rigid_limits() const {
   rigid.multipliers = std::make_shared<LimitMultipliers>(*model_, *parts_.limits, *parts_.contact);
   std::erase_if(rigid.all, [&](const auto& term) { return term == parts_.limits || term == parts_.contact; });
   rigid.all.push_back(rigid.multipliers);
-  return {*model_, state(), held_, std::move(rigid), execution_};
+  return {*model_, state(), fixed_, std::move(rigid), execution_};
 }
 
 void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
@@ -61,9 +61,9 @@ void WeaveSystem::set_state(Eigen::VectorXd q, Chart chart) {
   System::set_state(std::move(state));
 }
 
-void WeaveSystem::set_force_share(double share) {
+void WeaveSystem::set_force_fraction(double fraction) {
   if (!parts_.forces) return;
-  parts_.forces->set_share(share);
+  parts_.forces->set_fraction(fraction);
   forget();
 }
 
@@ -74,18 +74,18 @@ double WeaveSystem::stored_energy() {
   return stored;
 }
 
-std::vector<bool> free_but_for_gauges(const RodModel& model) {
-  std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
-  const auto hold = [&held](int dof) { held[static_cast<std::size_t>(dof)] = true; };
+std::vector<bool> gauge_constraints(const RodModel& model) {
+  std::vector<bool> fixed(static_cast<std::size_t>(model.size()), false);
+  const auto fix = [&fixed](int dof) { fixed[static_cast<std::size_t>(dof)] = true; };
   for (int i = 0; i < static_cast<int>(model.sliders().size()); ++i) {
     const Slider& slider = model.sliders()[static_cast<std::size_t>(i)];
-    if (!(slider.low < 0) && !(slider.high > 0)) hold(model.slider(i));
+    if (!(slider.min_displacement < 0) && !(slider.max_displacement > 0)) fix(model.slider(i));
   }
   if (model.spatial())
-    for (const int edge : model.spinning_edges()) hold(model.angle(edge));
+    for (const int edge : model.spinning_edges()) fix(model.angle(edge));
   if (model.weave().lattice)
-    for (int c = 0; c < model.dimension(); ++c) hold(model.position(0) + c);
-  return held;
+    for (int c = 0; c < model.dimension(); ++c) fix(model.position(0) + c);
+  return fixed;
 }
 
 }  // namespace supple::weave

@@ -14,44 +14,46 @@
 namespace supple::weave {
 
 struct EnergyOptions {
-  double barrier_range = 0.2;  ///< mm from a limit or a neighbour where its barrier begins
-  /// Length of strand between neighbouring crossings that slide, mm. Without it, see Gap::touching.
+  double barrier_range = 0.2;  ///< distance from a limit or a neighbouring crossing at which its barrier begins, mm
+  /// Minimum length of strand between neighbouring crossings that slide, mm; by default Gap::contact_distance.
   std::optional<double> least_distance{};
   double sliding_regularization = 1e-6;  ///< N/mm
 };
 
-/// A weave's energy: the terms that its model calls for.
+/// The energy of a weave: the terms that its model needs.
 class WeaveSystem : public numerics::System<RodState> {
  public:
-  /// `held` says of each degree of freedom whether it is prescribed. `model` outlives the system; `cost`, if given,
-  /// too: it is billed for every term. The chart is empty in the plane.
-  WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& held,
+  /// `fixed` says for each degree of freedom whether its value is prescribed. `model` and the cost ledger of
+  /// `execution`, to which every term is billed, must outlive the system. The chart is empty in the plane.
+  WeaveSystem(const RodModel& model, Eigen::VectorXd q, Chart chart, const std::vector<bool>& fixed,
               const EnergyOptions& options, std::vector<PointForces::Load> forces = {},
               const Execution& execution = {});
 
   /// The same system in the same state, with rigid limits (see LimitMultipliers) instead of barriers before them. It
-  /// shares all other terms with this system. Something must slide.
+  /// shares all other terms with this system. The weave must have sliders.
   WeaveSystem with_rigid_limits() const;
 
   const RodModel& model() const { return *model_; }
   const Eigen::VectorXd& q() const { return state().q(); }
   const Chart& chart() const { return state().chart(); }
-  /// Sets held degrees of freedom (or any). Not while there is a trial state. The chart is rebased at once.
+  /// Sets all degrees of freedom, fixed ones included, and rebases the chart. There must be no trial state.
   void set_state(Eigen::VectorXd q, Chart chart);
-  /// The same where the chart stays; q is seen from it.
+  /// Sets all degrees of freedom, which refer to the current chart.
   void set_q(Eigen::VectorXd q) { set_state(std::move(q), chart()); }
-  void set_force_share(double share);
-  /// The energy that the weave stores: without the potential of forces and without what rigid limits add. N mm.
+  /// Sets the fraction of their full size at which the forces act.
+  void set_force_fraction(double fraction);
+  /// The energy that is stored in the weave, in N mm, without the potential of forces and without the terms of rigid
+  /// limits.
   double stored_energy();
 
-  /// Null where nothing slides.
+  /// Null if nothing slides.
   const SlidingLimits* limits() const { return parts_.limits.get(); }
   const CrossingContact* contact() const { return parts_.contact.get(); }
-  /// Null where limits have barriers, or where nothing slides.
+  /// Null if limits have barriers, or if nothing slides.
   LimitMultipliers* multipliers() { return parts_.multipliers.get(); }
 
  private:
-  /// The terms, and those of them that others ask for.
+  /// All terms, and those to which other code needs access.
   struct Parts {
     Terms all;
     std::shared_ptr<SlidingLimits> limits;
@@ -60,17 +62,17 @@ class WeaveSystem : public numerics::System<RodState> {
     std::shared_ptr<PointForces> forces;
   };
   static Parts parts(const RodModel& model, const EnergyOptions& options, std::vector<PointForces::Load> forces);
-  WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& held, Parts parts,
+  WeaveSystem(const RodModel& model, RodState state, const std::vector<bool>& fixed, Parts parts,
               const Execution& execution);
 
   const RodModel* model_;
   Parts parts_;
-  std::vector<bool> held_;
+  std::vector<bool> fixed_;
   Execution execution_;
 };
 
-/// Unknowns of a model: none held. Pinned sliders (no way to go), the spin of straight strands that nothing holds and,
-/// for a lattice, the first node's position are held.
-std::vector<bool> free_but_for_gauges(const RodModel& model);
+/// The degrees of freedom that are fixed in every weave, since nothing determines them: sliders that cannot move, the
+/// spin of straight strands that nothing keeps from spinning, and, for a lattice, the first node's position.
+std::vector<bool> gauge_constraints(const RodModel& model);
 
 }  // namespace supple::weave

@@ -55,7 +55,7 @@ TEST(HardWeaves, SlidersThatLockOnTheWayCarryTheLoadFromThenOn) {
 }
 
 TEST(HardWeaves, DirectionsWithoutStiffnessConvergeToo) {
-  // Fused nowhere: rotating and sliding cost nothing but the regularization.
+  // No crossing is fused: only the regularization resists rotating and sliding.
   for (const double strain : {0.02, 0.1, 0.2}) {
     const auto responses = respond(regular_weave(uniform_block(Connection::slides_y)), strain, 8);
     EXPECT_LT(std::abs(responses[2].youngs_modulus), 1) << strain;
@@ -85,7 +85,7 @@ TEST(HardWeaves, StrandsThatCrossNearlyParallelSlideAndBend) {
 }
 
 TEST(HardWeaves, CrossingsThatAreSqueezedTogetherStayApart) {
-  // Two posts are driven towards each other along a strand that both slide on.
+  // Two posts are moved towards each other along a strand that slides through both.
   Weave weave;
   weave.strands.push_back(line({0, 0}, {20, 0}));
   for (const double x : {8.0, 12.0}) weave.strands.push_back(line({x, -3}, {x, 3}));
@@ -126,7 +126,7 @@ TEST(HardWeaves, ATwentyByTwentySlidingSheetIsShearedByThirtyPercent) {
   SheetLoad load;
   for (int k = 0; k < n; ++k) {
     load.supports.push_back({0, (k + 0.5) * pitch});
-    // Moved aside, free to sink: the strands turn and do not stretch.
+    // The top row moves sideways and is free to sink: the strands turn and do not stretch.
     load.supports.push_back({n - 1, (k + 0.5) * pitch, {true, false, true}, {0.3 * (n - 1) * pitch, 0, 0}});
   }
   EquilibriumOptions options;
@@ -138,11 +138,11 @@ TEST(HardWeaves, ATwentyByTwentySlidingSheetIsShearedByThirtyPercent) {
 }
 
 TEST(HardWeaves, AnInvertedStartUnfolds) {
-  // The sheet's inner nodes are thrown about by more than a pitch, strands folded over each other: seeds 1 to 4.
+  // Random displacements of more than a pitch fold the strands over each other; seeds 1 to 4.
   const Weave weave = regular_sheet(4, 4, uniform_block(Connection::fused));
   const RodModel model(weave, {{.strand = 0, .coordinate = 0}, {.strand = 0, .coordinate = 16}},
                        {.spatial = false, .segments = 2});
-  std::vector<bool> held = free_but_for_gauges(model);
+  std::vector<bool> held = gauge_constraints(model);
   for (std::size_t a = 0; a < 2; ++a)
     for (int c = 0; c < 2; ++c) held[static_cast<std::size_t>(model.position(model.anchor_node(a)) + c)] = true;
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
@@ -155,7 +155,8 @@ TEST(HardWeaves, AnInvertedStartUnfolds) {
     options.max_iterations = 1000;
     const double before = objective.evaluate(0).value;
     WeavePath path(objective, options, {});
-    EXPECT_TRUE(path.settle()) << "seed " << seed << ' ' << to_string(path.stopped()) << ' ' << path.residual();
+    EXPECT_TRUE(path.find_equilibrium()) << "seed " << seed << ' ' << to_string(path.termination()) << ' '
+                                         << path.residual();
     EXPECT_LE(path.residual(), path.tolerance()) << "seed " << seed;
     EXPECT_LT(path.energy(), 0.01 * before) << "seed " << seed;
     EXPECT_TRUE(path.stable()) << "seed " << seed;
@@ -163,7 +164,7 @@ TEST(HardWeaves, AnInvertedStartUnfolds) {
 }
 
 TEST(HardWeaves, VeryThinAndVeryStiffStrandsInOneCell) {
-  // Radii of 0.03 and 1 mm: bending stiffnesses differ by a factor of a million.
+  // With radii of 0.03 and 1 mm, bending stiffnesses differ by a factor of a million.
   Weave weave = regular_weave({{{Connection::fused, Connection::slides_x}, {Connection::slides_y, Connection::fused}}});
   weave.strands[0].radius = 0.03;
   weave.strands[2].radius = 1;

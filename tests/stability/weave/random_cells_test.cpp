@@ -1,4 +1,5 @@
-// Random cells whose strands slide, against what must hold for each: scaling laws, the lower side, limits.
+// Random cells with sliding strands are compared with what must hold for each: scaling laws, the branch of lower
+// energy, and limits of sliding.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -121,8 +122,8 @@ TEST(RandomCells, EndOnTheLowerSideWhateverTheWay) {
 }
 
 TEST(RandomCells, HaveEnergiesThatJumpNowhereBetweenNeighbouringDirections) {
-  // Energies of the lowest equilibria are continuous over the direction; so between neighbours 0.002 rad apart they
-  // change by no more than some per cent.
+  // Energies of the lowest equilibria are continuous in the direction. Between neighbours 0.002 rad apart they change
+  // by no more than a few per cent.
   for (std::uint64_t seed = 11; seed <= 16; ++seed) {
     const RandomCell cell = random_cell(seed);
     SCOPED_TRACE(cell.name);

@@ -13,7 +13,7 @@
 namespace supple::weave {
 namespace {
 
-/// A strand that goes to and fro `teeth` times; two of them at right angles cross everywhere.
+/// A strand that runs to and fro `teeth` times. Two of them at right angles cross everywhere.
 Strand comb(int teeth, bool upright) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(static_cast<std::size_t>(teeth));
@@ -33,7 +33,7 @@ std::vector<Strand> grid(int lines) {
   return strands;
 }
 
-/// Requests a stop at the first report, and counts them.
+/// Requests a stop at the first report, and counts the reports.
 class StopsAtOnce : public ProgressSink {
  public:
   void report(double /*fraction*/, std::string_view /*stage*/) override {

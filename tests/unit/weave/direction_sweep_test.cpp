@@ -28,7 +28,7 @@ TEST(DirectionSweep, KnowsHowTheEnergyChangesWithTheDirection) {
   }
 }
 
-/// Responses whose energy is 2 + cos(2 angle), with the stress that fits it, but for energies that are set.
+/// Responses whose energy is 2 + cos(2 angle), with the stress that belongs to it.
 std::vector<DirectionalResponse> smooth_energies(const HomogenizationOptions& options) {
   std::vector<DirectionalResponse> responses;
   for (const double angle : options.directions) {
@@ -38,7 +38,7 @@ std::vector<DirectionalResponse> smooth_energies(const HomogenizationOptions& op
     const Eigen::Vector2d n(-d[1], d[0]);
     response.state.energy_density = 2 + std::cos(2 * angle);
     response.state.deformation_gradient = Eigen::Matrix2d::Identity() + options.strain * d * d.transpose();
-    // Of the slope d^T P (stretch n - F^T n) only strain d^T P n is left.
+    // The slope d^T P (stretch n - F^T n) is then strain d^T P n.
     response.state.nominal_stress = -2 * std::sin(2 * angle) / options.strain * d * n.transpose();
   }
   return responses;
@@ -90,7 +90,7 @@ TEST(DirectionSweep, TakesLowerEnergiesAndCountsWhatTheyCost) {
   DirectionalResponse unstable = lower;
   unstable.state.stable = false;
   EXPECT_FALSE(is_better(unstable, responses[1]));
-  take_better({{1, lower}, {1, responses[1]}}, responses);
+  replace_by_better({{1, lower}, {1, responses[1]}}, responses);
   EXPECT_EQ(responses[1].state.energy_density, lower.state.energy_density);
   EXPECT_EQ(responses[1].state.iterations, 13);
   EXPECT_EQ(responses[1].state.branches, 1);

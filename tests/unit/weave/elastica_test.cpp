@@ -12,7 +12,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A rod whose one end is clamped at the origin, along x; so slender that its stretch, which the elastica has not, is
+/// A rod along x that is clamped at the origin. It is so slender that its stretch, which the elastica neglects, is
 /// below the errors that are measured.
 struct Cantilever {
   Weave weave;
@@ -31,8 +31,8 @@ struct Cantilever {
   Chart chart() const { return model.spatial() ? flat_chart(model, model.rest_state()) : Chart{}; }
 };
 
-/// Tip angle of the inextensible cantilever under a transverse dead load P L^2 / EI = `load`, and the tip's position
-/// over L: theta'' = -load cos(theta), theta(0) = 0, theta'(1) = 0, by shooting with Runge-Kutta's method.
+/// Position of the tip of the inextensible cantilever, over L, under a transverse dead load P L^2 / EI = `load`:
+/// theta'' = -load cos(theta), theta(0) = 0, theta'(1) = 0, by shooting with a Runge-Kutta method.
 Eigen::Vector2d elastica_tip(double load) {
   const auto shoot = [load](double curvature, Eigen::Vector2d& tip) {
     constexpr int steps = 4000;
@@ -62,7 +62,7 @@ Eigen::Vector2d elastica_tip(double load) {
 
 TEST(Elastica, OfACantileverIsApproachedWithTheSquareOfTheSegmentsLength) {
   const double length = 20;
-  const double load = 5;  // P L^2 / EI: the tip turns by more than 60 degrees
+  const double load = 5;  // P L^2 / EI, by which the tip turns by more than 60 degrees
   const Eigen::Vector2d exact = elastica_tip(load) * length;
   for (const bool spatial : {false, true}) {
     double last = 0;
@@ -97,7 +97,7 @@ TEST(Elastica, IsFoundWithQuadraticConvergenceAtTheEnd) {
     ASSERT_TRUE(path.advance({Eigen::VectorXd::Zero(rod.model.size()), 1}));
     const auto& history = path.history();
     ASSERT_GE(history.size(), 4U);
-    // Each of the last steps squares the residual, up to a constant that does not grow, until rounding ends it.
+    // Each of the last steps squares the residual, up to a constant factor, until rounding limits it.
     const double before = history[history.size() - 3].gradient_norm;
     const double then = history[history.size() - 2].gradient_norm;
     const double last = history.back().gradient_norm;
@@ -106,7 +106,8 @@ TEST(Elastica, IsFoundWithQuadraticConvergenceAtTheEnd) {
   }
 }
 
-/// Least stable curvature of a rod on two hinges at a compression (mm), straight.
+/// Whether a straight rod on two hinges is stable at a compression (mm): 1 if its Hessian is positive definite, and -1
+/// otherwise.
 double hinged_curvature(int segments, double compression, double length) {
   Weave weave{.strands = {line({0, 0}, {length, 0})}};
   const RodModel model(weave, {{.strand = 0, .coordinate = 0}, {.strand = 0, .coordinate = length}},
@@ -127,7 +128,8 @@ TEST(Euler, BucklingLoadIsApproachedWithTheSquareOfTheSegmentsLength) {
   const double exact = pi * pi * stiffness.bend / (length * length);
   double last = 0;
   for (const int segments : {6, 12, 24}) {
-    // P = EA compression / length, by bisection for where the straight rod loses its stability.
+    // The load is P = EA compression / length. Bisection finds the compression at which the straight rod becomes
+    // unstable.
     double low = 0;
     double high = 3 * exact * length / stiffness.stretch;
     for (int i = 0; i < 50; ++i) {
@@ -135,7 +137,7 @@ TEST(Euler, BucklingLoadIsApproachedWithTheSquareOfTheSegmentsLength) {
       (hinged_curvature(segments, middle, length) > 0 ? low : high) = middle;
     }
     const double strain = low / length;
-    // The load at which a compressible rod buckles: P (1 - P / EA) = Euler's load.
+    // A compressible rod buckles at the load P for which P (1 - P / EA) is Euler's load.
     const double load = stiffness.stretch * strain * (1 - strain);
     const double error = std::abs(load / exact - 1);
     if (last > 0) {
@@ -159,7 +161,7 @@ TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
     WeavePath path(objective, options, {});
     LoadStep step{Eigen::VectorXd::Zero(model.size()), 1};
     const int pushed = model.position(model.anchor_node(1));
-    step.change[pushed] = -0.6;  // 2 %
+    step.change[pushed] = -0.6;  // a compression of 2 %
     ASSERT_TRUE(path.advance(step));
     const double reaction = -objective.full_gradient()[pushed];
     const double euler = pi * pi * model.stiffness(0).bend / (length * length);
@@ -167,7 +169,7 @@ TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
     if (buckling == Switch::off) {
       EXPECT_NEAR(reaction, model.stiffness(0).stretch * 0.02, 1e-6 * reaction) << "the straight rod is kept";
     } else {
-      // Just beyond buckling the load rises by half the end's relative approach (Timoshenko and Gere 1961).
+      // Just beyond buckling, the load exceeds Euler's load by half of the end's relative approach [Timoshenko1961].
       EXPECT_NEAR(reaction / euler, 1 + 0.02 / 2, 6e-3);
       EXPECT_GE(path.branches_left(), 1);
     }
@@ -175,14 +177,14 @@ TEST(Euler, BucklingIsFoundDeliberatelyAndCarriesItsLoad) {
 }
 
 TEST(PureBending, OfACurvedStrandUnrollsItByTheMomentOverItsStiffness) {
-  // A clamped arc with a couple at its end changes its curvature evenly by M / EI.
+  // A moment M at the end of a clamped arc changes its curvature by M / EI everywhere.
   const double radius = 8;
   const double sweep = 2.0;
   const double moment = 0.8;
   const Stiffness stiffness = circular(0.25, {});
   const double length = radius * sweep;
   const double curvature = 1 / radius - moment / stiffness.bend;
-  // The clamped tangent at (radius, 0) points up; the centre lies to the left.
+  // At the clamped end (radius, 0) the tangent points up and the centre lies to the left.
   const Eigen::Vector2d exact(radius - (1 - std::cos(curvature * length)) / curvature,
                               std::sin(curvature * length) / curvature);
   double last = 0;
@@ -209,7 +211,7 @@ TEST(PureBending, OfACurvedStrandUnrollsItByTheMomentOverItsStiffness) {
   EXPECT_LT(last, 6e-4);
 }
 
-/// Least stable curvature's sign of a naturally straight rod bent to a ring and twisted by `twist` in all.
+/// Whether a naturally straight rod is stable that is bent to a ring and twisted by the total angle `twist` (rad).
 bool ring_is_stable(int segments, double twist) {
   const double radius = 10;
   Weave weave{.strands = {circle(radius, {0, 0}, 64)}};
@@ -223,14 +225,16 @@ bool ring_is_stable(int segments, double twist) {
   }
   std::vector<bool> held(static_cast<std::size_t>(model.size()), false);
   WeaveSystem objective(model, q, chart, held, {});
-  // Six rigid motions and the spin of the whole section cost nothing: what is below them is unstable.
+  // Six rigid motions and the spin of the whole section have no stiffness: only curvatures clearly below 0 are
+  // unstable.
   const auto evaluation = objective.evaluate(2);
   numerics::ShiftedCholesky cholesky;
   return cholesky.factorize(evaluation.hessian, 1e-6);
 }
 
 TEST(Michell, RingsUnderTwistBuckleAtTheKnownTwistWithSecondOrder) {
-  // 2 pi sqrt(3) EI / GJ for a naturally straight rod of circular section (Michell 1889; Zajac 1962).
+  // The critical twist of a naturally straight rod of circular section is 2 pi sqrt(3) EI / GJ [Michell1889],
+  // [Zajac1962].
   const Stiffness stiffness = circular(0.25, {});
   const double exact = 2 * pi * std::sqrt(3.0) * stiffness.bend / stiffness.twist;
   double last = 0;

@@ -15,7 +15,8 @@
 namespace supple::weave {
 namespace {
 
-/// A square of 40 mm and a channel over nothing that slides, by hand; 0.08 mm of filament for each mm.
+/// A file written by hand: a square of 40 mm, and a channel over nothing that slides. It has 0.08 mm of filament for
+/// each mm.
 const std::vector<std::string> good{
     "; a file written by hand",       //  1
     "G21",                            //  2
@@ -58,7 +59,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// The good file with a line replaced (from 1).
+/// The file `good` with a line, counted from 1, replaced.
 std::string with(std::size_t line, const std::string& replacement) {
   std::vector<std::string> lines = good;
   lines[line - 1] = replacement;
@@ -234,13 +235,13 @@ TEST(GcodeCheck, NamesEveryKindOfViolation) {
 TEST(GcodeCheck, AddsDwellsToTheTime) { EXPECT_NEAR(check_gcode("G4 S30\nG4 P1500").minutes, 31.5 / 60, 1e-12); }
 
 TEST(GcodeCheck, TakesNoLiftedStrandForAChannel) {
-  // Rises and falls over others, but from the bed, and goes on there.
+  // A lifted strand rises and falls over others, but it starts from the bed and continues there.
   const Weave weave = regular_sheet(6, 6, uniform_block(Connection::slides_x));
   const PrinterProfile profile;
   Toolpath path = toolpath(weave, profile);
   std::erase_if(path.moves, [](const Move& move) { return move.kind == MoveKind::channel; });
   EXPECT_TRUE(check_gcode(to_gcode(path, profile), limits_of(profile, weave)).channels.empty());
-  // A hump on the bed stands on nothing.
+  // A hump on the bed has no bead below its ends.
   const std::string hump = "G28\nM109 S200\nG0 X10 Y10 Z0.5 F600\nG1 X12 Z2.5 E0.22\nG1 X14 Z0.5 E0.44\n";
   EXPECT_TRUE(check_gcode(hump).channels.empty());
 }

@@ -33,7 +33,7 @@ DirectionalResponse along(const Weave& weave, double degrees, double strain, boo
 
 TEST(RegularWeave, AlongItsStrandsHasTheirStiffnessOverTheirDistanceWhateverTheCrossings) {
   const double strain = 0.05;
-  const double exact = 1000 * circular(0.25, {}).stretch / 4;  // N/m; nothing contracts laterally
+  const double exact = 1000 * circular(0.25, {}).stretch / 4;  // N/m; there is no lateral contraction
   for (const Connection connection : {Connection::fused, Connection::slides_x, Connection::slides_y}) {
     const Weave weave = regular_weave(uniform_block(connection));
     for (const double degrees : {0.0, 90.0})
@@ -42,7 +42,7 @@ TEST(RegularWeave, AlongItsStrandsHasTheirStiffnessOverTheirDistanceWhateverTheC
 }
 
 TEST(RegularWeave, AtFortyFiveDegreesIsStiffWhereItIsFusedAndSoftWhereItSlides) {
-  // The more of the 2x2 cell's crossings are fused, the stiffer.
+  // The weave becomes stiffer with each fused crossing of the 2x2 cell.
   ConnectionBlock block = uniform_block(Connection::slides_x);
   double last = along(regular_weave(block), 45, 0.1).youngs_modulus;
   EXPECT_LT(std::abs(last), 1e-2);
@@ -56,13 +56,14 @@ TEST(RegularWeave, AtFortyFiveDegreesIsStiffWhereItIsFusedAndSoftWhereItSlides) 
 }
 
 TEST(RegularWeave, FusedInShearBendsItsStrandsAsFixedBeams) {
-  // Small strain at 45 degrees. A shear angle g bends each of the joint's four half strands of length a / 2, clamped at
-  // the joint and free of moment at midspan, by (a / 2)(g / 2): energy per joint 4 * 3 EI / 2 / (a/2)^3 * (a g / 4)^2 =
-  // 3 EI g^2 / a. With cells a^2, g = 2 e at a strain (e, -e) and lateral contraction: G = 6 EI / a^3.
+  // Small strain at 45 degrees: a shear angle g bends each of the joint's four half strands of length a / 2, clamped at
+  // the joint and free of moment at midspan, by (a / 2)(g / 2). The energy of a joint is 4 * 3 EI / 2 / (a / 2)^3 * (a
+  // g / 4)^2 = 3 EI g^2 / a. With cells of area a^2 and g = 2 e at the strains e and -e along the diagonals, the shear
+  // modulus is G = 6 EI / a^3.
   const double a = 4;
   const Stiffness s = circular(0.25, {});
   const double g = 6 * s.bend / (a * a * a);
-  const double stretch = s.stretch / a;  // E along the strands; Poisson's ratio there is 0
+  const double stretch = s.stretch / a;  // Young's modulus along the strands, where Poisson's ratio is 0
   const double exact = 1000 / (1 / (4 * g) + 1 / (2 * stretch));
   double last = 0;
   for (const int segments : {4, 8, 16}) {
@@ -94,7 +95,7 @@ TEST(InterlacingSquares, OfTypeOneAreStiffAndNearlyIsotropic) {
   EXPECT_LT(most / least, 2.2);
 }
 
-/// How many of the squares' sliders are at the ends of their 2.1 mm.
+/// Number of the squares' sliders that are at the ends of their range of 2.1 mm.
 int sliders_at_limit(const DirectionalResponse& response) {
   int count = 0;
   for (const double u : response.state.sliding) count += std::abs(std::abs(u) - 2.1) < 1e-5 ? 1 : 0;
@@ -103,17 +104,17 @@ int sliders_at_limit(const DirectionalResponse& response) {
 
 TEST(InterlacingSquares, OfTypeTwoHaveNoStiffnessInXUntilTheirSlidersLock) {
   const Weave weave = interlacing_squares(SquareType::all_slide_x);
-  // Geometry: two sliders in a row give 2 * 2.1 mm in a period of 18 mm, 23.3 %.
+  // Two sliders in a row allow a displacement of 2 * 2.1 mm in a period of 18 mm, which is 23.3 %.
   EXPECT_LT(std::abs(along(weave, 0, 0.10).youngs_modulus), 1e-2);
   EXPECT_LT(std::abs(along(weave, 0, 0.22).youngs_modulus), 1e-2);
   EXPECT_LT(std::abs(along(weave, 0, 0.233).youngs_modulus), 1e-2);
   EXPECT_GT(along(weave, 0, 0.24).youngs_modulus, 10);
   const DirectionalResponse locked = along(weave, 0, 0.30);
   EXPECT_GT(locked.youngs_modulus, 100);
-  // Sides buckle, by which some sliders come free again, and which ones is a matter of rounding; two in a row carry the
-  // load, at their limits.
+  // Sides of squares buckle, and some sliders then leave their limits. Rounding decides which ones do. Two in a row
+  // carry the load at their limits.
   EXPECT_GE(sliders_at_limit(locked), 2);
-  // Where no branch is left for another, none comes free.
+  // If no unstable equilibrium is left, all sliders stay at their limits.
   HomogenizationOptions straight;
   straight.strain = 0.30;
   straight.directions = {0};
@@ -162,7 +163,7 @@ TEST(Homogenization, LeavesLateralStressAndShearFreeAndImposesTheStrainExactly) 
   EXPECT_LT(std::abs(n.dot(response.state.cauchy_stress * n)), 1e-4 * sigma);
   EXPECT_LT(std::abs(n.dot(response.state.cauchy_stress * d)), 1e-4 * sigma);
   EXPECT_LT(std::abs(d.dot(response.state.cauchy_stress * n)), 1e-4 * sigma);
-  // The published variant holds the shear: it can only be stiffer.
+  // The published variant suppresses the shear, so that it can only be stiffer.
   const DirectionalResponse published = along(weave, direction * 180 / pi, 0.1, false);
   EXPECT_GT(published.youngs_modulus, response.youngs_modulus * 1.001);
   EXPECT_LT(std::abs(n.dot(published.state.deformation_gradient * d)), 1e-14);
@@ -190,7 +191,7 @@ TEST(Homogenization, StressIsTheDerivativeOfTheEnergy) {
       EXPECT_NEAR(at.nominal_stress(i, j), slope, 1e-5 * at.nominal_stress.norm()) << i << j;
     }
   }
-  // Angular momentum: the Cauchy stress is symmetric.
+  // The Cauchy stress is symmetric because angular momentum is balanced.
   EXPECT_NEAR(at.cauchy_stress(0, 1), at.cauchy_stress(1, 0), 1e-7 * at.cauchy_stress.norm());
 }
 
@@ -236,7 +237,7 @@ TEST(Homogenization, CostsNothingUnderARotationOfTheCell) {
 }
 
 TEST(Homogenization, DoesNotDependOnWhichCellOfTheSheetIsTaken) {
-  // A doubled cell of the same weave, without what buckles: the same modulus.
+  // A doubled cell of the same weave has the same modulus if nothing buckles.
   const Weave one = interlacing_circles(CircleType::all_fused);
   Weave two;
   two.lattice = *one.lattice * Eigen::Vector2d(2, 1).asDiagonal();
@@ -336,7 +337,7 @@ std::vector<DirectionalResponse> squares_at_30_percent(int load_steps, Switch bu
 TEST(Homogenize, FollowsThePathInStepsShortEnoughToStayOnIt) {
   const auto automatic = squares_at_30_percent(0);
   const auto fine = squares_at_30_percent(32);
-  // A path that left a branch would be compared with a finer one.
+  // With buckling, a path that left an unstable equilibrium would be compared with a finer path.
   const auto single = squares_at_30_percent(1, Switch::off);
   int astray = 0;
   for (std::size_t i = 0; i < fine.size(); ++i) {
@@ -347,7 +348,7 @@ TEST(Homogenize, FollowsThePathInStepsShortEnoughToStayOnIt) {
   EXPECT_GE(astray, 1) << "one step would do, and the test shows nothing";
 }
 
-/// Energies of sliding squares at a strain of 0.1 in two directions that a mirror of the cell exchanges.
+/// Energies of sliding squares at a strain of 0.1 in two directions that a mirror symmetry of the cell exchanges.
 std::array<double, 2> energies_of_mirror_images(int segments, int load_steps, int& branches) {
   HomogenizationOptions options;
   options.strain = 0.1;
@@ -365,8 +366,8 @@ std::array<double, 2> energies_of_mirror_images(int segments, int load_steps, in
 }
 
 TEST(Homogenize, TakesTheLowerSideOfARidgeWhateverTheSegmentsAndTheLoadSteps) {
-  // At a strain below 0.0025 the loops begin to slide, one way or the other, and lock in equilibria of different energy
-  // (the lower one has 0.754 J/m^2 with 4 segments).
+  // At a strain below 0.0025 the loops begin to slide in one of two directions, and lock in equilibria of different
+  // energy. The lower energy is 0.754 J/m^2 with 4 segments.
   int branches = 0;
   for (const int load_steps : {0, 10, 25}) {
     const auto [one, other] = energies_of_mirror_images(4, load_steps, branches);
@@ -399,8 +400,8 @@ TEST(Homogenize, BillsThatItLookedAtTheOtherSideWhereThatIsNotLower) {
 }
 
 TEST(Homogenize, DoesNotCallASaddleStableThatTheLastStepCameTo) {
-  // Rest is stable by the sliding regularizer alone; at this strain the cell that does not slide is a saddle, which
-  // three Newton steps reach through states whose tangents are positive definite.
+  // Only the sliding regularizer stabilizes the state at rest. At this strain the cell that does not slide is a saddle
+  // point, which three Newton steps reach through states with positive definite tangents.
   HomogenizationOptions options;
   options.strain = 0.0025;
   options.directions = {7 * pi / 24};
@@ -415,8 +416,8 @@ TEST(Homogenize, DoesNotCallASaddleStableThatTheLastStepCameTo) {
 }
 
 TEST(Homogenize, SaysWhereACellFoldsFlat) {
-  // Straight strands that slide are a pantograph: along 45 degrees their diagonal is 2^(1/2) of what it was where they
-  // come to lie side by side, at a strain of 0.414.
+  // Straight strands that slide form a pantograph. At 45 degrees it folds flat when its diagonal has grown by the
+  // factor sqrt(2), at a strain of 0.414.
   const Weave weave = regular_weave(uniform_block(Connection::slides_x));
   const DirectionalResponse open = along(weave, 45, 0.35);
   EXPECT_EQ(open.state.stopped, Stop::converged);
@@ -445,7 +446,7 @@ CostLedger::Effect at_limits(const std::vector<double>& directions) {
 }
 
 TEST(Homogenize, BillsWhyAnEffectRanWhereItRanInSomeDirections) {
-  // The squares' horizontal sides slide: along x to their limits, along y not at all.
+  // The squares' horizontal sides slide: along x to their limits, and along y not at all.
   EXPECT_FALSE(at_limits({pi / 2}).ran);
   const CostLedger::Effect both = at_limits({0, pi / 2});
   EXPECT_TRUE(both.ran);
@@ -453,7 +454,8 @@ TEST(Homogenize, BillsWhyAnEffectRanWhereItRanInSomeDirections) {
   EXPECT_EQ(both.count, at_limits({0}).count);
 }
 
-/// Sides of 24 and 36 mm of sliding squares along x, where unstable equilibria are left for branches that end high.
+/// Sliding squares along x. With sides of 24 and 36 mm, unstable equilibria are left for branches that end at a high
+/// energy.
 std::vector<DirectionalResponse> squares_with_branches(double side, double strain, Switch buckling) {
   HomogenizationOptions options;
   options.strain = strain;
@@ -487,13 +489,13 @@ TEST(Homogenize, BringsSlidersThatAreStoppedToTheirLimitsWhateverTheBarriers) {
     EXPECT_LE(usual[i].state.limit_error, 1e-6) << i;
     EXPECT_NEAR(usual[i].youngs_modulus / narrow[i].youngs_modulus, 1, 1e-5) << i;
     EXPECT_NEAR(usual[i].state.energy_density / narrow[i].state.energy_density, 1, 1e-5) << i;
-    // Barriers alone are too stiff, and say so: the estimate is of the size of the error.
+    // Barriers alone are too stiff, and the estimated error is of the size of the true one.
     const double error = soft[i].state.energy_density / usual[i].state.energy_density - 1;
     EXPECT_GT(error, 0.01) << i;
     EXPECT_GT(soft[i].state.limit_error, 0.3 * error) << i;
     EXPECT_LT(soft[i].state.limit_error, 3 * error) << i;
   }
-  // The limit of a narrowing barrier, by the barrier alone.
+  // The value to which the modulus with ever narrower barriers converges.
   EXPECT_NEAR(usual[0].youngs_modulus, 294.29, 0.03);
 }
 

@@ -14,7 +14,8 @@ inline Strand line(Eigen::Vector2d from, Eigen::Vector2d to, double radius = 0.2
   return {StrandCurve({from, to}, Ends::open), radius};
 }
 
-/// `count` points of an arc about the origin, the last one at the end of the sweep.
+/// A strand through `count` points of an arc about the origin, with the last point at the end of the angle `sweep`
+/// (rad).
 inline Strand arc(double radius, double sweep, int count = 24) {
   std::vector<Eigen::Vector2d> points;
   points.reserve(static_cast<std::size_t>(count));
@@ -35,7 +36,7 @@ inline Strand circle(double radius, Eigen::Vector2d centre = {0, 0}, int count =
   return {StrandCurve(points, Ends::closed)};
 }
 
-/// Two waves that cross three straight strands; the first crossing is fused, in the others the wave slides.
+/// Two waves that cross three straight strands. The first crossing is fused, and at the others the wave slides.
 inline Weave wavy() {
   Weave weave;
   weave.strands.push_back({StrandCurve({{-1, 0}, {3, 1}, {7, -1}, {11, 1}, {15, 0}}, Ends::open)});

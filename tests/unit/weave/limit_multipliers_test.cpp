@@ -9,12 +9,12 @@
 namespace supple::weave {
 namespace {
 
-/// The wave of layouts.h, whose sliders may go 1.5 mm back and 1.2 mm on.
+/// The weave `wavy` of layouts.h, whose sliders may move 1.5 mm backward and 1.2 mm forward.
 class RigidLimits : public ::testing::Test {
  protected:
   Weave weave_ = wavy();
   RodModel model_{weave_, {}, {.spatial = false, .segments = 1}};
-  std::vector<bool> held_ = free_but_for_gauges(model_);
+  std::vector<bool> held_ = gauge_constraints(model_);
 
   WeaveSystem at(double first_slider) const {
     Eigen::VectorXd q = model_.rest_state();
@@ -28,12 +28,12 @@ TEST_F(RigidLimits, CloseWhereBarriersPushAndHaveExactDerivatives) {
   WeaveSystem rigid = barriers.with_rigid_limits();
   ASSERT_NE(rigid.multipliers(), nullptr);
   EXPECT_EQ(rigid.q(), barriers.q());
-  EXPECT_TRUE(rigid.multipliers()->all_open());
+  EXPECT_TRUE(rigid.multipliers()->all_inactive());
   const double open = rigid.evaluate(0).value;
   EXPECT_EQ(rigid.stored_energy(), open);
-  rigid.multipliers()->begin(rigid.q());
+  rigid.multipliers()->initialize(rigid.q());
   rigid.forget();
-  EXPECT_FALSE(rigid.multipliers()->all_open());
+  EXPECT_FALSE(rigid.multipliers()->all_inactive());
   EXPECT_GT(rigid.evaluate(0).value, open);
   EXPECT_NEAR(rigid.stored_energy(), open, 1e-9 * rigid.evaluate(0).value) << "what limits add is no stored energy";
   EXPECT_GT(rigid.multipliers()->error(rigid.q()), 0);
@@ -46,16 +46,16 @@ TEST_F(RigidLimits, OpenWhereTheyPullAndCloseWhereTheyAreCrossed) {
   const WeaveSystem barriers = at(1.15);
   WeaveSystem rigid = barriers.with_rigid_limits();
   LimitMultipliers& limits = *rigid.multipliers();
-  limits.begin(rigid.q());
-  // Half a millimetre short of the limit its multiplier would have to pull.
+  limits.initialize(rigid.q());
+  // Half a millimetre before the limit, the constraint force would have to be tensile.
   Eigen::VectorXd q = rigid.q();
   q[model_.slider(0)] = 0.7;
   EXPECT_TRUE(limits.update(q));
-  EXPECT_TRUE(limits.all_open());
+  EXPECT_TRUE(limits.all_inactive());
   EXPECT_FALSE(limits.update(q));
   q[model_.slider(0)] = 1.21;
   EXPECT_TRUE(limits.update(q));
-  EXPECT_FALSE(limits.all_open());
+  EXPECT_FALSE(limits.all_inactive());
 }
 
 }  // namespace

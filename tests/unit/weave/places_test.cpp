@@ -7,7 +7,7 @@
 namespace supple::weave {
 namespace {
 
-/// A strand along x from 0 to 10 that slides through one along y at x = 4, whose lower end lies on it.
+/// A strand along x from 0 to 10 that slides at x = 4 through a strand along y, whose lower end lies on it.
 Weave tee() {
   Weave weave;
   weave.strands.push_back({StrandCurve({{0, 0}, {10, 0}}, Ends::open), 0.2});

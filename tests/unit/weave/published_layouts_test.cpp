@@ -1,5 +1,5 @@
-// The nine sheets whose printed files' statistics are published, printed anew: path lengths within 2 %, as many
-// channels, filament within 5 %, the same size and heights.
+// The nine sheets whose printed files' statistics are published are printed anew. Path lengths agree within 2 %,
+// filament within 5 % and sizes within 0.1 mm. The numbers of channels and the heights are equal.
 
 #include <gtest/gtest.h>
 
@@ -14,14 +14,14 @@
 namespace supple::weave {
 namespace {
 
-/// Lengths in mm.
+/// Published statistics of a sheet; lengths in mm.
 struct Published {
   Sample sample;
   double width, depth;
   double filament;
   double extruded;
   int channels;
-  /// Without 0.2, to which that file presses the overruns of lifted strands.
+  /// Without the height 0.2, to which that file presses the overruns of lifted strands.
   std::vector<double> heights;
 };
 
@@ -46,7 +46,7 @@ TEST_P(PublishedLayouts, AreReproducedByTheToolpath) {
   EXPECT_NEAR(s.extruded_length, expected.extruded, 0.02 * expected.extruded);
   EXPECT_NEAR(s.filament, expected.filament, 0.05 * expected.filament);
   EXPECT_EQ(s.channels, expected.channels);
-  // Their boxes are those of centre lines.
+  // The published boxes are those of centre lines.
   EXPECT_NEAR(s.highest[0] - s.lowest[0], expected.width, 0.1);
   EXPECT_NEAR(s.highest[1] - s.lowest[1], expected.depth, 0.1);
   ASSERT_EQ(s.heights.size(), expected.heights.size());
@@ -74,7 +74,7 @@ TEST_P(PublishedLayouts, PassTheIndependentCheckWhichFindsTheSameStatistics) {
 INSTANTIATE_TEST_SUITE_P(Nine, PublishedLayouts, ::testing::ValuesIn(published),
                          [](const auto& layout) { return std::string(to_string(layout.param.sample)); });
 
-/// What the published total lengths are made of: strands of 80 and 24 beyond each end, a frame with a lead-in of 16.
+/// The published total lengths consist of strands of 80 and 24 beyond each end, and of a frame with a lead-in of 16.
 TEST(PublishedLayouts, HaveTheStrandsAndSupportsThatAddUpToTheirLengths) {
   const auto statistics = [](Sample sample) {
     const PrintJob job = printed_sample(sample);
@@ -82,10 +82,11 @@ TEST(PublishedLayouts, HaveTheStrandsAndSupportsThatAddUpToTheirLengths) {
   };
   EXPECT_NEAR(statistics(Sample::fused_grid).strand_length, 40 * 128, 1e-6);
   EXPECT_NEAR(statistics(Sample::fused_grid).support_length, 4 * 80 + 16, 1e-6);
-  // 154 sides of 12 and twice 0.6; two bars of 20 passes, which here go on from one to the next.
+  // There are 154 sides of 12 and twice 0.6, and two bars of 20 passes. Here each pass is connected to the next one.
   EXPECT_NEAR(statistics(Sample::squares_1).strand_length, 154 * 13.2, 1e-6);
   EXPECT_NEAR(statistics(Sample::squares_1).support_length, 2 * (20 * 79.2 + 19 * 0.5), 1e-6);
-  // 20 circles and 10 half circles of radius 8, each printed on by 1.6; halves at both ends.
+  // There are 20 circles and 10 half circles of radius 8. Circles are printed 1.6 beyond their beginning, and half
+  // circles 1.6 beyond both ends.
   const double turn = 2 * std::acos(-1.0) * 8;
   EXPECT_NEAR(statistics(Sample::circles_fused).strand_length, 20 * (turn + 1.6) + 10 * (turn / 2 + 3.2), 2);
 }

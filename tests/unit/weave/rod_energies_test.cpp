@@ -28,7 +28,8 @@ double energy(const RodModel& model, const Eigen::VectorXd& q, const Chart& char
   return objective.evaluate(0).value;
 }
 
-/// A state that is far from rest: nodes off by up to `amount` mm, out of the plane too; sliders within their limits.
+/// A state that is far from rest: nodes are displaced by up to `amount` mm, also out of the plane, and sliders stay
+/// within their limits.
 Eigen::VectorXd disturbed(const RodModel& model, double amount, std::uint64_t seed) {
   RandomStream random("disturbed", seed);
   Eigen::VectorXd q = model.rest_state();
@@ -101,7 +102,7 @@ TEST(RodEnergies, CostNothingUnderRigidMotionsOfCurvedStrands) {
 }
 
 TEST(RodEnergies, CostNothingUnderARigidMotionThatIsFollowedInSteps) {
-  // The frames are carried along by the objective, step by step, through half a turn about an oblique axis.
+  // The objective transports the frames step by step through half a turn about an oblique axis.
   const Weave weave = wavy();
   const RodModel model(weave, {}, {.spatial = true, .segments = 2});
   const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 0.5).normalized();
@@ -113,7 +114,7 @@ TEST(RodEnergies, CostNothingUnderARigidMotionThatIsFollowedInSteps) {
     for (int i = 0; i < static_cast<int>(model.nodes().size()); ++i)
       q.segment<3>(model.position(i)) = step * q.segment<3>(model.position(i));
     for (int j = 0; j < model.joints(); ++j) q.segment<3>(model.joint(j)) = 2 * std::tan(pi / steps / 2) * axis;
-    // A rotation of a frame is its transport and a turn about its tangent.
+    // A rotation of a frame is its parallel transport followed by a rotation about its tangent.
     for (std::size_t e = 0; e < model.edges().size(); ++e) {
       const Eigen::Vector3d t = objective.chart().tangent[e];
       const Eigen::Vector3d turned = step * t;
@@ -122,14 +123,13 @@ TEST(RodEnergies, CostNothingUnderARigidMotionThatIsFollowedInSteps) {
       q[model.angle(static_cast<int>(e))] += std::atan2(carried.cross(meant).dot(turned), carried.dot(meant));
     }
     objective.set_q(std::move(q));
-    // The reference directors have been transported; the angles now turn them to where they were meant to be. What is
-    // left to do is to measure from there again.
+    // Setting the state transported the reference directors, and the angles rotate them to where they were meant to be.
     ASSERT_LT(objective.evaluate(0).value, 1e-12) << k;
   }
 }
 
 TEST(RodEnergies, CostNothingWhereACurvedStrandSlidesAlongItself) {
-  // Each crossing takes its own short straight strand along to where the wave's material now is.
+  // Each crossing moves its own short straight strand to the place of the wave's material there.
   Weave weave;
   weave.strands.push_back({StrandCurve({{-1, 0}, {3, 1}, {7, -1}, {11, 1}, {15, 0}}, Ends::open)});
   for (const double x : {2.0, 7.0, 12.0}) weave.strands.push_back(line({x, -2}, {x + 0.5, 2}));
@@ -185,14 +185,15 @@ TEST(StretchEnergy, OfAUniformlyStretchedStrandIsThatOfTheContinuumHoweverItIsCu
 }
 
 TEST(BendEnergy, OfACircularArcBentFromAStraightStrandIsThatOfTheContinuum) {
-  // Nominal stiffness: EI / 2 * angle^2 / length; the polygon approaches it with the square of the segments' length.
+  // With the nominal stiffness, the energy is EI / 2 * angle^2 / length. The polygon approaches it with the square of
+  // the segments' length.
   double last = 0;
   for (const int segments : {8, 16, 32}) {
     Weave weave;
     weave.strands.push_back(line({0, 0}, {10, 0}));
     const RodModel model(weave, {}, {.segments = segments});
     const double angle = 2.0;
-    // The polygon whose edges keep their length and turn alike: no stretch.
+    // In this polygon all edges keep their length and turn by the same angle: there is no stretch.
     Eigen::VectorXd q = model.rest_state();
     Eigen::Vector2d at(0, 0);
     double heading = 0;
@@ -203,7 +204,7 @@ TEST(BendEnergy, OfACircularArcBentFromAStraightStrandIsThatOfTheContinuum) {
       q.segment<2>(model.position(edge.head)) = at;
       heading += angle / segments;
     }
-    // Free ends have no turn: segments - 1 turns over (segments - 1) h of strand.
+    // Free ends do not bend: segments - 1 turns lie on (segments - 1) h of strand.
     const double exact = 0.5 * circular(0.25, {}).bend * std::pow(angle / 10, 2) * 10 * (segments - 1) / segments;
     const double error = std::abs(energy(model, q, {}) / exact - 1);
     if (last > 0) {
@@ -226,7 +227,7 @@ TEST(TwistEnergy, OfATwistedStraightStrandIsThatOfTheContinuumBeyondAFullTurn) {
 }
 
 TEST(BendEnergy, OfASectionThatBendsOutOfItsRestPlaneKeepsItsRestCurvatureInTheMaterial) {
-  // A curved strand twisted by half a turn as a whole about its chord's axis costs nothing; its frames turn with it.
+  // A curved strand that is rotated as a whole about the x axis has no energy, because its frames rotate with it.
   Weave weave;
   weave.strands.push_back(arc(6, 1.5));
   const RodModel model(weave, {}, {.spatial = true, .segments = 8});
@@ -235,7 +236,7 @@ TEST(BendEnergy, OfASectionThatBendsOutOfItsRestPlaneKeepsItsRestCurvatureInTheM
     auto p = q.segment<3>(model.position(i));
     p = Eigen::Vector3d(p[0], 0.6 * p[1], 0.8 * p[1]);
   }
-  // Tilted about the x axis; seen from frames transported from the flat state without a turn it would cost energy.
+  // Frames that are transported from the flat state without that rotation give the strand an energy.
   const Chart from_rest = flat_chart(model, model.rest_state());
   EXPECT_GT(energy(model, q, from_rest), 1e-4);
   Chart tilted = from_rest;

@@ -27,7 +27,8 @@ void expect_converged(const SimulationResult& result) {
   }
 }
 
-/// A strand through three posts (short strands whose ends are held), free to slide back by 2 mm.
+/// A strand through three posts, which are short strands whose ends are fixed. The strand can slide by 2 mm to either
+/// side.
 Weave strand_through_posts() {
   Weave weave;
   weave.strands.push_back(line({0, 0}, {20, 0}));
@@ -81,7 +82,7 @@ TEST(Sliding, ACurvedStrandIsPushedAlongItselfFreelyToItsLimitAndThenLoads) {
     crossing.members[0].slides = true;
     crossing.members[0].forward = 1.2;
   }
-  // Its end is drawn down, free sideways: the arc turns about its centre.
+  // Its end is pulled down and is free to move sideways: the arc rotates about its centre.
   SheetLoad load = posts_held(3);
   load.states = 10;
   load.supports.push_back({0, 0, {false, true, false}, {0, -1.6, 0}});
@@ -101,7 +102,7 @@ TEST(Sliding, ACurvedStrandIsPushedAlongItselfFreelyToItsLimitAndThenLoads) {
 TEST(Sliding, EnergyDoesNotDependOnHowAStraightStrandIsCut) {
   const Weave weave = strand_through_posts();
   SheetLoad load = posts_held(3);
-  // Held at one end, drawn at the other: the strand stretches evenly through its posts, which do not move.
+  // Both ends are pulled outwards: the strand stretches evenly through its posts, which do not move.
   load.supports.push_back({0, 0, {true, true, true}, {-0.15, 0, 0}});
   load.supports.push_back({0, 20, {true, true, true}, {0.15, 0, 0}});
   const double exact = 0.5 * circular(0.25, {}).stretch * 0.3 * 0.3 / 20;
@@ -130,7 +131,7 @@ TEST(Simulation, ReactionsBalanceTheForces) {
 TEST(Sheets, FusedOnesLeaveThePlaneWhereSlidingOnesShearInIt) {
   const double pitch = 4.5;
   const int n = 8;
-  // One corner held, the opposite one drawn towards it along the diagonal.
+  // One corner is fixed, and the opposite one is moved towards it along the diagonal.
   SheetLoad load;
   load.supports.push_back({0, 0.5 * pitch});
   load.supports.push_back({0, 1.5 * pitch});
@@ -207,8 +208,8 @@ TEST(ActuatedRings, RiseToADomeWhereTheirStrandIsPushedIn) {
 }
 
 TEST(Simulation, CarriesFramesAndJointsFromStateToState) {
-  // A clamped end is turned by one and a half turns about the strand: the other end's clamp holds the twist, which
-  // grows evenly state by state; it would be lost beyond half a turn if frames were made anew.
+  // A clamped end makes one and a half turns about the strand, and the clamp at the other end keeps the twist. The
+  // twist grows evenly from state to state. Frames that were constructed anew would lose it beyond half a turn.
   Weave weave;
   weave.strands.push_back(line({0, 0}, {10, 0}, 0.5));
   SheetLoad load;
@@ -267,8 +268,7 @@ TEST(Drawing, ShowsEveryStrandAndCrossing) {
   EXPECT_EQ(count("nan"), 0);
 }
 
-// The end of a ring's coordinates is the place where they begin: a node of its own there would be at no distance from
-// it.
+// The end of a ring's coordinates is the place where they begin: a separate node there would be at a distance of zero.
 TEST(Supports, HoldTheSamePlaceOfARingAtBothEndsOfItsCoordinates) {
   const auto energy = [](double rotated, bool with_crossing) {
     Weave weave;

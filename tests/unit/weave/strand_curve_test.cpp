@@ -84,7 +84,7 @@ TEST(StrandCurve, HasContinuousSecondDerivativesEverywhereAndNoSeam) {
       const auto after = curve.at(knot + h);
       EXPECT_LT((after.position - before.position).norm(), 3 * h);
       EXPECT_LT((after.first - before.first).norm(), 20 * h);
-      // The third derivative is bounded, so what is left of a jump shrinks with h.
+      // The third derivative is bounded, so that the remaining difference shrinks with h.
       EXPECT_LT((after.second - before.second).norm(), 300 * h);
     }
   }
@@ -105,7 +105,8 @@ TEST(StrandCurve, HasTheDerivativesOfItsPositions) {
   }
 }
 
-/// Teeth as high as their number: hairpins at their tips, and open ends that swing out.
+/// Points of a comb whose teeth are as high as their number: its spline has hairpins at the tips, and open ends that
+/// swing out.
 Points points_of_comb(int teeth, bool upright) {
   Points points;
   points.reserve(static_cast<std::size_t>(teeth));
@@ -191,13 +192,14 @@ TEST(Intersections, FindsWhereALineCutsACircleAndTwoCirclesCutEachOther) {
   EXPECT_NEAR(cuts[0].first, 10 - x, 1e-5);
   EXPECT_NEAR(cuts[1].first, 10 + x, 1e-5);
   EXPECT_NEAR(cuts[0].angle, std::acos(3 / 5.5), 1e-4);
-  // Two circles with centres 10 apart: x = 5, y = +-sqrt(5.5^2 - 25).
+  // Two circles with centres 10 apart intersect at x = 5, y = +-sqrt(5.5^2 - 25).
   const auto pair = intersections(circle, circle, {10, 0});
   ASSERT_EQ(pair.size(), 2U);
   for (const auto& cut : pair) EXPECT_NEAR(circle.at(cut.first).position[0], 5, 1e-5);
 }
 
-// Straight teeth would cross once each; curved ones do too, some within a few hundredths of a millimetre in a hairpin.
+// Straight teeth would cross once each. Curved ones do so too, some within a few hundredths of a millimetre in a
+// hairpin.
 TEST(Intersections, OfTwoCombsAreAllFound) {
   constexpr int teeth = 60;
   const StrandCurve lying(points_of_comb(teeth, false), Ends::open);

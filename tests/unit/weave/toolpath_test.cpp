@@ -19,7 +19,7 @@ namespace {
 using ::supple::testing::expect_error;
 using ::supple::testing::places;
 
-/// A strand along y that slides across one along x, both through their middles.
+/// A strand along y that slides across one along x. They cross in the middle of both.
 Weave sliding_cross(double half = 10) {
   Weave weave;
   weave.strands = {line({-half, 0}, {half, 0}), line({0, -half}, {0, half})};
@@ -35,7 +35,7 @@ std::vector<const Move*> of_kind(const Toolpath& path, MoveKind kind) {
   return found;
 }
 
-/// Without the line beside the print.
+/// A profile without the priming line.
 PrinterProfile unprimed() {
   PrinterProfile profile;
   profile.priming_length = 0;
@@ -59,7 +59,7 @@ TEST(Toolpath, WeldsFusedStrandsInOneLayerWithoutTravelsThatDrag) {
     for (std::size_t i = 1; i < travel->points.size(); ++i) {
       const Eigen::Vector3d& a = travel->points[i - 1];
       const Eigen::Vector3d& b = travel->points[i];
-      // Across only above everything.
+      // The nozzle travels across only above everything that is printed.
       EXPECT_TRUE((a - b).head<2>().norm() < 1e-9 || (a[2] >= 1.5 - 1e-9 && b[2] >= 1.5 - 1e-9));
     }
 }
@@ -115,7 +115,7 @@ TEST(Toolpath, PrimesTheNozzleAlongTheFirstEdgeThatIsClear) {
   for (std::size_t i = 1; i < path.moves.size(); ++i)
     EXPECT_LT((path.moves[i].points.front() - path.moves[i - 1].points.back()).norm(), 1e-12) << "no jump, move " << i;
 
-  // Where the print lies in the way.
+  // The next edge is used if the print is too near to the first one.
   options.origin = Eigen::Vector2d(35, 19.9);
   Toolpath moved = toolpath(weave, profile, options);
   EXPECT_EQ(of_kind(moved, MoveKind::priming)[0]->points[0], Eigen::Vector3d(5, 205, 0.5)) << "4.9 mm are too near";
@@ -247,7 +247,7 @@ TEST(Toolpath, TakesARequestedOrderThatPutsLowerStrandsFirst) {
 }
 
 TEST(Toolpath, RefusesStrandsThatWouldLieBelowEachOther) {
-  // Two along x, two along y; each slides across the next one of the four.
+  // Two strands along x and two along y, each of which slides across the next one of the four.
   Weave weave;
   weave.strands = {line({-10, -5}, {10, -5}), line({5, -10}, {5, 10}), line({10, 5}, {-10, 5}),
                    line({-5, 10}, {-5, -10})};
@@ -266,7 +266,7 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
     const Error error = expect_error("weave.not_printable", [&] { toolpath(weave, profile); });
     return error.details().empty() ? Error::Detail{} : error.details()[0];
   };
-  // Too near to the lifted strand's end, and to the end of the one below.
+  // The crossing is too near to the end of the lifted strand, and then too near to the end of the strand below.
   Weave weave = sliding_cross();
   weave.strands[1] = line({0, -10}, {0, 1});
   EXPECT_EQ(fault(weave).where, "crossings/0");
@@ -274,23 +274,23 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
   weave = sliding_cross();
   weave.strands[0] = line({-10, 0}, {1, 0});
   EXPECT_NE(fault(weave).message.find("1.0000 mm to the end of strands/0"), std::string::npos) << fault(weave).message;
-  // Neighbours that slide where the feet must be.
+  // A neighbour slides where a foot must stand.
   weave.strands = {line({-10, 0}, {10, 0}), line({0, -10}, {0, 10}), line({1.5, -10}, {1.5, 10})};
   weave.crossings = find_crossings(weave.strands);
   for (Crossing& crossing : weave.crossings) crossing.members[1].slides = true;
   EXPECT_NE(fault(weave).message.find("strand that slides at crossings/"), std::string::npos) << fault(weave).message;
-  // Channels too low or too narrow for what is in them.
+  // The channel is too low, and then too narrow, for the strand inside it.
   PrinterProfile profile;
   profile.channel.apex = 1;
   EXPECT_NE(fault(sliding_cross(), profile).message.find("channel/apex must be at least"), std::string::npos);
   profile.channel.half_width = 0.2;
   EXPECT_NE(fault(sliding_cross(), profile).message.find("channel/half_width"), std::string::npos);
-  // Two that slide through each other.
+  // Two strands slide through each other.
   weave.strands = {line({-10, 0}, {10, 0}), line({0, -10}, {0, 10}), line({-10, -10}, {10, 10})};
   weave.crossings = find_crossings(weave.strands);
   weave.crossings[0].members[0].slides = weave.crossings[0].members[1].slides = true;
   EXPECT_NE(fault(weave).message.find("2 strands that slide"), std::string::npos);
-  // Nearly parallel.
+  // The strands are nearly parallel.
   weave.strands = {line({-10, 0}, {10, 0}), line({-10, -1}, {10, 1})};
   weave.crossings = find_crossings(weave.strands);
   weave.crossings[0].members[0].slides = true;
@@ -349,7 +349,8 @@ TEST(Toolpath, NamesEachLengthAndSpeedOfAProfileThatIsNone) {
 }
 
 TEST(Toolpath, BeginsALoopInTheMiddleOfItsLongestWayOnTheBed) {
-  // The circle passes over the line at two places above its centre: the way below them is the longer one.
+  // The circle passes over the line at two places above its centre. The longer part of it between them is the one
+  // below.
   for (const double side : {1.0, -1.0}) {
     Weave weave;
     weave.strands = {line({-12, 5 * side}, {12, 5 * side}), circle(8)};
@@ -367,7 +368,8 @@ TEST(Toolpath, BeginsALoopInTheMiddleOfItsLongestWayOnTheBed) {
 }
 
 TEST(Toolpath, RefusesGripsOfMorePassesThanCanBePrinted) {
-  // Each is 100 mm wide: 10 000 passes of lines 0.01 mm wide. A hundred of them reach the limit, a million passes.
+  // Each grip is 100 mm wide and has 10 000 passes of lines 0.01 mm wide. A hundred of them reach the limit of a
+  // million passes.
   PrinterProfile profile;
   profile.strand_width = 0.01;
   ToolpathOptions options;
@@ -441,7 +443,7 @@ TEST(Gcode, CarriesTheProfilesTemperaturesAndOwnLines) {
   EXPECT_LT(gcode.find("M106 S255\n"), gcode.find("M104 S0"));
 }
 
-/// Start lines as people have them, with what is wrong with the whole program (nothing).
+/// Start lines as owners of printers write them, with a name for each. After none of them has the program a fault.
 const std::vector<std::pair<std::string, std::string>> start_lines{
     {"relative extrusion", "M83"},
     {"of a Prusa", "M862.3 P \"MK3S\"\nM115 U3.13.2\nM900 K0.05\nM221 S95"},

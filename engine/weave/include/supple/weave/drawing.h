@@ -15,7 +15,7 @@ std::size_t polyline_size(const StrandCurve& curve);
 
 /// An SVG picture of a layout at rest. Strands are lines of their width, fused crossings are dots, and sliding
 /// crossings are open rings with a line along the strand that slides. A cell has its outline too. Millimetres are user
-/// units, and y points up. O(points + crossings), about 1 us for each. Stops if a stop is requested.
+/// units, and y points up. O(points + crossings), about 1 us for each. Throws if a stop is requested.
 std::string to_svg(const Weave& weave, const Execution& execution = {});
 
 /// An SVG picture of deformed polylines (mm), seen from above.

@@ -18,12 +18,12 @@ struct GcodeLimits {
   double bead_area = 0.19635;          ///< area of the thickest bead, mm^2
   double least_bead_area = 0.19635;    ///< area of the thinnest bead that lies on the bed, mm^2
   double least_free_area = 0.098;      ///< area of the thinnest lifted strand or channel, mm^2
-  double tolerance = 0.1;              ///< share by which beads may be thicker or thinner
-  double cold = 170;                   ///< no extrusion below this temperature, degrees Celsius
+  double tolerance = 0.1;              ///< relative deviation of the area of a bead that is allowed
+  double cold = 170;                   ///< lowest temperature at which filament may be extruded, degrees Celsius
   double print_speed = 1500;           ///< highest speed while extruding, mm/min
   double travel_speed = 12000;         ///< highest speed otherwise, mm/min
   double retraction = 0.4;             ///< filament to be retracted before a travel, mm
-  double free_travel = 1;              ///< travel in the plane that needs no retraction, mm
+  double free_travel = 1;              ///< longest travel in the plane that needs no retraction, mm
   double strand_width = 0.5;           ///< mm; channels begin and end within this of a lower strand's centre line
 };
 /// The limits of a profile (its bed, speeds and temperatures) and of a layout (the beads of its strands).
@@ -36,7 +36,7 @@ enum class ViolationKind {
   outside_bed,      ///< beyond the bed, left of it or above the printer's height
   y_below_zero,
   z_below_zero,
-  cold_extrusion,  ///< the nozzle's temperature was not set high enough and waited for
+  cold_extrusion,  ///< extrusion before the nozzle is known to have reached GcodeLimits::cold
   over_extrusion,
   under_extrusion,
   travel_without_retraction,
@@ -52,7 +52,7 @@ struct Violation {
   std::string message{};  ///< printable ASCII
 };
 
-/// A command that is passed on to the printer and whose effect is not followed: a macro, or what prepares a print.
+/// A command whose effect is not followed: a macro, or a command that prepares a print. The printer gets it as it is.
 struct UncheckedCommand {
   int line = 0;           ///< counted from 1
   std::string command{};  ///< its name, printable ASCII: "M900", "START_PRINT"
@@ -71,9 +71,9 @@ struct FoundChannel {
 struct GcodeReport {
   int lines = 0;
   double extruded_length = 0;  ///< length of moves that deposit filament, mm
-  double filament = 0;         ///< deposited filament, mm; what makes up for a retraction does not count
+  double filament = 0;         ///< deposited filament, mm; filament that only undoes a retraction does not count
   double travel_length = 0;    ///< mm
-  int travels = 0;             ///< runs of moves without extrusion, each from where one bead ends to where one begins
+  int travels = 0;             ///< sequences of moves without extrusion that lead to a bead
   int retractions = 0;
   std::vector<double> heights{};    ///< heights at which something is printed level, ascending; the first 1000
   double minutes = 0;               ///< lengths divided by speeds, and dwells
@@ -87,22 +87,22 @@ struct GcodeReport {
   int unchecked_count = 0;                    ///< number of all of them
 };
 
-/// The comments around the lines that the owner of a printer adds at the beginning. What these lines deposit is no
-/// bead of the print, may be of any thickness and speed, and may lie up to 10 mm beside the bed.
+/// The comments around the lines that the owner of a printer adds at the beginning. What these lines deposit is no bead
+/// of the print. It may have any thickness and speed, and may lie up to 10 mm beside the bed.
 inline constexpr std::string_view own_lines_begin = "; own start lines";
 inline constexpr std::string_view own_lines_end = "; end of the own start lines";
 
 /// Reads any bytes as G-code (RepRap flavour: G0, G1, G4, G20, G21, G28, G80, G90, G91, G92, M18, M82 - M84, M104,
 /// M106, M107, M109, M140, M190, M200, M220, M221, T0; comments, line numbers, checksums) and reports what a printer
-/// would do. But for the comments around the owner's lines it shares nothing with the writer of G-code: what it finds
-/// is evidence. Every fault is a violation. Macros, other M commands, and G commands that prepare a print (levelling,
-/// probing, firmware retraction) are passed on as `unchecked`; other G commands, other tools, and M commands that
-/// pause, end or misplace the print (M0, M112, M206, M600, ...) are violations.
+/// would do. It is an independent check: except for the two comments above it shares no code with the writer of G-code.
+/// Every fault is a violation. Macros, other M commands, and G commands that prepare a print (levelling, probing,
+/// firmware retraction) are only listed as `unchecked`. Other G commands, other tools, and M commands that pause, end
+/// or misplace the print (M0, M112, M206, M600, ...) are violations.
 ///
-/// A channel is a bead that rises from a lower strand, which was printed earlier, and falls to one again, and does
-/// nothing else. O(lines), plus for each channel the number of strands nearby. If all beads lie at one place, this is
-/// the square of their number. Reports progress. Throws only if a stop is requested (see CancellationToken) or if
-/// memory is lacking.
+/// A channel is a sequence of beads that rises from a lower strand, which was printed earlier, falls to such a strand
+/// again, and ends there. O(lines), plus for each channel the number of strands nearby. If all beads lie at one place,
+/// the cost is the square of their number. Reports progress. Throws only if a stop is requested (see CancellationToken)
+/// or if memory is lacking.
 GcodeReport check_gcode(std::string_view text, const GcodeLimits& limits = {}, const Execution& execution = {});
 
 }  // namespace supple::weave

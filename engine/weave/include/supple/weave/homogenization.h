@@ -39,50 +39,54 @@ struct CellState {
   std::vector<double> sliding;  ///< displacement along its strand of every member that slides, crossing by crossing; mm
   std::vector<std::vector<Eigen::Vector3d>> strands;  ///< deformed polylines, mm; empty unless asked for
   bool out_of_plane = false;
-  bool stable = true;  ///< the tangent is positive definite (always where buckling is followed to its end)
+  /// Whether the tangent stiffness is positive definite. It always is if buckling is followed to its end.
+  bool stable = true;
   Stop stopped = Stop::converged;
   double residual = 0;   ///< |g|, N; at most `tolerance` if it converged
   double tolerance = 0;  ///< N
-  /// Estimated error of the energy because sliders stand short of their limits, relative. At most
+  /// Estimated relative error of the energy because sliders do not reach their limits. It is at most
   /// EquilibriumOptions::limit_tolerance, unless no equilibrium with rigid limits was found nearby.
   double limit_error = 0;
   int iterations = 0;
   int load_steps = 0;
-  int branches = 0;  ///< unstable equilibria that were left on the way
+  int branches = 0;  ///< number of unstable equilibria that were left on the path
 };
 
 struct DirectionalResponse {
   double direction = 0;  ///< rad
-  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant; N/m (thesis equation 2.2). NaN if the state did not
-  /// converge or folded flat.
+  /// d^T sigma d / (stretch - 1) with the Cauchy stress resultant sigma, N/m [Thesis, eq. 2.2]. NaN if the state did
+  /// not converge or folded flat.
   double youngs_modulus = std::numeric_limits<double>::quiet_NaN();
-  /// The same divided by the thickness, MPa; NaN without a thickness.
+  /// `youngs_modulus` divided by the thickness, MPa; NaN without a thickness.
   double youngs_modulus_mpa = std::numeric_limits<double>::quiet_NaN();
-  /// -n^T (F - 1) n / (stretch - 1).
+  /// -n^T (F - 1) n / (stretch - 1), where n is the normal of the direction.
   double poisson_ratio = std::numeric_limits<double>::quiet_NaN();
   CellState state;
 };
 
 /// Strains a periodic weave uniaxially in each direction, from rest. The deformation gradient F obeys F^T d = stretch d
-/// exactly. Directions are computed in parallel, and results do not depend on the number of threads. If the energies of
-/// neighbouring directions, at most 0.16 rad apart, differ by more than their derivatives explain, the higher one is
-/// computed again from the state of the lower one, and the lower energy is the answer. Of fewer than 20 directions,
-/// each that left a branch is compared with a path of three times as many load steps instead. Reports progress by
-/// directions. Bills every term, "out-of-plane stability" and the effects. Throws what `validate` throws,
-/// "weave.invalid_option", and "weave.not_periodic" if there is no lattice. A direction that cannot be followed to its
-/// end is no error: its state says why.
+/// exactly. Directions are computed in parallel, and results do not depend on the number of threads.
+///
+/// If the energies of neighbouring directions, at most 0.16 rad apart, differ by more than their derivatives explain,
+/// the direction of higher energy is computed again from the state of the other one, and the lower energy is the
+/// answer. If there are fewer than 20 directions, each direction whose path left an unstable equilibrium is instead
+/// compared with a path of three times as many load steps.
+///
+/// Reports progress by directions. Bills every term, "out-of-plane stability" and the effects. Throws what `validate`
+/// throws, "weave.invalid_option", and "weave.not_periodic" if there is no lattice. A direction that cannot be followed
+/// to its end is no error: its state says why.
 std::vector<DirectionalResponse> homogenize(const Weave& weave, const HomogenizationOptions& options,
                                             const Execution& execution = {});
 
 /// Computes the equilibrium under a given deformation gradient (det > 0). The gradient is imposed exactly and reached
-/// in a straight line from rest. `polylines` fills CellState::strands. Throws what `homogenize` throws, and
-/// "weave.invalid_load" for a gradient that is none.
+/// in a straight line from rest. `polylines` says whether CellState::strands is filled. Throws what `homogenize`
+/// throws, and "weave.invalid_load" for a gradient that is not finite or has no positive determinant.
 CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gradient,
                       const EquilibriumOptions& options = {}, const Execution& execution = {}, bool polylines = false);
 
-/// The same for each of several gradients, which are computed in parallel, each from rest; results do not depend on the
-/// number of threads. `deformed` has the indices of those whose strands are wanted. Reports progress by gradients, and
-/// bills like `homogenize`. Errors name entries of "deformation_gradients" and "deformed".
+/// Computes the equilibria under several deformation gradients in parallel, each from rest. Results do not depend on
+/// the number of threads. `deformed` has the indices of the gradients for which CellState::strands is filled. Reports
+/// progress by gradients, and bills like `homogenize`. Errors name entries of "deformation_gradients" and "deformed".
 std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen::Matrix2d>& deformation_gradients,
                                     const EquilibriumOptions& options = {}, const std::vector<int>& deformed = {},
                                     const Execution& execution = {});

@@ -6,13 +6,13 @@
 
 namespace supple::weave {
 
-/// How many columns times rows a sheet has at most.
+/// Maximum number of columns times rows of a sheet.
 inline constexpr int most_pattern_strands = 20'000;
 
 /// How two strands of a pattern are connected where they cross.
 enum class Connection {
   fused,
-  slides_x,  ///< the strand nearer to the x axis slides
+  slides_x,  ///< the strand that is more nearly parallel to the x axis slides
   slides_y,  ///< the other strand slides
 };
 
@@ -32,16 +32,17 @@ Weave regular_sheet(int columns, int rows, const ConnectionBlock& block, double 
 /// How the eight crossings of interlacing squares are connected; each square's own corners are always fused.
 enum class SquareType {
   all_fused = 1,
-  all_slide_x = 2,      ///< the horizontal strand of each slides
-  slide_both_ways = 3,  ///< of each corner's two crossings one slides in x and the other in y
-  one_corner_fused = 4  ///< the same, but the crossings of the bottom-left corner are fused
+  all_slide_x = 2,      ///< the horizontal strand of each crossing slides
+  slide_both_ways = 3,  ///< at each corner, one of its two crossings slides in x and the other one in y
+  one_corner_fused = 4  ///< as slide_both_ways, but the crossings of the bottom-left corner are fused
 };
-/// How far a crossing of loops may slide, as a share of the way to the next crossing or corner on either side.
+/// Maximum displacement of a sliding crossing of loops, as a fraction of the distance to the next crossing or corner on
+/// either side.
 inline constexpr double sliding_share = 0.7;
 
-/// Limits every member that slides to `share` of the way to the next crossing of its strand or its end on either side.
-/// O(members log members).
-void limit_sliding(Weave& weave, double share = sliding_share, const Execution& execution = {});
+/// Limits the displacement of every member that slides to `fraction` of the distance to the next crossing of its
+/// strand, or to its end, on either side. O(members log members).
+void limit_sliding(Weave& weave, double fraction = sliding_share, const Execution& execution = {});
 
 /// Squares on a square lattice and others in the middles between them, whose corners overlap by `overlap` in x and y.
 /// The cell has two squares, eight crossings and the side 2 (side - overlap).
@@ -58,8 +59,8 @@ Weave interlacing_circles_sheet(CircleType type, int columns, int rows, double r
                                 const Execution& execution = {});
 
 /// Three rings of radius 12, 20 and 28 about the origin, three fused diameters, and a vertical strand from (0, 28),
-/// where it is fused to the outer ring, to (0, -44). This strand slides through the rings and the centre. When it is
-/// pushed in at its end, it makes the sheet rise. It is the last strand.
+/// where it is fused to the outer ring, to (0, -44). This strand slides through the rings and the centre. Pushing it in
+/// at its end makes the sheet rise. It is the last strand.
 Weave actuated_rings();
 
 }  // namespace supple::weave

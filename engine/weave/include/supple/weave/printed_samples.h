@@ -7,17 +7,17 @@
 
 namespace supple::weave {
 
-/// Sheets that have been printed and tested: layout, profile and options together.
+/// Sheets that have been printed and tested, each with its layout, profile and options. Lengths are in mm.
 enum class Sample {
   fused_grid,    ///< 20 x 20 strands at a pitch of 4, 80 x 80, with a frame and overruns of 24
-  sliding_grid,  ///< the same, but the strands along y slide
-  squares_1,     ///< 5 x 5 and 4 x 4 interlacing squares of side 12 between two grips
+  sliding_grid,  ///< as fused_grid, but the strands along y slide
+  squares_1,     ///< 5 x 5 and 4 x 4 interlacing squares of side 12 between two grips; SquareType 1 to 4
   squares_2,
   squares_3,
   squares_4,
   circles_fused,  ///< 6 x 5 circles of radius 8, with half circles at the grips
   circles_sliding,
-  actuation,  ///< three rings, spokes and a strand to push
+  actuation,  ///< three rings, spokes and a strand that is pushed
 };
 inline constexpr std::array all_samples{Sample::fused_grid,    Sample::sliding_grid,    Sample::squares_1,
                                         Sample::squares_2,     Sample::squares_3,       Sample::squares_4,

@@ -25,8 +25,8 @@ struct Frame {
   double lead_in = 0;  ///< the first side begins this far before its corner, mm
 };
 
-/// A solid bar by which a printed sheet is held. It consists of passes parallel to `from` - `to`. The first pass runs
-/// there, and each further pass runs a strand's width to the right of the one before.
+/// A solid bar by which a test machine can grip a printed sheet. It consists of passes parallel to `from` - `to`. The
+/// first pass runs there, and each further pass runs a strand's width to the right of the previous one.
 struct Grip {
   Eigen::Vector2d from{0, 0};  ///< mm, in the layout's coordinates
   Eigen::Vector2d to{0, 0};
@@ -34,18 +34,18 @@ struct Grip {
 };
 
 struct ToolpathOptions {
-  /// Where the layout's (0, 0) comes to lie on the bed, mm. Without it, everything that is printed is centred on the
-  /// bed.
+  /// Position of the layout's (0, 0) on the bed, mm. The default centres everything that is printed on the bed.
   std::optional<Eigen::Vector2d> origin{};
-  /// The strands' numbers in printing order. Each strand must come after those across which it slides. Without it,
-  /// strands that slide nowhere come first and the others follow, each group in the layout's order as far as possible.
+  /// The strands' numbers in printing order. Each strand must come after those across which it slides. In the default
+  /// order, strands that slide nowhere come first and the others follow, each group in the layout's order as far as
+  /// possible.
   std::vector<int> order{};
   Overrun overrun{};                  ///< overrun of all open strands
-  std::map<int, Overrun> overruns{};  ///< overruns of single strands instead, by their numbers
-  double loop_overlap = 0;            ///< how far closed strands are printed on over their beginning, mm
+  std::map<int, Overrun> overruns{};  ///< overruns of single strands, by their numbers; they replace `overrun`
+  double loop_overlap = 0;            ///< length by which closed strands are printed beyond their beginning, mm
   std::optional<Frame> frame{};
   std::vector<Grip> grips{};
-  double chord_error = 0.005;  ///< largest distance of printed polylines from curved strands, mm
+  double chord_error = 0.005;  ///< maximum distance of printed polylines from curved strands, mm
 };
 
 enum class MoveKind {
@@ -60,7 +60,7 @@ std::string_view to_string(MoveKind kind);
 
 struct Move {
   MoveKind kind = MoveKind::strand;
-  std::vector<Eigen::Vector3d> points{};  ///< nozzle positions, the first one where the move before ended; mm
+  std::vector<Eigen::Vector3d> points{};  ///< nozzle positions, beginning where the previous move ended; mm
   double area = 0;                        ///< area of the bead, mm^2; 0 for travels
   double speed = 0;                       ///< mm/min
   int strand = -1;                        ///< for a channel the strand it is fused to; -1 for supports and travels
@@ -94,15 +94,15 @@ struct Toolpath {
 /// strands that pass over others, and last channels.
 ///
 /// Fused strands are printed through each other in one layer, so that they weld. At a sliding crossing the strand that
-/// slides is the upper one. It rises just before the crossing and comes down after it, and a channel that is fused to
-/// the other strand is printed over it. If there are several strands below, the channel stands on the one that the
-/// sliding strand crosses most squarely. Strands that meet without a crossing in the layout are printed through each
-/// other.
+/// slides is the upper one. It rises just before the crossing and comes down after it. A channel is printed over it and
+/// is fused to the strand below. If there are several strands below, the channel stands on the one that the sliding
+/// strand crosses at the angle closest to 90 degrees. Strands that meet without a crossing in the layout are printed
+/// through each other.
 ///
 /// Throws "weave.invalid_layout" and "weave.invalid_option" for faulty input. Throws "weave.not_printable", which names
 /// the crossing or strand and the limit, if the layout is periodic or does not fit on the bed, if strands would have to
-/// be below each other, or if crossings are too close to the ends or to each other for lifts and channels.
-/// O(crossings log crossings + points).
+/// be below each other, or if crossings are too close to the ends or to each other for lifts and channels. O(crossings
+/// log crossings + points).
 Toolpath toolpath(const Weave& weave, const PrinterProfile& profile = {}, const ToolpathOptions& options = {},
                   const Execution& execution = {});
 

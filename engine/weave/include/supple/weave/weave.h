@@ -16,7 +16,7 @@ struct Material {
   double poisson_ratio = 0.42;
 };
 
-/// The stiffnesses with which a strand resists deformation.
+/// The stiffnesses of a strand.
 struct Stiffness {
   double stretch = 0;  ///< EA, N
   double bend = 0;     ///< EI, N mm^2
@@ -30,14 +30,14 @@ struct Strand {
   double radius = 0.25;  ///< mm
 };
 
-/// A strand's part in a crossing.
+/// A strand that takes part in a crossing.
 struct CrossingMember {
   int strand = 0;
-  double coordinate = 0;        ///< arc length along the strand where the crossing is at rest, mm
-  Eigen::Vector2i shift{0, 0};  ///< the member is the strand's copy that is moved by lattice * shift
-  bool slides = false;          ///< whether the strand moves through the crossing along itself
-  double backward = std::numeric_limits<double>::infinity();  ///< how far the coordinate may fall, mm
-  double forward = std::numeric_limits<double>::infinity();   ///< how far it may rise, mm
+  double coordinate = 0;        ///< arc length along the strand of the crossing's position at rest, mm
+  Eigen::Vector2i shift{0, 0};  ///< the member is the copy of the strand that is translated by lattice * shift
+  bool slides = false;          ///< whether the strand moves through the crossing along its own axis
+  double backward = std::numeric_limits<double>::infinity();  ///< maximum decrease of the coordinate by sliding, mm
+  double forward = std::numeric_limits<double>::infinity();   ///< maximum increase of the coordinate by sliding, mm
 };
 
 /// A place where strands meet. Members that do not slide are fused: two or more of them turn together as one rigid
@@ -55,29 +55,33 @@ struct Weave {
   std::optional<Eigen::Matrix2d> lattice{};
 };
 
-/// Throws "weave.invalid_layout" with a detail for each fault: members that name no strand or a coordinate outside of
-/// it or that do not meet (farther apart than 1e-6 of the extent); two crossings at one place of a strand; a shift
-/// without a lattice; numbers out of range. O(crossings log crossings).
+/// Throws "weave.invalid_layout" with a detail for each fault:
+/// - a member that names no strand, or a coordinate outside of its strand;
+/// - members that do not meet (farther apart than 1e-6 of the extent);
+/// - two crossings at one place of a strand;
+/// - a shift without a lattice;
+/// - a number out of range.
+/// O(crossings log crossings).
 void validate(const Weave& weave, const Execution& execution = {});
 
 /// The position of a member at rest, including its shift; mm.
 Eigen::Vector2d rest_position(const Weave& weave, const CrossingMember& member);
 
-/// How many crossings are found at most, which is as many as a request may list.
+/// Maximum number of crossings that are found, which is as many as a request may list.
 inline constexpr std::size_t most_crossings = 1'000'000;
-/// How many pairs of pieces of strands are compared at most, which takes about a minute.
-inline constexpr std::size_t most_near_pieces = 50'000'000;
+/// Maximum number of pairs of pieces of strands that are compared, which takes about a minute.
+inline constexpr std::size_t max_near_pairs = 50'000'000;
 
 /// Finds all crossings of the strands with each other, with every member fused. Crossings of a strand with itself are
 /// not looked for. If more than two strands meet in one point, they form one crossing. The result is sorted by strands
 /// and coordinates.
 ///
-/// Those pieces of the curves are compared whose boxes meet, which a hierarchy of boxes finds. For n pieces, of which k
-/// pairs lie near each other, this takes O((n + k) log n) for each copy of the cell that the strands reach. The search
-/// looks for a stop request every few pieces, and reports progress.
+/// A hierarchy of bounding boxes finds the pieces of the curves whose boxes overlap, and only these are compared. For n
+/// pieces, of which k pairs lie near each other, this takes O((n + k) log n) for each copy of the cell that the strands
+/// reach. The search checks for a stop request every few pieces, and reports progress.
 ///
 /// Throws "weave.invalid_layout" with the detail "strands" as soon as more than `most_crossings` are found or more than
-/// `most_near_pieces` pairs of pieces were compared.
+/// `max_near_pairs` pairs of pieces were compared.
 std::vector<Crossing> find_crossings(const std::vector<Strand>& strands,
                                      const std::optional<Eigen::Matrix2d>& lattice = std::nullopt,
                                      const Execution& execution = {});
