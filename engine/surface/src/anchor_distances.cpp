@@ -11,43 +11,44 @@
 namespace supple::surface {
 namespace {
 
-/// Searches on meshes of fewer faces take too short a time for threads to pay.
-constexpr std::int64_t least_faces_for_threads = 5000;
+/// Minimum number of faces for parallel searches. On smaller meshes they are too short for threads to pay.
+constexpr std::int64_t min_faces_for_threads = 5000;
 
-/// Of more anchors, the first positions are searched from the moving point to all at once: a pair search is seldom
-/// cheaper than a twentieth of that.
-constexpr std::size_t most_anchors_for_pairs = 16;
+/// Maximum number of anchors for which the first positions are evaluated by pair searches. For more anchors one search
+/// from the moving point to all is cheaper, because a pair search seldom costs less than a twentieth of it.
+constexpr std::size_t max_anchors_for_pairs = 16;
 
-/// What a field is taken to cost: windows per face grow like the square root of the faces, as fronts get longer
-/// (docs/bench/geodesics.md: 8 on 1,280 faces, 26 on 20,480). A window that is kept takes about twice as long, its
-/// memory being written out.
+/// Estimated cost of a field. Windows per face grow like the square root of the number of faces, as fronts get longer
+/// (docs/bench/geodesics.md: 8 on 1,280 faces, 26 on 20,480). A window that is stored for queries takes about twice as
+/// long, because it is written to memory.
 constexpr double windows_per_root_face = 0.2;
-constexpr double keeping_costs = 2;
+constexpr double storing_cost_factor = 2;
 
-/// A pair search that propagates more windows per face than this looks at a large part of the surface: straight
-/// distances mislead it.
-constexpr double dear_pair = 5;
-/// Fields that guided searches need while the moving point comes to rest.
-constexpr double landmarks_needed = 2;
-/// Beyond this share of the mean distance of the anchors a landmark leads too badly, and a new field is computed.
-constexpr double landmark_reach = 0.1;
+/// A pair search is expensive if it propagates more windows per face than this. It then covers a large part of the
+/// surface, because straight distances are much shorter than geodesic ones.
+constexpr double expensive_windows_per_face = 5;
+/// Estimated number of fields that guided searches need until the moving point has converged.
+constexpr double expected_landmarks = 2;
+/// Maximum distance of the landmark from the moving point, as a fraction of the mean distance of the anchors. Beyond it
+/// the landmark guides searches badly, and a new field is computed.
+constexpr double max_landmark_fraction = 0.1;
 
-/// Two paths whose lengths differ by less than this share of the mesh diagonal count as equally short.
+/// Two paths whose lengths differ by less than this fraction of the mesh diagonal count as equally short.
 constexpr double cut_locus_excess = 1e-9;
 
-/// `end`: 0 if the moving point is the geodesic's first end, 1 if it is the second.
-AnchorGeodesic seen_from(int end, const Geodesic& geodesic, double diagonal) {
-  AnchorGeodesic seen;
-  seen.distance = geodesic.distance;
-  seen.certain = geodesic.unique && geodesic.competing_excess > cut_locus_excess * diagonal;
-  seen.coincident = geodesic.distance == 0;
+/// The geodesic with the moving point at its first end (`end` 0) or at its second end (`end` 1).
+AnchorGeodesic anchor_geodesic(int end, const Geodesic& geodesic, double diagonal) {
+  AnchorGeodesic result;
+  result.distance = geodesic.distance;
+  result.certain = geodesic.unique && geodesic.competing_excess > cut_locus_excess * diagonal;
+  result.coincident = geodesic.distance == 0;
   if (geodesic.derivatives) {
-    seen.gradient = geodesic.derivatives->tangent_gradient.segment<2>(2 * end);
-    seen.hessian = geodesic.derivatives->tangent_hessian.block<2, 2>(2 * end, 2 * end);
+    result.gradient = geodesic.derivatives->tangent_gradient.segment<2>(2 * end);
+    result.hessian = geodesic.derivatives->tangent_hessian.block<2, 2>(2 * end, 2 * end);
   }
   const auto& path = geodesic.path;
-  if (path.size() >= 2) seen.neighbour = (end == 0 ? path[1] : path[path.size() - 2]).point;
-  return seen;
+  if (path.size() >= 2) result.neighbour = (end == 0 ? path[1] : path[path.size() - 2]).point;
+  return result;
 }
 
 double windows_of(const CostLedger& ledger) {
@@ -66,22 +67,22 @@ AnchorSearchChoice cheapest_search(const AnchorSearchFacts& facts) {
   const double field = windows_per_face * faces;
   const double evaluations = static_cast<double>(facts.evaluations);
   const double anchors = static_cast<double>(facts.anchors);
-  const double by_fields = anchors * field * keeping_costs;
+  const double by_fields = anchors * field * storing_cost_factor;
   const double by_one = evaluations * field;
   const double by_pairs = facts.windows_per_pair > 0 ? evaluations * anchors * facts.windows_per_pair
                                                      : std::numeric_limits<double>::infinity();
 
-  // A guided search propagates a strip of windows round the path, whose length grows like the square root of the faces.
-  const double by_guidance = landmarks_needed * field + evaluations * anchors * windows_per_face * std::sqrt(faces);
+  // A guided search covers a strip around the path, whose length in faces grows like the square root of their number.
+  const double by_guidance = expected_landmarks * field + evaluations * anchors * windows_per_face * std::sqrt(faces);
 
   const auto why = [&](const std::string& chosen, double cost, const std::string& other, double other_cost) {
     return "for " + rounded(anchors) + " points, about " + rounded(evaluations) + " evaluations and " + rounded(faces) +
            " faces " + chosen + " take an estimated " + rounded(cost) + " windows, " + other + " " +
            rounded(other_cost);
   };
-  // Guidance is for searches that are known to need it; elsewhere its estimate is too rough.
-  const bool dear = facts.windows_per_pair > dear_pair * faces;
-  if (dear && by_guidance < std::min({by_fields, by_one, by_pairs}))
+  // Guided searches are chosen only if pair searches are known to be expensive, since their estimate is rough.
+  const bool is_expensive = facts.windows_per_pair > expensive_windows_per_face * faces;
+  if (is_expensive && by_guidance < std::min({by_fields, by_one, by_pairs}))
     return {AnchorSearch::guided,
             why("pair searches guided by a field from near the mean", by_guidance, "kept fields", by_fields)};
   if (by_fields < std::min(by_one, by_pairs))
@@ -94,18 +95,18 @@ AnchorSearchChoice cheapest_search(const AnchorSearchFacts& facts) {
 AnchorDistances::AnchorDistances(const GeodesicSolver& solver, std::vector<SurfacePoint> anchors)
     : solver_(solver),
       anchors_(std::move(anchors)),
-      search_(anchors_.size() <= most_anchors_for_pairs ? AnchorSearch::pairs : AnchorSearch::one_to_many) {}
+      search_(anchors_.size() <= max_anchors_for_pairs ? AnchorSearch::pairs : AnchorSearch::one_to_many) {}
 
 double AnchorDistances::for_each(std::size_t n, const Execution& execution,
                                  const std::function<void(int, const Execution&)>& body) {
   std::vector<CostLedger> ledgers(n);
   const auto run = [&](int i) { body(i, Execution{execution.cancellation, nullptr, &ledgers[i]}); };
   const int count = static_cast<int>(n);
-  if (n > 1 && solver_.mesh().face_count() >= least_faces_for_threads && thread_count() > 1)
+  if (n > 1 && solver_.mesh().face_count() >= min_faces_for_threads && thread_count() > 1)
     parallel_for(count, run);
   else
     for (int i = 0; i < count; ++i) run(i);
-  // Only what was counted is merged: the caller bills the time that passes, not that of every thread.
+  // Only counts are merged, and no times: the caller bills the time that passes, and not that of every thread.
   double windows = 0;
   for (const CostLedger& ledger : ledgers) {
     windows += windows_of(ledger);
@@ -147,7 +148,7 @@ std::vector<std::vector<double>> AnchorDistances::between(const std::vector<std:
   };
   if (entries.empty()) return rows;
   pair_windows_ += for_each(1, execution, [&](int, const Execution& own) { search(entries.front(), own); });
-  if (pair_windows_ > dear_pair * solver_.mesh().face_count()) {
+  if (pair_windows_ > expensive_windows_per_face * solver_.mesh().face_count()) {
     pairs_searched_ += 1;
     return edge_path_rows(chosen, execution);
   }
@@ -171,9 +172,9 @@ std::vector<std::vector<double>> AnchorDistances::edge_path_rows(const std::vect
     for (std::size_t i = 0; i < anchors_.size(); ++i) {
       if (i == chosen[r]) continue;
       const Eigen::Vector3d place = position(mesh, anchors_[i]);
-      double& least = rows[r][i] = std::numeric_limits<double>::infinity();
+      double& min_distance = rows[r][i] = std::numeric_limits<double>::infinity();
       for (const std::int32_t v : mesh.faces()[index(anchors_[i].face)]) {
-        least = std::min(least, field.vertex_distances()[v] + (mesh.positions()[v] - place).norm());
+        min_distance = std::min(min_distance, field.vertex_distances()[v] + (mesh.positions()[v] - place).norm());
       }
     }
   });
@@ -181,12 +182,12 @@ std::vector<std::vector<double>> AnchorDistances::edge_path_rows(const std::vect
 }
 
 double AnchorDistances::landmark_near(const SurfacePoint& p, const Execution& execution) {
-  double away = landmark_ ? solver_.distance(landmark_->at, p, execution) : 0;
-  if (!landmark_ || away > landmark_reach * mean_distance_) {
+  double landmark_distance = landmark_ ? solver_.distance(landmark_->at, p, execution) : 0;
+  if (!landmark_ || landmark_distance > max_landmark_fraction * mean_distance_) {
     landmark_ = Landmark{p, solver_.field(std::span(&p, 1), {}, execution)};
-    away = 0;
+    landmark_distance = 0;
   }
-  return away;
+  return landmark_distance;
 }
 
 AnchorSearchFacts AnchorDistances::facts(std::int64_t evaluations) const {
@@ -216,38 +217,38 @@ std::vector<AnchorGeodesic> AnchorDistances::at(const SurfacePoint& p, Need need
   const StageTimer timer(execution.cost, "search");
   const double diagonal = solver_.mesh().diagonal();
 
-  std::vector<AnchorGeodesic> seen(anchors_.size());
+  std::vector<AnchorGeodesic> results(anchors_.size());
   switch (search_) {
     case AnchorSearch::one_to_many:
       for_each(1, execution, [&](int, const Execution& own) {
         const std::vector<Geodesic> found = solver_.geodesics(p, anchors_, options, own);
-        for (std::size_t i = 0; i < found.size(); ++i) seen[i] = seen_from(0, found[i], diagonal);
+        for (std::size_t i = 0; i < found.size(); ++i) results[i] = anchor_geodesic(0, found[i], diagonal);
       });
       break;
     case AnchorSearch::pairs:
       pair_windows_ += for_each(anchors_.size(), execution, [&](int i, const Execution& own) {
-        seen[i] = seen_from(1, solver_.geodesic(anchors_[i], p, options, own), diagonal);
+        results[i] = anchor_geodesic(1, solver_.geodesic(anchors_[i], p, options, own), diagonal);
       });
       pairs_searched_ += static_cast<std::int64_t>(anchors_.size());
       break;
     case AnchorSearch::guided: {
       const Execution quiet{execution.cancellation, nullptr, nullptr};
-      const double away = landmark_near(p, quiet);
+      const double landmark_distance = landmark_near(p, quiet);
       for_each(anchors_.size(), execution, [&](int i, const Execution& own) {
-        const PairHints hints{nullptr, &landmark_->field, away};
-        seen[i] = seen_from(1, solver_.geodesic(anchors_[i], p, options, own, hints), diagonal);
+        const PairHints hints{nullptr, &landmark_->field, landmark_distance};
+        results[i] = anchor_geodesic(1, solver_.geodesic(anchors_[i], p, options, own, hints), diagonal);
       });
       mean_distance_ = 0;
-      for (const AnchorGeodesic& geodesic : seen)
-        mean_distance_ += geodesic.distance / static_cast<double>(seen.size());
+      for (const AnchorGeodesic& geodesic : results)
+        mean_distance_ += geodesic.distance / static_cast<double>(results.size());
       break;
     }
     case AnchorSearch::fields:
       for (std::size_t i = 0; i < fields_.size(); ++i)
-        seen[i] = seen_from(1, fields_[i].geodesic(p, options), diagonal);
+        results[i] = anchor_geodesic(1, fields_[i].geodesic(p, options), diagonal);
       break;
   }
-  return seen;
+  return results;
 }
 
 }  // namespace supple::surface

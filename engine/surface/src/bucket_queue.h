@@ -8,10 +8,12 @@
 
 namespace supple::surface {
 
-/// A monotone priority queue of small integers in buckets of equal width. Order within a bucket is that of arrival.
+/// A monotone priority queue of 32-bit items in buckets of equal width. Items of one bucket leave it in the order in
+/// which they were pushed.
 ///
-/// Keys below the current bucket go into the current one: a label-correcting search stays correct, only less well
-/// ordered. Owners keep for each item the bucket that it waits in and skip entries that are out of date.
+/// An item whose key is below the current bucket goes into the current one. A label-correcting search stays correct
+/// then, only its order gets worse. The caller stores for each item the bucket in which it is queued, and skips entries
+/// from other buckets, which are out of date.
 class BucketQueue {
  public:
   using Bucket = std::int32_t;
@@ -30,7 +32,7 @@ class BucketQueue {
 
   Bucket bucket_of(double key) const {
     const double b = (key - origin_) * inverse_width_;
-    return b < kMost ? std::max(current_, static_cast<Bucket>(b)) : kMost;
+    return b < last_bucket ? std::max(current_, static_cast<Bucket>(b)) : last_bucket;
   }
 
   void push(std::int32_t item, Bucket bucket) {
@@ -41,7 +43,7 @@ class BucketQueue {
     buckets_[bucket].push_back(item);
   }
 
-  /// The next item, or false. `bucket` is the one it came from.
+  /// Takes the next item, and the bucket from which it comes. Returns false if the queue is empty.
   bool pop(std::int32_t& item, Bucket& bucket) {
     while (current_ < used_) {
       std::vector<std::int32_t>& items = buckets_[current_];
@@ -50,7 +52,7 @@ class BucketQueue {
         bucket = current_;
         return true;
       }
-      if (items.capacity() > kLargeBucket)
+      if (items.capacity() > max_retained_items)
         std::vector<std::int32_t>().swap(items);
       else
         items.clear();
@@ -60,18 +62,18 @@ class BucketQueue {
     return false;
   }
 
-  /// The item that pop() is going to return after `ahead` others of its bucket, or `fallback` past the bucket's end.
+  /// The item that pop() will return after `ahead` others of the current bucket, or `fallback` past the bucket's end.
   std::int32_t upcoming(std::size_t ahead, std::int32_t fallback) const {
     const std::vector<std::int32_t>& items = buckets_[current_];
     return position_ + ahead < items.size() ? items[position_ + ahead] : fallback;
   }
 
-  /// No key still queued, or pushed from now on by a monotone search, is below this.
-  double least_key() const { return origin_ + current_ * width_; }
+  /// Lower bound of the keys that are queued, and of those that a monotone search will push.
+  double min_key() const { return origin_ + current_ * width_; }
 
-  /// Frees all buckets if they hold more than `most_kept` bytes. O(buckets that were ever used).
-  void give_back_memory(std::size_t most_kept) {
-    if (memory_bytes() <= most_kept) return;
+  /// Frees all buckets if they hold more than `max_retained_bytes`. O(buckets that were ever used).
+  void give_back_memory(std::size_t max_retained_bytes) {
+    if (memory_bytes() <= max_retained_bytes) return;
     std::vector<std::vector<std::int32_t>>().swap(buckets_);
     current_ = used_ = 0;
   }
@@ -82,10 +84,10 @@ class BucketQueue {
   }
 
  private:
-  /// More buckets than this are not made; longer distances share the last.
-  static constexpr Bucket kMost = 1 << 22;
-  /// Buckets of more items are freed once they are empty: the front of a large search passes through thousands of them.
-  static constexpr std::size_t kLargeBucket = 1 << 12;
+  /// Index of the last bucket, which takes all larger keys.
+  static constexpr Bucket last_bucket = 1 << 22;
+  /// Buckets with room for more items are freed once they are empty: a large search passes through thousands of them.
+  static constexpr std::size_t max_retained_items = 1 << 12;
 
   std::vector<std::vector<std::int32_t>> buckets_;
   Bucket current_ = 0;

@@ -9,10 +9,10 @@
 namespace supple::surface {
 namespace {
 
-/// Distances that contradict each other by less, relative, differ by rounding.
-constexpr double kConsistent = 1e-9;
+/// Distances that contradict each other by less than this relative amount differ by rounding.
+constexpr double consistency_tolerance = 1e-9;
 
-std::string in_digits(double x) {
+std::string with_all_digits(double x) {
   std::ostringstream text;
   text.precision(15);
   text << x;
@@ -21,23 +21,24 @@ std::string in_digits(double x) {
 
 std::string distance_of(std::int32_t v, double distance) {
   const std::string vertex = "vertex " + std::to_string(v);
-  return distance < kInfinity ? "the distance of " + vertex + " is " + in_digits(distance) : vertex + " is not reached";
+  return distance < kInfinity ? "the distance of " + vertex + " is " + with_all_digits(distance)
+                              : vertex + " is not reached";
 }
 
-[[noreturn]] void contradict(std::int32_t v, double found, std::int32_t neighbour, double known, double edge) {
+[[noreturn]] void throw_inconsistent(std::int32_t v, double found, std::int32_t neighbour, double known, double edge) {
   std::string subject = distance_of(v, found);
   subject[0] = subject[0] == 't' ? 'T' : 'V';
   throw Error("geodesic.inconsistent",
               subject + ", but " + distance_of(neighbour, known) + ", and the edge between the two is " +
-                  in_digits(edge) + " long. The distances are therefore not given.",
-              {{"vertex " + std::to_string(v), "is at most " + in_digits(known + edge) + " from the source"},
+                  with_all_digits(edge) + " long. The distances are therefore not given.",
+              {{"vertex " + std::to_string(v), "is at most " + with_all_digits(known + edge) + " from the source"},
                {"vertex " + std::to_string(neighbour), "is its neighbour"}});
 }
 
 }  // namespace
 
 void check_distances(const TriangleMesh& mesh, std::span<const double> distances, double relative_error, double limit) {
-  const double factor = (1 + relative_error) * (1 + kConsistent);
+  const double factor = (1 + relative_error) * (1 + consistency_tolerance);
   const double* const d = distances.data();
   std::int32_t h = 0;
   for (const Triangle& face : mesh.faces()) {
@@ -46,12 +47,12 @@ void check_distances(const TriangleMesh& mesh, std::span<const double> distances
       const double b = d[face[i == 2 ? 0 : i + 1]];
       const double near = std::min(a, b);
       const double far = std::max(a, b);
-      const double most = (near + mesh.edge_length(h)) * factor;
-      if (far <= most) continue;
-      if (far == kInfinity && most > limit) continue;
+      const double max_distance = (near + mesh.edge_length(h)) * factor;
+      if (far <= max_distance) continue;
+      if (far == kInfinity && max_distance > limit) continue;
       const std::int32_t tail = face[i];
       const std::int32_t head = face[i == 2 ? 0 : i + 1];
-      contradict(a > b ? tail : head, far, a > b ? head : tail, near, mesh.edge_length(h));
+      throw_inconsistent(a > b ? tail : head, far, a > b ? head : tail, near, mesh.edge_length(h));
     }
   }
 }
@@ -59,10 +60,10 @@ void check_distances(const TriangleMesh& mesh, std::span<const double> distances
 void check_target(const WindowSearch& search, const SearchTarget& target) {
   const TriangleMesh& mesh = *search.mesh().mesh;
   const double length = target.best.length;
-  const auto check = [&](std::int32_t v, std::int32_t neighbour, double edge, double beyond) {
+  const auto check = [&](std::int32_t v, std::int32_t neighbour, double edge, double remaining_length) {
     const double known = search.distance(neighbour);
-    if (length <= (known + edge + beyond) * (1 + kConsistent)) return;
-    contradict(v, length - beyond, neighbour, known, edge);
+    if (length <= (known + edge + remaining_length) * (1 + consistency_tolerance)) return;
+    throw_inconsistent(v, length - remaining_length, neighbour, known, edge);
   };
   if (target.best.kind == Arrival::Kind::none) {
     throw Error("geodesic.inconsistent", "No path has been found to a point of the same connected component.");
@@ -72,7 +73,7 @@ void check_target(const WindowSearch& search, const SearchTarget& target) {
     for (int side = 0; side < 3; ++side) {
       const std::int32_t across = mesh.twin(3 * face + side);
       if (across < 0) continue;
-      // By the corner beyond the side and an end of the side.
+      // The path passes the opposite corner of the face beyond the side, and then an end of the side.
       const std::int32_t tail = mesh.faces()[face][side];
       check(tail, mesh.tail(TriangleMesh::previous(across)), mesh.edge_length(TriangleMesh::next(across)),
             target.planar[side].norm());

@@ -9,8 +9,8 @@
 namespace supple::surface {
 namespace {
 
-/// A vertex whose total angle exceeds 2 pi by less bends no path that matters: the shadow behind it is narrower than
-/// what windows are trimmed by.
+/// A vertex whose total angle exceeds 2 pi by less than this angle (radians) bends no path that matters, because the
+/// sector behind it is narrower than the tolerance by which windows are trimmed.
 constexpr double kSaddleTolerance = 1e-12;
 
 }  // namespace
@@ -31,8 +31,8 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in, const Execut
     const std::int32_t back = TriangleMesh::previous(h);
     frame.length = m.edge_length(h);
     longest_edge = std::max(longest_edge, frame.length);
-    has_needles = has_needles || m.edge_length(onward) < kShortSide * frame.length ||
-                  m.edge_length(back) < kShortSide * frame.length;
+    has_needles = has_needles || m.edge_length(onward) < short_side_ratio * frame.length ||
+                  m.edge_length(back) < short_side_ratio * frame.length;
     frame.left_length = m.edge_length(back);
     frame.right_length = m.edge_length(onward);
     const double angle = m.corner_angle(h);

@@ -13,29 +13,29 @@
 
 namespace supple::surface {
 
-/// Whether a vertex can bend a shortest path: a saddle vertex or one of the boundary.
+/// Whether a vertex can bend a shortest path: saddle and boundary vertices can.
 bool bends_paths(const TriangleMesh& mesh, std::int32_t v);
 
-/// What window propagation reads of one halfedge h: its face laid into the plane with the tail at the origin, the head
-/// on the positive x axis and the apex above, and where windows go from here. One cache line.
+/// The frame of one halfedge h for window propagation. Its face lies in the plane with the tail of h at the origin, the
+/// head on the positive x axis and the apex above it. One cache line.
 struct alignas(64) EdgeFrame {
   double length;
-  double apex_offset;  ///< along h from one of its ends to the apex: from the end that gives the smaller number
+  double apex_offset;  ///< x of the apex relative to that end of h from which it is smaller in magnitude
   double apex_y;
-  double left_length;   ///< of the edge tail - apex
-  double right_length;  ///< of the edge apex - head
+  double left_length;   ///< length of the edge between tail and apex
+  double right_length;  ///< length of the edge between apex and head
   std::int32_t left;    ///< twin of previous(h), from tail to apex in the next face; -1 on the boundary
   std::int32_t right;   ///< twin of next(h), from apex to head in the next face; -1 on the boundary
   std::int32_t tail, head, apex;
-  std::int32_t offset_from_head;  ///< 1 if apex_offset counts from the head, else 0
+  std::int32_t offset_from_head;  ///< 1 if apex_offset is relative to the head, else 0
 
   double apex_x() const { return (offset_from_head ? length : 0) + apex_offset; }
-  /// length - apex_x without cancellation. Divided by right_length it is the right edge's direction, which a difference
-  /// of lengths loses where that edge is short.
+  /// length - apex_x without cancellation. Divided by right_length it is a component of the right edge's direction,
+  /// even if that edge is short.
   double right_x() const { return (offset_from_head ? 0 : length) - apex_offset; }
 
-  /// Unit directions of the halfedges `left` and `right`, in the frame of each of them (ux, uy) as windows that go on
-  /// to them are turned by.
+  /// (ux, uy), by which source_across_left and source_across_right rotate a window's source into the frames of the
+  /// halfedges `left` and `right`. `left` has this direction in the frame of h, `right` its mirror image (ux, -uy).
   struct Direction {
     double x, y;
   };
@@ -50,43 +50,43 @@ struct alignas(64) EdgeFrame {
 };
 static_assert(sizeof(EdgeFrame) == 64);
 
-/// A corner of a vertex's fan of faces.
+/// A corner in the fan of faces around a vertex.
 struct FanCorner {
-  double polar_angle;     ///< sum of the corner angles that come before, from TriangleMesh::outgoing
-  double angle;           ///< of this corner
-  std::int32_t halfedge;  ///< outgoing
-  std::int32_t across;  ///< twin of the side opposite the vertex: where windows from the vertex go; -1 on the boundary
+  double polar_angle;     ///< sum of the corner angles before this one, beginning at TriangleMesh::outgoing; radians
+  double angle;           ///< angle of this corner; radians
+  std::int32_t halfedge;  ///< outgoing halfedge with the corner on its left
+  std::int32_t across;    ///< twin of the side opposite the vertex, at which its windows arrive; -1 on the boundary
 };
 
-/// A vertex that is closer than this to another, relative to the sides of a face of both, is seen from there in a
-/// direction that has lost more digits than the tolerances allow for.
-inline constexpr double kShortSide = 1e-4;
+/// A side of a face is short if it is below this fraction of another one. The direction from one of its ends to the
+/// other has then lost more digits than the tolerances allow for.
+inline constexpr double short_side_ratio = 1e-4;
 
-/// The mesh as the searches see it.
+/// A mesh with what the searches compute from it once.
 struct SearchMesh {
   explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution = {});
 
-  /// bends_paths, looked up.
+  /// bends_paths, read from a table.
   bool pins(std::int32_t vertex) const { return pins_paths[vertex] != 0; }
 
-  /// Radians that the angle around a vertex is stretched to where points around it are images in the plane: half a turn
-  /// at a boundary, whose two sides stay apart that way.
+  /// The angle in radians to which the total angle of a vertex is scaled where points around it are mapped to the
+  /// plane. At a boundary it is half a turn, so that the two sides of the boundary stay apart.
   double turn_of_images(std::int32_t vertex) const {
     return mesh->is_boundary(vertex) ? std::numbers::pi : 2 * std::numbers::pi;
   }
 
-  /// Without the mesh.
+  /// Memory without that of the mesh.
   std::size_t memory_bytes() const;
 
   std::shared_ptr<const TriangleMesh> mesh;
   std::vector<EdgeFrame> frames;
   std::vector<std::uint8_t> pins_paths;
   double longest_edge = 0;
-  bool has_needles = false;  ///< a face has a side below kShortSide of another
+  bool has_needles = false;  ///< a face has a side below short_side_ratio of another side
   std::span<const FanCorner> fan(std::int32_t vertex) const {
     return {corners.data() + first_corner[vertex], corners.data() + first_corner[vertex + 1]};
   }
-  /// Polar angle around its tail of an outgoing halfedge.
+  /// Polar angle of halfedge h around its tail; radians.
   double polar_angle(std::int32_t h) const {
     for (const FanCorner& corner : fan(frames[h].tail)) {
       if (corner.halfedge == h) return corner.polar_angle;
@@ -94,15 +94,16 @@ struct SearchMesh {
     return 0;
   }
 
-  /// The fans of all vertices, counterclockwise, each in one piece of memory.
+  /// The fans of all vertices in the order of the vertices, each counterclockwise.
   std::vector<FanCorner> corners;
-  std::vector<std::int32_t> first_corner;
+  std::vector<std::int32_t> first_corner;  ///< index in `corners` for each vertex, and the end
 };
 
-/// Planar coordinates, in the frame of halfedge 3 f + side, of the point of face f with the given barycentrics.
+/// Planar coordinates of a point of face f, given by barycentric coordinates, in `frame`, that of halfedge 3 f + side.
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side);
 
-/// Barycentric coordinates of a point of a side in the face beyond, whose halfedge there is `across`: the ends swap.
+/// Barycentric coordinates of a point on a side of its face in the other face of that side. `across` is the halfedge
+/// there, whose ends are swapped.
 Eigen::Vector3d across_side(const SurfacePoint& point, int side, std::int32_t across);
 
 }  // namespace supple::surface

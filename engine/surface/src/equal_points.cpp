@@ -35,8 +35,8 @@ std::vector<std::int32_t> first_equal_points(const std::vector<Eigen::Vector3d>&
     first[i] = i;
     if (points[i].allFinite()) entries.push_back({hash(points[i]), i});
   }
-  // Sorting by hash is fast; the points of one hash are then sorted themselves, which keeps the cost bounded even where
-  // the hashes were made to collide.
+  // Sorting by hash is fast. Points with the same hash are then sorted by their coordinates, which bounds the cost even
+  // if somebody has chosen points whose hashes collide.
   sort_stoppably(entries, execution.cancellation, [](const Entry& a, const Entry& b) { return a.hash < b.hash; });
   const auto coordinates = [&](const Entry& e) {
     const Eigen::Vector3d& p = points[e.index];

@@ -10,32 +10,33 @@
 
 namespace supple::surface {
 
-/// What a field keeps of the search that made it.
+/// The results of a search that a field retains.
 struct GeodesicField::Data {
   std::shared_ptr<const SearchMesh> mesh;
   std::vector<SurfacePoint> sources;
-  std::vector<double> distances;  ///< per vertex
+  std::vector<double> distances;  ///< one for each vertex
   double relative_error_bound = std::numeric_limits<double>::quiet_NaN();
   std::int64_t window_count = 0;
-  bool kept = false;
-  std::vector<VertexRecord> records;  ///< per vertex; empty unless kept
-  LargeVector<Window> windows;        ///< empty unless kept
-  std::vector<Trail> trails;          ///< the full ones that others refer to; empty unless kept
-  std::vector<TiedArrival> ties;      ///< that records refer to; empty unless kept
-  std::vector<std::int32_t> first;    ///< per halfedge, where the windows that enter its face begin, and the end
-  std::vector<std::int32_t>
-      vertex_sources;  ///< per vertex the source, -1 if unreached; empty unless kept or edge_graph
-  /// Of each source that is at no vertex its face, or both faces of its edge; ascending. Filled where vertex_sources
-  /// is.
+  bool has_windows = false;
+  std::vector<VertexRecord> records;  ///< one for each vertex; empty unless has_windows
+  LargeVector<Window> windows;        ///< sorted by halfedge; empty unless has_windows
+  std::vector<Trail> trails;          ///< the full trails to which other trails refer; empty unless has_windows
+  std::vector<TiedArrival> ties;      ///< the tied arrivals to which records refer; empty unless has_windows
+  std::vector<std::int32_t> first;    ///< index of the first window of each halfedge, and the end
+  /// Source of each vertex, -1 if unreached. Filled for fields with windows and for those of an edge graph.
+  std::vector<std::int32_t> vertex_sources;
+  /// Pairs of a face and a source in it or on an edge of it, ascending. Sources at vertices have no entry. Filled if
+  /// vertex_sources is.
   std::vector<std::pair<std::int32_t, std::int32_t>> sources_in_faces;
 
-  /// Whether the vertex has a distance that was known before, which none of the sources has improved.
-  bool is_known(std::int32_t v) const { return vertex_sources[v] == static_cast<std::int32_t>(sources.size()); }
+  /// Whether the vertex has a distance that was given as known, and that none of the sources has improved.
+  bool has_known_distance(std::int32_t v) const {
+    return vertex_sources[v] == static_cast<std::int32_t>(sources.size());
+  }
 
-  /// Fills sources_in_faces.
-  void sort_sources();
+  void fill_sources_in_faces();
   /// Fills vertex_sources from the records.
-  void follow_records();
+  void fill_vertex_sources();
   template <typename Visit>
   void visit_sources(std::int32_t face, Visit&& visit) const {
     auto place = std::lower_bound(sources_in_faces.begin(), sources_in_faces.end(), std::pair(face, std::int32_t{-1}));
@@ -43,7 +44,7 @@ struct GeodesicField::Data {
   }
 
   SearchState state() const { return {mesh.get(), trails, records.data(), sources, ties}; }
-  /// The target with its best arrival.
+  /// The point as a target with its best arrival.
   SearchTarget query(const SurfacePoint& point) const;
 };
 

@@ -10,19 +10,19 @@ namespace {
 
 Error not_kept() { return {"field.not_kept", "The field was computed without what point queries need."}; }
 
-/// Unit direction of a side of the face whose first side has this frame, in that frame.
+/// Unit direction of a side of a face in `frame`, which is the frame of the face's first side.
 Eigen::Vector2d side_direction(const EdgeFrame& frame, int side) {
   if (side == 0) return {1, 0};
   if (side == 1) return Eigen::Vector2d(-frame.right_x(), frame.apex_y) / frame.right_length;
   return Eigen::Vector2d(-frame.apex_x(), -frame.apex_y) / frame.left_length;
 }
 
-/// Where a source that lies in a face, or on an edge of it, is in the plane of the face.
+/// A source that lies in a face or on an edge of it, in the plane of the face.
 Eigen::Vector2d planar_source(const GeodesicField::Data& data, std::int32_t face, std::int32_t source) {
   const SurfacePoint& point = data.sources[source];
   Eigen::Vector3d barycentric = point.barycentric;
   if (index(point.face) != face) {
-    // On the common edge, written in the other face.
+    // The source lies on the common edge, and is given in the other face.
     const int side = side_of(point);
     barycentric = across_side(point, side, data.mesh->mesh->twin(3 * index(point.face) + side));
   }
@@ -31,7 +31,7 @@ Eigen::Vector2d planar_source(const GeodesicField::Data& data, std::int32_t face
 
 }  // namespace
 
-void GeodesicField::Data::sort_sources() {
+void GeodesicField::Data::fill_sources_in_faces() {
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const SurfacePoint& source = sources[i];
     if (corner_of(source) >= 0) continue;
@@ -44,46 +44,47 @@ void GeodesicField::Data::sort_sources() {
   std::sort(sources_in_faces.begin(), sources_in_faces.end());
 }
 
-void GeodesicField::Data::follow_records() {
+void GeodesicField::Data::fill_vertex_sources() {
   vertex_sources.assign(records.size(), -1);
-  std::vector<std::int32_t> way;
+  std::vector<std::int32_t> chain;
   for (std::size_t v = 0; v < records.size(); ++v) {
-    // From pseudo-source to pseudo-source, each of which is nearer, down to the source or to one that is known.
+    // The chain of pseudo-sources, each nearer than the one before, leads to the source or to a vertex whose source is
+    // already found.
     std::int32_t at = static_cast<std::int32_t>(v);
-    way.clear();
+    chain.clear();
     while (vertex_sources[at] < 0 && distances[at] < kInfinity && records[at].origin >= 0) {
-      way.push_back(at);
+      chain.push_back(at);
       at = records[at].origin;
     }
     if (vertex_sources[at] < 0 && distances[at] < kInfinity) vertex_sources[at] = -1 - records[at].origin;
-    for (const std::int32_t passed : way) vertex_sources[passed] = vertex_sources[at];
+    for (const std::int32_t passed : chain) vertex_sources[passed] = vertex_sources[at];
   }
 }
 
 SearchTarget GeodesicField::Data::query(const SurfacePoint& point) const {
-  if (!kept) throw not_kept();
+  if (!has_windows) throw not_kept();
   SearchTarget target = make_target(*mesh, point);
   if (arrive_near_vertex(*mesh, sources, target)) return target;
   const std::int32_t face = index(point.face);
-  const auto offer_windows = [&](std::int32_t h) {
-    for (std::int32_t i = first[h]; i < first[h + 1]; ++i) offer_window(*mesh, sources, target, h, windows[i]);
+  const auto update_by_windows = [&](std::int32_t h) {
+    for (std::int32_t i = first[h]; i < first[h + 1]; ++i) update_by_window(*mesh, sources, target, h, windows[i]);
   };
   const TriangleMesh& m = *mesh->mesh;
   if (target.vertex >= 0) {
     const std::int32_t start = m.outgoing(target.vertex);
     std::int32_t h = start;
     do {
-      offer_windows(TriangleMesh::next(h));
+      update_by_windows(TriangleMesh::next(h));
       h = m.rotate(h);
     } while (h >= 0 && h != start);
   } else {
-    visit_sources(face, [&](std::int32_t i) { offer_direct(*mesh, target, sources[i], i); });
-    for (int side = 0; side < 3; ++side) offer_windows(3 * face + side);
+    visit_sources(face, [&](std::int32_t i) { update_by_direct_path(*mesh, target, sources[i], i); });
+    for (int side = 0; side < 3; ++side) update_by_windows(3 * face + side);
   }
   for (int corner = 0; corner < 3; ++corner) {
     const std::int32_t v = m.faces()[face][corner];
-    if (is_known(v)) continue;  // by a path that nobody has asked for
-    offer_vertex(*mesh, target, corner, distances[v], records[v]);
+    if (has_known_distance(v)) continue;  // its path comes from a source outside the field
+    update_by_vertex(*mesh, target, corner, distances[v], records[v]);
   }
   return target;
 }
@@ -109,9 +110,9 @@ bool GeodesicField::reaches(FaceId face) const {
   const Data& data = *data_;
   if (data.vertex_sources.empty()) throw not_kept();
   const std::int32_t f = index(face);
-  if (data.kept && data.first[3 * f + 3] > data.first[3 * f]) return true;
+  if (data.has_windows && data.first[3 * f + 3] > data.first[3 * f]) return true;
   for (const std::int32_t v : data.mesh->mesh->faces()[f])
-    if (data.vertex_sources[v] >= 0 && !data.is_known(v)) return true;
+    if (data.vertex_sources[v] >= 0 && !data.has_known_distance(v)) return true;
   bool any = false;
   data.visit_sources(f, [&](std::int32_t /*source*/) { any = true; });
   return any;
@@ -145,7 +146,7 @@ void GeodesicField::arrivals(FaceId face, std::vector<FaceArrival>& arrivals) co
   }
   data.visit_sources(
       f, [&](std::int32_t i) { arrivals.push_back({.image = planar_source(data, f, i), .sigma = 0, .source = i}); });
-  if (!data.kept) return;
+  if (!data.has_windows) return;
   for (int side = 0; side < 3; ++side) {
     const Eigen::Vector2d along = side_direction(frame, side);
     const Eigen::Vector2d across(-along.y(), along.x());
@@ -164,7 +165,7 @@ void GeodesicField::arrivals(FaceId face, std::vector<FaceArrival>& arrivals) co
 
 PathStart GeodesicField::start_of_path(FaceId face, std::size_t arrival, const Eigen::Vector2d& place) const {
   const Data& data = *data_;
-  if (!data.kept) throw not_kept();
+  if (!data.has_windows) throw not_kept();
   const std::int32_t f = index(face);
   const EdgeFrame& frame = data.mesh->frames[3 * f];
   const std::array<Eigen::Vector2d, 3> corners{Eigen::Vector2d(0, 0), Eigen::Vector2d(frame.length, 0),
@@ -173,26 +174,26 @@ PathStart GeodesicField::start_of_path(FaceId face, std::size_t arrival, const E
   target.point.face = face;
   for (int side = 0; side < 3; ++side) {
     const Eigen::Vector2d along = side_direction(frame, side);
-    const Eigen::Vector2d way = place - corners[side];
-    target.planar[side] = {way.dot(along), along.x() * way.y() - along.y() * way.x()};
+    const Eigen::Vector2d offset = place - corners[side];
+    target.planar[side] = {offset.dot(along), along.x() * offset.y() - along.y() * offset.x()};
   }
-  // As arrivals() counts: corners that are reached, sources in the face, windows.
-  auto left = static_cast<std::int32_t>(arrival);
+  // The order is that of arrivals(): corners that are reached, sources in the face, windows.
+  auto remaining = static_cast<std::int32_t>(arrival);
   for (int corner = 0; corner < 3; ++corner) {
     const std::int32_t v = data.mesh->mesh->faces()[f][corner];
-    if (data.vertex_sources[v] < 0 || left-- != 0) continue;
+    if (data.vertex_sources[v] < 0 || remaining-- != 0) continue;
     target.best.kind = Arrival::Kind::vertex;
     target.best.vertex = v;
     return start_of(data.state(), target);
   }
   data.visit_sources(f, [&](std::int32_t i) {
-    if (left-- != 0) return;
+    if (remaining-- != 0) return;
     target.best.kind = Arrival::Kind::direct;
     target.best.source = i;
     target.best.image = planar_source(data, f, i) - place;
   });
   if (target.best.kind == Arrival::Kind::none) {
-    const std::int32_t number = data.first[3 * f] + left;
+    const std::int32_t number = data.first[3 * f] + remaining;
     std::int32_t h = 3 * f;
     while (data.first[h + 1] <= number) ++h;
     const Window& window = data.windows[number];

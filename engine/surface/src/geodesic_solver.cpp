@@ -21,8 +21,8 @@ void bill(const WindowSearch& search, const Execution& execution) {
   execution.cost->add_quantity("batches", static_cast<double>(search.batches()));
 }
 
-/// No path of use is longer than a known one, whose length its positions tell up to the rounding of coordinates.
-double limit_by(const std::vector<PathPoint>& path) {
+/// Upper bound of the distance: the length of a known path, plus the rounding of its positions' coordinates.
+double length_bound(const std::vector<PathPoint>& path) {
   double length = 0;
   double coordinates = 0;
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -59,7 +59,7 @@ double GeodesicSolver::distance(const SurfacePoint& from, const SurfacePoint& to
 Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfacePoint& to,
                                   const GeodesicOptions& options, const Execution& execution,
                                   const PairHints& hints) const {
-  const SurfacePoint from = snapped(from_point);
+  const SurfacePoint from = rounded_to_vertex(from_point);
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   if (mesh().component(index(from.face)) != mesh().component(index(to.face))) return {};
   SearchTarget target = make_target(search_mesh, to);
@@ -72,7 +72,7 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
   if (hints.known_path && hints.known_path->size() > 1 &&
       hints.known_path->front().position == position(mesh(), from) &&
       hints.known_path->back().position == target.position) {
-    settings.limit = limit_by(*hints.known_path);
+    settings.limit = length_bound(*hints.known_path);
   }
   if (hints.landmark) {
     settings.landmark = hints.landmark->vertex_distances();
@@ -90,11 +90,11 @@ Geodesic GeodesicSolver::geodesic(const SurfacePoint& from_point, const SurfaceP
 
 std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, std::span<const SurfacePoint> to,
                                                 const GeodesicOptions& options, const Execution& execution) const {
-  const SurfacePoint from = snapped(from_point);
+  const SurfacePoint from = rounded_to_vertex(from_point);
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   std::vector<Geodesic> results(to.size());
   std::vector<SearchTarget> targets;
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> target_indices;
   const std::int32_t component = mesh().component(index(from.face));
   for (std::size_t i = 0; i < to.size(); ++i) {
     execution.cancellation.throw_if_requested();
@@ -105,7 +105,7 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
       continue;
     }
     targets.push_back(target);
-    places.push_back(i);
+    target_indices.push_back(i);
   }
   if (targets.empty()) return results;
   Implementation::Lease search(*implementation_);
@@ -120,7 +120,7 @@ std::vector<Geodesic> GeodesicSolver::geodesics(const SurfacePoint& from_point, 
   for (std::size_t i = 0; i < targets.size(); ++i) {
     execution.cancellation.throw_if_requested();
     check_target(*search, targets[i]);
-    results[places[i]] = assemble(state, targets[i], options);
+    results[target_indices[i]] = assemble(state, targets[i], options);
   }
   return results;
 }
@@ -130,14 +130,14 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   if (sources.empty()) throw Error("field.no_sources", "A distance field needs at least one source.");
   auto data = std::make_shared<GeodesicField::Data>();
   data->mesh = implementation_->search_mesh;
-  for (const SurfacePoint& source : sources) data->sources.push_back(snapped(source));
+  for (const SurfacePoint& source : sources) data->sources.push_back(rounded_to_vertex(source));
   const auto vertices = static_cast<std::size_t>(mesh().vertex_count());
   if (options.method == FieldMethod::edge_graph) {
     const StageTimer timer(execution.cost, "search");
     EdgeGraphField found = edge_graph_field(*data->mesh, data->sources, options.max_distance, execution);
     data->distances = std::move(found.distances);
     data->vertex_sources = std::move(found.vertex_sources);
-    data->sort_sources();
+    data->fill_sources_in_faces();
     return GeodesicField(std::move(data));
   }
   Implementation::Lease search(*implementation_);
@@ -160,18 +160,18 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
     const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
     data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
   }
-  // Known distances stop paths, and the field is right only where the given sources are the nearest.
+  // With known distances the check does not apply: the field is right only where the given sources are the nearest.
   if (options.known_distances.empty()) {
     check_distances(mesh(), data->distances, options.relative_error, options.max_distance);
   }
   if (options.keep_windows) {
-    search->take_kept(data->records, data->windows, data->first);
+    search->take_logged_windows(data->records, data->windows, data->first);
     data->trails.assign(search->trails().begin(), search->trails().end());
     data->ties.assign(search->ties().begin(), search->ties().end());
-    data->sort_sources();
-    data->follow_records();
+    data->fill_sources_in_faces();
+    data->fill_vertex_sources();
   }
-  data->kept = options.keep_windows;
+  data->has_windows = options.keep_windows;
   return GeodesicField(std::move(data));
 }
 

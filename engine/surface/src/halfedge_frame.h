@@ -8,7 +8,7 @@
 
 namespace supple::surface {
 
-/// Orthonormal axes in the plane of h's face: along h, and across it into the face.
+/// Orthonormal axes in the plane of h's face: along h, and perpendicular to h into the face.
 inline Eigen::Matrix<double, 3, 2> halfedge_frame(const TriangleMesh& mesh, std::int32_t h) {
   const auto& p = mesh.positions();
   const Eigen::Vector3d& tail = p[mesh.tail(h)];

@@ -10,8 +10,8 @@ namespace {
 
 constexpr std::int32_t leaf_size = 8;
 
-/// Points in a balanced k-d tree: node `k` with the places [begin, end) has the children 2 k + 1 and 2 k + 2, which
-/// share its places in halves.
+/// Points in a balanced k-d tree. The children of node `k` are the nodes 2 k + 1 and 2 k + 2. Each of them has one half
+/// of the node's range [begin, end) of `order_`.
 class PointTree {
  public:
   PointTree(const std::vector<Eigen::Vector3d>& points, const Execution& execution)
@@ -29,7 +29,7 @@ class PointTree {
  private:
   struct Node {
     std::int32_t axis = 0;
-    double middle = 0;  ///< no point of the first child is above, none of the second below
+    double middle = 0;  ///< upper bound of the first child's coordinates, lower bound of the second's
   };
 
   void build(std::size_t k, std::int32_t begin, std::int32_t end) {
@@ -43,14 +43,14 @@ class PointTree {
     }
     Node node;
     (upper - lower).maxCoeff(&node.axis);
-    const std::int32_t half = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + half, order_.begin() + end,
+    const std::int32_t middle_index = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + middle_index, order_.begin() + end,
                      [&](std::int32_t a, std::int32_t b) { return points_[a][node.axis] < points_[b][node.axis]; });
-    node.middle = points_[order_[half]][node.axis];
+    node.middle = points_[order_[middle_index]][node.axis];
     if (nodes_.size() <= k) nodes_.resize(k + 1);
     nodes_[k] = node;
-    build(2 * k + 1, begin, half);
-    build(2 * k + 2, half, end);
+    build(2 * k + 1, begin, middle_index);
+    build(2 * k + 2, middle_index, end);
   }
 
   template <typename Visit>
@@ -63,9 +63,9 @@ class PointTree {
       return;
     }
     const Node& node = nodes_[k];
-    const std::int32_t half = begin + (end - begin) / 2;
-    if (center[node.axis] - distance <= node.middle) search(2 * k + 1, begin, half, center, distance, visit);
-    if (center[node.axis] + distance >= node.middle) search(2 * k + 2, half, end, center, distance, visit);
+    const std::int32_t middle_index = begin + (end - begin) / 2;
+    if (center[node.axis] - distance <= node.middle) search(2 * k + 1, begin, middle_index, center, distance, visit);
+    if (center[node.axis] + distance >= node.middle) search(2 * k + 2, middle_index, end, center, distance, visit);
   }
 
   const std::vector<Eigen::Vector3d>& points_;
@@ -74,7 +74,7 @@ class PointTree {
   StopPace pace_;
 };
 
-/// first_near_points with distance_of(i) for each point.
+/// Computes first_near_points, with distance_of(i) for point i.
 template <typename DistanceOf>
 std::vector<std::int32_t> first_near(const std::vector<Eigen::Vector3d>& points, DistanceOf&& distance_of,
                                      const Execution& execution) {

@@ -8,14 +8,15 @@
 
 namespace supple::surface {
 
-/// For each point the first point, by index, that is no further than `distance` and is itself the first of its own: a
-/// point is the first of its own unless an earlier one of that kind is near. All coordinates are finite. O(n log n) for
-/// any points: those that are the first of their own are more than `distance` apart.
+/// Chooses representatives, and returns for each point the index of its representative. Points are visited in their
+/// order. A point within `distance` of an earlier representative gets the first such representative. Any other point
+/// becomes a representative, its own one. All coordinates must be finite. O(n log n) for any points, because
+/// representatives are more than `distance` apart.
 std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points, double distance,
                                             const Execution& execution = {});
 
-/// The same with a distance for each point: two are near each other if they are no further apart than the lesser of
-/// theirs.
+/// The same with a distance for each point. Two points are near each other if they are no further apart than the
+/// smaller of their distances.
 std::vector<std::int32_t> first_near_points(const std::vector<Eigen::Vector3d>& points,
                                             const std::vector<double>& distances, const Execution& execution = {});
 

@@ -12,13 +12,13 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-/// Points nearer to a vertex than this part of the least height over it are near. Further away, the rounding of an
-/// edge's length, which windows err by, is less than 1e-12 of the distances.
+/// A point is near a vertex if its distance is below this fraction of the least height over the vertex. Further away,
+/// the error of windows, which is the rounding of an edge's length, is below 1e-12 of the distances.
 constexpr double kNear = 1e-3;
 
 Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}; }
 
-/// A point of a fan: how far from the vertex and at which angles from the two edges of its corner.
+/// A point of a fan with its distance from the vertex and its angles from both edges of its corner.
 struct FanPoint {
   FanPoint(const SearchMesh& mesh, std::int32_t at, const SurfacePoint& point)
       : corner(at),
@@ -27,20 +27,21 @@ struct FanPoint {
         position(planar_point(mesh.frames[corner], point.barycentric, corner % 3)),
         radius(position.norm()) {
     const EdgeFrame& frame = mesh.frames[corner];
-    from_first = std::atan2(position.y(), position.x());
-    to_last = std::atan2(head * frame.length * frame.apex_y, position.dot(apex_of(frame)));
+    angle_from_first = std::atan2(position.y(), position.x());
+    angle_to_last = std::atan2(head * frame.length * frame.apex_y, position.dot(apex_of(frame)));
   }
 
   std::int32_t corner;
-  double head, apex;  ///< barycentric coordinates
+  double head, apex;  ///< barycentric coordinates of the corner halfedge's head and apex
   Vector2d position;
   double radius;
-  double from_first, to_last;  ///< angles from the corner's first edge, and on to its last
+  double angle_from_first, angle_to_last;  ///< angles in radians, from the corner's first edge and to its last
 };
 
-/// The straight path from one point counterclockwise to another in the unfolded fan.
+/// The straight path in the unfolded fan from one point counterclockwise to another.
 struct FanChord {
-  double turn = std::numeric_limits<double>::infinity();  ///< infinity where the boundary lies between
+  /// Angle at the vertex in radians; infinity if the boundary lies between the points.
+  double turn = std::numeric_limits<double>::infinity();
   double length = std::numeric_limits<double>::infinity();
   Vector2d departure, arrival;
 };
@@ -48,7 +49,7 @@ struct FanChord {
 FanChord chord_between(const SearchMesh& mesh, const FanPoint& a, const FanPoint& b) {
   const TriangleMesh& m = *mesh.mesh;
   FanChord chord;
-  double turn = a.to_last + b.from_first;
+  double turn = a.angle_to_last + b.angle_from_first;
   const std::int32_t next = m.rotate(a.corner);
   for (std::int32_t h = next; h != b.corner; h = m.rotate(h)) {
     if (h < 0) return chord;
@@ -57,8 +58,8 @@ FanChord chord_between(const SearchMesh& mesh, const FanPoint& a, const FanPoint
   chord.turn = turn;
   if (turn >= pi) return chord;
   if (next == b.corner) {
-    // From differences of barycentric coordinates along the one edge between, so that points beside each other keep
-    // their digits too.
+    // One edge lies between the points. Differences of barycentric coordinates along it keep the digits of points that
+    // are close to each other.
     const EdgeFrame& behind = mesh.frames[a.corner];
     const EdgeFrame& ahead = mesh.frames[b.corner];
     const Vector2d along = apex_of(behind) / behind.left_length;
@@ -69,25 +70,25 @@ FanChord chord_between(const SearchMesh& mesh, const FanPoint& a, const FanPoint
     chord.length = chord.arrival.norm();
     return chord;
   }
-  // Along and across the rays from the vertex to the ends.
-  const double half = std::sin(0.5 * turn);
-  const double outward = b.radius - a.radius;
-  const auto turned = [](const FanPoint& p, double along, double across) {
+  // The vectors are composed of parts along and across the rays from the vertex to the ends.
+  const double half_sine = std::sin(0.5 * turn);
+  const double radial_difference = b.radius - a.radius;
+  const auto rotated = [](const FanPoint& p, double along, double across) {
     const Vector2d ray = p.position / p.radius;
     return Vector2d(along * ray + across * Vector2d(-ray.y(), ray.x()));
   };
-  chord.departure = turned(a, outward - 2 * b.radius * half * half, b.radius * std::sin(turn));
-  chord.arrival = turned(b, outward + 2 * a.radius * half * half, a.radius * std::sin(turn));
-  chord.length = std::sqrt(outward * outward + 4 * a.radius * b.radius * half * half);
+  chord.departure = rotated(a, radial_difference - 2 * b.radius * half_sine * half_sine, b.radius * std::sin(turn));
+  chord.arrival = rotated(b, radial_difference + 2 * a.radius * half_sine * half_sine, a.radius * std::sin(turn));
+  chord.length = std::sqrt(radial_difference * radial_difference + 4 * a.radius * b.radius * half_sine * half_sine);
   return chord;
 }
 
-double least_height(const SearchMesh& mesh, std::int32_t vertex) {
-  double least = std::numeric_limits<double>::infinity();
+double min_height(const SearchMesh& mesh, std::int32_t vertex) {
+  double height = std::numeric_limits<double>::infinity();
   for (const FanCorner& corner : mesh.fan(vertex)) {
-    least = std::min(least, mesh.frames[TriangleMesh::next(corner.halfedge)].apex_y);
+    height = std::min(height, mesh.frames[TriangleMesh::next(corner.halfedge)].apex_y);
   }
-  return least;
+  return height;
 }
 
 }  // namespace
@@ -96,8 +97,8 @@ bool NearVertexPath::through_vertex() const { return turn >= pi; }
 
 std::optional<NearVertexPath> path_near_vertex(const SearchMesh& mesh, const SurfacePoint& from,
                                                const SurfacePoint& to) {
-  // A point's height over the opposite side is its barycentric coordinate, so that points near a vertex have one of
-  // nearly 1.
+  // A barycentric coordinate is the relative height over the side opposite the vertex. Points near a vertex therefore
+  // have one that is nearly 1.
   int corner = 0;
   if (!(from.barycentric.maxCoeff(&corner) >= 1 - kNear) || from.face == to.face || corner_of(from) >= 0) return {};
   int other = 0;
@@ -107,19 +108,20 @@ std::optional<NearVertexPath> path_near_vertex(const SearchMesh& mesh, const Sur
   if (faces[index(to.face)][other] != vertex) return {};
   const FanPoint a(mesh, 3 * index(from.face) + corner, from);
   const FanPoint b(mesh, 3 * index(to.face) + other, to);
-  const double reach = kNear * least_height(mesh, vertex);
-  if (std::max(a.radius, b.radius) > reach) return {};
+  const double near_radius = kNear * min_height(mesh, vertex);
+  if (std::max(a.radius, b.radius) > near_radius) return {};
 
   FanChord ahead = chord_between(mesh, a, b);
   FanChord back = chord_between(mesh, b, a);
-  NearVertexPath path{vertex, a.corner, b.corner, a.position, b.position, 0, 0, 0, false, a.to_last, {}, {}, reach};
+  NearVertexPath path{vertex, a.corner, b.corner,        a.position, b.position, 0,          0,
+                      0,      false,    a.angle_to_last, {},         {},         near_radius};
   path.clockwise = back.length < ahead.length;
   if (path.clockwise) {
     std::swap(back.departure, back.arrival);
     back.departure = -back.departure;
     back.arrival = -back.arrival;
     std::swap(ahead, back);
-    path.angle_to_first_edge = b.to_last;
+    path.angle_to_first_edge = b.angle_to_last;
   }
   path.turn = ahead.turn;
   path.length = ahead.length;
@@ -135,7 +137,7 @@ std::optional<NearVertexPath> path_near_vertex(const SearchMesh& mesh, const Sur
 }
 
 std::vector<FanCrossing> fan_crossings(const SearchMesh& mesh, const NearVertexPath& path) {
-  // Counterclockwise, from whichever end that is.
+  // The crossings are found counterclockwise, beginning at the end from which the path runs in that direction.
   const TriangleMesh& m = *mesh.mesh;
   const std::int32_t first = path.clockwise ? path.to_corner : path.from_corner;
   const std::int32_t last = path.clockwise ? path.from_corner : path.to_corner;
@@ -147,7 +149,7 @@ std::vector<FanCrossing> fan_crossings(const SearchMesh& mesh, const NearVertexP
   for (std::int32_t h = m.rotate(first);; h = m.rotate(h)) {
     const double remaining = path.turn - angle;
     if (angle > 0 && !(h == last && end.y() <= 0)) {
-      // Where the ray at this angle meets the chord: by the areas of the two triangles that it cuts the whole into.
+      // The ray at this angle divides the triangle of the vertex and both ends into two. Their areas give its length.
       const double across = r0 * std::sin(angle) + r1 * std::sin(remaining);
       crossings.push_back({h, across > 0 ? r0 * r1 * std::sin(path.turn) / across : 0});
     }

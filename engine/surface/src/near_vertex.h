@@ -11,43 +11,45 @@ namespace supple::surface {
 
 /// The shortest path between two points that are much nearer to a vertex than the sides opposite it.
 ///
-/// It stays in the fan of the vertex, and unfolding that gives it in closed form from coordinates that are counted from
-/// the vertex: however close to it the points are, they keep their digits. Windows count from the ends of edges and
-/// know a place to the rounding of an edge's length only.
+/// It stays in the fan of the vertex. Unfolding the fan gives it in closed form, from coordinates relative to the
+/// vertex, which keep their digits however close to the vertex the points are. Windows would lose these digits, because
+/// their coordinates have the rounding of an edge's length.
 struct NearVertexPath {
   std::int32_t vertex;
-  /// Outgoing halfedges of the vertex: the corners that the ends lie in.
+  /// The corners of the vertex in which the ends lie, as outgoing halfedges.
   std::int32_t from_corner, to_corner;
   /// The ends in the frames of their corners.
   Eigen::Vector2d from, to;
   double length;
-  /// Of the straight path on the other side of the vertex; infinity where there is none.
+  /// Length of the straight path on the other side of the vertex; infinity if there is none.
   double competing_length;
-  /// Angle under which the vertex sees the path, counterclockwise or clockwise; at least pi for a path through it.
+  /// Angle in radians between the directions from the vertex to the two ends, on the side of the path; at least pi for
+  /// a path through the vertex.
   double turn;
   bool clockwise;
-  /// From the end that is passed first when going round counterclockwise to the first edge on that way.
+  /// Angle in radians, counterclockwise around the vertex, from the end at which the counterclockwise path begins to
+  /// the first edge.
   double angle_to_first_edge;
-  /// Vectors of travel: from the first end to the second or to the vertex, in the frame of the first end's corner; from
-  /// the first end or the vertex to the second, in the frame of the second end's corner.
+  /// The first straight segment as a vector in the frame of the first end's corner, and the last one in the frame of
+  /// the second end's corner. A path that does not pass through the vertex has only one segment.
   Eigen::Vector2d departure, arrival;
-  /// Points at least this far from the vertex are not near it.
-  double reach;
+  /// Points at least this far from the vertex are not near it. Mesh units.
+  double near_radius;
 
   bool through_vertex() const;
 };
 
-/// The path, if the points lie inside two different faces of one vertex and near it. O(faces of the vertex); where one
-/// of the points is not near a vertex, a few comparisons.
+/// The path between two points, if they lie near the same vertex in different faces, and neither is a vertex; else
+/// nothing. O(faces of the vertex), or a few comparisons if one of the points is not near a vertex.
 std::optional<NearVertexPath> path_near_vertex(const SearchMesh& mesh, const SurfacePoint& from,
                                                const SurfacePoint& to);
 
-/// Where a path that does not pass through its vertex crosses an edge of the fan.
+/// A crossing of an edge of the fan by a path that does not pass through the vertex.
 struct FanCrossing {
-  std::int32_t halfedge;  ///< outgoing
+  std::int32_t halfedge;  ///< outgoing halfedge of the vertex
   double x;               ///< distance from the vertex
 };
-/// In order from the first end. Edges on which an end lies are not crossed.
+/// The crossings of a path in order from its first end. Edges on which an end lies are not crossed.
 std::vector<FanCrossing> fan_crossings(const SearchMesh& mesh, const NearVertexPath& path);
 
 }  // namespace supple::surface

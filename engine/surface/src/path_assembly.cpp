@@ -14,15 +14,15 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A crossing this close to a vertex, relative to the edge, is written as the vertex.
-constexpr double kVertexSnap = 1e-12;
-/// Paths whose lengths differ by less, relative, are both shortest.
-constexpr double kTie = 1e-9;
-/// Two arrivals at a vertex whose directions differ by less (radians) are one path that is bent a little: a chord past
-/// a bend of that angle saves more than paths may differ by that are both shortest.
-constexpr double kOnePath = 1e-4;
-/// Points of a path a few edges long, for which memory is asked once.
-constexpr std::size_t kShortPath = 10;
+/// A crossing within this fraction of the edge from a vertex is replaced by the vertex.
+constexpr double vertex_merge_tolerance = 1e-12;
+/// Paths whose lengths differ by less than this relative amount both count as shortest.
+constexpr double uniqueness_tolerance = 1e-9;
+/// Two arrivals at a vertex whose directions differ by less than this angle (radians) count as one path. A path with
+/// such a bend is no other shortest path: a chord past the bend is shorter by more than uniqueness_tolerance.
+constexpr double same_path_angle = 1e-4;
+/// Number of points of short paths, for which memory is reserved in advance.
+constexpr std::size_t short_path_points = 10;
 
 Vector2d rotated(const Vector2d& v, double angle) {
   const double c = std::cos(angle);
@@ -30,7 +30,7 @@ Vector2d rotated(const Vector2d& v, double angle) {
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
 }
 
-/// Unit direction of halfedge 3 f + side in the tangent frame of f.
+/// Unit direction of halfedge h in the tangent frame of its face.
 Vector2d side_direction(const SearchMesh& mesh, std::int32_t h) {
   const EdgeFrame& frame = mesh.frames[h - h % 3];
   const Vector2d apex(frame.apex_x(), frame.apex_y);
@@ -39,14 +39,14 @@ Vector2d side_direction(const SearchMesh& mesh, std::int32_t h) {
   return -apex / frame.left_length;
 }
 
-/// From the frame of halfedge h to the tangent frame of its face.
+/// The vector v, given in the frame of halfedge h, in the tangent frame of its face.
 Vector2d to_face(const SearchMesh& mesh, std::int32_t h, const Vector2d& v) {
   const Vector2d d = side_direction(mesh, h);
   return {v.x() * d.x() - v.y() * d.y(), v.x() * d.y() + v.y() * d.x()};
 }
 
-/// Direction at a vertex of polar angle `angle`, in the tangent frame of the face of corner c; faces between are
-/// unfolded the shorter way round.
+/// Unit direction of polar angle `angle` at the tail of halfedge c, in the tangent frame of c's face. Faces in between
+/// are unfolded on the side of the vertex with the smaller angle.
 Vector2d direction_at_vertex(const SearchMesh& mesh, std::int32_t c, double angle) {
   const TriangleMesh& m = *mesh.mesh;
   double turn = angle - mesh.polar_angle(c);
@@ -62,11 +62,12 @@ Vector2d direction_at_vertex(const SearchMesh& mesh, std::int32_t c, double angl
 
 std::int32_t corner_halfedge(const SurfacePoint& point, int corner) { return 3 * index(point.face) + corner; }
 
-/// Walks a path back from its end to its source.
+/// Follows a path back from its target to its source.
 class Backtrace {
  public:
-  Backtrace(const SearchState& state, bool record_points) : state_(state), mesh_(*state.mesh), record_(record_points) {
-    if (record_) points_.reserve(kShortPath);
+  Backtrace(const SearchState& state, bool record_points)
+      : state_(state), mesh_(*state.mesh), records_points_(record_points) {
+    if (records_points_) points_.reserve(short_path_points);
   }
 
   void from_target(const SearchTarget& target) {
@@ -109,19 +110,19 @@ class Backtrace {
   std::vector<PathPoint>& points() { return points_; }
   double first_length() const { return first_length_; }
 
-  /// At a source on a vertex, the angle around it under which the path leaves; NaN elsewhere.
+  /// If the source is a vertex, the polar angle at which the path leaves it; else NaN.
   double from_angle() const {
     if (!departure_ || corner_of(state_.sources[source_]) < 0) return std::numeric_limits<double>::quiet_NaN();
     // The departure is in the frame of an outgoing halfedge of the vertex.
     const std::int32_t h = departure_->halfedge;
     const double angle = mesh_.polar_angle(h) + std::atan2(departure_->vector.y(), departure_->vector.x());
-    // A path along the first edge of a fan that closes up may lie on either side of it by rounding.
+    // At an interior vertex, rounding may put a path along the fan's first edge on either side of it.
     return angle < 0 && !mesh_.mesh->is_boundary(mesh_.mesh->tail(h))
                ? angle + mesh_.mesh->vertex_angle(mesh_.mesh->tail(h))
                : std::max(0.0, angle);
   }
 
-  /// Unit direction of travel at the source, in the tangent frame of the source point's face.
+  /// Unit direction of travel at the source in the tangent frame of the source point's face.
   Vector2d from_direction() const {
     const SurfacePoint& source = state_.sources[source_];
     if (!departure_) return direct_;
@@ -133,7 +134,7 @@ class Backtrace {
       return direction_at_vertex(mesh_, corner_halfedge(source, corner), angle);
     }
     if (TriangleMesh::face_of(h) == index(source.face)) return to_face(mesh_, h, unit);
-    // The source lies on an edge and the path leaves through the other face: unfold about that edge.
+    // The source lies on an edge and the path leaves through the other face, which is unfolded about that edge.
     const std::int32_t side = 3 * index(source.face) + side_of(source);
     const std::int32_t across = mesh_.mesh->twin(side);
     const Vector2d in_face = to_face(mesh_, h, unit);
@@ -143,7 +144,7 @@ class Backtrace {
   }
 
  private:
-  /// The first piece of the path as a vector in the frame of a halfedge of the face that it starts in.
+  /// The first straight segment of the path as a vector in the frame of a halfedge of the face in which it starts.
   struct Departure {
     std::int32_t halfedge;
     Vector2d vector;
@@ -155,21 +156,21 @@ class Backtrace {
   }
 
   void add_point(const PathPoint& point) {
-    if (!record_) return;
+    if (!records_points_) return;
     if (point.vertex != VertexId::none && !points_.empty() && points_.back().vertex == point.vertex) return;
     points_.push_back(point);
   }
 
   void add_crossing(std::int32_t h, double x) {
-    if (!record_) return;
+    if (!records_points_) return;
     const EdgeFrame& frame = mesh_.frames[h];
     double head = std::clamp(x / frame.length, 0.0, 1.0);
-    if (head < kVertexSnap) return add_vertex(frame.tail);
-    if (head > 1 - kVertexSnap) return add_vertex(frame.head);
+    if (head < vertex_merge_tolerance) return add_vertex(frame.tail);
+    if (head > 1 - vertex_merge_tolerance) return add_vertex(frame.head);
     add_point(crossing_point(h, head));
   }
 
-  /// The point of h that has the given barycentric coordinate of its head.
+  /// The point of h whose barycentric coordinate with respect to the head of h is `head`.
   PathPoint crossing_point(std::int32_t h, double head) const {
     PathPoint point;
     point.point.face = FaceId(TriangleMesh::face_of(h));
@@ -211,8 +212,8 @@ class Backtrace {
     finish();
   }
 
-  /// The edge by which a window goes on to the next one, in the frame of the edge that it has come by: a point of it,
-  /// from which the next window counts, and its unit direction.
+  /// The edge by which a window has left its face, in the frame of the edge by which it had entered: the origin of the
+  /// next window's coordinates, and the unit direction of the edge.
   struct Exit {
     Exit() = default;
     Exit(const EdgeFrame& frame, bool left)
@@ -222,86 +223,86 @@ class Backtrace {
     Vector2d origin, direction;
   };
 
-  /// A window of the straight piece that is followed.
-  struct Waited {
+  /// A window on the straight segment that is followed back, with its source unfolded into its frame.
+  struct UnfoldedWindow {
     std::int32_t halfedge;
-    bool left;  ///< how it went on, as `exit` says
+    bool left;  ///< whether it left its face by the left edge, `exit`
     Exit exit;
-    WindowSource source;  ///< as it saw it
+    WindowSource source;
   };
 
-  /// Calls visit(h, left) for each window before one that waited at `h`, back to the one that left the (pseudo-)source:
-  /// with the halfedge at which it waited and where it went on.
+  /// Calls visit(h, left) for each window before the one that arrived at `h`, back to the (pseudo-)source: with the
+  /// halfedge at which the window arrived, and whether it left by the left edge.
   template <typename Visit>
-  void walk_back(std::int32_t h, Trail trail, Visit&& visit) {
-    for (;; trail = state_.trails[trail.before()]) {
+  void visit_windows_backwards(std::int32_t h, Trail trail, Visit&& visit) {
+    for (;; trail = state_.trails[trail.earlier()]) {
       for (std::uint32_t turns = trail.turns(); turns > 1; turns >>= 1) {
-        // A window that has turned right waits at the twin of the edge from apex to head, the next one of its face.
+        // After a right turn, h is the twin of the edge from apex to head, which is next() of the halfedge before.
         const bool left = (turns & 1) == 0;
         const std::int32_t edge = mesh_.mesh->twin(h);
         h = left ? TriangleMesh::next(edge) : TriangleMesh::previous(edge);
         visit(h, left);
       }
-      if (trail.before() < 0) return;
+      if (trail.earlier() < 0) return;
     }
   }
 
-  /// Adds the crossings of the windows before one that has crossed its edge at x, the latest first; all have come from
-  /// `first`, as the first of them saw it.
-  void add_crossings(std::span<Waited> windows, const WindowSource& first, double x) {
-    // Where they saw their source: computed from the first one on, as the search has done it, so that rounding is the
-    // same.
+  /// Adds the crossings of the windows before one that has crossed its edge at x, the latest first. `first` is their
+  /// common source in the frame of the first of them.
+  void add_crossings(std::span<UnfoldedWindow> windows, const WindowSource& first, double x) {
+    // The sources are computed from the first window on, as in the search, so that rounding is the same.
     WindowSource source = first;
     for (std::size_t i = windows.size(); i-- > 0;) {
       windows[i].source = source;
       const EdgeFrame& frame = mesh_.frames[windows[i].halfedge];
       const EdgeFrame::Direction u = windows[i].left ? frame.left_direction() : frame.right_direction();
-      source = windows[i].left ? seen_from_left(source, u.x, u.y)
-                               : seen_from_right(source, frame.apex_x(), frame.apex_y, u.x, u.y);
+      source = windows[i].left ? source_across_left(source, u.x, u.y)
+                               : source_across_right(source, frame.apex_x(), frame.apex_y, u.x, u.y);
     }
-    for (const Waited& w : windows) {
+    for (const UnfoldedWindow& w : windows) {
       const Vector2d on_edge = w.exit.origin + x * w.exit.direction;
-      // The rays of a window have come through the one before, up to rounding: the ends of that one need not be known.
+      // The interval of the window before is not known. The whole edge takes its place, because the rays of a window
+      // have come through that interval up to rounding.
       const Window before{0, mesh_.frames[w.halfedge].length, w.source.x, w.source.depth, 0, Trail::none(), -1, -1};
       length_to(before, on_edge.x(), std::max(0.0, on_edge.y()), x);
       add_crossing(w.halfedge, x);
     }
   }
 
-  /// Room for all windows on a trail but the last one, without asking for memory where they are few.
-  std::span<Waited> room_for_windows(Trail trail) {
-    std::size_t windows = trail.turns_here();
-    for (std::int32_t i = trail.before(); i >= 0; i = state_.trails[i].before())
-      windows += state_.trails[i].turns_here();
-    if (windows <= few_.size()) return {few_.data(), windows};
-    many_.resize(windows);
-    return many_;
+  /// A buffer for all windows of a trail but the last one. It allocates no memory for short trails.
+  std::span<UnfoldedWindow> window_buffer(Trail trail) {
+    std::size_t windows = trail.turn_count();
+    for (std::int32_t i = trail.earlier(); i >= 0; i = state_.trails[i].earlier())
+      windows += state_.trails[i].turn_count();
+    if (windows <= short_buffer_.size()) return {short_buffer_.data(), windows};
+    long_buffer_.resize(windows);
+    return long_buffer_;
   }
 
-  /// Follows the straight piece that a window has brought to `end`, in the frame of the halfedge at which it waited;
-  /// the piece crosses that edge at x.
+  /// Follows the straight segment of a window that arrived at halfedge h back from its end, given in the frame of h.
+  /// The segment crosses that edge at x.
   void follow_window(std::int32_t h, Trail trail, std::int32_t window_origin, Vector2d end, double x) {
-    // An end on the edge that the window crosses is the crossing.
-    if (end.y() > kVertexSnap * mesh_.frames[h].length) add_crossing(h, x);
-    std::span<Waited> windows;
-    if (record_) {
-      windows = room_for_windows(trail);
+    // If the end lies on the edge that the window crosses, it is the crossing itself.
+    if (end.y() > vertex_merge_tolerance * mesh_.frames[h].length) add_crossing(h, x);
+    std::span<UnfoldedWindow> windows;
+    if (records_points_) {
+      windows = window_buffer(trail);
       const std::size_t points = points_.size() + windows.size() + 2;
       if (points_.capacity() < points) points_.reserve(std::max(points, 2 * points_.capacity()));
     }
     std::int32_t first_halfedge = h;
     std::size_t place = 0;
-    walk_back(h, trail, [&](std::int32_t before, bool left) {
+    visit_windows_backwards(h, trail, [&](std::int32_t before, bool left) {
       const Exit exit(mesh_.frames[before], left);
       const Vector2d normal(-exit.direction.y(), exit.direction.x());
       end = exit.origin + end.x() * exit.direction + end.y() * normal;
       first_halfedge = before;
-      if (record_) windows[place++] = {before, left, exit, {}};
+      if (records_points_) windows[place++] = {before, left, exit, {}};
     });
     const WindowSource first = first_source(mesh_, state_.sources, window_origin, first_halfedge);
-    if (record_) add_crossings(windows, first, x);
+    if (records_points_) add_crossings(windows, first, x);
     const Vector2d vector = end - Vector2d(first.x, -first.depth);
-    // Seen from the face that holds the (pseudo-)source, across the edge.
+    // The departure is in the frame of the edge's other side, whose face contains the (pseudo-)source.
     const std::int32_t behind = mesh_.mesh->twin(first_halfedge);
     departure_ = Departure{behind, -vector};
     if (window_origin < 0) {
@@ -309,7 +310,7 @@ class Backtrace {
       first_length_ = vector.norm();
       finish();
     } else {
-      // Turn into the frame of the outgoing halfedge: the vertex is the apex of `behind`.
+      // The vertex is the apex of `behind`. The vector is rotated into the frame of its outgoing halfedge.
       const std::int32_t outgoing = TriangleMesh::previous(behind);
       const Vector2d in_face = to_face(mesh_, behind, -vector);
       const Vector2d along = side_direction(mesh_, outgoing);
@@ -318,12 +319,12 @@ class Backtrace {
     }
   }
 
-  /// The piece behind us began at vertex v; `departure_` is set as seen from there.
-  void arrive_at_vertex(std::int32_t v, double piece) {
+  /// Continues at vertex v, the beginning of the segment that was followed last. `departure_` starts at v.
+  void arrive_at_vertex(std::int32_t v, double segment_length) {
     const VertexRecord& record = state_.records[v];
     if (record.halfedge < 0 && record.along < 0) {
       source_ = -1 - record.origin;
-      first_length_ = piece;
+      first_length_ = segment_length;
       finish();
       return;
     }
@@ -331,7 +332,7 @@ class Backtrace {
     follow_record(v, false);
   }
 
-  /// The way to vertex v. `is_target` where v ends the path.
+  /// Follows the recorded path to vertex v. `is_target` says that v is the end of the whole path.
   void follow_record(std::int32_t v, bool is_target) {
     const VertexRecord& record = state_.records[v];
     if (!is_target) add_vertex(v);
@@ -342,7 +343,7 @@ class Backtrace {
       if (outward) {
         departure_ = Departure{record.along, {length, 0}};
       } else {
-        // The halfedge arrives at the origin: the next one leaves it, and the edge lies a corner's angle further.
+        // The halfedge ends at the origin. The next one leaves it, and the edge is one corner angle further.
         const std::int32_t outgoing = TriangleMesh::next(record.along);
         departure_ = Departure{outgoing, rotated({length, 0}, m.corner_angle(outgoing))};
       }
@@ -364,7 +365,7 @@ class Backtrace {
   }
 
   void finish() {
-    if (!record_) return;
+    if (!records_points_) return;
     const SurfacePoint& source = state_.sources[source_];
     const int corner = corner_of(source);
     add_point({source, position(*mesh_.mesh, source),
@@ -373,15 +374,15 @@ class Backtrace {
 
   const SearchState& state_;
   const SearchMesh& mesh_;
-  bool record_;
+  bool records_points_;
   int source_ = -1;
   double first_length_ = 0;
   std::optional<Departure> departure_;
   Vector2d direct_ = Vector2d::Zero();
   std::vector<std::int32_t> pins_;
   std::vector<PathPoint> points_;
-  std::array<Waited, kShortPath> few_;
-  std::vector<Waited> many_;
+  std::array<UnfoldedWindow, short_path_points> short_buffer_;
+  std::vector<UnfoldedWindow> long_buffer_;
 };
 
 Vector2d arrival_direction(const SearchState& state, const SearchTarget& target) {
@@ -390,29 +391,30 @@ Vector2d arrival_direction(const SearchState& state, const SearchTarget& target)
   const double whole = mesh.turn_of_images(target.vertex);
   const double turn = mesh.mesh->vertex_angle(target.vertex) / whole;
   double angle = std::atan2(target.best.image.y(), target.best.image.x());
-  // Half of the turn is free at a boundary: an angle just below 0 is 0 but for rounding, not the boundary's other side.
+  // At a boundary, images cover half of the full turn only. An angle just below 0 is 0 up to rounding, and not the
+  // other side of the boundary.
   if (angle < -0.5 * (2 * std::numbers::pi - whole)) angle += 2 * std::numbers::pi;
   return -direction_at_vertex(mesh, corner_halfedge(target.point, corner_of(target.point)), angle * turn);
 }
 
-/// By how much the best other path to a vertex, from another direction, is longer than the recorded one; infinity if no
-/// path of about that length has arrived.
+/// Length by which the best path to a vertex from another direction exceeds the recorded path; infinity if no path of
+/// about that length has arrived.
 double competing_excess_at(const SearchState& state, std::int32_t v) {
   const SearchMesh& mesh = *state.mesh;
   const VertexRecord& record = state.records[v];
-  double least = kInfinity;
-  if (record.ties < 0) return least;
+  double min_excess = kInfinity;
+  if (record.ties < 0) return min_excess;
   const double angle = arrival_angle(mesh, record, v);
   const double total = mesh.mesh->is_boundary(v) ? kInfinity : mesh.mesh->vertex_angle(v);
-  const double length = record.sigma + last_piece(mesh, record);
+  const double length = record.sigma + last_segment_length(mesh, record);
   for (std::int32_t i = record.ties; i >= 0; i = state.ties[i].next) {
     const double turn = std::abs(state.ties[i].angle - angle);
-    if (std::min(turn, total - turn) < kOnePath) continue;
-    // Paths that tied with an earlier one, which has been improved on since, are longer than the tolerance.
+    if (std::min(turn, total - turn) < same_path_angle) continue;
+    // A path that tied with an earlier record, which has been improved since, may be too long now.
     const double excess = std::max(0.0, state.ties[i].length - length);
-    if (excess <= kTie * length) least = std::min(least, excess);
+    if (excess <= uniqueness_tolerance * length) min_excess = std::min(min_excess, excess);
   }
-  return least;
+  return min_excess;
 }
 
 }  // namespace
@@ -441,20 +443,20 @@ Geodesic assemble(const SearchState& state, const SearchTarget& target, const Ge
   result.unreachable = false;
   result.distance = best.length;
   result.competing_excess = std::max(0.0, target.competing_length - best.length);
-  const bool general = options.mollifier > 0 && options.derivatives > 0;
-  Backtrace trace(state, options.path || general);
+  const bool is_mollified = options.mollifier > 0 && options.derivatives > 0;
+  Backtrace trace(state, options.path || is_mollified);
   trace.from_target(target);
   for (const std::int32_t v : trace.pins()) {
     result.pinned_at.push_back(VertexId(v));
-    // Paths may differ up to a vertex and arrive at the target as one.
+    // Two paths may be different up to a vertex and the same from there to the target.
     if (state.records) result.competing_excess = std::min(result.competing_excess, competing_excess_at(state, v));
   }
-  result.unique = result.competing_excess > kTie * best.length;
+  result.unique = result.competing_excess > uniqueness_tolerance * best.length;
   std::reverse(result.pinned_at.begin(), result.pinned_at.end());
   std::reverse(trace.points().begin(), trace.points().end());
   if (best.length > 0 && options.derivatives > 0) {
     const SurfacePoint& from = state.sources[trace.source()];
-    if (general) {
+    if (is_mollified) {
       PathLength mollified =
           mollified_length(*state.mesh->mesh, trace.points(), options.mollifier, options.mollified_ends);
       result.mollified_distance = mollified.length;
@@ -479,7 +481,7 @@ GeodesicDerivatives end_derivatives(const TriangleMesh& mesh, const SurfacePoint
   GeodesicDerivatives result;
   result.tangent_gradient << -ends.from_direction, ends.to_direction;
   if (order > 1) {
-    // A straight piece of length L resists only turning: n n^T / L at its ends, n the normal within the face.
+    // The second derivatives of a straight segment's length L are n n^T / L at its ends, with the normal n in the face.
     const Vector2d n0(-ends.from_direction.y(), ends.from_direction.x());
     const Vector2d n1(-ends.to_direction.y(), ends.to_direction.x());
     result.tangent_hessian.topLeftCorner<2, 2>() = n0 * n0.transpose() / ends.first_length;

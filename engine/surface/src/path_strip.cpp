@@ -34,22 +34,22 @@ std::int32_t common_face(const TriangleMesh& mesh, const SurfacePoint& a, const 
   return found;
 }
 
-UnrolledStrip::UnrolledStrip(const TriangleMesh& mesh, std::int32_t h)
+UnfoldedStrip::UnfoldedStrip(const TriangleMesh& mesh, std::int32_t h)
     : mesh_(mesh), h_(h), into_plane_(halfedge_frame(mesh, h).transpose()), at_(mesh.positions()[mesh.tail(h)]) {}
 
-Eigen::Vector2d UnrolledStrip::place_of(std::int32_t vertex) const {
+Eigen::Vector2d UnfoldedStrip::position_of(std::int32_t vertex) const {
   for (int i = 0; i < 2; ++i) {
-    if (known_vertices_[i] == vertex) return known_places_[i];
+    if (edge_vertices_[i] == vertex) return edge_positions_[i];
   }
-  return place(mesh_.positions()[vertex]);
+  return in_plane(mesh_.positions()[vertex]);
 }
 
-UnrolledStrip::Edge UnrolledStrip::cross(std::int32_t over) {
-  Edge edge{place_of(mesh_.tail(over)), place_of(mesh_.head(over))};
-  known_vertices_ = {mesh_.tail(over), mesh_.head(over)};
-  known_places_ = {edge.tail, edge.head};
+UnfoldedStrip::Edge UnfoldedStrip::unfold_across(std::int32_t over) {
+  Edge edge{position_of(mesh_.tail(over)), position_of(mesh_.head(over))};
+  edge_vertices_ = {mesh_.tail(over), mesh_.head(over)};
+  edge_positions_ = {edge.tail, edge.head};
   h_ = mesh_.twin(over);
-  // The twin runs the other way, and its face lies on the other side.
+  // The twin has the opposite direction, and its face lies on the other side.
   const Eigen::Vector2d along = (edge.tail - edge.head).normalized();
   Eigen::Matrix2d axes;
   axes << along.x(), -along.y(), along.y(), along.x();

@@ -9,45 +9,48 @@
 
 namespace supple::surface {
 
-/// Faces that hold a point: one, two or a vertex's fan, as halfedges of the face (the point's side or corner).
+/// The faces that contain a point: one, two, or the fan of a vertex. Each is given by one of its halfedges: the side on
+/// which the point lies, or the halfedge whose tail the point is.
 std::vector<std::int32_t> faces_around(const TriangleMesh& mesh, const SurfacePoint& point);
 
-/// The halfedge at `a` (as in faces_around) of a face that holds both points; a's own face if it does, -1 if none does.
+/// The halfedge at `a` (as in faces_around) of a face that contains both points, which is a's own face if possible; -1
+/// if there is none.
 std::int32_t common_face(const TriangleMesh& mesh, const SurfacePoint& a, const SurfacePoint& b);
 
-/// Whether a path crosses an edge there, and not a vertex.
+/// Whether the path crosses an edge at this point, and not a vertex.
 inline bool crosses_edge(const PathPoint& point) { return point.vertex == VertexId::none && side_of(point.point) >= 0; }
 
-/// Faces laid into one plane, each over the edge that it shares with the one before.
-class UnrolledStrip {
+/// A strip of faces that is unfolded into the plane, one face after the other.
+class UnfoldedStrip {
  public:
   struct Edge {
     Eigen::Vector2d tail, head;
   };
 
-  /// Begins with the face of h, whose tail becomes the origin and whose head lies on the x axis.
-  UnrolledStrip(const TriangleMesh& mesh, std::int32_t h);
+  /// A strip of one face, that of h. The tail of h becomes the origin, and its head lies on the x axis.
+  UnfoldedStrip(const TriangleMesh& mesh, std::int32_t h);
 
   /// A halfedge of the last face.
   std::int32_t halfedge() const { return h_; }
-  /// Turns vectors of the last face into the plane; its transpose turns them back.
+  /// Maps vectors within the last face to the plane; its transpose maps them back.
   const Eigen::Matrix<double, 2, 3>& into_plane() const { return into_plane_; }
-  /// A point of the last face.
-  Eigen::Vector2d place(const Eigen::Vector3d& point) const { return at_in_plane_ + into_plane_ * (point - at_); }
-  /// Lays the face on the other side of `over`, a halfedge of the last face, and says where `over` lies.
-  Edge cross(std::int32_t over);
+  /// A point of the last face in the plane.
+  Eigen::Vector2d in_plane(const Eigen::Vector3d& point) const { return at_in_plane_ + into_plane_ * (point - at_); }
+  /// Unfolds the face on the other side of `over`, a halfedge of the last face. Returns `over` in the plane.
+  Edge unfold_across(std::int32_t over);
 
  private:
-  Eigen::Vector2d place_of(std::int32_t vertex) const;
+  Eigen::Vector2d position_of(std::int32_t vertex) const;
 
   const TriangleMesh& mesh_;
   std::int32_t h_;
   Eigen::Matrix<double, 2, 3> into_plane_;
   Eigen::Vector3d at_;
   Eigen::Vector2d at_in_plane_ = Eigen::Vector2d::Zero();
-  // The edges of one vertex get one place for it: crossings next to it are told apart by their offsets.
-  std::array<std::int32_t, 2> known_vertices_{-1, -1};
-  std::array<Eigen::Vector2d, 2> known_places_;
+  // The vertices of the edge that was crossed last, and their positions in the plane. Edges that share a vertex get the
+  // same position for it, so that crossings next to it differ by their offsets only.
+  std::array<std::int32_t, 2> edge_vertices_{-1, -1};
+  std::array<Eigen::Vector2d, 2> edge_positions_;
 };
 
 }  // namespace supple::surface

@@ -6,37 +6,40 @@
 namespace supple::surface {
 namespace {
 
-/// Closer to a vertex than this, relative to the face, a point cannot be told from it: its coordinates in the frames of
-/// other faces are the vertex's own, up to rounding.
+/// A point with two barycentric coordinates below this value is taken for the vertex: its coordinates in the frames of
+/// other faces are those of the vertex up to rounding.
 constexpr double kAtVertex = 1e-14;
-/// Arrivals whose directions differ by less (radians) are one path, or as good as one.
-constexpr double kSameDirection = 1e-6;
-/// An arrival bent at a window's end stands for a straight one that another window has displaced before it came here,
-/// if it comes from well elsewhere (radians); from nearby it only hugs the best path.
-constexpr double kElsewhere = 0.1;
+/// Arrivals whose directions differ by less than this angle (radians) count as one path.
+constexpr double same_direction_tolerance = 1e-6;
+/// An arrival that is bent at a window's end may stand for a straight path whose window was trimmed on the way. This is
+/// assumed if its direction differs from that of the best path by more than this angle (radians). Otherwise it only
+/// approximates the best path.
+constexpr double other_direction_angle = 0.1;
 
-/// How far outside its window, relative to the coordinates, a straight line may cross and still count as straight.
-constexpr double kStraightTolerance = 1e-13;
+/// A path whose line misses its window by less than this fraction of the coordinates counts as straight.
+constexpr double straight_tolerance = 1e-13;
 
 bool same_direction(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double tolerance) {
   const double scale = a.norm() * b.norm();
   return scale == 0 || (a.dot(b) > 0 && std::abs(a.x() * b.y() - a.y() * b.x()) < tolerance * scale);
 }
 
-/// Whether both are one path, or as good as one.
+/// Whether both arrivals count as one path.
 bool same_path(const Arrival& a, const Arrival& b) {
-  if (same_direction(a.image, b.image, std::max(a.rank, b.rank) > 1 ? kElsewhere : kSameDirection)) return true;
-  // A path that is bent at a vertex is the one that the vertex offers, if it is as long: a vertex that holds the path
-  // is an end of windows that come by it. If it is longer, it stands for another one.
+  if (same_direction(a.image, b.image, std::max(a.rank, b.rank) > 1 ? other_direction_angle : same_direction_tolerance))
+    return true;
+  // A path that is bent at a vertex and a path by that vertex are the same if both are equally long: a window that
+  // passes beside a vertex ends there, and a path bent at its end restarts at the vertex. A longer one stands for
+  // another path.
   const auto last = [](const Arrival& x) { return x.bend.isZero(0) ? x.image : x.bend; };
   return !(a.bend.isZero(0) && b.bend.isZero(0)) && std::abs(a.length - b.length) <= kTieTolerance * a.length &&
-         same_direction(last(a), last(b), kSameDirection);
+         same_direction(last(a), last(b), same_direction_tolerance);
 }
 
-Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target, int side,
-                             const Eigen::Vector2d& relative) {
+Eigen::Vector2d in_frame_of_side_zero(const SearchMesh& mesh, const SearchTarget& target, int side,
+                                      const Eigen::Vector2d& relative) {
   if (side == 0) return relative;
-  // The frame of side s is turned against that of side 0 by the direction of halfedge s in the frame of side 0.
+  // The direction of halfedge s in the frame of side 0 is the rotation between the frames of both sides.
   const EdgeFrame& frame = mesh.frames[3 * index(target.point.face)];
   const Eigen::Vector2d apex(frame.apex_x(), frame.apex_y);
   const Eigen::Vector2d direction =
@@ -46,9 +49,9 @@ Eigen::Vector2d to_side_zero(const SearchMesh& mesh, const SearchTarget& target,
           relative.x() * direction.y() + relative.y() * direction.x()};
 }
 
-/// a - b for barycentric coordinates of one face. The largest coordinates have the fewest digits after the point, so
-/// that their difference is taken from the other two.
-Eigen::Vector3d difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+/// a - b for barycentric coordinates in one face. The largest coordinates have the largest absolute rounding, so that
+/// their difference is computed from the other two.
+Eigen::Vector3d barycentric_difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   Eigen::Vector3d d = a - b;
   int largest = 0;
   a.cwiseMax(b).maxCoeff(&largest);
@@ -56,59 +59,62 @@ Eigen::Vector3d difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return d;
 }
 
-/// Offset along h, which leads from the source's face into the target's, from the target to the source. From
-/// differences of barycentrics: points a millionth of the edge apart keep their relative accuracy, and so do points as
-/// close to one of its ends.
-double across_edge(const SearchMesh& mesh, const SurfacePoint& source, const SurfacePoint& target, std::int32_t h) {
+/// Component along h of the vector from the target to the source. h is the halfedge of the target's face that the path
+/// crosses. Differences of barycentric coordinates keep the accuracy of points that are a millionth of the edge apart,
+/// or as close to one of its ends.
+double offset_along_edge(const SearchMesh& mesh, const SurfacePoint& source, const SurfacePoint& target,
+                         std::int32_t h) {
   const EdgeFrame& frame = mesh.frames[h];
   const std::int32_t twin = mesh.mesh->twin(h);
   const EdgeFrame& behind = mesh.frames[twin];
-  Eigen::Vector3d seen = source.barycentric;  // in the face behind the edge
+  Eigen::Vector3d behind_barycentric = source.barycentric;  // coordinates in the face behind the edge
   if (TriangleMesh::face_of(twin) != index(source.face)) {
-    // The source lies on another side of that face and is written in the face beyond.
+    // The source lies on another side of that face, and its coordinates are those in the face beyond that side.
     const std::int32_t side = 3 * index(source.face) + side_of(source);
     const std::int32_t other = mesh.mesh->twin(side);
-    seen.setZero();
-    seen[other % 3] = source.barycentric[(side + 1) % 3];
-    seen[(other + 1) % 3] = source.barycentric[side % 3];
+    behind_barycentric.setZero();
+    behind_barycentric[other % 3] = source.barycentric[(side + 1) % 3];
+    behind_barycentric[(other + 1) % 3] = source.barycentric[side % 3];
   }
-  const double source_head = seen[twin % 3];
-  const double source_apex = seen[(twin + 2) % 3];
+  const double source_head = behind_barycentric[twin % 3];
+  const double source_apex = behind_barycentric[(twin + 2) % 3];
   const double target_head = target.barycentric[(h + 1) % 3];
   const double target_apex = target.barycentric[(h + 2) % 3];
   if (source_head > 0.5) {
-    // Counted from the head, as everything that is small there.
-    const double source_tail = seen[(twin + 1) % 3];
+    // Near the head the offset is measured from the head, where the coordinates are small.
+    const double source_tail = behind_barycentric[(twin + 1) % 3];
     const double target_tail = target.barycentric[h % 3];
     return frame.length * (target_tail - source_tail) - source_apex * behind.apex_x() + target_apex * frame.right_x();
   }
   return frame.length * (source_head - target_head) + source_apex * behind.right_x() - target_apex * frame.apex_x();
 }
 
-/// A bend this close to an end of the edge, relative to it, is the vertex there.
-constexpr double kBentAtVertex = 1e-9;
+/// A bend within this fraction of the edge from one of its ends is taken to be at the vertex there.
+constexpr double bend_at_vertex_tolerance = 1e-9;
 
-/// Whether a path through a window's end is bent at a vertex that can hold it: at the edge's tail, at its head, or
-/// (none) at neither.
+/// The end of the edge at which its vertex bends a path; none if the path passes no end, or the vertex cannot bend
+/// paths.
 enum class BentAt { none, tail, head };
 BentAt bent_at(const SearchMesh& mesh, const EdgeFrame& frame, const Arrival& arrival) {
   if (arrival.rank == 0) return BentAt::none;
-  if (arrival.crossing <= kBentAtVertex * frame.length) return mesh.pins(frame.tail) ? BentAt::tail : BentAt::none;
-  const bool at_head = arrival.crossing >= (1 - kBentAtVertex) * frame.length;
+  if (arrival.crossing <= bend_at_vertex_tolerance * frame.length)
+    return mesh.pins(frame.tail) ? BentAt::tail : BentAt::none;
+  const bool at_head = arrival.crossing >= (1 - bend_at_vertex_tolerance) * frame.length;
   return at_head && mesh.pins(frame.head) ? BentAt::head : BentAt::none;
 }
 
-/// Arrivals longer than this change nothing.
-double worst_of_use(const SearchTarget& target) {
+/// Arrivals longer than this do not change the target.
+double max_useful_length(const SearchTarget& target) {
   return std::max(target.best.length * (1 + kDropTolerance), target.competing_length);
 }
 
-/// 0 where the straight line from the window's source to (x, y) passes its interval, up to rounding, else 2.
+/// Arrival::rank of the path to (x, y): 0 if the straight line from the window's source passes the interval up to
+/// rounding, else 2.
 int rank_of(const Window& window, double x, double y) {
   const double total = window.depth + y;
   if (!(total > 0)) return 0;
   const double crossing = window.source_x + (x - window.source_x) * (window.depth / total);
-  const double tolerance = kStraightTolerance * (std::abs(x) + std::abs(window.source_x));
+  const double tolerance = straight_tolerance * (std::abs(x) + std::abs(window.source_x));
   return crossing >= window.b0 - tolerance && crossing <= window.b1 + tolerance ? 0 : 2;
 }
 
@@ -142,7 +148,7 @@ Eigen::Vector3d offset_from(const TriangleMesh& mesh, const SurfacePoint& point,
   return offset;
 }
 
-SurfacePoint snapped(const SurfacePoint& point) {
+SurfacePoint rounded_to_vertex(const SurfacePoint& point) {
   for (int i = 0; i < 3; ++i) {
     if (point.barycentric[(i + 1) % 3] < kAtVertex && point.barycentric[(i + 2) % 3] < kAtVertex) {
       return {point.face, Eigen::Vector3d::Unit(i)};
@@ -152,7 +158,7 @@ SurfacePoint snapped(const SurfacePoint& point) {
 }
 
 SearchTarget make_target(const SearchMesh& mesh, const SurfacePoint& given) {
-  const SurfacePoint point = snapped(given);
+  const SurfacePoint point = rounded_to_vertex(given);
   SearchTarget target;
   target.point = point;
   const std::int32_t face = index(point.face);
@@ -176,18 +182,19 @@ double arrival_angle(const SearchMesh& mesh, const VertexRecord& record, std::in
          angle_at_apex(mesh.frames[record.halfedge], record.source_x, record.depth);
 }
 
-double last_piece(const SearchMesh& mesh, const VertexRecord& record) {
+double last_segment_length(const SearchMesh& mesh, const VertexRecord& record) {
   if (record.along >= 0) return mesh.mesh->edge_length(record.along);
   const EdgeFrame& frame = mesh.frames[record.halfedge];
   return hypotenuse(record.source_x - frame.apex_x(), record.depth + frame.apex_y);
 }
 
-void offer(SearchTarget& target, const Arrival& arrival) {
+void update_target(SearchTarget& target, const Arrival& arrival) {
   const Arrival previous = target.best;
   const double tie = kDropTolerance * arrival.length;
   bool wins = arrival.length < previous.length;
   if (std::abs(arrival.length - previous.length) <= tie) {
-    // Of ways of equal length and rank, the one whose last piece is longest passes vertices that pin nothing.
+    // Among paths of equal length and rank, the one with the longest last segment is taken. The vertices on it then do
+    // not seem to pin the path.
     wins = arrival.rank != previous.rank
                ? arrival.rank < previous.rank
                : arrival.image.squaredNorm() > previous.image.squaredNorm() * (1 + kDropTolerance);
@@ -198,13 +205,13 @@ void offer(SearchTarget& target, const Arrival& arrival) {
   if (wins) target.best.length = std::min(arrival.length, previous.length);
   const Arrival& other = wins ? previous : arrival;
   if (!same_path(target.best, other)) {
-    // A displaced best may come from where the new one comes from, and then says nothing of competitors.
+    // A new best path has only the previous one as a competitor: earlier competitors may come from its own direction.
     target.competing_length = wins ? other.length : std::min(target.competing_length, other.length);
   }
 }
 
-void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target, std::int32_t h,
-                  const Window& window) {
+void update_by_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target,
+                      std::int32_t h, const Window& window) {
   Arrival arrival;
   arrival.kind = Arrival::Kind::window;
   arrival.halfedge = h;
@@ -214,23 +221,23 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
     const int side = h % 3;
     const Eigen::Vector2d& p = target.planar[side];
     arrival.length = length_to(window, p.x(), p.y(), arrival.crossing);
-    if (arrival.length > worst_of_use(target)) return;
+    if (arrival.length > max_useful_length(target)) return;
     arrival.rank = rank_of(window, p.x(), p.y());
     Eigen::Vector2d relative(window.source_x - p.x(), -window.depth - p.y());
     if (window.trail.at_start() && window.origin < 0) {
-      relative.x() = across_edge(mesh, sources[-1 - window.origin], target.point, h);
+      relative.x() = offset_along_edge(mesh, sources[-1 - window.origin], target.point, h);
       if (arrival.rank == 0) arrival.length = window.sigma + relative.norm();
     }
-    arrival.image = to_side_zero(mesh, target, side, relative);
+    arrival.image = in_frame_of_side_zero(mesh, target, side, relative);
     if (const BentAt bend = bent_at(mesh, mesh.frames[h], arrival); bend != BentAt::none) {
       const Eigen::Vector2d vertex(bend == BentAt::head ? mesh.frames[h].length : 0, 0);
-      arrival.bend = to_side_zero(mesh, target, side, vertex - p);
+      arrival.bend = in_frame_of_side_zero(mesh, target, side, vertex - p);
     }
   } else {
     const EdgeFrame& frame = mesh.frames[h];
     if (frame.apex != target.vertex) return;
     arrival.length = length_to(window, frame.apex_x(), frame.apex_y, arrival.crossing);
-    if (arrival.length > worst_of_use(target)) return;
+    if (arrival.length > max_useful_length(target)) return;
     arrival.rank = rank_of(window, frame.apex_x(), frame.apex_y);
     const double corner = mesh.polar_angle(TriangleMesh::previous(h));
     const double angle = corner + angle_at_apex(frame, window.source_x, window.depth);
@@ -242,19 +249,20 @@ void offer_window(const SearchMesh& mesh, std::span<const SurfacePoint> sources,
       arrival.bend = polar_image(mesh, target.vertex, corner + turn, reach);
     }
   }
-  offer(target, arrival);
+  update_target(target, arrival);
 }
 
-void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index) {
-  // Vertices have their own records, as sources and as targets.
+void update_by_direct_path(const SearchMesh& mesh, SearchTarget& target, const SurfacePoint& source, int source_index) {
+  // Sources and targets at vertices are treated by the records of these vertices.
   if (target.vertex >= 0 || corner_of(source) >= 0) return;
   const std::int32_t face = index(target.point.face);
   Arrival arrival;
   arrival.kind = Arrival::Kind::direct;
   arrival.source = source_index;
   if (index(source.face) == face) {
-    // From differences of barycentrics, so that close points keep their relative accuracy.
-    arrival.image = planar_point(mesh.frames[3 * face], difference(source.barycentric, target.point.barycentric), 0);
+    // Differences of barycentric coordinates keep the relative accuracy of points that are close to each other.
+    arrival.image =
+        planar_point(mesh.frames[3 * face], barycentric_difference(source.barycentric, target.point.barycentric), 0);
   } else {
     const int side = side_of(source);
     if (side < 0) return;
@@ -263,10 +271,10 @@ void offer_direct(const SearchMesh& mesh, SearchTarget& target, const SurfacePoi
     Eigen::Vector3d here = Eigen::Vector3d::Zero();
     here[across % 3] = source.barycentric[(side + 1) % 3];
     here[(across + 1) % 3] = source.barycentric[side];
-    arrival.image = planar_point(mesh.frames[3 * face], difference(here, target.point.barycentric), 0);
+    arrival.image = planar_point(mesh.frames[3 * face], barycentric_difference(here, target.point.barycentric), 0);
   }
   arrival.length = arrival.image.norm();
-  offer(target, arrival);
+  update_target(target, arrival);
 }
 
 bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target) {
@@ -276,13 +284,13 @@ bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> so
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::optional<NearVertexPath> path = path_near_vertex(mesh, sources[i], target.point);
     if (!path || path->length >= best.length) continue;
-    // Sources that are not near the vertex are at least this far from the target.
-    if (sources.size() > 1 && path->length > path->reach - path->to.norm()) continue;
+    // The right-hand side is a lower bound of the target's distance from sources that are not near the vertex.
+    if (sources.size() > 1 && path->length > path->near_radius - path->to.norm()) continue;
     best.kind = Arrival::Kind::near_vertex;
     best.length = path->length;
     best.vertex = path->vertex;
     best.source = static_cast<std::int32_t>(i);
-    best.image = to_side_zero(mesh, target, path->to_corner % 3, -path->arrival);
+    best.image = in_frame_of_side_zero(mesh, target, path->to_corner % 3, -path->arrival);
     competing_length = path->competing_length;
   }
   if (best.kind == Arrival::Kind::none) return false;
@@ -291,8 +299,8 @@ bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> so
   return true;
 }
 
-void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,
-                  const VertexRecord& record) {
+void update_by_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, double distance,
+                      const VertexRecord& record) {
   const std::int32_t v = mesh.mesh->faces()[index(target.point.face)][corner];
   Arrival arrival;
   arrival.kind = Arrival::Kind::vertex;
@@ -301,22 +309,23 @@ void offer_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, doub
     if (target.vertex != v) return;
     arrival.length = distance;
     if (!(arrival.length < kInfinity)) return;
-    arrival.rank = 0;  // whatever its last piece is, the record has it
+    arrival.rank = 0;  // the record describes the path, straight or not
     if (record.along >= 0 || record.halfedge >= 0) {
-      arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), last_piece(mesh, record));
+      arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), last_segment_length(mesh, record));
     }
   } else {
-    // In the frame of side `corner` this corner is the origin.
+    // In the frame of side `corner`, this corner is the origin.
     const Eigen::Vector2d relative = -target.planar[corner];
     arrival.length = distance + relative.norm();
     if (!(arrival.length < kInfinity)) return;
     const bool bends = mesh.pins(v) || distance == 0;
-    // Paths by other vertices are longer than the window beside them, up to rounding: they count only to fill a gap.
+    // Up to rounding, a path by a vertex that cannot bend paths is not shorter than those of the windows beside it. It
+    // counts only where they leave a gap.
     arrival.rank = bends ? 1 : 3;
     if (!bends && arrival.length >= target.best.length * (1 - kDropTolerance)) return;
-    arrival.image = to_side_zero(mesh, target, corner, relative);
+    arrival.image = in_frame_of_side_zero(mesh, target, corner, relative);
   }
-  offer(target, arrival);
+  update_target(target, arrival);
 }
 
 }  // namespace supple::surface

@@ -8,10 +8,10 @@
 namespace supple::surface {
 namespace {
 
-/// A disk is searched at the cost of this many strips to its border.
-constexpr double strips_of_a_disk = 12;
-/// Targets of one search; more are split, so that threads share the work of a single source.
-constexpr std::size_t most_targets = 256;
+/// Cost of searching a disk, in strips from its centre to its border.
+constexpr double disk_cost_in_strips = 12;
+/// Maximum number of targets of one search. More targets are divided, so that several threads work for one source.
+constexpr std::size_t max_targets = 256;
 
 bool same_point(const SurfacePoint& a, const SurfacePoint& b) {
   return a.face == b.face && a.barycentric == b.barycentric;
@@ -24,20 +24,20 @@ bool before(const SurfacePoint& a, const SurfacePoint& b) {
 
 struct Target {
   std::size_t pair;
-  double squared_distance;  ///< straight
+  double squared_distance;  ///< square of the straight distance from the source
 };
 
-/// How many of the targets, nearest first, share a search with the least work in all.
-std::size_t sharing(const std::vector<Target>& targets) {
-  double alone = 0;
-  for (const Target& target : targets) alone += target.squared_distance;
-  double least = alone;
+/// Number of targets, which are sorted by distance, that should share a search for the least total work.
+std::size_t shared_target_count(const std::vector<Target>& targets) {
+  double work_alone = 0;
+  for (const Target& target : targets) work_alone += target.squared_distance;
+  double min_work = work_alone;
   std::size_t best = 0;
   for (std::size_t k = 0; k < targets.size(); ++k) {
-    alone -= targets[k].squared_distance;
-    const double work = strips_of_a_disk * targets[k].squared_distance + alone;
-    if (work >= least) continue;
-    least = work;
+    work_alone -= targets[k].squared_distance;
+    const double work = disk_cost_in_strips * targets[k].squared_distance + work_alone;
+    if (work >= min_work) continue;
+    min_work = work;
     best = k + 1;
   }
   return best;
@@ -65,9 +65,9 @@ std::vector<std::vector<std::size_t>> shared_searches(const TriangleMesh& mesh, 
     }
     begin = end;
     std::ranges::stable_sort(targets, {}, &Target::squared_distance);
-    const std::size_t together = sharing(targets);
+    const std::size_t together = shared_target_count(targets);
     for (std::size_t k = 0; k < targets.size(); ++k) {
-      const bool joins = k > 0 && k < together && groups.back().size() < most_targets;
+      const bool joins = k > 0 && k < together && groups.back().size() < max_targets;
       if (!joins) groups.emplace_back();
       groups.back().push_back(targets[k].pair);
     }

@@ -18,7 +18,7 @@ struct GeodesicSolver::Implementation {
   std::mutex mutex;
   std::vector<std::unique_ptr<WindowSearch>> idle;
 
-  /// A search taken from the pool for as long as this lives.
+  /// A search that is taken from the pool for the lifetime of the lease.
   class Lease {
    public:
     explicit Lease(Implementation& owner) : owner_(owner) {

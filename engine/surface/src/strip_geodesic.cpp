@@ -12,17 +12,18 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Shorter paths, in mean edges, lose digits where edges are unfolded.
-constexpr double shortest_unfolded = 1e-5;
-/// A path is certainly the shortest where all others are longer by this share.
+/// Minimum length of a path that is unfolded, in mean edges. Shorter ones would lose digits.
+constexpr double min_unfolded_length = 1e-5;
+/// A path is certainly the shortest if all others are longer by this fraction.
 constexpr double certain_excess = 1e-9;
-/// Faces behind the strip's sides that are looked at before the search is asked instead.
-constexpr int most_faces_behind = 12;
+/// Maximum number of faces behind the strip's sides that are tested. Beyond it, the search is faster.
+constexpr int max_faces_behind = 12;
 
-Vector2d turned(const Vector2d& v) { return {-v.y(), v.x()}; }
+Vector2d rotated_left(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-/// The least |p - x| + |x - q| over the points x of a segment: the reflection of p about its line, or the nearer end.
-double least_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, const Vector3d& along, double length) {
+/// The minimum of |p - x| + |x - q| over the points x of a segment. It follows from reflecting p about the segment's
+/// line. It lies at an end of the segment if the line from the reflection to q misses the segment.
+double min_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, const Vector3d& along, double length) {
   const Vector3d u = along / length;
   const Vector3d from_p = p - tail;
   const Vector3d from_q = q - tail;
@@ -36,7 +37,8 @@ double least_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, 
   return Vector2d(at_p - x, off_p).norm() + Vector2d(at_q - x, off_q).norm();
 }
 
-/// Asks of one side after the other whether a path across it could be as short as `length`.
+/// Tests whether a path across a side of the strip can be as short as `length`. One certificate serves all sides, since
+/// it counts the faces behind them.
 class Certificate {
  public:
   Certificate(const TriangleMesh& mesh, const Vector3d& p, const Vector3d& q, double length)
@@ -47,8 +49,8 @@ class Certificate {
     if (across < 0) return true;
     const Vector3d& tail = mesh_.positions()[mesh_.tail(h)];
     const Vector3d along = mesh_.positions()[mesh_.head(h)] - tail;
-    if (least_detour(p_, q_, tail, along, mesh_.edge_length(h)) > length_ * (1 + certain_excess)) return true;
-    if (++faces_behind_ > most_faces_behind) return false;
+    if (min_detour(p_, q_, tail, along, mesh_.edge_length(h)) > length_ * (1 + certain_excess)) return true;
+    if (++faces_behind_ > max_faces_behind) return false;
     return excludes(TriangleMesh::next(across)) && excludes(TriangleMesh::previous(across));
   }
 
@@ -60,7 +62,7 @@ class Certificate {
   int faces_behind_ = 0;
 };
 
-/// A face in the plane: its corners.
+/// The corners of a face in the plane.
 using PlanarFace = std::array<Vector2d, 3>;
 
 PlanarFace first_face(const SearchMesh& mesh, std::int32_t face) {
@@ -72,13 +74,13 @@ PlanarFace first_face(const SearchMesh& mesh, std::int32_t face) {
 PlanarFace next_face(const SearchMesh& mesh, const PlanarFace& face, std::int32_t h) {
   const std::int32_t across = mesh.mesh->twin(h);
   const EdgeFrame& frame = mesh.frames[across];
-  const Vector2d& tail = face[(h + 1) % 3];  // halfedges across an edge run the other way
+  const Vector2d& tail = face[(h + 1) % 3];  // the two halfedges of an edge have opposite directions
   const Vector2d& head = face[h % 3];
   const Vector2d u = (head - tail) / frame.length;
   PlanarFace next;
   next[across % 3] = tail;
   next[(across + 1) % 3] = head;
-  next[(across + 2) % 3] = tail + frame.apex_x() * u + frame.apex_y * turned(u);
+  next[(across + 2) % 3] = tail + frame.apex_x() * u + frame.apex_y * rotated_left(u);
   return next;
 }
 
@@ -109,7 +111,7 @@ Strip without_faces_before(const TriangleMesh& mesh, const Strip& strip, std::in
 
 Eigen::Matrix4d TangentGeodesic::hessian() const {
   Eigen::Vector4d n;
-  n << surface::turned(from_direction), surface::turned(to_direction);
+  n << surface::rotated_left(from_direction), surface::rotated_left(to_direction);
   Eigen::Matrix4d result = Eigen::Matrix4d::Zero();
   result.topLeftCorner<2, 2>() = n.head<2>() * n.head<2>().transpose() / first_length;
   result.bottomRightCorner<2, 2>() = n.tail<2>() * n.tail<2>().transpose() / last_length;
@@ -126,23 +128,24 @@ Eigen::Vector4d TangentGeodesic::gradient() const {
   return result;
 }
 
-// In the plane of a piece, its direction is the first axis.
+// Vectors are in the plane of their straight segment, whose direction is the first axis.
 TangentGeodesic TangentGeodesic::continued(const Eigen::Vector4d& step) const {
-  const Vector2d from_way(from_direction.dot(step.head<2>()), surface::turned(from_direction).dot(step.head<2>()));
-  const Vector2d to_way(to_direction.dot(step.tail<2>()), surface::turned(to_direction).dot(step.tail<2>()));
-  const auto turned_to = [](const Vector2d& direction, const Vector2d& way) -> Vector2d {
-    return (way.x() * direction + way.y() * surface::turned(direction)) / way.norm();
+  const Vector2d from_step(from_direction.dot(step.head<2>()),
+                           surface::rotated_left(from_direction).dot(step.head<2>()));
+  const Vector2d to_step(to_direction.dot(step.tail<2>()), surface::rotated_left(to_direction).dot(step.tail<2>()));
+  const auto rotated_to = [](const Vector2d& direction, const Vector2d& vector) -> Vector2d {
+    return (vector.x() * direction + vector.y() * surface::rotated_left(direction)) / vector.norm();
   };
   TangentGeodesic result = *this;
   const Vector2d first =
-      pinned ? Vector2d(Vector2d(first_length, 0) - from_way) : Vector2d(Vector2d(distance, 0) + to_way - from_way);
-  const Vector2d last = pinned ? Vector2d(Vector2d(last_length, 0) + to_way) : first;
+      pinned ? Vector2d(Vector2d(first_length, 0) - from_step) : Vector2d(Vector2d(distance, 0) + to_step - from_step);
+  const Vector2d last = pinned ? Vector2d(Vector2d(last_length, 0) + to_step) : first;
   result.first_length = first.norm();
   result.last_length = last.norm();
   result.distance = pinned ? distance + (result.first_length - first_length) + (result.last_length - last_length)
                            : result.first_length;
-  result.from_direction = turned_to(from_direction, first);
-  result.to_direction = turned_to(to_direction, last);
+  result.from_direction = rotated_to(from_direction, first);
+  result.to_direction = rotated_to(to_direction, last);
   return result;
 }
 
@@ -234,13 +237,14 @@ Strip strip_of(const TriangleMesh& mesh, const SurfacePoint& from, const Surface
 
 TangentGeodesic within_face(const SearchMesh& mesh, const SurfacePoint& from, const SurfacePoint& to) {
   const EdgeFrame& frame = mesh.frames[3 * index(from.face)];
-  // Counted from the first corner: differences of coordinates keep the digits of points that are close to each other.
+  // Differences of barycentric coordinates keep the digits of points that are close to each other.
   const Vector3d difference = to.barycentric - from.barycentric;
-  const Vector2d way(difference[1] * frame.length + difference[2] * frame.apex_x(), difference[2] * frame.apex_y);
+  const Vector2d displacement(difference[1] * frame.length + difference[2] * frame.apex_x(),
+                              difference[2] * frame.apex_y);
   TangentGeodesic found;
-  found.distance = found.first_length = found.last_length = way.norm();
+  found.distance = found.first_length = found.last_length = displacement.norm();
   found.strip.count = 0;
-  if (found.distance > 0) found.from_direction = found.to_direction = way / found.distance;
+  if (found.distance > 0) found.from_direction = found.to_direction = displacement / found.distance;
   return found;
 }
 
@@ -257,12 +261,14 @@ std::optional<TangentGeodesic> within_strip(const SearchMesh& mesh, const Surfac
     heads[i] = face[(crossed[i] + 1) % 3];
     face = next_face(mesh, face, crossed[i]);
   }
-  const Vector2d way = point_in(face, to.barycentric) - start;
-  const double length = way.norm();
-  if (!(length > shortest_unfolded * m.mean_edge_length())) return std::nullopt;
-  // A face lies to the left of its halfedges: on the way out the head is to the left, the tail to the right.
+  const Vector2d displacement = point_in(face, to.barycentric) - start;
+  const double length = displacement.norm();
+  if (!(length > min_unfolded_length * m.mean_edge_length())) return std::nullopt;
+  // A face lies to the left of its halfedges. A path that leaves it has the head of the edge on its left, the tail on
+  // its right.
   for (std::size_t i = 0; i < crossed.size(); ++i)
-    if (!(cross(way, tails[i] - start) <= 0 && cross(way, heads[i] - start) >= 0)) return std::nullopt;
+    if (!(cross(displacement, tails[i] - start) <= 0 && cross(displacement, heads[i] - start) >= 0))
+      return std::nullopt;
 
   const Vector3d p = position(m, from);
   const Vector3d q = position(m, to);
@@ -278,9 +284,9 @@ std::optional<TangentGeodesic> within_strip(const SearchMesh& mesh, const Surfac
 
   TangentGeodesic found;
   found.distance = found.first_length = found.last_length = length;
-  found.from_direction = way / length;
+  found.from_direction = displacement / length;
   const Vector2d x = (face[1] - face[0]) / m.edge_length(3 * index(to.face));
-  found.to_direction = {found.from_direction.dot(x), found.from_direction.dot(turned(x))};
+  found.to_direction = {found.from_direction.dot(x), found.from_direction.dot(rotated_left(x))};
   found.strip = strip;
   return found;
 }

@@ -1,4 +1,4 @@
-// How windows begin: at source points and at the vertices that bend shortest paths.
+// The emission of windows by source points and by vertices that bend shortest paths.
 #include <numbers>
 
 #include "window_search.h"
@@ -6,11 +6,12 @@
 namespace supple::surface {
 namespace {
 
-/// A point p of the frame's face, and its apex, as the face on the other side of the frame's edge sees them.
-WindowSource across_from(const EdgeFrame& frame, const Eigen::Vector2d& p) {
+/// A point p of the frame's face as a source, in the frame of the halfedge on the other side of the frame's edge. The
+/// second function does the same for the face's apex.
+WindowSource source_across(const EdgeFrame& frame, const Eigen::Vector2d& p) {
   return {frame.length - p.x(), std::max(0.0, p.y())};
 }
-WindowSource across_from_apex(const EdgeFrame& frame) { return {frame.right_x(), frame.apex_y}; }
+WindowSource apex_across(const EdgeFrame& frame) { return {frame.right_x(), frame.apex_y}; }
 
 }  // namespace
 
@@ -18,14 +19,14 @@ WindowSource first_source(const SearchMesh& mesh, std::span<const SurfacePoint> 
                           std::int32_t h) {
   const std::int32_t behind = mesh.mesh->twin(h);
   const EdgeFrame& frame = mesh.frames[behind];
-  if (origin >= 0) return across_from_apex(frame);
+  if (origin >= 0) return apex_across(frame);
   const SurfacePoint& point = sources[-1 - origin];
   Eigen::Vector3d barycentric = point.barycentric;
   if (TriangleMesh::face_of(behind) != index(point.face)) {
     const int side = side_of(point);
     barycentric = across_side(point, side, mesh.mesh->twin(3 * index(point.face) + side));
   }
-  return across_from(frame, planar_point(frame, barycentric, behind % 3));
+  return source_across(frame, planar_point(frame, barycentric, behind % 3));
 }
 
 void WindowSearch::emit_from_source(std::int32_t source) {
@@ -59,16 +60,16 @@ void WindowSearch::emit_from_source(std::int32_t source) {
 void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vector2d, 3>& planar, std::int32_t origin,
                                   int entered_through) {
   const std::int32_t source = -1 - origin;
-  visit_targets(face, [&](SearchTarget& target) { offer_direct(*mesh_, target, sources_[source], source); });
+  visit_targets(face, [&](SearchTarget& target) { update_by_direct_path(*mesh_, target, sources_[source], source); });
   for (int side = 0; side < 3; ++side) {
     const std::int32_t h = 3 * face + side;
     const EdgeFrame& frame = mesh_->frames[h];
     const Eigen::Vector2d& p = planar[side];
-    // From the frame whose origin is the apex: a source next to it keeps its digits there.
+    // The distance is taken in the frame whose origin is the apex, where a source next to the apex keeps its digits.
     improve_vertex(frame.apex, planar[(side + 2) % 3].norm(), 0, p.x(), -p.y(), h, Trail::none(), origin, -1);
     const std::int32_t across = mesh_->mesh->twin(h);
     if (side == entered_through || across < 0) continue;
-    const WindowSource behind = across_from(frame, p);
+    const WindowSource behind = source_across(frame, p);
     Window window{0, frame.length, behind.x, behind.depth, 0, Trail::start(), -1, origin};
     admit_first(window, across);
   }
@@ -77,17 +78,17 @@ void WindowSearch::emit_into_face(std::int32_t face, const std::array<Eigen::Vec
 void WindowSearch::emit_from_vertex(std::int32_t v) {
   VertexRecord& record = vertices_[v];
   const bool is_source = record.halfedge < 0 && record.along < 0;
-  if (is_source || record.everywhere) {
+  if (is_source || record.emits_all_around) {
     for (const FanCorner& corner : mesh_->fan(v)) emit_through(v, corner, 0, corner.angle);
     return;
   }
   const double recorded = arrival_angle(*mesh_, record, v);
-  if (!record.sent) emit_behind(v, recorded, recorded);
-  record.sent = true;
+  if (!record.emitted) emit_behind(v, recorded, recorded);
+  record.emitted = true;
   for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) {
-    if (ties_[i].sent || !within_cut(ties_[i].length, distances_[v].value)) continue;
+    if (ties_[i].emitted || !within_drop_tolerance(ties_[i].length, distances_[v].value)) continue;
     emit_behind(v, ties_[i].angle, recorded);
-    ties_[i].sent = true;
+    ties_[i].emitted = true;
   }
 }
 
@@ -98,7 +99,7 @@ void WindowSearch::emit_behind(std::int32_t v, double arrival, double recorded) 
   using std::numbers::pi;
   const double first = pi - kSectorTolerance;
   const double last = total - pi + kSectorTolerance;
-  // How far off, on either side, the next arrivals are that have been sent.
+  // Angles on either side of the arrival to the nearest arrivals that have been continued.
   double below = kInfinity;
   double above = kInfinity;
   const auto leave_out = [&](double other) {
@@ -108,21 +109,21 @@ void WindowSearch::emit_behind(std::int32_t v, double arrival, double recorded) 
     if (turn <= 0) below = std::min(below, -turn);
     if (turn >= 0) above = std::min(above, turn);
   };
-  if (record.sent) leave_out(recorded);
+  if (record.emitted) leave_out(recorded);
   for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) {
-    if (ties_[i].sent) leave_out(ties_[i].angle);
+    if (ties_[i].emitted) leave_out(ties_[i].angle);
   }
   if (boundary) {
-    // Either side of the arriving path, as far as it is at least a straight angle away.
-    const bool after_sent = below < kInfinity;
-    const bool before_sent = above < kInfinity;
+    // A boundary vertex emits on both sides of the arriving path, where the angle from it is at least pi.
+    const bool after_emitted = below < kInfinity;
+    const bool before_emitted = above < kInfinity;
     for (const FanCorner& corner : mesh_->fan(v)) {
       const double after = arrival + first - corner.polar_angle;
-      if (!after_sent && after <= corner.angle && after + above >= 0) {
+      if (!after_emitted && after <= corner.angle && after + above >= 0) {
         emit_through(v, corner, after, std::min(corner.angle, after + above));
       }
       const double before = arrival - first - corner.polar_angle;
-      if (!before_sent && before >= 0 && before - below <= corner.angle) {
+      if (!before_emitted && before >= 0 && before - below <= corner.angle) {
         emit_through(v, corner, std::max(0.0, before - below), before);
       }
     }
@@ -154,7 +155,7 @@ void WindowSearch::emit_through(std::int32_t v, const FanCorner& corner, double 
   low = std::max(low, 0.0);
   high = std::min(high, angle);
   if (corner.across < 0 || high - low <= 3 * kSectorTolerance) return;
-  // Rays in the frame of the opposite edge: angles turn from the direction apex -> tail.
+  // The ray at angle `turn` from the direction apex to tail meets the opposite edge at this distance from its tail.
   const auto meets = [&](double turn) {
     const double c = std::cos(turn);
     const double s = std::sin(turn);
@@ -164,7 +165,7 @@ void WindowSearch::emit_through(std::int32_t v, const FanCorner& corner, double 
   };
   const double from = low <= 0 ? 0 : meets(low);
   const double to = high >= angle ? frame.length : meets(high);
-  const WindowSource behind = across_from_apex(frame);
+  const WindowSource behind = apex_across(frame);
   Window window{frame.length - to, frame.length - from, behind.x, behind.depth, sigma, Trail::start(), -1, v};
   admit_first(window, corner.across);
 }

@@ -10,8 +10,8 @@
 
 namespace supple::surface {
 
-/// Windows in the order in which they came. They lie in blocks that never move, so that the log grows without being
-/// copied and is given back piece by piece while somebody reads it.
+/// Windows in the order in which they were pushed. They lie in blocks that never move, so that the log grows without
+/// being copied, and its memory is freed block by block while it is read.
 class WindowLog {
  public:
   void push(const Window& window) {
@@ -21,15 +21,15 @@ class WindowLog {
   }
   std::size_t size() const { return size_; }
 
-  /// Visits the windows in order and forgets them; keeps blocks of `most_kept` bytes at most.
+  /// Visits the windows in order and removes them. Empty blocks of at most `max_retained_bytes` are retained.
   template <typename Visit>
-  void drain(std::size_t most_kept, Visit&& visit) {
-    std::size_t kept = 0;
+  void drain(std::size_t max_retained_bytes, Visit&& visit) {
+    std::size_t retained = 0;
     for (std::size_t i = 0; i < used_; ++i) {
       for (const Window& window : blocks_[i]) visit(window);
       blocks_[i].clear();
-      kept += blocks_[i].capacity() * sizeof(Window);
-      if (kept > most_kept) LargeVector<Window>().swap(blocks_[i]);
+      retained += blocks_[i].capacity() * sizeof(Window);
+      if (retained > max_retained_bytes) LargeVector<Window>().swap(blocks_[i]);
     }
     while (!blocks_.empty() && blocks_.back().capacity() == 0) blocks_.pop_back();
     used_ = 0;
@@ -43,13 +43,13 @@ class WindowLog {
   }
 
  private:
-  /// Small fields must not pay for large blocks, large ones not for many.
-  static constexpr std::size_t kFirstBlock = 1 << 12;
-  static constexpr std::size_t kLargestBlock = 1 << 19;
+  /// Block sizes, in windows. They grow, so that small fields need little memory and large fields few blocks.
+  static constexpr std::size_t first_block_size = 1 << 12;
+  static constexpr std::size_t max_block_size = 1 << 19;
 
   void add_block() {
     if (used_ == blocks_.size()) {
-      blocks_.emplace_back().reserve(std::min(kLargestBlock, kFirstBlock << std::min<std::size_t>(used_, 16)));
+      blocks_.emplace_back().reserve(std::min(max_block_size, first_block_size << std::min<std::size_t>(used_, 16)));
     }
     ++used_;
   }

@@ -5,22 +5,22 @@
 namespace supple::surface {
 namespace {
 
-/// Bucket width over mean edge length. Wider buckets gather larger batches and waste more work out of order; a search
-/// for a pair goes through the whole bucket that the target's distance lies in.
-constexpr double kFieldBucket = 0.5;
-constexpr double kGoalBucket = 0.03;
-/// How many queue entries ahead memory is asked for.
-constexpr std::size_t kPrefetchFar = 6;
-constexpr std::size_t kPrefetchNear = 2;
-/// Smallest relative improvement of a vertex: less is rounding.
+/// Widths of the queue's buckets, in mean edge lengths. Wider buckets gather larger batches, but waste more work. A
+/// search for a pair has narrower ones, because it processes the whole bucket with the target's distance.
+constexpr double field_bucket_width = 0.5;
+constexpr double goal_bucket_width = 0.03;
+/// Numbers of queue entries by which the two stages of prefetching are ahead.
+constexpr std::size_t prefetch_far = 6;
+constexpr std::size_t prefetch_near = 2;
+/// Minimum relative improvement of a vertex's distance; less is rounding.
 constexpr double kImprovement = 4e-16;
-/// A vertex that improves by this much, relative, sends its windows again: what they are too long by has to stay well
-/// below kDropTolerance.
-constexpr double kSentAgain = 1e-13;
-/// Batches between looks at the cancellation flag (well under a millisecond).
-constexpr std::int64_t kBatchesPerCheckpoint = 2048;
-/// No buffer holds more than this for each window that a search has made, spare room included.
-constexpr std::size_t kBytesPerWindow = 4 * sizeof(Window);
+/// A vertex whose distance improves by this relative amount emits its windows again, because the excess length of the
+/// earlier ones has to stay well below kDropTolerance.
+constexpr double min_reemission_improvement = 1e-13;
+/// Batches between two checks for a stop request. They take well under a millisecond.
+constexpr std::int64_t batches_per_checkpoint = 2048;
+/// Upper bound of the bytes that a buffer allocates for each window that a search has created.
+constexpr std::size_t max_bytes_per_window = 4 * sizeof(Window);
 
 }  // namespace
 
@@ -39,36 +39,36 @@ VertexRecord& WindowSearch::vertex_record(std::int32_t v) {
     ++vertices_reached_;
     record = VertexRecord{};
     record.emits = mesh_->pins(v);
-    record.everywhere = record.emits && settings_.relative_error > 0;
+    record.emits_all_around = record.emits && settings_.relative_error > 0;
   }
   return record;
 }
 
 void WindowSearch::release(std::int32_t window) {
-  pool_[window].link = free_;
-  free_ = window;
+  pool_[window].link = first_free_;
+  first_free_ = window;
 }
 
-void WindowSearch::hook(std::int32_t face, std::int32_t target) {
+void WindowSearch::register_target(std::int32_t face, std::int32_t target) {
   FaceRecord& record = faces_[face];
   if (record.epoch != epoch_) record = {epoch_, -1};
-  hooks_.push_back({target, record.hook});
-  record.hook = static_cast<std::int32_t>(hooks_.size()) - 1;
+  target_links_.push_back({target, record.first_link});
+  record.first_link = static_cast<std::int32_t>(target_links_.size()) - 1;
 }
 
 void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<SearchTarget> targets,
                          const SearchSettings& settings) {
   if (++epoch_ == 0) {
-    // The counter has wrapped: records of 2^32 searches ago would look current.
+    // The counter has wrapped around: records of 2^32 searches ago would seem current.
     for (HalfedgeRecord& r : halfedges_) r.epoch = 0;
     for (Distance& d : distances_) d.epoch = 0;
     for (FaceRecord& r : faces_) r.epoch = 0;
     epoch_ = 1;
   }
   pool_.clear();
-  free_ = -1;
+  first_free_ = -1;
   trails_.clear();
-  hooks_.clear();
+  target_links_.clear();
   ties_.clear();
   windows_created_ = 0;
   batches_ = 0;
@@ -76,24 +76,24 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
   sources_.assign(sources.begin(), sources.end());
   targets_ = targets;
   settings_ = settings;
-  follows_paths_ = settings.keep_windows || !targets.empty();
-  bound_ = settings.limit;
+  records_trails_ = settings.keep_windows || !targets.empty();
+  max_key_ = settings.limit;
   edge_rounding_ = kEdgeRounding * mesh_->longest_edge;
-  close_ = mesh_->has_needles;
+  near_vertices_ = mesh_->has_needles;
   for (const SurfacePoint& source : sources_) {
-    close_ = close_ || (corner_of(source) < 0 && source.barycentric.maxCoeff() > 1 - kShortSide);
+    near_vertices_ = near_vertices_ || (corner_of(source) < 0 && source.barycentric.maxCoeff() > 1 - short_side_ratio);
   }
-  plain_ = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity && !close_;
-  uncertain_ = 0;
+  plain_ = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity && !near_vertices_;
+  first_uncertain_ = 0;
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const SearchTarget& target = targets[i];
     if (target.vertex < 0) {
-      hook(index(target.point.face), static_cast<std::int32_t>(i));
+      register_target(index(target.point.face), static_cast<std::int32_t>(i));
     } else {
       const std::int32_t first = mesh_->mesh->outgoing(target.vertex);
       std::int32_t h = first;
       do {
-        hook(TriangleMesh::face_of(h), static_cast<std::int32_t>(i));
+        register_target(TriangleMesh::face_of(h), static_cast<std::int32_t>(i));
         h = mesh_->mesh->rotate(h);
       } while (h >= 0 && h != first);
     }
@@ -106,46 +106,47 @@ void WindowSearch::start(std::span<const SurfacePoint> sources, std::span<Search
     goal_offset_ = offset_from(*mesh_->mesh, goal, goal_corner);
     const std::int32_t source_corner = nearest_corner(*mesh_->mesh, sources_[0]);
     const Eigen::Vector3d source_offset = offset_from(*mesh_->mesh, sources_[0], source_corner);
-    first_key = (goal_from(source_corner) - source_offset).norm();
+    first_key = (vector_to_goal(source_corner) - source_offset).norm();
     if (!settings.landmark.empty()) {
       for (const std::int32_t v : mesh_->mesh->faces()[index(sources_[0].face)]) {
-        const double away = offset_from(*mesh_->mesh, sources_[0], v).norm();
-        first_key = std::max(first_key, to_goal(v) - away);
+        const double source_to_corner = offset_from(*mesh_->mesh, sources_[0], v).norm();
+        first_key = std::max(first_key, min_distance_to_goal(v) - source_to_corner);
       }
     }
   }
-  for (std::size_t v = 0; v < settings.known.size(); ++v) {
-    if (!(settings.known[v] < kInfinity)) continue;
+  for (std::size_t v = 0; v < settings.known_distances.size(); ++v) {
+    if (!(settings.known_distances[v] < kInfinity)) continue;
     vertex_record(static_cast<std::int32_t>(v)).origin = -1 - static_cast<std::int32_t>(sources.size());
-    distances_[v].value = settings.known[v];
+    distances_[v].value = settings.known_distances[v];
   }
-  queue_.start(first_key, mesh_->mesh->mean_edge_length() * (settings.goal_directed ? kGoalBucket : kFieldBucket));
+  queue_.start(first_key,
+               mesh_->mesh->mean_edge_length() * (settings.goal_directed ? goal_bucket_width : field_bucket_width));
 }
 
-void WindowSearch::offer_corners(SearchTarget& target) {
+void WindowSearch::update_by_corners(SearchTarget& target) {
   const Triangle& corners = mesh_->mesh->faces()[index(target.point.face)];
   for (int i = 0; i < 3; ++i) {
     const double d = distance(corners[i]);
-    if (d < kInfinity) offer_vertex(*mesh_, target, i, d, vertices_[corners[i]]);
+    if (d < kInfinity) update_by_vertex(*mesh_, target, i, d, vertices_[corners[i]]);
   }
 }
 
-double WindowSearch::beyond(double length) const {
+double WindowSearch::max_useful_key(double length) const {
   return length * (1 + kTieTolerance) + kEdgeRounding * mesh_->longest_edge;
 }
 
-bool WindowSearch::settled() {
+bool WindowSearch::all_certain() {
   if (targets_.empty()) return false;
-  const double certain = queue_.least_key();
-  while (uncertain_ < targets_.size()) {
-    SearchTarget& target = targets_[uncertain_];
-    if (target.best.length > certain || settings_.goal_directed) {
-      offer_corners(target);
+  const double min_queued_key = queue_.min_key();
+  while (first_uncertain_ < targets_.size()) {
+    SearchTarget& target = targets_[first_uncertain_];
+    if (target.best.length > min_queued_key || settings_.goal_directed) {
+      update_by_corners(target);
     }
-    const double enough = beyond(target.best.length);
-    if (settings_.goal_directed) bound_ = std::min(bound_, enough);
-    if (enough > certain) return false;
-    ++uncertain_;
+    const double max_key = max_useful_key(target.best.length);
+    if (settings_.goal_directed) max_key_ = std::min(max_key_, max_key);
+    if (max_key > min_queued_key) return false;
+    ++first_uncertain_;
   }
   return true;
 }
@@ -161,11 +162,11 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
   }
   std::int32_t item = 0;
   BucketQueue::Bucket bucket = 0;
-  BucketQueue::Bucket checked = -1;
+  BucketQueue::Bucket last_checked_bucket = -1;
   while (queue_.pop(item, bucket)) {
-    if (bucket != checked || settings_.goal_directed) {
-      checked = bucket;
-      if (settled() || queue_.least_key() > bound_) break;
+    if (bucket != last_checked_bucket || settings_.goal_directed) {
+      last_checked_bucket = bucket;
+      if (all_certain() || queue_.min_key() > max_key_) break;
     }
     prefetch();
     if (item >= 0) {
@@ -173,7 +174,7 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
       if (record.queued != bucket) continue;
       record.queued = BucketQueue::kNotQueued;
       process(item);
-      if (++batches_ % kBatchesPerCheckpoint == 0) {
+      if (++batches_ % batches_per_checkpoint == 0) {
         execution.cancellation.throw_if_requested();
         report_progress(execution);
       }
@@ -185,21 +186,21 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
     }
   }
   for (SearchTarget& target : targets_) {
-    offer_corners(target);
+    update_by_corners(target);
   }
 }
 
 void WindowSearch::report_progress(const Execution& execution) const {
-  // Of a search that may stop early nobody knows the end.
+  // A search with targets may end early, so that its progress is not known.
   if (!execution.progress || !targets_.empty()) return;
   execution.progress->report(static_cast<double>(vertices_reached_) / static_cast<double>(vertices_.size()), "search");
 }
 
 void WindowSearch::prefetch() const {
-  // Two stages, because what the later one fetches is named by what the earlier one has brought.
+  // The addresses for the second stage are in the memory that the first stage fetches.
   constexpr std::int32_t none = std::numeric_limits<std::int32_t>::max();
-  const std::int32_t far = queue_.upcoming(kPrefetchFar, none);
-  const std::int32_t near = queue_.upcoming(kPrefetchNear, none);
+  const std::int32_t far = queue_.upcoming(prefetch_far, none);
+  const std::int32_t near = queue_.upcoming(prefetch_near, none);
   if (far < 0) {
     __builtin_prefetch(&vertices_[~far]);
     __builtin_prefetch(&mesh_->first_corner[~far]);
@@ -221,20 +222,20 @@ void WindowSearch::prefetch() const {
   }
 }
 
-void WindowSearch::take_kept(std::vector<VertexRecord>& records, LargeVector<Window>& windows,
-                             std::vector<std::int32_t>& first) {
-  // Sorted by halfedge: each place begins as the end of its halfedge's windows and is counted down to their beginning,
-  // so that the last window comes first.
+void WindowSearch::take_logged_windows(std::vector<VertexRecord>& records, LargeVector<Window>& windows,
+                                       std::vector<std::int32_t>& first) {
+  // The windows are sorted by halfedge. Each entry of `first` begins as the end of its halfedge's windows and is
+  // counted down to their beginning, so that the last window comes first.
   first.resize(halfedges_.size() + 1);
   std::int32_t end = 0;
   for (std::size_t h = 0; h < halfedges_.size(); ++h) {
-    if (halfedges_[h].epoch == epoch_) end += halfedges_[h].kept;
+    if (halfedges_[h].epoch == epoch_) end += halfedges_[h].logged;
     first[h] = end;
   }
   first[halfedges_.size()] = end;
   const double to_length = 1 + settings_.relative_error;
-  windows.resize(kept_.size());
-  kept_.drain(kMostKept, [&](const Window& window) {
+  windows.resize(logged_.size());
+  logged_.drain(max_retained_buffer_bytes, [&](const Window& window) {
     Window& copy = windows[--first[window.link]];
     copy = window;
     copy.sigma *= to_length;
@@ -244,15 +245,17 @@ void WindowSearch::take_kept(std::vector<VertexRecord>& records, LargeVector<Win
 }
 
 void WindowSearch::give_back_memory() {
-  if (static_cast<std::size_t>(windows_created_) * kBytesPerWindow <= kMostKept && kept_.size() == 0) return;
-  if (pool_.capacity() * sizeof(Window) > kMostKept) LargeVector<Window>().swap(pool_);
-  if (trails_.capacity() * sizeof(Trail) > kMostKept) std::vector<Trail>().swap(trails_);
-  kept_.drain(kMostKept, [](const Window&) {});
-  queue_.give_back_memory(kMostKept);
+  if (static_cast<std::size_t>(windows_created_) * max_bytes_per_window <= max_retained_buffer_bytes &&
+      logged_.size() == 0)
+    return;
+  if (pool_.capacity() * sizeof(Window) > max_retained_buffer_bytes) LargeVector<Window>().swap(pool_);
+  if (trails_.capacity() * sizeof(Trail) > max_retained_buffer_bytes) std::vector<Trail>().swap(trails_);
+  logged_.drain(max_retained_buffer_bytes, [](const Window&) {});
+  queue_.give_back_memory(max_retained_buffer_bytes);
 }
 
 std::size_t WindowSearch::buffer_bytes() const {
-  return pool_.capacity() * sizeof(Window) + trails_.capacity() * sizeof(Trail) + kept_.memory_bytes() +
+  return pool_.capacity() * sizeof(Window) + trails_.capacity() * sizeof(Trail) + logged_.memory_bytes() +
          queue_.memory_bytes();
 }
 
@@ -270,8 +273,8 @@ void WindowSearch::queue_halfedge(std::int32_t h, HalfedgeRecord& record, double
 
 void WindowSearch::queue_vertex(std::int32_t v, VertexRecord& record) {
   double key = distances_[v].value;
-  if (settings_.goal_directed) key += std::max(to_goal(v), goal_from(v).norm());
-  if (key > bound_) return;
+  if (settings_.goal_directed) key += std::max(min_distance_to_goal(v), vector_to_goal(v).norm());
+  if (key > max_key_) return;
   const BucketQueue::Bucket bucket = queue_.bucket_of(key);
   if (record.queued <= bucket) return;
   record.queued = bucket;
@@ -282,36 +285,36 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
                                   std::int32_t halfedge, Trail trail, std::int32_t origin, std::int32_t along,
                                   double crossing, bool straight) {
   VertexRecord& record = vertex_record(v);
-  double& known = distances_[v].value;
-  const bool improves = distance < known * (1 - kImprovement);
-  const bool ties = distance < known * (1 + kDropTolerance) && distance > known * (1 - kDropTolerance);
+  double& current = distances_[v].value;
+  const bool improves = distance < current * (1 - kImprovement);
+  const bool ties = distance < current * (1 + kDropTolerance) && distance > current * (1 - kDropTolerance);
   bool replaces = improves;
-  if (ties && known > 0) {
-    // Of ways of equal length the one that has been straight for longest is kept: a vertex on it then does not seem to
-    // pin the path.
+  if (ties && current > 0) {
+    // Among paths of equal length, the one whose last segment is longest is recorded, so that a vertex on a straight
+    // path does not seem to pin it.
     const bool straighter = along < 0 && straight && (record.along >= 0 || sigma < record.sigma * (1 - kDropTolerance));
     replaces = straighter || (improves && along >= 0 && record.along >= 0);
   }
-  bool to_send = false;
-  if (record.emits && !record.everywhere && both_shortest(distance, known)) {
+  bool must_emit = false;
+  if (record.emits && !record.emits_all_around && both_shortest(distance, current)) {
     const VertexRecord path{.sigma = sigma, .source_x = source_x, .depth = depth, .halfedge = halfedge, .along = along};
-    to_send = note_tie(v, path, distance, replaces);
-    if (distance < known * (1 - kSentAgain)) {
-      record.sent = false;
-      for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) ties_[i].sent = false;
-      to_send = true;
+    must_emit = note_tie(v, path, distance, replaces);
+    if (distance < current * (1 - min_reemission_improvement)) {
+      record.emitted = false;
+      for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) ties_[i].emitted = false;
+      must_emit = true;
     }
   } else if (improves) {
-    record.sent = false;
+    record.emitted = false;
     record.ties = -1;
-    to_send = record.emits && replaces;
+    must_emit = record.emits && replaces;
   }
   if (!replaces) {
-    if (improves) known = distance;
-    if (to_send) queue_vertex(v, record);
+    if (improves) current = distance;
+    if (must_emit) queue_vertex(v, record);
     return false;
   }
-  known = std::min(known, distance);
+  current = std::min(current, distance);
   record.sigma = sigma;
   record.source_x = source_x;
   record.depth = depth;
@@ -320,8 +323,8 @@ bool WindowSearch::improve_vertex(std::int32_t v, double distance, double sigma,
   record.halfedge = halfedge;
   record.origin = origin;
   record.along = along;
-  if (improves && record.everywhere) become_source(v);
-  if (to_send) queue_vertex(v, record);
+  if (improves && record.emits_all_around) make_pseudo_source(v);
+  if (must_emit) queue_vertex(v, record);
   return improves;
 }
 
@@ -336,29 +339,29 @@ bool WindowSearch::note_tie(std::int32_t v, const VertexRecord& path, double len
     return false;
   }
   const double total = mesh_->mesh->vertex_angle(v);
-  const double whole = mesh_->mesh->is_boundary(v) ? kInfinity : total;
+  const double full_turn = mesh_->mesh->is_boundary(v) ? kInfinity : total;
   const auto apart = [&](double a, double b) {
     const double turn = std::abs(a - b);
-    return std::min(turn, whole - turn) > kSectorTolerance;
+    return std::min(turn, full_turn - turn) > kSectorTolerance;
   };
   const double recorded = arrival_angle(*mesh_, record, v);
   const double angle = arrival_angle(*mesh_, path, v);
   if (!apart(angle, recorded)) return false;
   const double noted = replaces ? recorded : angle;
-  bool known = false;
-  for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) known = known || !apart(ties_[i].angle, noted);
-  if (!known) {
-    ties_.push_back({noted, replaces ? distances_[v].value : length, replaces && record.sent, record.ties});
+  bool is_noted = false;
+  for (std::int32_t i = record.ties; i >= 0; i = ties_[i].next) is_noted = is_noted || !apart(ties_[i].angle, noted);
+  if (!is_noted) {
+    ties_.push_back({noted, replaces ? distances_[v].value : length, replaces && record.emitted, record.ties});
     record.ties = static_cast<std::int32_t>(ties_.size()) - 1;
   }
-  if (replaces) record.sent = false;
-  return replaces || (!known && within_cut(length, distances_[v].value));
+  if (replaces) record.emitted = false;
+  return replaces || (!is_noted && within_drop_tolerance(length, distances_[v].value));
 }
 
-void WindowSearch::become_source(std::int32_t v) {
+void WindowSearch::make_pseudo_source(std::int32_t v) {
   VertexRecord& record = vertices_[v];
   const double weight = length_of_path(v) / (1 + settings_.relative_error);
-  record.everywhere = record.emits = true;
+  record.emits_all_around = record.emits = true;
   record.sigma = distances_[v].value = weight;
 }
 

@@ -11,7 +11,7 @@ namespace supple::surface {
 namespace {
 
 /// Of the four kinds of buffers that grow with a search each may keep so much.
-constexpr auto kept_by_all_buffers = static_cast<std::int64_t>(4 * kMostKept);
+constexpr auto kept_by_all_buffers = static_cast<std::int64_t>(4 * max_retained_buffer_bytes);
 
 struct FarPair {
   std::shared_ptr<const TriangleMesh> mesh = testing::share(testing::spiral_cup());
@@ -23,7 +23,7 @@ TEST(SearchMemory, ASearchForAFarPairHoldsTheWindowsOfItsFrontAndNoneThatHavePas
   const FarPair pair;
   const SearchMesh mesh(pair.mesh);
   WindowSearch search(mesh);
-  const SurfacePoint from = snapped(pair.from);
+  const SurfacePoint from = rounded_to_vertex(pair.from);
   SearchTarget target = make_target(mesh, pair.to);
   SearchSettings settings;
   settings.goal_directed = true;
@@ -38,7 +38,7 @@ TEST(SearchMemory, ASearchThatAsksForNoPathRecordsNoTrail) {
   const FarPair pair;
   const SearchMesh mesh(pair.mesh);
   WindowSearch search(mesh);
-  const SurfacePoint from = snapped(pair.from);
+  const SurfacePoint from = rounded_to_vertex(pair.from);
   search.run({&from, 1}, {}, {}, {});
   EXPECT_TRUE(search.trails().empty());
 }
@@ -47,7 +47,7 @@ TEST(SearchMemory, TheWindowsOfAFieldLeaveTheSearchWithTheField) {
   const FarPair pair;
   const SearchMesh mesh(pair.mesh);
   WindowSearch search(mesh);
-  const SurfacePoint from = snapped(pair.from);
+  const SurfacePoint from = rounded_to_vertex(pair.from);
   SearchSettings settings;
   settings.keep_windows = true;
   search.run({&from, 1}, {}, settings, {});
@@ -55,10 +55,10 @@ TEST(SearchMemory, TheWindowsOfAFieldLeaveTheSearchWithTheField) {
   std::vector<VertexRecord> records;
   LargeVector<Window> windows;
   std::vector<std::int32_t> first;
-  search.take_kept(records, windows, first);
-  ASSERT_GT(windows.size() * sizeof(Window), 8 * kMostKept);
+  search.take_logged_windows(records, windows, first);
+  ASSERT_GT(windows.size() * sizeof(Window), 8 * max_retained_buffer_bytes);
   EXPECT_GT(while_searching, windows.size() * sizeof(Window));
-  EXPECT_LT(search.buffer_bytes(), while_searching - windows.size() * sizeof(Window) + kMostKept);
+  EXPECT_LT(search.buffer_bytes(), while_searching - windows.size() * sizeof(Window) + max_retained_buffer_bytes);
 }
 
 TEST(SearchMemory, ASolverHoldsAfterLongQueriesHardlyMoreThanAfterAShortOne) {

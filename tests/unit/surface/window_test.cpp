@@ -103,11 +103,11 @@ TEST(Window, IsCutToWhereItBeatsBothVertices) {
     ASSERT_TRUE(after.b0 >= before.b0 && after.b1 <= before.b1) << trial;
     for (int i = 0; i < samples; i += 7) {
       const double x = sample(before.b0, before.b1, i);
-      const bool kept = !cut_off.dead && x >= after.b0 && x <= after.b1;
+      const bool kept = !cut_off.empty && x >= after.b0 && x <= after.b1;
       if (std::abs(excess(x)) < 1e-9) continue;
       ASSERT_EQ(kept, excess(x) < 0) << "trial " << trial << ", x " << x;
     }
-    dead += cut_off.dead ? 1 : 0;
+    dead += cut_off.empty ? 1 : 0;
     whole += !cut_off.by_tail && !cut_off.by_head ? 1 : 0;
   }
   EXPECT_GT(dead, 1'000);

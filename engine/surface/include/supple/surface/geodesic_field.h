@@ -57,12 +57,12 @@ class GeodesicField {
   const std::vector<std::int32_t>& vertex_sources() const;
   /// Writes the bundles of paths that reach a face into `arrivals`, which is cleared first. The distance of any point
   /// of the face, including its border, is the least length_to() of them. Some bundles are nowhere the shortest. With
-  /// an edge_graph these are the ways by the corners and those from sources in the face. O(their number). Throws the
+  /// an edge_graph these are the paths by the corners and those from sources in the face. O(their number). Throws the
   /// same.
   void arrivals(FaceId face, std::vector<FaceArrival>& arrivals) const;
-  /// How the path that arrival number `arrival` of a face, as arrivals() counts them, has to a place of the face leaves
-  /// its source: a path that does not turn within the face. O(edges crossed), some tens of nanoseconds each. Throws
-  /// "field.not_kept" for windows that were not kept and for an edge_graph, which knows no ways.
+  /// The start of a path to `place`, a point of the face's plane. The path belongs to bundle number `arrival` of
+  /// arrivals(face) and must not turn within the face. O(edges crossed), some tens of nanoseconds each. Throws
+  /// "field.not_kept" if windows were not kept, which is always so for an edge_graph.
   PathStart start_of_path(FaceId face, std::size_t arrival, const Eigen::Vector2d& place) const;
   /// Whether any path from the sources, even one that is not the shortest, reaches the face or one of its corners. O(1)
   /// plus the number of sources in the face. Throws the same.

@@ -11,13 +11,13 @@
 
 namespace supple::surface {
 
-/// What is already known about a pair. It saves work of the search and never changes the answer.
+/// What is known about a pair before the search. It saves work and never changes the answer.
 struct PairHints {
   /// A path between the same ends: its length bounds the search.
   const std::vector<PathPoint>* known_path = nullptr;
   /// An exact field from a point near the second end, and the distance between that point and the second end (or more).
-  /// By the triangle inequality the field says how far the second end is from every vertex. On shapes that wind,
-  /// straight distances say little. With the field a search looks only at a strip around the path instead of half the
+  /// By the triangle inequality, the field bounds the second end's distance from every vertex. On winding shapes these
+  /// bounds are much better than straight distances: the search covers a strip around the path instead of half the
   /// surface.
   const GeodesicField* landmark = nullptr;
   double landmark_distance = 0;
@@ -33,13 +33,13 @@ struct PointPair {
 /// Computes exact geodesics of one mesh. It keeps what depends on the mesh alone and a pool of search states, so that
 /// the cost of a local query does not grow with the mesh. All members may be called from several threads at once.
 ///
-/// Memory: about 270 bytes per face, and 100 bytes per face for each search that runs at the same time. Both are kept.
-/// What a search needs in addition, for the windows that wait at its front, is given back when it ends, except for some
+/// Memory: about 270 bytes per face, and 100 bytes per face for each search that runs at the same time. Both are
+/// retained. What a search needs in addition, for the windows at its front, is freed when it ends, except for some
 /// megabytes.
 class GeodesicSolver {
  public:
   explicit GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh);
-  /// O(faces), half a microsecond each at most; looks at the token every few milliseconds.
+  /// O(faces), at most half a microsecond each. It checks for a stop request every few milliseconds.
   GeodesicSolver(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution);
   ~GeodesicSolver();
   GeodesicSolver(const GeodesicSolver&) = delete;
@@ -48,7 +48,8 @@ class GeodesicSolver {
   const TriangleMesh& mesh() const;
   const std::shared_ptr<const TriangleMesh>& shared_mesh() const;
 
-  /// The memory that the solver holds in addition to the mesh: what it has computed from the mesh, and idle searches.
+  /// The memory in bytes that the solver uses in addition to the mesh: what it has computed from the mesh, and idle
+  /// searches.
   std::int64_t memory_bytes() const;
 
   /// The length of the shortest path, or infinity if there is none. The search is directed at its goal: the work grows
@@ -71,10 +72,10 @@ class GeodesicSolver {
 
   /// The shortest paths of many pairs whose points move a little from call to call, computed in parallel into memory
   /// that the caller owns. This is what springs between the points need. If `strips_known`, found[i].strip is the strip
-  /// of pairs[i] before its ends moved. The strip is unfolded, and kept if no other path can be as short, which takes a
-  /// fraction of a search (about 0.3 microseconds for each pair) and never changes the answer. With `paths`, one for
-  /// each pair, these receive the paths themselves, and every pair between two faces is searched for. The path of two
-  /// ends in one place is empty. Throws what `geodesic` throws.
+  /// of pairs[i] before its ends moved. The strip is unfolded, and it is the answer if no other path can be as short.
+  /// This takes a fraction of a search (about 0.3 microseconds for each pair) and never changes the answer. `paths`, if
+  /// given, has one entry for each pair and receives the paths themselves; every pair between two faces is then
+  /// searched for. The path of two coincident ends is empty. Throws what `geodesic` throws.
   PathsFound tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found, bool strips_known,
                                const Execution& execution = {}, std::span<std::vector<PathPoint>> paths = {}) const;
 

@@ -5,12 +5,12 @@
 
 namespace supple::surface {
 
-/// How a shortest path leaves its source.
+/// The direction in which a shortest path leaves its source.
 struct PathStart {
-  /// Unit direction of travel in tangent_frame of the source's face; zero where the path has no length. At a vertex,
-  /// faces between that face and the path are unfolded the shorter way round.
+  /// Unit direction of travel in tangent_frame of the source's face; zero if the path has no length. At a vertex, the
+  /// faces between that face and the path are unfolded on the side of the vertex with the smaller angle.
   Eigen::Vector2d direction = Eigen::Vector2d::Zero();
-  /// Of a source on a vertex: the angle of that direction, as VertexCone counts it; NaN elsewhere.
+  /// If the source is a vertex: the angle of that direction in radians, as VertexCone counts it; else NaN.
   double angle = std::numeric_limits<double>::quiet_NaN();
 };
 

@@ -9,8 +9,9 @@
 
 namespace supple::surface {
 
-/// The directions at a vertex, as counterclockwise angles around it. They begin with 0 along halfedge outgoing(v) and
-/// end with the sum of the corner angles, where an interior vertex begins again. O(degree).
+/// The directions at a vertex, as counterclockwise angles around it in radians. They begin with 0 along halfedge
+/// outgoing(v) and end with the sum of the corner angles, which is the direction 0 again at an interior vertex.
+/// O(degree).
 class VertexCone {
  public:
   VertexCone(const TriangleMesh& mesh, std::int32_t vertex);
@@ -18,7 +19,7 @@ class VertexCone {
   double total_angle() const { return total_angle_; }
   /// Whether the directions end at a boundary instead of closing up.
   bool open() const { return open_; }
-  /// Whether shortest paths can bend at the vertex. This needs more than pi between two directions on either side.
+  /// Whether shortest paths can bend at the vertex. For this two directions must be more than pi apart on either side.
   bool bends_paths() const;
 
   /// The angle of the shorter turn between two directions. At an open vertex there is only one turn.
@@ -38,7 +39,7 @@ class VertexCone {
  private:
   struct Sector {
     std::int32_t halfedge;
-    double begin;  ///< angle of the halfedge; the sector ends at the next sector's
+    double begin;  ///< angle of the halfedge; the sector ends where the next one begins
   };
 
   const TriangleMesh& mesh_;
@@ -47,8 +48,9 @@ class VertexCone {
   bool open_ = false;
 };
 
-/// One shortest path that ends at a vertex: its length falls at rate cos(angle) towards directions within pi of
-/// `angle`, and rises at rate 1 towards others, to which the path continues through the vertex.
+/// One shortest path that ends at a vertex and arrives there from direction `angle`. If its end moves away from the
+/// vertex at an angle a <= pi from this direction, the length falls at rate cos(a). In other directions it rises at
+/// rate 1, because the path then continues through the vertex.
 struct ArrivingPath {
   double angle;
   double weight;
@@ -56,12 +58,12 @@ struct ArrivingPath {
 
 struct SteepestDescent {
   double slope;  ///< least directional derivative; at least 0 at a local minimum
-  double angle;  ///< the direction that has it
+  double angle;  ///< the direction with that derivative
 };
 
 /// Finds the least value of D(u) = - sum w_i cos(min(angle between u and a_i, pi)), which is the directional derivative
-/// of a weighted sum of distances at a vertex. D is a sinusoid between the directions where a term changes its form, so
-/// that the least value is found exactly. O(arrivals^2).
+/// of a weighted sum of distances at a vertex. Between the directions at which one of its terms changes its form, D is
+/// a sinusoid, so that the least value is found exactly. O(arrivals^2).
 SteepestDescent steepest_descent(const VertexCone& cone, std::span<const ArrivingPath> arrivals);
 
 }  // namespace supple::surface
