@@ -14,66 +14,69 @@
 
 namespace supple::voronoi {
 
-/// The borders in a convex polygon of a face where all of them are bisectors of images (BisectorCells), joined to the
-/// cuts of the polygon's sides, which have been found by themselves.
+/// The borders in a convex polygon of a face if all of them are bisectors of images (BisectorCells). They end at the
+/// given cuts of the polygon's sides. A cut is a point of a side at which the nearest site changes.
 class BisectorBorders {
  public:
-  /// `boundary` has the polygon's corners and the cuts of its sides in their order; `cuts` are the indices of the cuts
-  /// in it. Points get numbers from `first_point` on. False where the envelope does not consist of bisectors, or where
-  /// cells and cuts do not fit together because places are the same but for rounding.
-  bool find(const FaceDistances& distances, const Active& kept, std::span<const Eigen::Vector2d> polygon,
+  /// Finds the borders. `boundary` has the polygon's corners and cuts in order, and `cuts` the indices of the cuts in
+  /// it. New points are numbered from `first_point` on. Returns false if not all borders are bisectors, or if cells and
+  /// cuts are inconsistent by rounding.
+  bool find(const FaceDistances& distances, const Active& active, std::span<const Eigen::Vector2d> polygon,
             std::span<const BoundaryVertex> boundary, std::span<const std::size_t> cuts, std::int32_t first_point,
             double size);
 
-  /// Where three images meet: Voronoi vertices, and bends of borders where two of these are one site's.
+  /// Points at which three images meet: Voronoi vertices, or bends of borders if two of the images belong to one site.
   const std::vector<FacePoint>& points() const { return points_; }
-  /// Straight parts of borders between points, or cuts, without their lengths.
+  /// Straight parts of borders between points and cuts. Their lengths are not set.
   const std::vector<FaceBorder>& borders() const { return borders_; }
 
   std::size_t pieces() const { return cells_.images().size(); }
   std::int32_t site_of_piece(std::size_t image) const { return cells_.images()[image].site; }
-  /// The corners of an image's piece, none where it has no piece. Where borders end, they are place(end), so that all
-  /// pieces have the same corner there.
+  /// Appends the corners of an image's piece; none if the image has no cell. Ends of borders are written as place(end),
+  /// so that all pieces have exactly the same corner there.
   template <typename Place>
   void write_piece(std::size_t image, const Place& place, std::vector<Eigen::Vector2d>& corners) const {
     const BisectorCells::Cell& cell = cells_.cells()[image];
     corners.reserve(cell.count);
     for (std::size_t k = 0; k < cell.count; ++k) {
-      const std::int32_t end = known_end(meeting(image, cell.before(k).beyond, cell.corner(k).beyond));
+      const std::int32_t end = find_end(end_key(image, cell.before(k).neighbour, cell.corner(k).neighbour));
       corners.push_back(end == no_end ? cell.corner(k).place : place(end));
     }
   }
 
  private:
-  /// Where a border of two images ends: these and the third one, or side, that it meets there, ascending.
-  using Meeting = std::array<std::int32_t, 3>;
-  /// Where two images of different sites meet on a side of the polygon.
+  /// Key of an end of borders: the two images on its sides, and the third image or polygon side that it meets, as in
+  /// BisectorCells::Corner, ascending.
+  using EndKey = std::array<std::int32_t, 3>;
+  /// A point of a polygon's side at which images of two sites meet.
   struct Crossing {
     std::int32_t side;
-    std::int32_t one, other;  ///< images
+    std::int32_t one, other;  ///< indices of images
     std::int32_t cut;
   };
-  /// A border that one cell has found, and whether (`twice`) the cell on its other side has found the same.
+  /// A border as one cell has it. It is matched once the cell on its other side has the same one.
   struct HalfBorder {
-    std::int32_t left, right;  ///< images
-    Meeting from, to;
+    std::int32_t left, right;  ///< indices of images
+    EndKey from, to;
     Eigen::Vector2d begin, end;
-    bool twice;
+    bool matched;
   };
   static constexpr std::int32_t no_end = std::numeric_limits<std::int32_t>::min();
 
-  static Meeting meeting(std::size_t image, std::int32_t before, std::int32_t after);
+  static EndKey end_key(std::size_t image, std::int32_t before, std::int32_t after);
+  /// Finds the cells' crossings of the sides. Returns false if they do not agree with the cuts.
   bool find_crossings(std::span<const Eigen::Vector2d> polygon, std::span<const BoundaryVertex> boundary,
                       std::span<const std::size_t> cuts, double size);
-  /// Adds the point or names the cut at which borders end; false where it is not sure.
-  bool add_end(const Meeting& meeting, const Eigen::Vector2d& about, double size);
-  std::int32_t known_end(const Meeting& meeting) const;
+  /// Adds the point or cut at which borders end, if ends_ lacks it. Returns false if its position is not accurate to
+  /// rounding.
+  bool add_end(const EndKey& key, const Eigen::Vector2d& guess, double size);
+  std::int32_t find_end(const EndKey& key) const;
 
   BisectorCells cells_;
   std::int32_t first_point_ = 0;
   std::vector<Crossing> crossings_;
   std::vector<HalfBorder> half_borders_;
-  std::vector<std::pair<Meeting, std::int32_t>> ends_;  ///< as in FaceBorder
+  std::vector<std::pair<EndKey, std::int32_t>> ends_;  ///< ends of borders, as FaceBorder counts them
   std::vector<FacePoint> points_;
   std::vector<FaceBorder> borders_;
 };

@@ -4,13 +4,13 @@
 
 namespace supple::voronoi {
 
-/// How accurate the parts of borders within a face are to be.
+/// Required accuracy of the parts of borders within a face.
 struct BorderAccuracy {
-  /// What quadrature may leave of the area between a part of a border and its straight line, in squared mesh units.
+  /// Maximum quadrature error of the area between a part of a border and its chord, in squared mesh units.
   double area = 0;
-  /// The largest distance of a border from the straight lines by which it is drawn, in mesh units.
+  /// Maximum distance between a border and the polyline by which it is drawn, in mesh units.
   double deviation = std::numeric_limits<double>::infinity();
-  /// Parts of borders that are no farther from their straight lines may have bends that were not looked for.
+  /// Parts of borders no farther than this from their chords may have bends that are not searched for, in mesh units.
   double bulge = 0;
 };
 

@@ -13,29 +13,30 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Bends this near to an end do not count: there it is not sure which way paths come.
+/// Fraction of a border next to its ends in which bends are ignored, because the pseudo-sources are not certain there.
 constexpr double bend_margin = 1e-7;
-constexpr std::size_t most_bend_samples = 8;
-constexpr std::size_t most_bends = 96;
-constexpr int most_change_steps = 10;
-/// Relative to the distance: what rounding does to lengths of two ways.
+constexpr std::size_t max_bend_samples = 8;
+constexpr std::size_t max_bends = 96;
+constexpr int max_transition_steps = 10;
+/// Relative to the distance: rounding error of the lengths of two paths.
 constexpr double length_rounding = 1e-14;
-/// As much longer than its straight line is a part of a border at most, or it is not taken for found by its ends.
-constexpr double longest_arc = 1.25;
-/// Next to an end a border that is higher over its straight line than this many times the way along it has another part
-/// before, or runs all but across it.
-constexpr double steepest_end = 1e3;
-/// Of a part that is divided because paths come by a third way: the least fraction on each side.
-constexpr double least_part = 0.1;
-/// Fractions of a border between which a bend is no longer looked for where its equations do not give it: where paths
-/// come from another image, and where they only begin to turn, so that the border is smooth but for its curvature.
-/// Areas need less than derivatives do, because bends lie on the border all the same.
+/// Maximum length of a part of a border per length of its chord. The paths to the ends of a longer part tell nothing
+/// about other paths in between.
+constexpr double max_arc_ratio = 1.25;
+/// Maximum height over the chord next to an end, per distance from that end. A higher border has another part before
+/// this one, or is nearly perpendicular to the chord.
+constexpr double max_end_rise = 1e3;
+/// Minimum fraction on each side, if a part is divided because paths come from a third pseudo-source.
+constexpr double min_part_fraction = 0.1;
+/// Fractions of a border at which the search for a bend ends, if its equations do not give it: `bend` where paths come
+/// from another image, `turn` where paths only begin to turn and the border stays smooth. Areas allow more than
+/// derivatives, because the approximate bend still lies on the border.
 struct BendWidths {
   double bend, turn;
 };
 constexpr BendWidths widths_for_derivatives{1e-12, 1e-7};
-/// The same by the area that a part may leave, as a fraction of the face's square: a bend that is missed by w takes an
-/// area of the order of w from a piece, a place where paths begin to turn one of the order of w^3.
+/// The widths for an error of the area, which is a fraction of the squared face size. A bend that is missed by w
+/// changes the area by the order of w, and a place where paths begin to turn by the order of w^3.
 BendWidths widths_for_areas(double area) {
   return {std::clamp(1e2 * area, 1e-10, 1e-5), std::clamp(std::cbrt(area), 1e-4, 1e-2)};
 }
@@ -43,12 +44,12 @@ BendWidths widths_for_areas(double area) {
 }  // namespace
 
 void BorderCurve::find_bends(bool all) {
-  if (other_images_ == 0 || find_bend_by_ends()) return;
+  if (extra_images_ == 0 || find_bend_by_ends()) return;
   bends_.clear();
-  ways_of_parts_.clear();
+  sources_of_parts_.clear();
   bool probed = false;
   if (!all) {
-    // Three points of quadrature say whether there are bends that its area or its picture shows.
+    // Three quadrature points tell whether there are bends that affect the area or the drawing.
     nodes_.clear();
     probes_ = {};
     has_nodes_ = find_nodes(0, 0, 1, 0, -1);
@@ -56,244 +57,249 @@ void BorderCurve::find_bends(bool all) {
     for (std::size_t i = 0; i < probes_.size() && has_nodes_; ++i) probes_[i] = nodes_[i].point;
     probed = probes_.front().left.arrival >= 0;
   }
-  lost_ = !find_bends_by_probes(all, probed);
+  failed_ = !find_bends_by_probes(all, probed);
 }
 
-/// Bends between places whose distances have been asked for: `probed` by points of quadrature already. False where the
-/// border is lost.
+/// Finds bends between sample points, which are the quadrature points in probes_ if `probed`. Returns false if the
+/// border is not found.
 bool BorderCurve::find_bends_by_probes(bool all, bool probed) {
-  std::array<Stage, most_bend_samples + 1> stages;
+  std::array<LabelledPoint, max_bend_samples + 1> samples;
   const std::size_t last =
-      probed ? 1 + probes_.size() : std::min(2 * static_cast<std::size_t>(other_images_), most_bend_samples);
+      probed ? 1 + probes_.size() : std::min(2 * static_cast<std::size_t>(extra_images_), max_bend_samples);
   for (std::size_t i = 1; i < last; ++i) {
     double fraction = static_cast<double>(i) / static_cast<double>(last);
     Point point;
     if (probed) {
       fraction = three_nodes[i - 1];
       point = probes_[i - 1];
-    } else if (!find(fraction, point)) {
+    } else if (!find_point(fraction, point)) {
       return false;
     }
-    stages[i] = stage_of(fraction, point);
+    samples[i] = labelled(fraction, point);
   }
   for (const std::size_t end : {std::size_t{0}, last}) {
     const double fraction = end == 0 ? bend_margin : 1 - bend_margin;
     Point point;
-    if (!find(fraction, point, &stages[end == 0 ? 1 : last - 1].ways)) return false;
-    if (std::abs(point.height) > steepest_end * bend_margin * length_) return false;
-    stages[end] = stage_of(fraction, point);
+    if (!find_point(fraction, point, &samples[end == 0 ? 1 : last - 1].sources)) return false;
+    if (std::abs(point.height) > max_end_rise * bend_margin * length_) return false;
+    samples[end] = labelled(fraction, point);
   }
   for (std::size_t i = 0; i < last; ++i)
-    if (!find_bends_between(stages[i], stages[i + 1], all)) return false;
-  ways_of_parts_.push_back(stages[last].ways);
+    if (!find_bends_between(samples[i], samples[i + 1], all)) return false;
+  sources_of_parts_.push_back(samples[last].sources);
   return true;
 }
 
-/// How paths come to an end of the border. False where none does.
-bool BorderCurve::find_end_stage(bool at_end, Stage& stage) const {
+/// Sets `result` to an end of the border with its pseudo-sources. Returns false if no path reaches it.
+bool BorderCurve::find_labelled_end(bool at_end, LabelledPoint& result) const {
   Point point;
-  point.place = at_end ? Vector2d(begin_ + way_) : begin_;
+  point.place = at_end ? Vector2d(begin_ + chord_) : begin_;
   measure(point);
   if (point.left.arrival < 0 || point.right.arrival < 0) return false;
-  stage = stage_of(at_end ? 1 : 0, point);
+  result = labelled(at_end ? 1 : 0, point);
   return true;
 }
 
-/// Where paths come to both ends in the same ways, but for one of them at most: the bend that there may be is where its
-/// equations say, which need not lie over the straight line. False where other paths may be shorter in between.
+/// Finds the bend, if any, when at most one pseudo-source differs between the ends of the border. It need not lie over
+/// the chord. Returns false if paths from other pseudo-sources may be shorter in between.
 bool BorderCurve::find_bend_by_ends() {
-  Stage first;
-  Stage last;
-  if (!find_end_stage(false, first) || !find_end_stage(true, last)) return false;
-  const bool same_left = same(first.ways[0], last.ways[0]);
-  const bool same_right = same(first.ways[1], last.ways[1]);
+  LabelledPoint first;
+  LabelledPoint last;
+  if (!find_labelled_end(false, first) || !find_labelled_end(true, last)) return false;
+  const bool same_left = same(first.sources[0], last.sources[0]);
+  const bool same_right = same(first.sources[1], last.sources[1]);
   if (same_left && same_right) {
-    if (!is_shortest_between(first, last, first.ways, first.ways)) return false;
-    ways_of_parts_.push_back(first.ways);
-    lay_part(0, first.place, last.place);
-    surely_shortest_ = true;
+    if (!is_shortest_between(first, last, first.sources, first.sources)) return false;
+    sources_of_parts_.push_back(first.sources);
+    set_part(0, first.place, last.place);
+    excludes_other_paths_ = true;
     return true;
   }
   if (!same_left && !same_right) return false;
-  Stage change;
-  if (!find_change(first, last, same_left ? 1 : 0, change) || !is_on_border(change, tie_gap * size_)) return false;
-  const double margin = bend_margin * length_;
-  if ((change.place - first.place).norm() <= margin || (change.place - last.place).norm() <= margin) return false;
-  if (!is_shortest_between(first, change, first.ways, last.ways) ||
-      !is_shortest_between(change, last, last.ways, first.ways))
+  LabelledPoint transition;
+  if (!find_transition(first, last, same_left ? 1 : 0, transition) || !is_on_border(transition, tie_gap * size_))
     return false;
-  add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
-  ways_of_parts_.push_back(last.ways);
-  surely_shortest_ = true;
+  const double margin = bend_margin * length_;
+  if ((transition.place - first.place).norm() <= margin || (transition.place - last.place).norm() <= margin)
+    return false;
+  if (!is_shortest_between(first, transition, first.sources, last.sources) ||
+      !is_shortest_between(transition, last, last.sources, first.sources))
+    return false;
+  add_bend(transition.place, transition.sources[0].length_to(transition.place), first.sources);
+  sources_of_parts_.push_back(last.sources);
+  excludes_other_paths_ = true;
   return true;
 }
 
-/// Whether between two places of the border, of which `ways` lead to both, no paths but those of `others` can be
-/// shorter.
-bool BorderCurve::is_shortest_between(const Stage& first, const Stage& last, const Ways& ways,
-                                      const Ways& others) const {
-  const double length = longest_arc * (last.place - first.place).norm();
+/// Whether no other paths can be shorter between two points of the border that both have the pseudo-sources `sources`.
+/// The pseudo-sources `others` do not count.
+bool BorderCurve::is_shortest_between(const LabelledPoint& first, const LabelledPoint& last,
+                                      const PseudoSources& sources, const PseudoSources& others) const {
+  const double length = max_arc_ratio * (last.place - first.place).norm();
   for (const std::size_t side : {0, 1}) {
-    const Way& own = ways[side];
+    const PseudoSource& own = sources[side];
     const double own_at_first = own.length_to(first.place);
     const double own_at_last = own.length_to(last.place);
     for (const std::int32_t i : side == 0 ? from_left_ : from_right_) {
       const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(i)];
       // No path of an arrival is shorter than the straight line from its image.
-      const Way other{arrival.image, arrival.sigma};
+      const PseudoSource other{arrival.image, arrival.sigma};
       if (same(other, own) || same(other, others[side])) continue;
       const double at_first = other.length_to(first.place);
       const double at_last = other.length_to(last.place);
-      // The directions in which two turns S, T see a place x differ by at most 2 |S - T| / (|x - S| + |x - T|).
-      const double sum = std::min(own_at_first + at_first, own_at_last + at_last) - own.length - other.length - length;
+      // The gradients of |x - S| and |x - T|, S and T the pseudo-sources, differ by at most 2 |S - T| / (|x - S| + |x -
+      // T|).
+      const double sum =
+          std::min(own_at_first + at_first, own_at_last + at_last) - own.distance - other.distance - length;
       const double gain = 0.5 * (own_at_first + own_at_last - at_first - at_last);
-      if (!(sum > 0 && gain + length * (other.turn - own.turn).norm() / sum <= tie_gap * size_)) return false;
+      if (!(sum > 0 && gain + length * (other.place - own.place).norm() / sum <= tie_gap * size_)) return false;
     }
   }
   return true;
 }
 
-BorderCurve::Way BorderCurve::way_of(const Slope& slope, const Vector2d& place) const {
-  const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(slope.arrival)];
+BorderCurve::PseudoSource BorderCurve::pseudo_source_of(const SiteDistance& shortest, const Vector2d& place) const {
+  const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(shortest.arrival)];
   const Vector2d& turn = arrival.turns_at(place);
   return {turn, arrival.sigma + (turn - arrival.image).norm()};
 }
 
-BorderCurve::Ways BorderCurve::ways_at(const Point& point) const {
-  return {way_of(point.left, point.place), way_of(point.right, point.place)};
+BorderCurve::PseudoSources BorderCurve::pseudo_sources_at(const Point& point) const {
+  return {pseudo_source_of(point.left, point.place), pseudo_source_of(point.right, point.place)};
 }
 
-BorderCurve::Stage BorderCurve::stage_of(double fraction, const Point& point) const {
-  return {fraction, point.height, point.place, ways_at(point)};
+BorderCurve::LabelledPoint BorderCurve::labelled(double fraction, const Point& point) const {
+  return {fraction, point.height, point.place, pseudo_sources_at(point)};
 }
 
-bool BorderCurve::same(const Way& one, const Way& other) const {
+bool BorderCurve::same(const PseudoSource& one, const PseudoSource& other) const {
   const double tolerance = same_image * size_;
-  return (one.turn - other.turn).squaredNorm() <= tolerance * tolerance &&
-         std::abs(one.length - other.length) <= tolerance;
+  return (one.place - other.place).squaredNorm() <= tolerance * tolerance &&
+         std::abs(one.distance - other.distance) <= tolerance;
 }
 
-bool BorderCurve::same(const Ways& one, const Ways& other) const {
+bool BorderCurve::same(const PseudoSources& one, const PseudoSources& other) const {
   return same(one[0], other[0]) && same(one[1], other[1]);
 }
 
-void BorderCurve::add_bend(const Vector2d& place, double distance, const Ways& before) {
+void BorderCurve::add_bend(const Vector2d& place, double distance, const PseudoSources& before) {
   bends_.push_back({within_face(corners_, place), distance});
-  ways_of_parts_.push_back(before);
+  sources_of_parts_.push_back(before);
 }
 
-/// Bends between two places, where paths come from the sites in such ways. Of each change of a way its equations give
-/// the place; where paths come by a third way in between, they say so there, and the part is divided. False where the
-/// border is lost.
-bool BorderCurve::find_bends_between(Stage first, const Stage& last, bool all) {
-  while (!same(first.ways, last.ways)) {
-    if (bends_.size() >= most_bends) return false;
-    double divided = 0.5;
+/// Finds the bends between two points of the border. Where one pseudo-source changes, equations give the place. If
+/// paths from a third one are shorter there, the interval is divided. Returns false if the border is not found.
+bool BorderCurve::find_bends_between(LabelledPoint first, const LabelledPoint& last, bool all) {
+  while (!same(first.sources, last.sources)) {
+    if (bends_.size() >= max_bends) return false;
+    double division = 0.5;
     bool found = false;
     bool smooth = true;
     for (std::size_t side = 0; side < 2 && !found; ++side) {
-      if (same(first.ways[side], last.ways[side])) continue;
-      smooth = smooth && is_tangent(first.ways[side], last.ways[side]);
-      Stage change;
-      if (!find_change(first, last, side, change) ||
-          !(change.fraction > first.fraction && change.fraction < last.fraction))
+      if (same(first.sources[side], last.sources[side])) continue;
+      smooth = smooth && is_smooth_transition(first.sources[side], last.sources[side]);
+      LabelledPoint transition;
+      if (!find_transition(first, last, side, transition) ||
+          !(transition.fraction > first.fraction && transition.fraction < last.fraction))
         continue;
-      found = is_on_border(change, tie_gap * size_) && leads_to(first, change);
+      found = is_on_border(transition, tie_gap * size_) && has_no_bend_between(first, transition);
       if (found) {
-        add_bend(change.place, change.ways[0].length_to(change.place), first.ways);
-        first = change;
-        first.ways[side] = last.ways[side];
+        add_bend(transition.place, transition.sources[0].length_to(transition.place), first.sources);
+        first = transition;
+        first.sources[side] = last.sources[side];
       } else {
-        divided = (change.fraction - first.fraction) / (last.fraction - first.fraction);
+        division = (transition.fraction - first.fraction) / (last.fraction - first.fraction);
       }
     }
     if (found) continue;
     const BendWidths widths = all ? widths_for_derivatives : widths_for_areas(accuracy_.area / (size_ * size_));
     if (!(last.fraction - first.fraction > (smooth ? widths.turn : widths.bend))) {
-      add_bend(last.place, last.ways[0].length_to(last.place), first.ways);
+      add_bend(last.place, last.sources[0].length_to(last.place), first.sources);
       return true;
     }
-    divided = std::clamp(divided, least_part, 1 - least_part);
-    // Where the ends are near to each other the border between them is all but straight.
+    division = std::clamp(division, min_part_fraction, 1 - min_part_fraction);
+    // If the ends are close to each other, the border between them is nearly straight.
     Point point;
-    point.height = first.height + divided * (last.height - first.height);
-    const double fraction = first.fraction + divided * (last.fraction - first.fraction);
-    if (!find(fraction, point)) return false;
-    const Stage between = stage_of(fraction, point);
+    point.height = first.height + division * (last.height - first.height);
+    const double fraction = first.fraction + division * (last.fraction - first.fraction);
+    if (!find_point(fraction, point)) return false;
+    const LabelledPoint between = labelled(fraction, point);
     if (!find_bends_between(first, between, all)) return false;
     first = between;
   }
   return true;
 }
 
-/// Whether the border runs from one place to another without another bend: next to a vertex at which paths turn there
-/// are places that look like one.
-bool BorderCurve::leads_to(const Stage& first, const Stage& last) const {
+/// Whether the border has no bend between two points. Next to a vertex at which paths turn, other places satisfy the
+/// equations of a bend too.
+bool BorderCurve::has_no_bend_between(const LabelledPoint& first, const LabelledPoint& last) const {
   const double fraction = 0.5 * (first.fraction + last.fraction);
-  const Vector2d base = begin_ + fraction * way_;
+  const Vector2d base = begin_ + fraction * chord_;
   const auto [below, above] = heights_within_face(base);
-  const double height = height_by(first.ways, base, 0.5 * (first.height + last.height), below, above);
-  return is_on_border({fraction, height, base + height * normal_, first.ways}, same_image * size_);
+  const double height = equidistant_height(first.sources, base, 0.5 * (first.height + last.height), below, above);
+  return is_on_border({fraction, height, base + height * normal_, first.sources}, same_image * size_);
 }
 
-/// Whether paths turn for one way where they run straight for the other.
-bool BorderCurve::is_tangent(const Way& one, const Way& other) const {
-  return std::abs(std::abs(one.length - other.length) - (one.turn - other.turn).norm()) <= same_image * size_;
+/// Whether the paths from one pseudo-source pass through the other one, so that the border stays smooth at the
+/// transition.
+bool BorderCurve::is_smooth_transition(const PseudoSource& one, const PseudoSource& other) const {
+  return std::abs(std::abs(one.distance - other.distance) - (one.place - other.place).norm()) <= same_image * size_;
 }
 
-/// Newton's method for the place where the border, as long as other paths come as at `first`, reaches the places to
-/// which paths from the site on `side` (0: left) come as at `last`. These are as far by both ways, and where one way
-/// only turns from the other they lie on the line on which it does. False where there is no such place in the face near
-/// the border's ends.
-bool BorderCurve::find_change(const Stage& first, const Stage& last, std::size_t side, Stage& change) const {
-  const Way& one = first.ways[side];
-  const Way& other = last.ways[side];
-  const Way& facing = first.ways[1 - side];
-  const bool tangent = is_tangent(one, other);
-  const Vector2d between = (other.turn - one.turn).normalized();
-  // How far a place is beyond the change.
-  const auto beyond = [&](const Vector2d& place) {
-    return tangent ? cross(between, place - one.turn) : one.length_to(place) - other.length_to(place);
+/// Finds the transition by Newton's method: the place where the border with the pseudo-sources of `first` reaches the
+/// places to which the pseudo-source of `last` is as near, for the site on `side` (0: left). A smooth transition lies
+/// on the line through both pseudo-sources instead. Returns false if there is no such place in the face near the
+/// border's ends.
+bool BorderCurve::find_transition(const LabelledPoint& first, const LabelledPoint& last, std::size_t side,
+                                  LabelledPoint& transition) const {
+  const PseudoSource& one = first.sources[side];
+  const PseudoSource& other = last.sources[side];
+  const PseudoSource& opposite = first.sources[1 - side];
+  const bool smooth = is_smooth_transition(one, other);
+  const Vector2d line_direction = (other.place - one.place).normalized();
+  // The function whose sign changes at the transition.
+  const auto residual = [&](const Vector2d& place) {
+    return smooth ? cross(line_direction, place - one.place) : one.length_to(place) - other.length_to(place);
   };
-  const double at_first = beyond(first.place);
-  const double at_last = beyond(last.place);
-  double share = at_first / (at_first - at_last);
-  if (!(share > 0 && share < 1)) share = 0.5;
-  Vector2d place = first.place + share * (last.place - first.place);
-  for (int step = 0; step < most_change_steps; ++step) {
-    const Vector2d from_one = (place - one.turn).normalized();
-    const Vector2d slope = from_one - (place - facing.turn).normalized();
-    const double gap = one.length_to(place) - facing.length_to(place);
-    const Vector2d slope_beyond =
-        tangent ? Vector2d(-between.y(), between.x()) : Vector2d(from_one - (place - other.turn).normalized());
-    const double gap_beyond = beyond(place);
-    const double determinant = cross(slope, slope_beyond);
+  const double at_first = residual(first.place);
+  const double at_last = residual(last.place);
+  double fraction = at_first / (at_first - at_last);
+  if (!(fraction > 0 && fraction < 1)) fraction = 0.5;
+  Vector2d place = first.place + fraction * (last.place - first.place);
+  for (int iteration = 0; iteration < max_transition_steps; ++iteration) {
+    const Vector2d from_one = (place - one.place).normalized();
+    const Vector2d gap_gradient = from_one - (place - opposite.place).normalized();
+    const double gap = one.length_to(place) - opposite.length_to(place);
+    const Vector2d residual_gradient = smooth ? Vector2d(-line_direction.y(), line_direction.x())
+                                              : Vector2d(from_one - (place - other.place).normalized());
+    const double residual_here = residual(place);
+    const double determinant = cross(gap_gradient, residual_gradient);
     if (determinant == 0) return false;
-    const Vector2d move =
-        Vector2d(slope_beyond.y() * gap - slope.y() * gap_beyond, slope.x() * gap_beyond - slope_beyond.x() * gap) /
-        -determinant;
-    place += move;
+    const Vector2d step = Vector2d(residual_gradient.y() * gap - gap_gradient.y() * residual_here,
+                                   gap_gradient.x() * residual_here - residual_gradient.x() * gap) /
+                          -determinant;
+    place += step;
     if (!((place - begin_).squaredNorm() < 4 * length_ * length_)) return false;
-    if (move.squaredNorm() > curve_rounding * curve_rounding * size_ * size_) continue;
-    change.fraction = (place - begin_).dot(way_) / (length_ * length_);
-    change.height = (place - begin_).dot(normal_);
-    change.place = place;
-    change.ways = first.ways;
-    // Beyond the face lengths go on, and may be equal at other places.
-    const auto [below, above] = heights_within_face(begin_ + change.fraction * way_);
-    return change.height > below && change.height < above;
+    if (step.squaredNorm() > curve_rounding * curve_rounding * size_ * size_) continue;
+    transition.fraction = (place - begin_).dot(chord_) / (length_ * length_);
+    transition.height = (place - begin_).dot(normal_);
+    transition.place = place;
+    transition.sources = first.sources;
+    // Lengths are defined beyond the face too, where they may be equal at other places.
+    const auto [below, above] = heights_within_face(begin_ + transition.fraction * chord_);
+    return transition.height > below && transition.height < above;
   }
   return false;
 }
 
-/// Whether the shortest paths from both sites come in these ways: no others are shorter, and these are possible, but
-/// for `tolerance`.
-bool BorderCurve::is_on_border(const Stage& stage, double tolerance) const {
-  const double left = stage.ways[0].length_to(stage.place);
-  const double right = stage.ways[1].length_to(stage.place);
+/// Whether the shortest paths from both sites come from the point's pseudo-sources, up to `tolerance`: others are not
+/// shorter, and these exist.
+bool BorderCurve::is_on_border(const LabelledPoint& point, double tolerance) const {
+  const double left = point.sources[0].length_to(point.place);
+  const double right = point.sources[1].length_to(point.place);
   tolerance += length_rounding * left;
-  return distances_.is_distance(from_left_, left_, stage.place, left, tolerance) &&
-         distances_.is_distance(from_right_, right_, stage.place, right, tolerance);
+  return distances_.is_distance(from_left_, left_, point.place, left, tolerance) &&
+         distances_.is_distance(from_right_, right_, point.place, right, tolerance);
 }
 
 }  // namespace supple::voronoi

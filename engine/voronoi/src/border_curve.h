@@ -12,137 +12,142 @@
 
 namespace supple::voronoi {
 
-/// A border between two places of a face as a function over the straight line between them: arcs of hyperbolas, with
-/// bends where the shortest paths from one of its sites come another way. A border that is no such function, or that
-/// rises farther than the straight line is long, is lost; parts of it that are short enough are found.
+/// A border between two places of a face, as a height over its chord, the straight line between them. It consists of
+/// arcs of hyperbolas, with bends where the shortest paths from one of its sites change their pseudo-source. Tracing
+/// fails if the border is no such function, or higher than the chord is long. Short enough parts of it can be traced.
 class BorderCurve {
  public:
-  /// A place of the border.
+  /// A point of the border.
   struct Point {
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    double height = 0;   ///< over the straight line, on its left
-    double stretch = 1;  ///< how much longer than the straight line the border is here
-    Slope left{}, right{};
+    double height = 0;   ///< over the chord, positive on its left
+    double stretch = 1;  ///< length of the border per length of the chord at this point
+    SiteDistance left{}, right{};
   };
-  /// A point of quadrature, and the fraction of the straight line that it stands for.
+  /// A quadrature point, and its weight as a fraction of the chord.
   struct Node {
     Point point;
     double weight = 0;
   };
 
-  /// `size` is the longest side of the face with these corners.
+  /// `size` is the longest side of the face; `corners` are the face's.
   BorderCurve(const FaceDistances& distances, const std::array<Eigen::Vector2d, 3>& corners, double size,
               const BorderAccuracy& accuracy)
       : distances_(distances), corners_(corners), size_(size), accuracy_(accuracy) {}
 
-  /// A place at which a border bends or through which it is drawn, and how far the sites on both sides are from there.
+  /// A place at which the border bends or is drawn, and its distance from both sites.
   struct Bend {
     Eigen::Vector2d place;
     double distance = 0;
   };
 
-  /// Begins a border from one place to another, which has these sites on its left and right.
-  void lay(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, std::int32_t left, std::int32_t right,
-           const Active& active);
+  /// Sets the border to be traced: its ends and the sites on its left and right.
+  void set_border(const Eigen::Vector2d& begin, const Eigen::Vector2d& end, std::int32_t left, std::int32_t right,
+                  const Active& active);
 
-  /// Finds its bends, from its begin to its end: `all`, or those that make a difference to areas or to what is drawn.
+  /// Finds the bends in order along the border: all, or those that matter for areas and drawing.
   void find_bends(bool all);
   const std::vector<Bend>& bends() const { return bends_; }
-  /// Goes on with the part between two bends or ends: `number` bends lie before it.
-  void lay_part(std::size_t number, const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
+  /// Restricts the following queries to the part between two successive bends or ends, which `number` bends precede.
+  void set_part(std::size_t number, const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
 
-  /// Points of quadrature along the border or the part of it, which is to have no bends in between.
+  /// Quadrature points along the border or the part that set_part has chosen, which must have no bends.
   const std::vector<Node>& nodes();
-  /// Whether the part rises so far or so steeply over its straight line that three points of quadrature do not tell its
-  /// length, and a place where it runs along the straight line, at which it is better divided.
-  bool bulges();
+  /// Whether the part is so high or so steep over its chord that three quadrature points do not give its length.
+  bool needs_division();
+  /// Finds a place where the part is nearly parallel to its chord, to divide it there.
   bool find_top(Bend& top) const;
-  /// Places along the same, in their order, for drawing: straight lines between these and the two ends are no farther
-  /// from the border than the accuracy says. After nodes().
+  /// Places along the part for drawing, in order. The polyline through them and the ends has the required accuracy.
+  /// Call nodes() first.
   const std::vector<Bend>& arc();
 
-  /// Whether since lay() a part of the border was not found: nodes lie on the straight line instead.
-  bool is_lost() const { return lost_; }
+  /// Whether any part of the border could not be traced since set_border(). Its nodes then lie on the chord.
+  bool has_failed() const { return failed_; }
 
-  /// Of the straight line.
+  /// Length of the chord.
   double length() const { return length_; }
-  /// To the left of the straight line.
+  /// Unit normal of the chord, to its left.
   const Eigen::Vector2d& normal() const { return normal_; }
 
  private:
   using Points = std::array<Point, three_nodes.size()>;
 
-  /// How paths from a site come to a place: straight from `turn`, which is `length` from the site.
-  struct Way {
-    Eigen::Vector2d turn = Eigen::Vector2d::Zero();
-    double length = 0;
+  /// The place from which the shortest paths from a site come straight: the image of the site or of the vertex at which
+  /// the paths have turned last. `distance` is that of the site from it.
+  struct PseudoSource {
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();
+    double distance = 0;
 
-    double length_to(const Eigen::Vector2d& place) const { return length + (place - turn).norm(); }
+    double length_to(const Eigen::Vector2d& point) const { return distance + (point - place).norm(); }
   };
-  /// From the sites on the left and on the right.
-  using Ways = std::array<Way, 2>;
-  /// A place of the border, as a fraction of the straight line, and how paths come there.
-  struct Stage {
+  /// Pseudo-sources of the sites on the left and on the right.
+  using PseudoSources = std::array<PseudoSource, 2>;
+  /// A point of the border with the pseudo-sources of its shortest paths. `fraction` is its position along the chord.
+  struct LabelledPoint {
     double fraction = 0;
     double height = 0;
     Eigen::Vector2d place = Eigen::Vector2d::Zero();
-    Ways ways;
+    PseudoSources sources;
   };
 
-  void lay_line(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
-  const surface::FaceArrival* comes_straight(const Active& active) const;
+  void set_chord(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
+  const surface::FaceArrival* straight_arrival(const Active& active) const;
   std::pair<double, double> heights_within_face(const Eigen::Vector2d& base) const;
   void measure(Point& point) const;
-  double height_by(const Ways& ways, const Eigen::Vector2d& base, double height, double below, double above) const;
-  bool find(double fraction, Point& point, const Ways* guess = nullptr) const;
+  double equidistant_height(const PseudoSources& sources, const Eigen::Vector2d& base, double height, double below,
+                            double above) const;
+  bool find_point(double fraction, Point& point, const PseudoSources* guess = nullptr) const;
   bool find_nodes(double begin, double height_at_begin, double end, double height_at_end, int halvings);
-  const std::vector<Node>& take_straight_nodes();
-  bool is_function() const;
+  const std::vector<Node>& use_straight_nodes();
+  bool lies_over_chord() const;
   double slope_at(const Eigen::Vector2d& place) const;
-  bool has_known_ways() const;
+  bool is_reached_from_part_sources() const;
   bool is_visible(double deviation) const;
   void add_arc(double begin, double height_at_begin, double end, double height_at_end, int halvings);
-  bool turns_near_ends(const Points& points) const;
-  bool take_nodes(const Points& points, double begin, double end);
+  bool has_bends_near_ends(const Points& points) const;
+  bool append_nodes(const Points& points, double begin, double end);
 
-  Way way_of(const Slope& slope, const Eigen::Vector2d& place) const;
-  Ways ways_at(const Point& point) const;
-  Stage stage_of(double fraction, const Point& point) const;
-  bool same(const Way& one, const Way& other) const;
-  bool same(const Ways& one, const Ways& other) const;
-  void add_bend(const Eigen::Vector2d& place, double distance, const Ways& before);
-  bool find_end_stage(bool at_end, Stage& stage) const;
+  PseudoSource pseudo_source_of(const SiteDistance& shortest, const Eigen::Vector2d& place) const;
+  PseudoSources pseudo_sources_at(const Point& point) const;
+  LabelledPoint labelled(double fraction, const Point& point) const;
+  bool same(const PseudoSource& one, const PseudoSource& other) const;
+  bool same(const PseudoSources& one, const PseudoSources& other) const;
+  void add_bend(const Eigen::Vector2d& place, double distance, const PseudoSources& before);
+  bool find_labelled_end(bool at_end, LabelledPoint& result) const;
   bool find_bend_by_ends();
   bool find_bends_by_probes(bool all, bool probed);
-  bool is_shortest_between(const Stage& first, const Stage& last, const Ways& ways, const Ways& others) const;
-  bool find_bends_between(Stage first, const Stage& last, bool all);
-  bool is_tangent(const Way& one, const Way& other) const;
-  bool find_change(const Stage& first, const Stage& last, std::size_t side, Stage& change) const;
-  bool leads_to(const Stage& first, const Stage& last) const;
-  bool is_on_border(const Stage& stage, double tolerance) const;
+  bool is_shortest_between(const LabelledPoint& first, const LabelledPoint& last, const PseudoSources& sources,
+                           const PseudoSources& others) const;
+  bool find_bends_between(LabelledPoint first, const LabelledPoint& last, bool all);
+  bool is_smooth_transition(const PseudoSource& one, const PseudoSource& other) const;
+  bool find_transition(const LabelledPoint& first, const LabelledPoint& last, std::size_t side,
+                       LabelledPoint& transition) const;
+  bool has_no_bend_between(const LabelledPoint& first, const LabelledPoint& last) const;
+  bool is_on_border(const LabelledPoint& point, double tolerance) const;
 
   const FaceDistances& distances_;
   std::array<Eigen::Vector2d, 3> corners_;
   double size_;
   BorderAccuracy accuracy_;
   Eigen::Vector2d begin_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d way_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d chord_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d normal_ = Eigen::Vector2d::Zero();
   double length_ = 0;
   std::int32_t left_ = -1;
   std::int32_t right_ = -1;
-  Active from_left_, from_right_;  ///< the arrivals that matter along it
-  bool bisects_ = false;           ///< images are as far from their sites, so that it is straight
-  int other_images_ = 0;           ///< that paths from the sites may come from besides one for each
+  Active from_left_, from_right_;  ///< arrivals that may be the shortest along the border
+  /// Whether both pseudo-sources are equally far from their sites, so that the border is straight.
+  bool is_bisector_ = false;
+  int extra_images_ = 0;  ///< number of images from which paths may come, minus one for each site
   std::vector<Bend> bends_;
-  std::vector<Ways> ways_of_parts_;   ///< how paths come to each part between bends
-  const Ways* known_ways_ = nullptr;  ///< of the part, where it is one
+  std::vector<PseudoSources> sources_of_parts_;  ///< pseudo-sources of each part between bends
+  const PseudoSources* part_sources_ = nullptr;  ///< those of the current part; null if not known
   bool has_nodes_ = false;
-  bool lost_ = false;
-  bool surely_shortest_ = false;  ///< whether no paths but those of ways_of_parts_ can be shorter
+  bool failed_ = false;
+  bool excludes_other_paths_ = false;  ///< whether paths from other pseudo-sources are proven to be no shorter
   std::vector<Node> nodes_;
   std::vector<Bend> arc_;
-  Points probes_;  ///< where areas have been tried without bends
+  Points probes_;  ///< points of a quadrature that ignored bends
 };
 
 }  // namespace supple::voronoi

@@ -2,12 +2,13 @@
 
 namespace supple::voronoi {
 
-/// Relative to the face: shorter parts of borders count as straight, and curves are found to this.
-inline constexpr double shortest_curve = 1e-9;
+/// Lengths relative to the face: parts of borders shorter than min_curve_length count as straight, and points of curves
+/// are found to curve_rounding.
+inline constexpr double min_curve_length = 1e-9;
 inline constexpr double curve_rounding = 1e-13;
-/// Relative to the face: images closer than this are one.
+/// Relative to the face: images closer than this coincide.
 inline constexpr double same_image = 1e-9;
-/// Relative to the face: lengths that differ by less do not say which is shorter.
+/// Relative to the face: paths whose lengths differ by less count as equally long.
 inline constexpr double tie_gap = 1e-12;
 
 }  // namespace supple::voronoi

@@ -6,19 +6,19 @@
 
 namespace supple::voronoi {
 
-/// A part of a border between two points of the diagram, with a cell on either side; of the mesh's boundary -1 on the
-/// right.
+/// A part of a border between two points of the diagram, with the sites of the cells on both sides. A part of the
+/// mesh's boundary has -1 on the right.
 struct BorderPart {
   std::int32_t from = -1;
   std::int32_t to = -1;
   std::int32_t left = -1;
   std::int32_t right = -1;
-  double length = 0;
+  double length = 0;  ///< along the border, mesh units
 };
 
-/// Fills vertices, edges, dual and of the cells boundary, vertices and neighbours of a diagram that has its points,
-/// from the parts of all borders. Those that leave a point of kind `vertex` which a cell meets more than once come
-/// counterclockwise. Voronoi vertices that are nearer to each other than `merged` along a border are one.
-void assemble_cells(const std::vector<BorderPart>& parts, double merged, Diagram& diagram);
+/// Fills a diagram that has its points: its vertices, edges and dual, and the boundary, vertices and neighbours of its
+/// cells. The parts that leave a point of the kind `vertex` must come counterclockwise if a cell meets it more than
+/// once. Voronoi vertices closer than `merge_distance` along a border are merged.
+void assemble_cells(const std::vector<BorderPart>& parts, double merge_distance, Diagram& diagram);
 
 }  // namespace supple::voronoi

@@ -13,53 +13,55 @@
 
 namespace supple::voronoi {
 
-/// Of a face: the site, or one of these.
-inline constexpr std::int32_t cut_face_site = -1;
-inline constexpr std::int32_t unreached_face_site = -2;
+/// Values of a face's site if no single site has the face.
+inline constexpr std::int32_t cut_face_site = -1;        ///< several sites have a part of it
+inline constexpr std::int32_t unreached_face_site = -2;  ///< no path leads to a site
 
-/// What every face of a mesh adds to a diagram: the cuts of its sides and what lies inside. Each side belongs to one of
-/// its faces and is cut once, so that both see the same. Faces can be cut again one by one.
+/// The contribution of every face of a mesh to a diagram: the cuts of its sides, and what lies inside. A shared side is
+/// owned by one of its faces and cut once, so that both have the same cuts. Single faces can be cut again.
 class DiagramFaces {
  public:
-  /// `mesh` outlives this.
+  /// `mesh` must outlive this.
   DiagramFaces(const surface::TriangleMesh& mesh, const DiagramOptions& options);
 
-  /// Where distances come from: a field that keeps its windows, whose i-th source is the site site_of_source[i].
+  /// The distances to cut by: a field with its windows, whose i-th source is the site site_of_source[i].
   struct Source {
     const surface::GeodesicField& field;
     std::span<const std::int32_t> site_of_source;
-    std::span<const surface::SurfacePoint> sites;  ///< all of the diagram
+    std::span<const surface::SurfacePoint> sites;  ///< all sites of the diagram
   };
 
-  /// Cuts every face. In parallel; bills nothing.
+  /// Cuts every face, in parallel. Bills nothing.
   void cut_all(const Source& source, const Execution& execution);
 
-  /// Cuts these faces again, ascending, by distances that are right in them. Sides between one of them and another face
-  /// stay as they are, and so do vertices that sites of `changed` (a flag for each) neither had nor get, or that not
-  /// all faces round are among these: what differs there is rounding. O(faces), in parallel.
-  void cut_again(const std::vector<std::int32_t>& faces, const Source& source, const std::vector<std::uint8_t>& changed,
-                 const Execution& execution);
+  /// Cuts these faces again, which must be ascending and have the right distances in `source`. Sides shared with other
+  /// faces stay as they are. A vertex gets its new site and distance if all faces around it are cut again and its old
+  /// or new site is flagged in `changed`. What else differs at vertices is rounding. O(faces), in parallel.
+  void recut(const std::vector<std::int32_t>& faces, const Source& source, const std::vector<std::uint8_t>& changed,
+             const Execution& execution);
 
   const surface::TriangleMesh& mesh() const { return *mesh_; }
-  /// Of each vertex the distance from its site, and the site; infinity and -1 where no path leads to one.
+  /// Distance of each vertex of the mesh from its nearest site, and that site; infinity and -1 where no path leads to
+  /// one.
   const std::vector<double>& vertex_distances() const { return vertex_distances_; }
   const std::vector<std::int32_t>& vertex_sites() const { return vertex_sites_; }
-  /// Of each face the site, or one of the above.
+  /// Site of each face, cut_face_site or unreached_face_site.
   const std::vector<std::int32_t>& face_sites() const { return face_sites_; }
-  /// Null for faces that are not cut.
+  /// Null if the face is not cut.
   const CutFace* cut_face(std::int32_t face) const { return cut_faces_[static_cast<std::size_t>(face)].get(); }
-  /// Of the sites that have a part of the face; empty unless they were asked for.
+  /// Integrals over each site's part of a face; empty unless requested.
   using PartMoments = std::vector<std::pair<std::int32_t, CellMoments>>;
   const PartMoments& moments(std::int32_t face) const { return moments_[static_cast<std::size_t>(face)]; }
 
-  /// Whether the face of a halfedge is the one that its side belongs to.
+  /// Whether the face of a halfedge owns its side.
   bool owns_side(std::int32_t h) const { return mesh_->twin(h) < 0 || h < mesh_->twin(h); }
-  /// How the side of a halfedge that owns it is cut.
+  /// The cuts of the side of a halfedge that owns it.
   const LabelledSegment& side(std::int32_t h) const { return sides_[static_cast<std::size_t>(h)]; }
-  /// The same as the face of any halfedge sees it.
-  LabelledSegment side_seen(std::int32_t h) const;
+  /// The cuts of the side of any halfedge, in the halfedge's direction.
+  LabelledSegment directed_side(std::int32_t h) const;
 
-  /// Visits the sites that a part of the face, of its sides or one of its corners belongs to, some several times.
+  /// Visits the sites to which a part of the face, of its sides or one of its corners belongs, some of them several
+  /// times.
   template <typename Visit>
   void visit_sites(std::int32_t face, const Visit& visit) const {
     const std::int32_t site = face_sites_[static_cast<std::size_t>(face)];
@@ -77,8 +79,8 @@ class DiagramFaces {
   struct Workspace;
   class Task;
 
-  /// `again` has a flag for each face, or is null where all are cut.
-  void cut(const std::vector<std::int32_t>& faces, const std::vector<std::uint8_t>* again, const Source& source,
+  /// `recut_flags` has a flag for each face, and is null if all faces are cut.
+  void cut(const std::vector<std::int32_t>& faces, const std::vector<std::uint8_t>* recut_flags, const Source& source,
            const Execution& execution);
 
   const surface::TriangleMesh* mesh_;
@@ -87,15 +89,15 @@ class DiagramFaces {
   std::vector<double> vertex_distances_;
   std::vector<std::int32_t> vertex_sites_;
   std::vector<std::int32_t> face_sites_;
-  std::vector<LabelledSegment> sides_;  ///< of halfedges that own theirs
+  std::vector<LabelledSegment> sides_;  ///< for each halfedge that owns its side
   std::vector<std::unique_ptr<CutFace>> cut_faces_;
   std::vector<PartMoments> moments_;
-  /// Whether paths can turn at each vertex: if not, the way by it is nowhere the only shortest.
-  std::vector<std::uint8_t> bends_paths_;
+  /// Whether each vertex is a saddle vertex. Shortest paths can turn only there. Filled only for cell moments.
+  std::vector<std::uint8_t> saddle_vertices_;
 };
 
-/// Fills all of a diagram that has its sites and an empty cell for each: of the faces' parts, in their order. O(points
-/// of the borders + faces), in part in parallel. Bills "cut_faces" and "subdivisions".
+/// Fills a diagram that has its sites and an empty cell for each, from the faces in their order. O(points of the
+/// borders + faces), in part in parallel. Bills "cut_faces" and "subdivisions".
 void write_diagram(const DiagramFaces& faces, const DiagramOptions& options, const Execution& execution,
                    Diagram& diagram);
 

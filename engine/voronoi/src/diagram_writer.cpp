@@ -14,12 +14,12 @@ namespace {
 using Eigen::Vector2d;
 using surface::TriangleMesh;
 
-/// Relative to the mean edge: Voronoi vertices closer than this are one.
-constexpr double same_vertex = 1e-10;
-/// Faces or halfedges of one task: each takes some tenths of a microsecond.
-constexpr std::int32_t elements_of_a_task = 4096;
+/// Relative to the mean edge length: Voronoi vertices closer than this are merged.
+constexpr double vertex_merge_distance = 1e-10;
+/// Number of faces or halfedges per task. Each takes some tenths of a microsecond.
+constexpr std::int32_t elements_per_task = 4096;
 
-/// Gives everything its number first, so that faces can be written in parallel.
+/// Writes a diagram. All elements are numbered first, so that faces can be written in parallel.
 class DiagramWriter {
  public:
   DiagramWriter(const DiagramFaces& faces, const DiagramOptions& options, const Execution& execution, Diagram& diagram)
@@ -30,22 +30,22 @@ class DiagramWriter {
   void run() {
     diagram_.vertex_sites = faces_.vertex_sites();
     diagram_.face_sites = faces_.face_sites();
-    number_parts();
+    number_elements();
     in_parallel(mesh_.halfedge_count(), [&](std::int32_t h) { write_side(h); });
-    in_parallel(static_cast<std::int32_t>(places_.size()), [&](std::int32_t i) { write_face(places_[i]); });
+    in_parallel(static_cast<std::int32_t>(offsets_.size()), [&](std::int32_t i) { write_face(offsets_[i]); });
     add_areas();
     close_at_boundary();
     if (options_.cell_moments && options_.method != DiagramMethod::edges) add_moments();
-    assemble_cells(parts_, same_vertex * mesh_.mean_edge_length(), diagram_);
+    assemble_cells(parts_, vertex_merge_distance * mesh_.mean_edge_length(), diagram_);
     if (options_.vertex_pulls && options_.method != DiagramMethod::edges) gather_vertex_pulls();
     if (execution_.cost == nullptr) return;
-    execution_.cost->add_quantity("cut_faces", static_cast<double>(places_.size()));
+    execution_.cost->add_quantity("cut_faces", static_cast<double>(offsets_.size()));
     execution_.cost->add_quantity("subdivisions", static_cast<double>(subdivisions_));
   }
 
  private:
-  /// Where what a cut face adds begins.
-  struct Place {
+  /// Indices at which the elements of a cut face begin.
+  struct FaceOffsets {
     std::int32_t face = -1;
     std::size_t point = 0;
     std::size_t part = 0;
@@ -56,14 +56,14 @@ class DiagramWriter {
 
   template <typename Body>
   void in_parallel(std::int32_t count, const Body& body) const {
-    parallel_tasks((count + elements_of_a_task - 1) / elements_of_a_task, execution_, "assembly",
+    parallel_tasks((count + elements_per_task - 1) / elements_per_task, execution_, "assembly",
                    [&](int task, const Execution& /*own*/) {
-                     const std::int32_t begin = task * elements_of_a_task;
-                     for (std::int32_t i = begin; i < std::min(count, begin + elements_of_a_task); ++i) body(i);
+                     const std::int32_t begin = task * elements_per_task;
+                     for (std::int32_t i = begin; i < std::min(count, begin + elements_per_task); ++i) body(i);
                    });
   }
 
-  void number_parts() {
+  void number_elements() {
     first_cut_.assign(static_cast<std::size_t>(mesh_.halfedge_count()), -1);
     std::size_t cuts = 0;
     for (std::int32_t h = 0; h < mesh_.halfedge_count(); ++h) {
@@ -71,13 +71,13 @@ class DiagramWriter {
       first_cut_[static_cast<std::size_t>(h)] = static_cast<std::int32_t>(cuts);
       cuts += faces_.side(h).cuts.size();
     }
-    Place next;
+    FaceOffsets next;
     next.point = cuts;
     for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
       const CutFace* own = faces_.cut_face(face);
       if (own == nullptr) continue;
       next.face = face;
-      places_.push_back(next);
+      offsets_.push_back(next);
       next.point += own->points.size();
       next.part += own->borders.size();
       next.piece += own->pieces.size();
@@ -96,18 +96,18 @@ class DiagramWriter {
     const LabelledSegment& side = faces_.side(h);
     auto number = static_cast<std::size_t>(first_cut_[static_cast<std::size_t>(h)]);
     for (std::size_t i = 0; i < side.cuts.size(); ++i) {
-      const double share = side.cuts[i];
+      const double fraction = side.cuts[i];
       DiagramPoint& point = diagram_.points[number++];
       point.kind = DiagramPoint::Kind::crossing;
       point.point.face = FaceId(h / 3);
-      point.point.barycentric[h % 3] = 1 - share;
-      point.point.barycentric[(h + 1) % 3] = share;
+      point.point.barycentric[h % 3] = 1 - fraction;
+      point.point.barycentric[(h + 1) % 3] = fraction;
       point.position = surface::position(mesh_, point.point);
       point.distance = side.distances[i];
     }
   }
 
-  /// The number of a cut of the face, counted as in FaceBorder.
+  /// The index of the point of a cut. `number` counts the cuts of the face as FaceBorder does.
   std::int32_t cut_number(std::int32_t face, std::int32_t number) const {
     for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
       const std::int32_t owner = faces_.owns_side(h) ? h : mesh_.twin(h);
@@ -119,30 +119,30 @@ class DiagramWriter {
     return -1;
   }
 
-  void write_face(Place place) {
-    const CutFace& own = *faces_.cut_face(place.face);
-    const FaceId id{place.face};
-    const std::array<Vector2d, 3> corners = planar_corners(mesh_, place.face);
-    const auto first_point = static_cast<std::int32_t>(place.point);
+  void write_face(FaceOffsets next) {
+    const CutFace& own = *faces_.cut_face(next.face);
+    const FaceId id{next.face};
+    const std::array<Vector2d, 3> corners = planar_corners(mesh_, next.face);
+    const auto first_point = static_cast<std::int32_t>(next.point);
     for (const FacePoint& point : own.points) {
-      DiagramPoint& added = diagram_.points[place.point++];
+      DiagramPoint& added = diagram_.points[next.point++];
       added.kind = point.vertex ? DiagramPoint::Kind::vertex : DiagramPoint::Kind::inner;
       added.point = {id, barycentric(corners, point.place)};
       added.position = surface::position(mesh_, added.point);
       added.distance = point.distance;
     }
     const auto number_of = [&](std::int32_t end) {
-      return end >= 0 ? first_point + end : cut_number(place.face, -1 - end);
+      return end >= 0 ? first_point + end : cut_number(next.face, -1 - end);
     };
     for (const FaceBorder& border : own.borders)
-      parts_[place.part++] = {number_of(border.from), number_of(border.to), border.left, border.right, border.length};
+      parts_[next.part++] = {number_of(border.from), number_of(border.to), border.left, border.right, border.length};
     for (const FacePiece& piece : own.pieces) {
-      diagram_.pieces[place.piece++] = {piece.site, place.face, static_cast<std::int32_t>(place.corner),
-                                        static_cast<std::int32_t>(piece.corners.size()), std::max(piece.area, 0.0)};
-      for (const Vector2d& corner : piece.corners) diagram_.corners[place.corner++] = barycentric(corners, corner);
+      diagram_.pieces[next.piece++] = {piece.site, next.face, static_cast<std::int32_t>(next.corner),
+                                       static_cast<std::int32_t>(piece.corners.size()), std::max(piece.area, 0.0)};
+      for (const Vector2d& corner : piece.corners) diagram_.corners[next.corner++] = barycentric(corners, corner);
     }
     std::copy(own.border_samples.begin(), own.border_samples.end(),
-              diagram_.border_samples.begin() + static_cast<std::ptrdiff_t>(place.sample));
+              diagram_.border_samples.begin() + static_cast<std::ptrdiff_t>(next.sample));
   }
 
   void add_areas() {
@@ -180,32 +180,34 @@ class DiagramWriter {
     }
   }
 
-  /// What the faces know of the vertices. Vertices that have become one with others have sites that they do not know.
+  /// Gathers the faces' distance gradients at the Voronoi vertices. A merged vertex has sites for which its face has
+  /// none.
   void gather_vertex_pulls() {
     for (const DiagramVertex& vertex : diagram_.vertices) {
       const auto number = static_cast<std::size_t>(vertex.point);
-      const auto after = std::upper_bound(places_.begin(), places_.end(), number,
-                                          [](std::size_t point, const Place& place) { return point < place.point; });
-      const Place& place = *std::prev(after);
-      const auto own = static_cast<std::int32_t>(number - place.point);
+      const auto after =
+          std::upper_bound(offsets_.begin(), offsets_.end(), number,
+                           [](std::size_t point, const FaceOffsets& offsets) { return point < offsets.point; });
+      const FaceOffsets& offsets = *std::prev(after);
+      const auto own = static_cast<std::int32_t>(number - offsets.point);
       for (const std::int32_t site : vertex.sites) {
-        SitePull& pull = diagram_.vertex_pulls.emplace_back();
-        for (const auto& [point, known] : faces_.cut_face(place.face)->vertex_pulls)
-          if (point == own && known.site == site) pull = known;
+        SitePull& gradient = diagram_.vertex_pulls.emplace_back();
+        for (const auto& [point, stored] : faces_.cut_face(offsets.face)->vertex_pulls)
+          if (point == own && stored.site == site) gradient = stored;
       }
     }
   }
 
-  /// The mesh's boundary closes the cells there.
+  /// Closes the cells along the mesh's boundary.
   void close_at_boundary() {
-    std::vector<std::int32_t> rims(static_cast<std::size_t>(mesh_.vertex_count()), -1);
-    const auto rim = [&](std::int32_t h, int corner) {
+    std::vector<std::int32_t> boundary_points(static_cast<std::size_t>(mesh_.vertex_count()), -1);
+    const auto boundary_point = [&](std::int32_t h, int corner) {
       const std::int32_t v = mesh_.faces()[static_cast<std::size_t>(h / 3)][static_cast<std::size_t>(corner)];
-      std::int32_t& number = rims[static_cast<std::size_t>(v)];
+      std::int32_t& number = boundary_points[static_cast<std::size_t>(v)];
       if (number >= 0) return number;
       number = static_cast<std::int32_t>(diagram_.points.size());
       DiagramPoint point;
-      point.kind = DiagramPoint::Kind::rim;
+      point.kind = DiagramPoint::Kind::boundary;
       point.point.face = FaceId(h / 3);
       point.point.barycentric[corner] = 1;
       point.position = mesh_.positions()[static_cast<std::size_t>(v)];
@@ -216,11 +218,11 @@ class DiagramWriter {
     for (std::int32_t h = 0; h < mesh_.halfedge_count(); ++h) {
       if (mesh_.twin(h) >= 0 || diagram_.face_sites[static_cast<std::size_t>(h / 3)] == unreached_face_site) continue;
       const LabelledSegment& side = faces_.side(h);
-      std::int32_t before = rim(h, h % 3);
+      std::int32_t before = boundary_point(h, h % 3);
       for (std::size_t i = 0; i < side.sites.size(); ++i) {
         const std::int32_t next = i < side.cuts.size()
                                       ? first_cut_[static_cast<std::size_t>(h)] + static_cast<std::int32_t>(i)
-                                      : rim(h, (h + 1) % 3);
+                                      : boundary_point(h, (h + 1) % 3);
         parts_.push_back({before, next, side.sites[i], -1, 0});
         before = next;
       }
@@ -232,8 +234,9 @@ class DiagramWriter {
   const DiagramOptions& options_;
   Execution execution_;
   Diagram& diagram_;
-  std::vector<std::int32_t> first_cut_;  ///< of each halfedge that owns its side
-  std::vector<Place> places_;            ///< of the cut faces, ascending
+  /// For each halfedge that owns its side, the index of the point of its first cut.
+  std::vector<std::int32_t> first_cut_;
+  std::vector<FaceOffsets> offsets_;  ///< one for each cut face, ascending
   std::vector<BorderPart> parts_;
   std::int64_t subdivisions_ = 0;
 };

@@ -12,15 +12,15 @@ namespace {
 constexpr int vtk_poly_line = 4;
 constexpr int vtk_polygon = 7;
 
-/// The surface cut along the borders: of each cell its whole faces and its pieces of others. Corners of pieces are
-/// points of their own.
+/// The surface cut along the borders: each cell's whole faces and its pieces of cut faces. Corners of pieces are points
+/// of their own.
 struct CutSurface {
   struct Polygon {
     std::int32_t site = -1;
     std::vector<std::size_t> corners;
   };
   std::vector<Eigen::Vector3d> points;
-  std::vector<Polygon> polygons;  ///< ascending by site; -1 where no site is reached
+  std::vector<Polygon> polygons;  ///< ascending by site; -1 for faces that no path from a site reaches
 };
 
 CutSurface cut_surface(const surface::TriangleMesh& mesh, const Diagram& diagram) {

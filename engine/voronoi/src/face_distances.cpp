@@ -7,11 +7,11 @@
 namespace supple::voronoi {
 namespace {
 
-/// Relative to a distance: what rounding does to lengths of two arrivals.
+/// Relative to a distance: rounding error of the lengths of two arrivals.
 constexpr double rounding = 1e-14;
 
-/// Whether even a straight path from the image would be no shorter than `length`. Most arrivals are, and this takes no
-/// root and asks for no turns.
+/// Whether even a straight path from the image would be no shorter than `length`. Most arrivals are excluded by this
+/// cheap test, without a square root.
 bool is_no_shorter(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double length) {
   const double straight = length - arrival.sigma;
   return straight <= 0 || (point - arrival.image).squaredNorm() > straight * straight * (1 + rounding);
@@ -24,7 +24,8 @@ void FaceDistances::all(Active& active) const {
   for (std::size_t i = 0; i < active.size(); ++i) active[i] = static_cast<std::int32_t>(i);
 }
 
-bool FaceDistances::straight_within(const surface::FaceArrival& arrival, const Eigen::Vector2d& point, double radius) {
+bool FaceDistances::is_straight_within(const surface::FaceArrival& arrival, const Eigen::Vector2d& point,
+                                       double radius) {
   if (arrival.everywhere) return true;
   const Eigen::Vector2d to = point - arrival.image;
   const auto inside = [&](const Eigen::Vector2d& end, double side) {
@@ -34,9 +35,10 @@ bool FaceDistances::straight_within(const surface::FaceArrival& arrival, const E
   return inside(arrival.begin, -1) && inside(arrival.end, 1);
 }
 
-Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point, double radius, Active& kept) const {
+Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point, double radius,
+                             Active& remaining) const {
   charge(active.size());
-  // One pass with the best so far, then one that drops what it kept too early.
+  // The first pass compares with the shortest length so far. The second pass drops what it retained too early.
   struct Candidate {
     std::int32_t index;
     double length;
@@ -56,32 +58,33 @@ Nearest FaceDistances::prune(const Active& active, const Eigen::Vector2d& point,
       nearest = i;
     }
   }
-  kept.clear();
+  remaining.clear();
   if (nearest < 0) return best;
   const double slack = rounding * best.distance;
-  const surface::FaceArrival& least = arrivals_[nearest];
-  const bool compares = candidates.size() > 1 && straight_within(least, point, radius);
-  const double to_least = best.distance - least.sigma;
+  const surface::FaceArrival& shortest = arrivals_[nearest];
+  const bool has_alternatives = candidates.size() > 1 && is_straight_within(shortest, point, radius);
+  const double to_shortest = best.distance - shortest.sigma;
   for (const Candidate& candidate : candidates) {
     if (candidate.length > best.distance + 2 * radius + slack) continue;
-    if (compares && candidate.index != nearest) {
-      // No path of the other is shorter than the straight line from its image. The directions in which two images see a
-      // place differ by at most 2 |S - T| / (|x - S| + |x - T|): by so much one length gains on the other on its way.
+    if (has_alternatives && candidate.index != nearest) {
+      // No path of the other arrival is shorter than the straight line from its image. The gradients of |x - S| and |x
+      // - T|, S and T the images, differ by at most 2 |S - T| / (|x - S| + |x - T|). This bounds how fast one length
+      // gains on the other.
       const surface::FaceArrival& other = arrivals_[candidate.index];
       const double to_other = (point - other.image).norm();
-      const double room = to_least + to_other - 2 * radius;
+      const double min_sum = to_shortest + to_other - 2 * radius;
       const double gain = other.sigma + to_other - best.distance - slack;
-      if (gain > 0 && room > 0 && gain * room > 2 * radius * (other.image - least.image).norm()) continue;
+      if (gain > 0 && min_sum > 0 && gain * min_sum > 2 * radius * (other.image - shortest.image).norm()) continue;
     }
-    kept.push_back(candidate.index);
+    remaining.push_back(candidate.index);
   }
   return best;
 }
 
 int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point, double radius,
-                              double tolerance, Active& kept) const {
+                              double tolerance, Active& remaining) const {
   charge(active.size());
-  kept.clear();
+  remaining.clear();
   double best = std::numeric_limits<double>::infinity();
   for (const std::int32_t i : active)
     if (arrivals_[i].source == site && !is_no_shorter(arrivals_[i], point, best))
@@ -93,11 +96,11 @@ int FaceDistances::prune_site(const Active& active, std::int32_t site, const Eig
     if (arrival.source != site || is_no_shorter(arrival, point, limit * (1 + rounding)) ||
         arrival.length_to(point) > limit)
       continue;
-    const bool known = std::any_of(kept.begin(), kept.end(), [&](std::int32_t k) {
+    const bool has_image = std::any_of(remaining.begin(), remaining.end(), [&](std::int32_t k) {
       return (arrival.image - arrivals_[k].image).norm() <= tolerance;
     });
-    if (!known && !kept.empty()) ++others;
-    kept.push_back(i);
+    if (!has_image && !remaining.empty()) ++others;
+    remaining.push_back(i);
   }
   return others;
 }
@@ -113,7 +116,7 @@ Nearest FaceDistances::nearest(const Active& active, const Eigen::Vector2d& poin
   return best;
 }
 
-Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const {
+SiteDistance FaceDistances::from_site(const Active& active, std::int32_t site, const Eigen::Vector2d& point) const {
   charge(active.size());
   double least = std::numeric_limits<double>::infinity();
   const surface::FaceArrival* best = nullptr;
@@ -126,9 +129,9 @@ Slope FaceDistances::from_site(const Active& active, std::int32_t site, const Ei
     }
   }
   if (best == nullptr) return {least, Eigen::Vector2d::Zero()};
-  const Eigen::Vector2d way = point - best->turns_at(point);
-  const double length = way.norm();
-  return {least, length > 0 ? Eigen::Vector2d(way / length) : Eigen::Vector2d::Zero(),
+  const Eigen::Vector2d offset = point - best->turns_at(point);
+  const double length = offset.norm();
+  return {least, length > 0 ? Eigen::Vector2d(offset / length) : Eigen::Vector2d::Zero(),
           static_cast<std::int32_t>(best - arrivals_.data())};
 }
 
@@ -146,7 +149,7 @@ bool FaceDistances::is_distance(const Active& active, std::int32_t site, const E
   return reached;
 }
 
-bool FaceDistances::of_one_site(const Active& active) const {
+bool FaceDistances::are_of_one_site(const Active& active) const {
   for (const std::int32_t i : active)
     if (arrivals_[i].source != arrivals_[active.front()].source) return false;
   return true;

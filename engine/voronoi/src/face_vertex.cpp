@@ -12,11 +12,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Relative to the polygon: a Voronoi vertex may be this far outside.
-constexpr double vertex_outside = 1e-9;
-/// Relative to the distance: distances to the sites of a vertex differ by no more, and no other site is nearer by more.
+/// Relative to the polygon: maximum distance of a Voronoi vertex outside it.
+constexpr double vertex_outside_tolerance = 1e-9;
+/// Relative to the distance: maximum difference of the distances from the vertex's sites. No other site is nearer by
+/// more than four times this.
 constexpr double equidistance = 2e-13;
-constexpr int most_newton_steps = 30;
+constexpr int max_newton_steps = 30;
 
 }  // namespace
 
@@ -27,50 +28,51 @@ bool find_vertex(const FaceDistances& distances, const Active& active, const std
   double distance = 0;
   double error = std::numeric_limits<double>::infinity();
   const auto count = static_cast<Eigen::Index>(cuts.size());
-  for (int step = 0; step < most_newton_steps; ++step) {
-    const Slope first = distances.from_site(active, boundary[cuts[0]].site, x);
+  for (int iteration = 0; iteration < max_newton_steps; ++iteration) {
+    const SiteDistance first = distances.from_site(active, boundary[cuts[0]].site, x);
     if (!std::isfinite(first.distance)) return false;
     distance = first.distance;
-    double worst = 0;
+    double max_gap = 0;
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Vector2d right = Vector2d::Zero();
-    Eigen::Matrix2d two = Eigen::Matrix2d::Zero();
+    Vector2d rhs = Vector2d::Zero();
+    Eigen::Matrix2d jacobian = Eigen::Matrix2d::Zero();
     Vector2d gaps = Vector2d::Zero();
     for (Eigen::Index k = 1; k < count; ++k) {
-      const Slope other = distances.from_site(active, boundary[cuts[static_cast<std::size_t>(k)]].site, x);
+      const SiteDistance other = distances.from_site(active, boundary[cuts[static_cast<std::size_t>(k)]].site, x);
       if (!std::isfinite(other.distance)) return false;
       const double gap = first.distance - other.distance;
-      const Vector2d slope = first.gradient - other.gradient;
-      worst = std::max(worst, std::abs(gap));
+      const Vector2d gap_gradient = first.gradient - other.gradient;
+      max_gap = std::max(max_gap, std::abs(gap));
       if (k <= 2) {
-        two.row(k - 1) = slope.transpose();
+        jacobian.row(k - 1) = gap_gradient.transpose();
         gaps[k - 1] = gap;
       }
-      normal += slope * slope.transpose();
-      right += slope * gap;
+      normal += gap_gradient * gap_gradient.transpose();
+      rhs += gap_gradient * gap;
     }
-    if (!(worst < 0.5 * error) && worst <= equidistance * distance) break;  // as small as rounding lets it be
-    error = worst;
-    Vector2d way;
+    if (!(max_gap < 0.5 * error) && max_gap <= equidistance * distance) break;  // the gaps have reached rounding
+    error = max_gap;
+    Vector2d step;
     if (count == 3) {
-      const double determinant = cross(two.row(0), two.row(1));
+      const double determinant = cross(jacobian.row(0), jacobian.row(1));
       if (determinant == 0) return false;
-      way =
-          Vector2d(two(1, 1) * gaps[0] - two(0, 1) * gaps[1], two(0, 0) * gaps[1] - two(1, 0) * gaps[0]) / -determinant;
+      step = Vector2d(jacobian(1, 1) * gaps[0] - jacobian(0, 1) * gaps[1],
+                      jacobian(0, 0) * gaps[1] - jacobian(1, 0) * gaps[0]) /
+             -determinant;
     } else {
-      way = -normal.ldlt().solve(right);
+      step = -normal.ldlt().solve(rhs);
     }
-    const double length = way.norm();
+    const double length = step.norm();
     if (!std::isfinite(length)) return false;
-    if (length > longest) way *= longest / length;
-    x += way;
+    if (length > longest) step *= longest / length;
+    x += step;
     if ((x - place).norm() > 2 * longest) return false;
-    if (worst == 0) break;
+    if (max_gap == 0) break;
   }
   if (!(error <= equidistance * distance)) return false;
   for (const Side& side : sides) {
     const Vector2d along = side.to - side.from;
-    if (cross(along, x - side.from) < -vertex_outside * along.norm() * longest) return false;
+    if (cross(along, x - side.from) < -vertex_outside_tolerance * along.norm() * longest) return false;
   }
   if (distances.nearest(active, x).distance < distance - 4 * equidistance * distance) return false;
   place = within_face(corners, x);

@@ -22,8 +22,8 @@ using surface::GeodesicField;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Where more than this share of the sites has moved, a whole diagram takes less time (measured by voronoi_bench).
-constexpr double max_moved = 0.125;
+/// If more than this fraction of the sites has moved, a full diagram takes less time (measured by voronoi_bench).
+constexpr double max_moved_fraction = 0.125;
 
 bool same_point(const SurfacePoint& a, const SurfacePoint& b) {
   return a.face == b.face && a.barycentric == b.barycentric;
@@ -37,15 +37,15 @@ struct MovingDiagram::Implementation {
 
   const TriangleMesh& mesh() const { return solver.mesh(); }
 
-  std::size_t most_to_move() const {
-    return std::max<std::size_t>(1, static_cast<std::size_t>(max_moved * static_cast<double>(sites.size())));
+  std::size_t max_moved_sites() const {
+    return std::max<std::size_t>(1, static_cast<std::size_t>(max_moved_fraction * static_cast<double>(sites.size())));
   }
 
   bool is_near(std::span<const SurfacePoint> others) const {
-    if (!kept || options.method != DiagramMethod::exact || others.size() != sites.size()) return false;
+    if (!is_current || options.method != DiagramMethod::exact || others.size() != sites.size()) return false;
     std::size_t moved = 0;
     for (std::size_t i = 0; i < sites.size(); ++i)
-      if (!same_point(sites[i], others[i]) && ++moved > most_to_move()) return false;
+      if (!same_point(sites[i], others[i]) && ++moved > max_moved_sites()) return false;
     return true;
   }
 
@@ -86,40 +86,40 @@ struct MovingDiagram::Implementation {
     return index >= 0 && flags[static_cast<std::size_t>(index)] != 0;
   }
 
-  /// The faces that a cell of `left`, whose sites were at `before`, has a part of. A cell is connected: from the face
-  /// of its site on, as long as faces that share a corner have a part of it.
-  void mark_cells(const std::vector<SurfacePoint>& before, const Flags& left, Flags& marked) const {
-    std::vector<std::int32_t> front;
+  /// Marks the faces in which a cell of `old_cells`, whose sites were at `before`, has a part. Cells are connected: the
+  /// search starts at the faces of the sites and goes on where faces share a corner.
+  void mark_cells(const std::vector<SurfacePoint>& before, const Flags& old_cells, Flags& marked) const {
+    std::vector<std::int32_t> queue;
     for (std::size_t i = 0; i < before.size(); ++i)
-      if (left[i] != 0) front.push_back(index(before[i].face));
-    Flags seen(marked.size(), 0);
-    for (const std::int32_t face : front) seen[static_cast<std::size_t>(face)] = 1;
-    const std::size_t of_sites = front.size();
-    for (std::size_t next = 0; next < front.size(); ++next) {
-      const std::int32_t face = front[next];
+      if (old_cells[i] != 0) queue.push_back(index(before[i].face));
+    Flags visited(marked.size(), 0);
+    for (const std::int32_t face : queue) visited[static_cast<std::size_t>(face)] = 1;
+    const std::size_t of_sites = queue.size();
+    for (std::size_t next = 0; next < queue.size(); ++next) {
+      const std::int32_t face = queue[next];
       bool has_part = next < of_sites;
-      faces.visit_sites(face, [&](std::int32_t site) { has_part = has_part || flagged(left, site); });
+      faces.visit_sites(face, [&](std::int32_t site) { has_part = has_part || flagged(old_cells, site); });
       if (!has_part) continue;
       marked[static_cast<std::size_t>(face)] = 1;
       for (const std::int32_t v : mesh().faces()[static_cast<std::size_t>(face)]) {
         const std::int32_t start = mesh().outgoing(v);
         std::int32_t h = start;
         do {
-          std::uint8_t& known = seen[static_cast<std::size_t>(TriangleMesh::face_of(h))];
-          if (known == 0) front.push_back(TriangleMesh::face_of(h));
-          known = 1;
+          std::uint8_t& flag = visited[static_cast<std::size_t>(TriangleMesh::face_of(h))];
+          if (flag == 0) queue.push_back(TriangleMesh::face_of(h));
+          flag = 1;
           h = mesh().rotate(h);
         } while (h >= 0 && h != start);
       }
     }
   }
 
-  /// The faces that cells of the sources of a field of known distances may have a part of.
+  /// Marks the faces in which cells of the sources of `reaching`, a field of known distances, may have a part.
   void mark_reached(const GeodesicField& reaching, std::size_t sources, Flags& marked,
                     const CancellationToken& cancellation) const {
     FaceDistances distances(cancellation);
     Active active;
-    Active kept_arrivals;
+    Active remaining;
     for (std::int32_t face = 0; face < mesh().face_count(); ++face) {
       if (marked[static_cast<std::size_t>(face)] != 0 || !reaching.reaches(FaceId(face))) continue;
       reaching.arrivals(FaceId(face), distances.arrivals());
@@ -128,61 +128,61 @@ struct MovingDiagram::Implementation {
       double radius = 0;
       for (const Eigen::Vector2d& corner : corners) radius = std::max(radius, (corner - centre).norm());
       distances.all(active);
-      distances.prune(active, centre, radius, kept_arrivals);
-      for (const std::int32_t i : kept_arrivals)
+      distances.prune(active, centre, radius, remaining);
+      for (const std::int32_t i : remaining)
         if (static_cast<std::size_t>(distances.arrivals()[static_cast<std::size_t>(i)].source) < sources)
           marked[static_cast<std::size_t>(face)] = 1;
     }
   }
 
-  /// Makes the distances of vertices unknown (infinite) whose site is one of these.
-  void forget(const Flags& of_sites, std::vector<double>& known) const {
+  /// Makes the distances of vertices unknown (infinite) if their site is one of these.
+  void invalidate(const Flags& of_sites, std::vector<double>& known) const {
     for (std::size_t v = 0; v < known.size(); ++v)
       if (flagged(of_sites, faces.vertex_sites()[v])) known[v] = std::numeric_limits<double>::infinity();
   }
 
-  /// `left` flags sites whose cells are no more what they were, `come` those that have others now. False where no site
-  /// is left that can take over, and nothing is changed.
-  bool rebuild_near(const std::vector<SurfacePoint>& before, const Flags& left, const Flags& come,
-                    const Execution& execution) {
-    std::vector<std::int32_t> again;
+  /// Cuts the affected faces again. `old_cells` flags sites whose old cells are gone, and `new_cells` those that have
+  /// new ones. Returns false, with nothing changed, if no site is left that can take over.
+  bool rebuild_locally(const std::vector<SurfacePoint>& before, const Flags& old_cells, const Flags& new_cells,
+                       const Execution& execution) {
+    std::vector<std::int32_t> recut;
     std::vector<std::int32_t> site_of_source;
-    Flags changed = left;
-    std::optional<GeodesicField> around;
+    Flags changed = old_cells;
+    std::optional<GeodesicField> local_field;
     {
       const StageTimer timer(execution.cost, "propagation");
       Flags marked(static_cast<std::size_t>(mesh().face_count()), 0);
-      mark_cells(before, left, marked);
+      mark_cells(before, old_cells, marked);
       std::vector<SurfacePoint> sources;
       for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (come[i] == 0) continue;
+        if (new_cells[i] == 0) continue;
         changed[i] = 1;
         sources.push_back(sites[i]);
       }
       std::vector<double> known = faces.vertex_distances();
-      forget(left, known);
+      invalidate(old_cells, known);
       if (!sources.empty())
         mark_reached(field(sources, known, execution), sources.size(), marked, execution.cancellation);
-      Flags near = come;
+      Flags affected = new_cells;
       for (std::int32_t face = 0; face < mesh().face_count(); ++face) {
         if (marked[static_cast<std::size_t>(face)] == 0) continue;
-        again.push_back(face);
-        faces.visit_sites(face, [&](std::int32_t site) { near[static_cast<std::size_t>(site)] = 1; });
+        recut.push_back(face);
+        faces.visit_sites(face, [&](std::int32_t site) { affected[static_cast<std::size_t>(site)] = 1; });
       }
-      forget(near, known);
+      invalidate(affected, known);
       sources.clear();
       for (std::size_t i = 0; i < sites.size(); ++i) {
-        if (near[i] == 0 || !has_cell(i)) continue;
+        if (affected[i] == 0 || !has_cell(i)) continue;
         sources.push_back(sites[i]);
         site_of_source.push_back(static_cast<std::int32_t>(i));
       }
       if (sources.empty()) return false;
-      around.emplace(field(sources, known, execution));
+      local_field.emplace(field(sources, known, execution));
     }
     const StageTimer timer(execution.cost, "cells");
-    faces.cut_again(again, {*around, site_of_source, sites}, changed, execution);
+    faces.recut(recut, {*local_field, site_of_source, sites}, changed, execution);
     last = {true, static_cast<std::int32_t>(std::count(changed.begin(), changed.end(), 1)),
-            static_cast<std::int32_t>(again.size())};
+            static_cast<std::int32_t>(recut.size())};
     return true;
   }
 
@@ -192,14 +192,14 @@ struct MovingDiagram::Implementation {
     check(wanted);
     std::vector<SurfacePoint> now = checked(wanted);
     const bool near = is_near(now);
-    kept = false;
+    is_current = false;
     const std::vector<SurfacePoint> before = std::exchange(sites, std::move(now));
-    const std::vector<std::int32_t> first_before =
+    const std::vector<std::int32_t> old_first =
         std::exchange(first, first_in_place(mesh(), sites, execution.cancellation));
-    if (!near || !rebuild_near_to(before, first_before, execution)) rebuild_all(execution);
+    if (!near || !try_local_rebuild(before, old_first, execution)) rebuild_all(execution);
     write(execution);
     if (execution.cost != nullptr && last.local) execution.cost->add_quantity("local_rebuilds", 1);
-    kept = true;
+    is_current = true;
     return diagram;
   }
 
@@ -211,21 +211,21 @@ struct MovingDiagram::Implementation {
     return result;
   }
 
-  /// True where nothing has moved, too.
-  bool rebuild_near_to(const std::vector<SurfacePoint>& before, const std::vector<std::int32_t>& first_before,
-                       const Execution& execution) {
-    Flags left(sites.size(), 0);
-    Flags come(sites.size(), 0);
+  /// Rebuilds the diagram locally; true also if no site has moved.
+  bool try_local_rebuild(const std::vector<SurfacePoint>& before, const std::vector<std::int32_t>& old_first,
+                         const Execution& execution) {
+    Flags old_cells(sites.size(), 0);
+    Flags new_cells(sites.size(), 0);
     bool any = false;
     for (std::size_t i = 0; i < sites.size(); ++i) {
-      const bool had_cell = first_before[i] == static_cast<std::int32_t>(i);
+      const bool had_cell = old_first[i] == static_cast<std::int32_t>(i);
       const bool moved = !same_point(before[i], sites[i]) || had_cell != has_cell(i);
-      left[i] = had_cell && moved ? 1 : 0;
-      come[i] = has_cell(i) && moved ? 1 : 0;
-      any = any || left[i] != 0 || come[i] != 0;
+      old_cells[i] = had_cell && moved ? 1 : 0;
+      new_cells[i] = has_cell(i) && moved ? 1 : 0;
+      any = any || old_cells[i] != 0 || new_cells[i] != 0;
     }
     last = {true, 0, 0};
-    return !any || rebuild_near(before, left, come, execution);
+    return !any || rebuild_locally(before, old_cells, new_cells, execution);
   }
 
   void check(std::span<const SurfacePoint> wanted) const {
@@ -260,10 +260,10 @@ struct MovingDiagram::Implementation {
   DiagramOptions options;
   DiagramFaces faces;
   std::vector<SurfacePoint> sites;
-  std::vector<std::int32_t> first;  ///< of each site the first one in the same place
+  std::vector<std::int32_t> first;  ///< first site in the place of each site
   Diagram diagram;
   DiagramRebuild last;
-  bool kept = false;  ///< whether faces are those of the sites
+  bool is_current = false;  ///< whether `faces` are up to date with `sites`
 };
 
 MovingDiagram::MovingDiagram(const surface::GeodesicSolver& solver, const DiagramOptions& options)

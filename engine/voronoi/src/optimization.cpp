@@ -51,11 +51,11 @@ void check(const OptimizationOptions& options, std::size_t sites) {
   }
 }
 
-/// Of the slope at the start of a step: as much may be left at its end.
-constexpr double least_slope = 0.9;
+/// Curvature condition of the line search: the slope at the end of a step relative to that at its start.
+constexpr double max_slope_ratio = 0.9;
 
-/// Only areas can become all but equal, so that what the Gauss-Newton Hessian leaves out vanishes.
-bool takes_gauss_newton(const OptimizationOptions& options) {
+/// Only the residuals of areas can nearly vanish, and with them the terms that the Gauss-Newton Hessian neglects.
+bool uses_gauss_newton(const OptimizationOptions& options) {
   const ObjectiveWeights& w = options.weights;
   if (options.method != OptimizationMethod::automatic) return options.method == OptimizationMethod::gauss_newton;
   return !(w.edge_length + w.planarity + w.regularity + w.centroidal > 0);
@@ -109,74 +109,75 @@ DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagra
 
 namespace {
 
-/// What the values of these objectives need, and their derivatives too if asked for.
-Needs needs_of(const OptimizationOptions& options, bool derivatives) {
+/// The quantities that the values of the objectives need and, with `derivatives`, their gradients.
+RequiredQuantities quantities_of(const OptimizationOptions& options, bool derivatives) {
   const ObjectiveWeights& w = options.weights;
   return {.edge_lengths = w.edge_length > 0,
           .motions = derivatives && w.edge_length + w.planarity + w.regularity > 0,
-          .border_pulls = derivatives && w.equal_area > 0,
+          .border_gradients = derivatives && w.equal_area > 0,
           .cell_moments = w.centroidal > 0,
           .border_deviation = options.border_deviation};
 }
 
 using DiagramTerms = std::vector<std::shared_ptr<DiagramTerm>>;
 
-/// `length` is the one that edge lengths are to have.
-DiagramTerms terms_of(const std::shared_ptr<const DiagramFinder>& finder, const ObjectiveWeights& w, double unit,
+/// `length` is the target length of edges.
+DiagramTerms terms_of(const std::shared_ptr<const DiagramEvaluator>& evaluator, const ObjectiveWeights& w, double unit,
                       double length) {
   DiagramTerms terms;
-  if (w.edge_length > 0) terms.push_back(std::make_shared<EdgeLengthTerm>(finder, w.edge_length, unit, length));
-  if (w.planarity > 0) terms.push_back(std::make_shared<PlanarityTerm>(finder, w.planarity, unit));
-  if (w.regularity > 0) terms.push_back(std::make_shared<RegularityTerm>(finder, w.regularity, unit));
-  if (w.centroidal > 0) terms.push_back(std::make_shared<CentroidalTerm>(finder, w.centroidal, unit));
-  if (w.equal_area > 0) terms.push_back(std::make_shared<EqualAreaTerm>(finder, w.equal_area, unit));
+  if (w.edge_length > 0) terms.push_back(std::make_shared<EdgeLengthTerm>(evaluator, w.edge_length, unit, length));
+  if (w.planarity > 0) terms.push_back(std::make_shared<PlanarityTerm>(evaluator, w.planarity, unit));
+  if (w.regularity > 0) terms.push_back(std::make_shared<RegularityTerm>(evaluator, w.regularity, unit));
+  if (w.centroidal > 0) terms.push_back(std::make_shared<CentroidalTerm>(evaluator, w.centroidal, unit));
+  if (w.equal_area > 0) terms.push_back(std::make_shared<EqualAreaTerm>(evaluator, w.equal_area, unit));
   return terms;
 }
 
-/// A site is steep where its gradient is so many times the median.
-constexpr double steep = 10;
+/// A site is steep if the norm of its gradient is more than this many times the median.
+constexpr double min_steep_ratio = 10;
 constexpr int max_iterations_without_steep_sites = 50;
-/// Where the other sites lower the energy by this fraction, moves of single sites wait.
+/// If the other sites lower the energy by more than this fraction, single-site moves are postponed.
 constexpr double large_gain_without_steep_sites = 0.02;
 
-/// The search for a minimum: steps for all sites, and moves of single sites where none of these lowers the energy.
+/// The search for a minimum: steps for all sites, and single-site moves if these no longer lower the energy.
 class Search {
  public:
-  Search(const OptimizationOptions& options, numerics::System<SitesState>& system, std::vector<bool> held,
+  Search(const OptimizationOptions& options, numerics::System<SitesState>& system, std::vector<bool> fixed,
          numerics::MinimizerOptions minimizer, SiteMoves moves, const Execution& execution, Optimization& result)
       : options_(options),
         system_(system),
-        held_(std::move(held)),
+        fixed_(std::move(fixed)),
         minimizer_(std::move(minimizer)),
         moves_(std::move(moves)),
         execution_(execution),
         result_(result) {}
 
   void run() {
-    using Stop = numerics::MinimizerStop;
-    Stop stop = minimize(0);
-    while (stop == Stop::step_too_small) {
+    using Termination = numerics::MinimizerStop;
+    Termination termination = minimize(0);
+    while (termination == Termination::step_too_small) {
       if (result_.iterations >= options_.max_iterations || result_.site_moves.passes >= max_site_move_passes) {
-        stop = Stop::iteration_limit;
+        termination = Termination::iteration_limit;
         break;
       }
       const double before = result_.energy;
       if (result_.site_moves.held_searches++ == 0) result_.site_moves.energy_before = before;
       const double step_length = minimize_without_steep_sites();
       if (before - result_.energy > large_gain_without_steep_sites * before) {
-        stop = minimize(step_length);
+        termination = minimize(step_length);
         continue;
       }
       const SiteMovesPass pass = move_single_sites();
       if (pass.taken == 0 && !(result_.energy < before)) break;
-      stop = minimize(std::hypot(step_length, pass.step_length));
-      if (pass.complete && before - result_.energy <= smallest_gain_of_a_pass * before) break;
+      termination = minimize(std::hypot(step_length, pass.step_length));
+      if (pass.complete && before - result_.energy <= min_pass_gain * before) break;
     }
-    result_.stopped = numerics::to_string(stop);
+    result_.stopped = numerics::to_string(termination);
   }
 
  private:
-  /// From the present state, to which a pass of moves of single sites has led by a step of this length, if any.
+  /// Minimizes from the present state. `step_length` is that of the pass of single-site moves that led there, 0 if
+  /// there was none.
   numerics::MinimizerStop minimize(double step_length) {
     bool is_start = true;
     if (!result_.history.empty()) ++result_.iterations;
@@ -184,8 +185,8 @@ class Search {
     minimizer_.after_step = [&](const numerics::MinimizerStep& step) {
       result_.history.push_back({step.value, step.gradient_norm, is_start ? step_length : step.step_length});
       is_start = false;
-      if (options_.observer && system_.state().found())
-        options_.observer(result_.history.back(), system_.state().found()->diagram);
+      if (options_.observer && system_.state().evaluation())
+        options_.observer(result_.history.back(), system_.state().evaluation()->diagram);
     };
     const numerics::MinimizerResult found = numerics::minimize(system_, minimizer_, execution_);
     result_.energy = found.value;
@@ -194,8 +195,8 @@ class Search {
     return found.stop;
   }
 
-  /// Holds the sites whose gradients are far above most others', and minimizes for the others: at a kink or a jump of
-  /// the energy, a few sites next to it keep all from moving on. Returns the root of the sum of the squared steps.
+  /// Fixes the sites whose gradients are far above the median, and minimizes for the others: at a kink or a jump of the
+  /// energy a few sites prevent progress for all. Returns the root of the sum of the squared steps.
   double minimize_without_steep_sites() {
     const Eigen::VectorXd gradient = system_.full_gradient();
     std::vector<double> slopes;
@@ -203,11 +204,11 @@ class Search {
     std::vector<double> sorted = slopes;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
     std::nth_element(sorted.begin(), middle, sorted.end());
-    std::vector<bool> held = held_;
+    std::vector<bool> fixed = fixed_;
     for (std::size_t i = 0; i < slopes.size(); ++i)
-      if (slopes[i] > steep * *middle) held[2 * i] = held[2 * i + 1] = true;
-    if (held == held_ || std::ranges::find(held, false) == held.end()) return 0;
-    numerics::System<SitesState> others(system_.state(), system_.terms(), numerics::Unknowns(held),
+      if (slopes[i] > min_steep_ratio * *middle) fixed[2 * i] = fixed[2 * i + 1] = true;
+    if (fixed == fixed_ || std::ranges::find(fixed, false) == fixed.end()) return 0;
+    numerics::System<SitesState> others(system_.state(), system_.terms(), numerics::Unknowns(fixed),
                                         {.execution = execution_});
     numerics::MinimizerOptions minimizer = minimizer_;
     double squares = 0;
@@ -232,7 +233,7 @@ class Search {
 
   const OptimizationOptions& options_;
   numerics::System<SitesState>& system_;
-  std::vector<bool> held_;  ///< two entries for each site
+  std::vector<bool> fixed_;  ///< two degrees of freedom for each site
   numerics::MinimizerOptions minimizer_;
   SiteMoves moves_;
   const Execution& execution_;
@@ -245,45 +246,45 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
                       const OptimizationOptions& options, const Execution& execution) {
   check(options, sites.size());
   const surface::TriangleMesh& mesh = solver.mesh();
-  const auto finder = std::make_shared<const DiagramFinder>(solver, needs_of(options, true));
-  Execution quiet = execution;
-  quiet.progress = nullptr;
+  const auto evaluator = std::make_shared<const DiagramEvaluator>(solver, quantities_of(options, true));
+  Execution unreported = execution;
+  unreported.progress = nullptr;
   Optimization result;
-  Diagram start = diagram(solver, sites, {.border_deviation = options.border_deviation}, quiet);
-  result.before = statistics(solver, start, quiet);
+  Diagram start = diagram(solver, sites, {.border_deviation = options.border_deviation}, unreported);
+  result.before = statistics(solver, start, unreported);
   sites = start.sites;
   double area = 0;
   for (const DiagramCell& cell : start.cells) area += cell.area;
   const double unit = std::sqrt(area / static_cast<double>(sites.size()));
   const double length = options.edge_length > 0 ? options.edge_length : result.before.edge_length.mean;
 
-  const DiagramTerms terms = terms_of(finder, options.weights, unit, length);
-  std::vector<bool> held(2 * sites.size(), false);
+  const DiagramTerms terms = terms_of(evaluator, options.weights, unit, length);
+  std::vector<bool> fixed(2 * sites.size(), false);
   for (const std::int32_t site : options.fixed_sites)
-    for (std::size_t k = 0; k < 2; ++k) held[2 * static_cast<std::size_t>(site) + k] = true;
+    for (std::size_t k = 0; k < 2; ++k) fixed[2 * static_cast<std::size_t>(site) + k] = true;
   const SitesState state(mesh, std::move(sites));
-  numerics::System<SitesState> system(state, {terms.begin(), terms.end()}, numerics::Unknowns(held),
+  numerics::System<SitesState> system(state, {terms.begin(), terms.end()}, numerics::Unknowns(fixed),
                                       {.execution = execution});
   numerics::MinimizerOptions minimizer;
-  minimizer.method = takes_gauss_newton(options) ? numerics::MinimizerMethod::newton : numerics::MinimizerMethod::lbfgs;
+  minimizer.method = uses_gauss_newton(options) ? numerics::MinimizerMethod::newton : numerics::MinimizerMethod::lbfgs;
   const auto count = static_cast<double>(system.state().sites().points().size());
   result.gradient_tolerance = options.tolerance * std::sqrt(count) / unit;
   minimizer.gradient_tolerance = result.gradient_tolerance;
   minimizer.step_tolerance = 1e-12 * unit;
   minimizer.first_step = unit * unit;
-  // Where corners cross edges of the mesh, their places in space have kinks, along which minima lie.
-  if (options.weights.planarity > 0) minimizer.slope_contraction = least_slope;
-  SiteMoves moves(std::make_shared<const DiagramFinder>(solver, needs_of(options, false)), terms, held, unit);
-  Search(options, system, held, std::move(minimizer), std::move(moves), execution, result).run();
+  // At edges of the mesh the positions of corners in space have kinks, along which minima lie.
+  if (options.weights.planarity > 0) minimizer.slope_contraction = max_slope_ratio;
+  SiteMoves moves(std::make_shared<const DiagramEvaluator>(solver, quantities_of(options, false)), terms, fixed, unit);
+  Search(options, system, fixed, std::move(minimizer), std::move(moves), execution, result).run();
   SitesState end = system.state();
-  finder->find(end, 0, quiet);
+  evaluator->evaluate(end, 0, unreported);
   for (const auto& term : terms) {
     numerics::EnergySum sum;
     term->add(end, 0, sum);
     result.terms.push_back({std::string(term->name()), sum.value});
   }
-  result.diagram = std::move(end.found()->diagram);
-  result.after = statistics(solver, result.diagram, quiet);
+  result.diagram = std::move(end.evaluation()->diagram);
+  result.after = statistics(solver, result.diagram, unreported);
   return result;
 }
 

@@ -21,13 +21,13 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Of the sheet, in millimetres: between panels, and the height of its letters.
-constexpr double gap = 4;
-constexpr double largest_letter = 4;
-/// Sheets are about this much wider than high.
+/// Gap between panels and maximum height of letters, in millimetres.
+constexpr double panel_gap = 4;
+constexpr double max_letter_height = 4;
+/// Approximate ratio of a sheet's width to its height.
 constexpr double sheet_ratio = 1.4;
 
-/// Where Voronoi edges end, by their parts of borders: which edge leads from one point to the next on a cell's border.
+/// A map from points to the Voronoi edges through them, to find the edge between two points of a cell's boundary.
 class EdgesOfPoints {
  public:
   explicit EdgesOfPoints(const Diagram& diagram) {
@@ -46,7 +46,7 @@ class EdgesOfPoints {
     }
     return -1;
   }
-  /// The number of edges that meet in each point.
+  /// The number of edges through a point.
   std::size_t count(std::int32_t point) const {
     const auto found = edges_.find(point);
     return found == edges_.end() ? 0 : found->second.size();
@@ -75,7 +75,7 @@ std::vector<Panel> panels(const Diagram& diagram) {
       const std::int32_t after = edges.between(diagram, site, loop[k], next(k));
       if (after == edges.between(diagram, site, before(k), loop[k]) && after >= 0 &&
           diagram.points[static_cast<std::size_t>(loop[k])].kind != DiagramPoint::Kind::vertex)
-        continue;  // in the middle of an edge
+        continue;  // within an edge, so not a corner
       positions.push_back(diagram.points[static_cast<std::size_t>(loop[k])].position);
       panel.edges.push_back(after);
       panel.neighbours.push_back(-1);
@@ -88,16 +88,16 @@ std::vector<Panel> panels(const Diagram& diagram) {
     }
     if (positions.size() < 3) continue;
     FittedPlane plane = fit_plane(positions);
-    double doubled = 0;
+    double twice_area = 0;
     for (const Vector3d& position : positions) {
       const Vector3d offset = position - plane.centre;
       panel.corners.emplace_back(offset.dot(plane.first), offset.dot(plane.second));
     }
     for (std::size_t k = 0; k < panel.corners.size(); ++k)
-      doubled += cross(panel.corners[k], panel.corners[(k + 1) % panel.corners.size()]);
-    if (doubled < 0)
+      twice_area += cross(panel.corners[k], panel.corners[(k + 1) % panel.corners.size()]);
+    if (twice_area < 0)
       for (Vector2d& corner : panel.corners) corner.y() = -corner.y();
-    const double outwards = plane.first.cross(plane.second).dot(plane.normal) * doubled < 0 ? -1 : 1;
+    const double outwards = plane.first.cross(plane.second).dot(plane.normal) * twice_area < 0 ? -1 : 1;
     for (Eigen::Index k = 0; k < plane.distances.size(); ++k) panel.deviations.push_back(outwards * plane.distances[k]);
     result.push_back(std::move(panel));
   }
@@ -106,13 +106,13 @@ std::vector<Panel> panels(const Diagram& diagram) {
 
 namespace {
 
-/// Panels on shelves from the top left, highest first, each turned so that it is lower than wide.
+/// A sheet of panels in rows from the top left, the highest first. The longest edge of each panel is horizontal.
 class Sheet {
  public:
   Sheet(std::vector<Panel> panels, double scale) : panels_(std::move(panels)) {
     for (Panel& panel : panels_) {
       for (Vector2d& corner : panel.corners) corner *= scale;
-      lay(panel);
+      rotate_to_longest_edge(panel);
     }
     std::stable_sort(panels_.begin(), panels_.end(),
                      [](const Panel& a, const Panel& b) { return extent(a).y() > extent(b).y(); });
@@ -120,11 +120,11 @@ class Sheet {
     double widest = 0;
     for (const Panel& panel : panels_) {
       const Vector2d size = extent(panel);
-      area += (size.x() + gap) * (size.y() + gap);
+      area += (size.x() + panel_gap) * (size.y() + panel_gap);
       widest = std::max(widest, size.x());
     }
-    width_ = std::max(widest + 2 * gap, std::sqrt(sheet_ratio * area));
-    place();
+    width_ = std::max(widest + 2 * panel_gap, std::sqrt(sheet_ratio * area));
+    place_panels();
   }
 
   std::string draw() {
@@ -138,13 +138,13 @@ class Sheet {
 
  private:
   static Vector2d extent(const Panel& panel) {
-    Vector2d most = panel.corners.front();
-    for (const Vector2d& corner : panel.corners) most = most.cwiseMax(corner);
-    return most;
+    Vector2d max_corner = panel.corners.front();
+    for (const Vector2d& corner : panel.corners) max_corner = max_corner.cwiseMax(corner);
+    return max_corner;
   }
 
-  /// Turns the panel to its longest edge and moves it to the origin.
-  static void lay(Panel& panel) {
+  /// Rotates the panel so that its longest edge is horizontal, and moves it to the origin.
+  static void rotate_to_longest_edge(Panel& panel) {
     std::size_t longest = 0;
     const auto edge = [&](std::size_t k) -> Vector2d {
       return panel.corners[(k + 1) % panel.corners.size()] - panel.corners[k];
@@ -152,29 +152,29 @@ class Sheet {
     for (std::size_t k = 1; k < panel.corners.size(); ++k)
       if (edge(k).squaredNorm() > edge(longest).squaredNorm()) longest = k;
     const Vector2d along = edge(longest).normalized();
-    Vector2d least = Vector2d::Constant(std::numeric_limits<double>::infinity());
+    Vector2d min_corner = Vector2d::Constant(std::numeric_limits<double>::infinity());
     for (Vector2d& corner : panel.corners) {
-      // SVG's second axis points down: mirrored, so that one looks at the outside.
+      // The second axis of SVG points down: the panel is mirrored, so that its outside is seen.
       corner = Vector2d(corner.dot(along), -cross(along, corner));
-      least = least.cwiseMin(corner);
+      min_corner = min_corner.cwiseMin(corner);
     }
-    for (Vector2d& corner : panel.corners) corner -= least;
+    for (Vector2d& corner : panel.corners) corner -= min_corner;
   }
 
-  void place() {
-    Vector2d at(gap, gap);
-    double shelf = 0;
+  void place_panels() {
+    Vector2d at(panel_gap, panel_gap);
+    double row_height = 0;
     for (Panel& panel : panels_) {
       const Vector2d size = extent(panel);
-      if (at.x() > gap && at.x() + size.x() + gap > width_) {
-        at = Vector2d(gap, at.y() + shelf + gap);
-        shelf = 0;
+      if (at.x() > panel_gap && at.x() + size.x() + panel_gap > width_) {
+        at = Vector2d(panel_gap, at.y() + row_height + panel_gap);
+        row_height = 0;
       }
       for (Vector2d& corner : panel.corners) corner += at;
-      shelf = std::max(shelf, size.y());
-      at.x() += size.x() + gap;
+      row_height = std::max(row_height, size.y());
+      at.x() += size.x() + panel_gap;
     }
-    height_ = at.y() + shelf + gap;
+    height_ = at.y() + row_height + panel_gap;
   }
 
   void draw(const Panel& panel) {
@@ -187,7 +187,7 @@ class Sheet {
     }
     svg_ << "Z\"/>\n";
     for (const Vector2d& corner : panel.corners) shortest = std::min(shortest, (corner - centre).norm());
-    const double letter = std::min(largest_letter, 0.4 * shortest);
+    const double letter = std::min(max_letter_height, 0.4 * shortest);
     text(centre, letter, "#b03030", panel.site);
     for (std::size_t k = 0; k < panel.corners.size(); ++k) {
       if (panel.edges[k] < 0) continue;
@@ -222,7 +222,7 @@ std::string write_panels_csv(const Diagram& diagram) {
       double angle = std::atan2(cross(to_next, to_last), to_next.dot(to_last)) * 180 / std::numbers::pi;
       if (angle < 0) angle += 360;
       out.number(panel.site, ',');
-      // The rim has no number and nothing beyond.
+      // An edge on the mesh's boundary has neither a number nor a neighbour.
       if (panel.edges[k] < 0)
         out << ",,";
       else

@@ -12,7 +12,7 @@
 
 namespace supple::voronoi {
 
-/// A face in its plane: corner 0 at the origin, the axes those of tangent_frame.
+/// The corners of a face in its plane. Corner 0 is the origin, and the axes are those of tangent_frame.
 inline std::array<Eigen::Vector2d, 3> planar_corners(const surface::TriangleMesh& mesh, std::int32_t face) {
   const surface::Triangle& corners = mesh.faces()[static_cast<std::size_t>(face)];
   const auto& p = mesh.positions();
@@ -33,8 +33,8 @@ inline Eigen::Vector3d barycentric(const std::array<Eigen::Vector2d, 3>& corners
   return result / result.sum();
 }
 
-/// A place that is outside the face by rounding, as where sites are so near to each other that their border is known to
-/// few digits, on its boundary.
+/// The place itself or, if it is outside the face by rounding, a place on the face's boundary. This occurs for sites so
+/// close to each other that few digits of their border are accurate.
 inline Eigen::Vector2d within_face(const std::array<Eigen::Vector2d, 3>& corners, const Eigen::Vector2d& place) {
   bool inside = true;
   for (std::size_t i = 0; i < 3; ++i)

@@ -10,11 +10,11 @@ namespace supple::voronoi {
 using Eigen::Vector2d;
 
 Side reversed(const Side& side) {
-  Side result{side.to, side.from, side.cuts, side.shares, side.sites};
+  Side result{side.to, side.from, side.cuts, side.fractions, side.sites};
   std::reverse(result.cuts.begin(), result.cuts.end());
-  std::reverse(result.shares.begin(), result.shares.end());
+  std::reverse(result.fractions.begin(), result.fractions.end());
   std::reverse(result.sites.begin(), result.sites.end());
-  for (double& share : result.shares) share = 1 - share;
+  for (double& fraction : result.fractions) fraction = 1 - fraction;
   return result;
 }
 
@@ -22,22 +22,22 @@ std::pair<Side, Side> split(const Side& side, double at) {
   const Vector2d middle = side.from + at * (side.to - side.from);
   Side first{side.from, middle, {}, {}, {}};
   Side second{middle, side.to, {}, {}, {}};
-  const auto before =
-      static_cast<std::size_t>(std::upper_bound(side.shares.begin(), side.shares.end(), at) - side.shares.begin());
-  for (std::size_t i = 0; i < side.shares.size(); ++i) {
+  const auto before = static_cast<std::size_t>(std::upper_bound(side.fractions.begin(), side.fractions.end(), at) -
+                                               side.fractions.begin());
+  for (std::size_t i = 0; i < side.fractions.size(); ++i) {
     Side& part = i < before ? first : second;
     part.cuts.push_back(side.cuts[i]);
-    part.shares.push_back(i < before ? side.shares[i] / at : (side.shares[i] - at) / (1 - at));
+    part.fractions.push_back(i < before ? side.fractions[i] / at : (side.fractions[i] - at) / (1 - at));
   }
   first.sites.assign(side.sites.begin(), side.sites.begin() + static_cast<std::ptrdiff_t>(before) + 1);
   second.sites.assign(side.sites.begin() + static_cast<std::ptrdiff_t>(before), side.sites.end());
   return {first, second};
 }
 
-bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
+bool choose_chord(const Sides& sides, BoundaryPlace& begin, BoundaryPlace& end) {
   struct Arc {
     std::int32_t site;
-    BorderPlace middle;  ///< of its longest straight part
+    BoundaryPlace middle;  ///< middle of its longest part on one side
     double length = -1;
   };
   std::vector<Arc> arcs;
@@ -46,7 +46,7 @@ bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
     const double length = (side.to - side.from).norm();
     double before = 0;
     for (std::size_t i = 0; i < side.sites.size(); ++i) {
-      const double after = i < side.shares.size() ? side.shares[i] : 1;
+      const double after = i < side.fractions.size() ? side.fractions[i] : 1;
       if (arcs.empty() || i > 0) arcs.push_back({side.sites[i], {}});
       Arc& arc = arcs.back();
       if ((after - before) * length > arc.length) {
@@ -63,20 +63,21 @@ bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
   const Arc* first = nullptr;
   const Arc* second = nullptr;
   bool of_one_site = false;
-  std::size_t smaller = 0;  // of the numbers of arcs on either side
+  std::size_t best_arc_count = 0;  // smaller one of the numbers of arcs on the two sides of the chord
   double best = 0;
   for (std::size_t i = 0; i < arcs.size(); ++i) {
     for (std::size_t j = i + 2; j < arcs.size() && j - i + 1 < arcs.size(); ++j) {
       if (arcs[i].middle.side == arcs[j].middle.side) continue;
       const bool same = arcs[i].site == arcs[j].site;
-      const std::size_t fewer = std::min(j - i, arcs.size() - (j - i));
+      const std::size_t arc_count = std::min(j - i, arcs.size() - (j - i));
       const double length = std::min(arcs[i].length, arcs[j].length);
       if (!(length > 0) || (of_one_site && !same)) continue;
-      // Lines within a cell first, those that leave as much on either side before others.
-      if (same == of_one_site && (same ? std::pair(fewer, length) <= std::pair(smaller, best) : length <= best))
+      // Chords between arcs of one site are preferred, and among them those that divide the arcs most evenly.
+      if (same == of_one_site &&
+          (same ? std::pair(arc_count, length) <= std::pair(best_arc_count, best) : length <= best))
         continue;
       of_one_site = same;
-      smaller = fewer;
+      best_arc_count = arc_count;
       best = length;
       first = &arcs[i];
       second = &arcs[j];
@@ -89,7 +90,7 @@ bool choose_chord(const Sides& sides, BorderPlace& begin, BorderPlace& end) {
   return true;
 }
 
-void choose_middle(const Sides& sides, double longest, BorderPlace& begin, BorderPlace& end) {
+void choose_middle_chord(const Sides& sides, double longest, BoundaryPlace& begin, BoundaryPlace& end) {
   begin = {0, 0.5};
   while ((sides[begin.side].to - sides[begin.side].from).norm() < longest) ++begin.side;
   double best = -1;

@@ -12,8 +12,9 @@ namespace supple::voronoi {
 /// Throws "voronoi.no_sites" and "voronoi.too_many_sites".
 void check_site_count(std::int64_t count);
 
-/// For each site the first one in the same place: itself where there is none before it. O(n log n), however many are in
-/// one place; where sheets of the surface touch in space, times the number of sheets. Throws what the token does.
+/// For each site the first site in the same place, which is itself if there is none before it. O(n log n), however many
+/// sites coincide. Where sheets of the surface touch in space, the cost is multiplied by their number. Throws what the
+/// token throws.
 std::vector<std::int32_t> first_in_place(const surface::TriangleMesh& mesh,
                                          std::span<const surface::SurfacePoint> sites,
                                          const CancellationToken& cancellation);

@@ -13,25 +13,25 @@
 
 namespace supple::voronoi {
 
-/// How a Voronoi vertex moves with its sites (thesis eq. A.23): its tangent coordinates change by the sum over them of
-/// along (by_site . ds).
+/// How a Voronoi vertex moves with its sites [Thesis, eq. A.23]: its tangent coordinates change by the sum over the
+/// sites of direction * (by_site . ds), ds: the site's displacement.
 struct VertexMotion {
-  std::vector<SitePull> pulls;
-  std::vector<Eigen::Vector2d> along;
+  std::vector<SitePull> gradients;          ///< distances from the sites and their gradients
+  std::vector<Eigen::Vector2d> directions;  ///< one for each site
 };
 
-/// What is known of a diagram at one state, as far as it was asked for.
-struct Found {
+/// The diagram of a state and the requested quantities of it.
+struct DiagramEvaluation {
   Diagram diagram;
-  std::vector<VertexMotion> motions;                   ///< of the vertices
-  std::vector<std::int32_t> measured_edges;            ///< edges between two vertices
-  std::vector<surface::TangentGeodesic> edge_lengths;  ///< of these, from the first vertex to the second
+  std::vector<VertexMotion> motions;                   ///< motions of the Voronoi vertices
+  std::vector<std::int32_t> measured_edges;            ///< indices of the edges between two vertices
+  std::vector<surface::TangentGeodesic> edge_lengths;  ///< their geodesics, from the first vertex to the second
 };
 
-/// Sites that move on a surface, and the diagram where they are.
+/// Sites that move on a surface, and the diagram of their positions.
 class SitesState {
  public:
-  /// `mesh` outlives the state.
+  /// `mesh` must outlive the state.
   SitesState(const surface::TriangleMesh& mesh, std::vector<surface::SurfacePoint> sites)
       : mesh_(&mesh), sites_(mesh, std::move(sites)) {}
 
@@ -40,14 +40,14 @@ class SitesState {
   const surface::TriangleMesh& mesh() const { return *mesh_; }
   const surface::MovingPoints& sites() const { return sites_; }
 
-  /// Null before it is found.
-  const std::shared_ptr<Found>& found() const { return found_; }
-  void set_found(std::shared_ptr<Found> found) { found_ = std::move(found); }
+  /// Null if the state has not been evaluated.
+  const std::shared_ptr<DiagramEvaluation>& evaluation() const { return evaluation_; }
+  void set_evaluation(std::shared_ptr<DiagramEvaluation> evaluation) { evaluation_ = std::move(evaluation); }
 
   static constexpr std::string_view motion = "motion";
   Eigen::Index dimension() const { return sites_.dimension(); }
   Eigen::VectorXd move(const Eigen::VectorXd& step) {
-    found_.reset();
+    evaluation_.reset();
     return sites_.move(*mesh_, step);
   }
   void take_frame() {}
@@ -59,7 +59,7 @@ class SitesState {
  private:
   const surface::TriangleMesh* mesh_;
   surface::MovingPoints sites_;
-  std::shared_ptr<Found> found_;
+  std::shared_ptr<DiagramEvaluation> evaluation_;
 };
 
 }  // namespace supple::voronoi

@@ -15,32 +15,32 @@ namespace {
 using Eigen::Vector2d;
 using surface::FaceArrival;
 
-/// Relative to the face: lengths and places that differ by less are the same.
-constexpr double same_region = 1e-12;
-/// A part of a polygon is halved this often at most, and all of them together, where many arrivals of different images
-/// compete: what is left by then goes to the arrival that is shortest in its middle.
-constexpr int max_depth = 32;
-constexpr int max_halvings = 4096;
-/// Relative to the face: arrivals whose lengths differ by no more at the corners and in the middle of a polygon are
+/// Relative to the face: lengths and places that differ by less are equal.
+constexpr double region_tolerance = 1e-12;
+/// Maximum number of successive halvings, and of all halvings of a polygon, where many arrivals from different images
+/// compete. What remains then goes to the arrival that is the shortest at its centre.
+constexpr int max_halving_depth = 32;
+constexpr int max_region_halvings = 4096;
+/// Relative to the face: arrivals whose lengths differ by no more at the corners and the centre of a polygon are
 /// equally long in it, as behind a vertex at which the paths of all of them turn.
-constexpr double tied_region = 1e-11;
-/// A border that bulges by a smaller part of its chord is a curve that slivers make up for.
-constexpr double flat_bulge = 0.03;
+constexpr double tied_length_tolerance = 1e-11;
+/// Relative to the chord: maximum height of a border for which slivers are accurate.
+constexpr double max_sliver_height = 0.03;
 constexpr int max_sliver_steps = 20;
 
-/// Where |x - a| - |x - b| = c, c > 0, on the way from `from` to `to`: fractions in (0, 1), ascending.
+/// The points between `from` and `to` where |x - a| - |x - b| = c, c > 0, as fractions in (0, 1), ascending.
 LineRoots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
-  const Vector2d way = to - from;
+  const Vector2d direction = to - from;
   LineRoots roots;
-  const LineRoots candidates = equal_length_roots(a, b, c, from, way);
+  const LineRoots candidates = equal_length_roots(a, b, c, from, direction);
   for (std::size_t k = 0; k < candidates.count; ++k) {
     double fraction = candidates.fractions[k];
     if (!(fraction > 0 && fraction < 1)) continue;
-    // Newton's method brings back the digits that squaring has lost.
+    // Newton's method restores the digits that squaring has lost.
     for (int i = 0; i < 2; ++i) {
-      const Vector2d from_a = from + fraction * way - a;
-      const Vector2d from_b = from + fraction * way - b;
-      const double slope = from_a.dot(way) / from_a.norm() - from_b.dot(way) / from_b.norm();
+      const Vector2d from_a = from + fraction * direction - a;
+      const Vector2d from_b = from + fraction * direction - b;
+      const double slope = from_a.dot(direction) / from_a.norm() - from_b.dot(direction) / from_b.norm();
       const double next = fraction - (from_a.norm() - from_b.norm() - c) / slope;
       if (!(next > 0 && next < 1) || !(std::abs(next - fraction) < 1e-3)) break;
       fraction = next;
@@ -60,7 +60,7 @@ void StraightRegions::clear() {
 }
 
 StraightRegion StraightRegions::region(std::size_t i) const {
-  const Stored& stored = regions_[i];
+  const StoredRegion& stored = regions_[i];
   return {stored.arrival, {corners_.data() + stored.first_corner, stored.corners}};
 }
 
@@ -82,7 +82,7 @@ StraightRegions::Outside StraightRegions::outside(std::int32_t arrival, const Ve
   const auto beyond = [&](const Vector2d& end, double side) {
     const Vector2d edge = end - from.image;
     const double length = edge.norm();
-    return length > same_region * size_ ? side * cross(edge, to) / length : -1.0;
+    return length > region_tolerance * size_ ? side * cross(edge, to) / length : -1.0;
   };
   return {beyond(from.begin, 1), beyond(from.end, -1)};
 }
@@ -98,32 +98,34 @@ void StraightRegions::divide(const Polygon& polygon, const Active& active, int d
   for (const Vector2d& corner : polygon) centre += corner / static_cast<double>(polygon.size());
   double radius = 0;
   for (const Vector2d& corner : polygon) radius = std::max(radius, (corner - centre).norm());
-  if (radius <= same_region * size_) return;
-  Active kept;
-  distances_.prune(active, centre, radius, kept);
-  drop_longer(polygon, kept);
-  if (divided_by_bundles(polygon, kept, depth)) return;
-  // Here all of the polygon sees an image or none of it does.
-  Active seen;
-  for (const std::int32_t i : kept) {
+  if (radius <= region_tolerance * size_) return;
+  Active remaining;
+  distances_.prune(active, centre, radius, remaining);
+  drop_longer(polygon, remaining);
+  if (divide_by_bundles(polygon, remaining, depth)) return;
+  // Now an arrival reaches either all of the polygon straight or none of it.
+  Active straight;
+  for (const std::int32_t i : remaining) {
     const Outside at = outside(i, centre);
-    if (at.begin <= 0 && at.end <= 0) seen.push_back(i);
+    if (at.begin <= 0 && at.end <= 0) straight.push_back(i);
   }
-  if (seen.empty()) return add(polygon, kept.front());  // a gap as wide as rounding
-  drop_longer(polygon, seen);
-  if (seen.size() == 1) return add(polygon, seen.front());
+  if (straight.empty())
+    return add(polygon,
+               remaining.front());  // the polygon lies in a gap between bundles that is only as wide as rounding
+  drop_longer(polygon, straight);
+  if (straight.size() == 1) return add(polygon, straight.front());
   double least = std::numeric_limits<double>::infinity();
   double greatest = 0;
-  for (const std::int32_t i : seen) {
+  for (const std::int32_t i : straight) {
     const double sigma = distances_.arrivals()[static_cast<std::size_t>(i)].sigma;
     least = std::min(least, sigma);
     greatest = std::max(greatest, sigma);
   }
-  if (greatest - least <= same_region * size_) return divide_by_bisectors(polygon, seen);
-  if (seen.size() == 2 && divide_by_curve(polygon, seen[0], seen[1])) return;
-  if (depth < max_depth && halvings_ < max_halvings && !are_tied(polygon, centre, seen))
-    return halve(polygon, seen, depth);
-  add(polygon, *std::min_element(seen.begin(), seen.end(), [&](std::int32_t i, std::int32_t j) {
+  if (greatest - least <= region_tolerance * size_) return divide_by_bisectors(polygon, straight);
+  if (straight.size() == 2 && divide_by_hyperbola(polygon, straight[0], straight[1])) return;
+  if (depth < max_halving_depth && halvings_ < max_region_halvings && !are_tied(polygon, centre, straight))
+    return halve(polygon, straight, depth);
+  add(polygon, *std::min_element(straight.begin(), straight.end(), [&](std::int32_t i, std::int32_t j) {
         return straight_length(i, centre) < straight_length(j, centre);
       }));
 }
@@ -132,7 +134,7 @@ bool StraightRegions::are_tied(const Polygon& polygon, const Vector2d& centre, c
   const auto tied_at = [&](const Vector2d& place) {
     const double first = straight_length(active.front(), place);
     return std::all_of(active.begin(), active.end(), [&](std::int32_t i) {
-      return std::abs(straight_length(i, place) - first) <= tied_region * size_;
+      return std::abs(straight_length(i, place) - first) <= tied_length_tolerance * size_;
     });
   };
   return tied_at(centre) && std::all_of(polygon.begin(), polygon.end(), tied_at);
@@ -141,31 +143,31 @@ bool StraightRegions::are_tied(const Polygon& polygon, const Vector2d& centre, c
 void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const {
   distances_.charge(active.size() * active.size());
   const auto& arrivals = distances_.arrivals();
-  const auto seen_by_all = [&](std::int32_t i) {
+  const auto reaches_all_straight = [&](std::int32_t i) {
     return std::all_of(polygon.begin(), polygon.end(), [&](const Vector2d& corner) {
       const Outside at = outside(i, corner);
-      return at.begin <= same_region * size_ && at.end <= same_region * size_;
+      return at.begin <= region_tolerance * size_ && at.end <= region_tolerance * size_;
     });
   };
-  // Whether no path from the image of `i` is shorter than the straight one of `j`.
-  const auto longer = [&](std::int32_t i, std::int32_t j) {
+  // Whether no path from the image of `i` is shorter than the straight path of `j`.
+  const auto is_nowhere_shorter = [&](std::int32_t i, std::int32_t j) {
     const FaceArrival& own = arrivals[static_cast<std::size_t>(i)];
     const FaceArrival& other = arrivals[static_cast<std::size_t>(j)];
     const double between = (own.image - other.image).norm();
-    if (other.sigma + between <= own.sigma + same_region * size_) return true;
-    // Where j is shorter is convex then: it has all of the polygon if it has the corners.
-    return own.sigma >= other.sigma - same_region * size_ && own.sigma <= other.sigma + same_region * size_ &&
+    if (other.sigma + between <= own.sigma + region_tolerance * size_) return true;
+    // The region in which j is shorter is then convex. It contains the polygon if it contains the corners.
+    return own.sigma >= other.sigma - region_tolerance * size_ && own.sigma <= other.sigma + region_tolerance * size_ &&
            std::all_of(polygon.begin(), polygon.end(), [&](const Vector2d& corner) {
              return straight_length(j, corner) <= straight_length(i, corner);
            });
   };
   for (std::size_t j = 0; j < active.size(); ++j) {
-    if (active.size() == 1 || !seen_by_all(active[j])) continue;
-    const std::int32_t stays = active[j];
+    if (active.size() == 1 || !reaches_all_straight(active[j])) continue;
+    const std::int32_t shorter = active[j];
     std::size_t before = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < active.size(); ++i) {
-      if (active[i] != stays && longer(active[i], stays)) {
+      if (active[i] != shorter && is_nowhere_shorter(active[i], shorter)) {
         if (i < j) ++before;
         continue;
       }
@@ -176,7 +178,7 @@ void StraightRegions::drop_longer(const Polygon& polygon, Active& active) const 
   }
 }
 
-bool StraightRegions::divided_by_bundles(const Polygon& polygon, const Active& active, int depth) {
+bool StraightRegions::divide_by_bundles(const Polygon& polygon, const Active& active, int depth) {
   distances_.charge(active.size() * polygon.size());
   for (const std::int32_t i : active) {
     const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(i)];
@@ -190,8 +192,8 @@ bool StraightRegions::divided_by_bundles(const Polygon& polygon, const Active& a
         least = std::min(least, beyond);
         greatest = std::max(greatest, beyond);
       }
-      // A polygon that lies outside on the other side is none of this arrival's.
-      if (!(least < -same_region * size_ && greatest > same_region * size_)) continue;
+      // A polygon that lies outside on the other side does not belong to this arrival.
+      if (!(least < -region_tolerance * size_ && greatest > region_tolerance * size_)) continue;
       const Vector2d edge = (side > 0 ? from.begin : from.end) - from.image;
       const Vector2d normal = side * Vector2d(-edge.y(), edge.x()).normalized();
       divide_by_line(polygon, normal, normal.dot(from.image), active, depth);
@@ -247,9 +249,9 @@ void StraightRegions::divide_by_bisectors(const Polygon& polygon, const Active& 
   }
 }
 
-bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, std::int32_t other) {
+bool StraightRegions::divide_by_hyperbola(const Polygon& polygon, std::int32_t one, std::int32_t other) {
   const auto& arrivals = distances_.arrivals();
-  // The nearer (pseudo-)source of the two has more to go in the face: |x - a| - |x - b| = c > 0.
+  // The paths of the arrival with the smaller sigma are longer within the face: |x - a| - |x - b| = c > 0.
   if (arrivals[static_cast<std::size_t>(one)].sigma > arrivals[static_cast<std::size_t>(other)].sigma)
     std::swap(one, other);
   const Vector2d& a = arrivals[static_cast<std::size_t>(one)].image;
@@ -275,46 +277,46 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
       if (i == end) return part;
     }
   };
-  // The difference of lengths at the corner that tells most surely whose a part is.
-  const auto surest_gap = [&](const Polygon& part) {
-    double surest = 0;
+  // The largest difference of lengths at a corner, which tells most reliably to which arrival a part belongs.
+  const auto largest_gap = [&](const Polygon& part) {
+    double largest = 0;
     for (const Vector2d& corner : part) {
       const double at = gap(corner);
-      if (std::abs(at) > std::abs(surest)) surest = at;
+      if (std::abs(at) > std::abs(largest)) largest = at;
     }
-    return surest;
+    return largest;
   };
-  const auto winner = [&](double at) { return at > 0 ? other : one; };
+  const auto nearer = [&](double at) { return at > 0 ? other : one; };
   if (cuts.size() < 2) {
-    // Where the border passes through a corner, a side may have lost its cut there.
+    // If the border passes through a corner, its crossing with a side may be missing there.
     double least = 0;
     double greatest = 0;
     for (const Vector2d& corner : polygon) {
       least = std::min(least, gap(corner));
       greatest = std::max(greatest, gap(corner));
     }
-    if (cuts.size() == 1 && least < -same_region * size_ && greatest > same_region * size_) return false;
-    add(polygon, winner(surest_gap(polygon)));
+    if (cuts.size() == 1 && least < -region_tolerance * size_ && greatest > region_tolerance * size_) return false;
+    add(polygon, nearer(largest_gap(polygon)));
     return true;
   }
   if (cuts.size() > 2) return false;
   const Polygon first = part_between(cuts[0], cuts[1]);
   const Polygon second = part_between(cuts[1], cuts[0]);
-  // The chord leads from the second cut to the first, with `first` on its left.
+  // The chord goes from the second cut to the first, with `first` on its left.
   const Vector2d& begin = boundary[cuts[1]];
-  const Vector2d way = boundary[cuts[0]] - begin;
-  const double length = way.norm();
-  const bool short_chord = !(length > 1e-9 * size_);
-  // A part next to a corner through which the border passes is too small to tell.
-  const double at_first = surest_gap(first);
-  const double at_second = surest_gap(second);
-  const std::int32_t left = std::abs(at_first) > std::abs(at_second) ? winner(at_first) : winner(-at_second);
+  const Vector2d chord = boundary[cuts[0]] - begin;
+  const double length = chord.norm();
+  const bool is_short = !(length > 1e-9 * size_);
+  // A part at a corner through which the border passes is too small to decide by its own gap.
+  const double at_first = largest_gap(first);
+  const double at_second = largest_gap(second);
+  const std::int32_t left = std::abs(at_first) > std::abs(at_second) ? nearer(at_first) : nearer(-at_second);
   const std::int32_t right = left == one ? other : one;
   std::array<Sliver, three_nodes.size()> slivers;
-  if (!short_chord) {
-    const Vector2d normal(-way.y() / length, way.x() / length);
+  if (!is_short) {
+    const Vector2d normal(-chord.y() / length, chord.x() / length);
     for (std::size_t k = 0; k < three_nodes.size(); ++k) {
-      const Vector2d base = begin + three_nodes[k] * way;
+      const Vector2d base = begin + three_nodes[k] * chord;
       double height = 0;
       for (int step = 0; step < max_sliver_steps; ++step) {
         const Vector2d x = base + height * normal;
@@ -322,9 +324,9 @@ bool StraightRegions::divide_by_curve(const Polygon& polygon, std::int32_t one, 
         const double change = -gap(x) / slope;
         if (!std::isfinite(change) || std::abs(height + change) > length) return false;
         height += change;
-        if (std::abs(change) <= same_region * size_) break;
+        if (std::abs(change) <= region_tolerance * size_) break;
       }
-      if (std::abs(height) > flat_bulge * length) return false;
+      if (std::abs(height) > max_sliver_height * length) return false;
       slivers[k] = {left, right, base + 0.5 * height * normal, three_weights[k] * height * length};
     }
     slivers_.insert(slivers_.end(), slivers.begin(), slivers.end());

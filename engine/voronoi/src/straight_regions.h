@@ -10,34 +10,33 @@
 
 namespace supple::voronoi {
 
-/// A convex part of a face that the paths of one arrival reach straight and before all others.
+/// A convex part of a face to which the straight paths of one arrival are the shortest.
 struct StraightRegion {
   std::int32_t arrival = -1;
   std::span<const Eigen::Vector2d> corners;
 };
 
-/// What a border that is a curve takes from the polygon on the one side of a straight line between two of its points
-/// and gives to the other: points of quadrature of the area between the two.
+/// A quadrature point of the area between a curved border and its chord, along which two regions are divided. The area
+/// is moved from one region to the other.
 struct Sliver {
-  std::int32_t loses = -1;  ///< arrival
-  std::int32_t gains = -1;
+  std::int32_t loses = -1;  ///< arrival whose polygon contains the area
+  std::int32_t gains = -1;  ///< arrival to which the area belongs
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double area = 0;  ///< negative where it is the other way round
+  double area = 0;  ///< quadrature weight, negative if the area is to be moved in the other direction
 };
 
-/// Divides convex polygons of a face into the regions of the arrivals of one site: where paths from one image of it
-/// are the shortest, the squared distance from the site is a polynomial, or nearly so.
+/// Divides convex polygons of a face into the regions of one site's arrivals. Where the shortest paths come from one
+/// image of the site, the squared distance from it is a polynomial or nearly so.
 ///
-/// Two images that are equally far from the site are equally near along a straight line, and a bundle of paths ends at
-/// straight lines, too: most regions are found exactly. Else the border of two regions is an arc of a hyperbola, which
-/// is cut into short chords; a sliver for each of their points of quadrature makes up for what lies between.
+/// Two images that are equally far from the site are equally near along a straight line, and bundles of paths end at
+/// straight lines: most regions are exact. Otherwise the border of two regions is an arc of a hyperbola. It is divided
+/// into short chords, and slivers at quadrature points of each chord correct for the area between arc and chord.
 class StraightRegions {
  public:
-  /// `size` is that of the face, to which places are told apart by rounding.
+  /// `size` is the size of the face, to which tolerances are relative.
   StraightRegions(const FaceDistances& distances, double size) : distances_(distances), size_(size) {}
 
-  /// The regions of `active`, arrivals of one site, within a polygon, after those of polygons before. O(arrivals^2) for
-  /// each region.
+  /// Appends the regions of `active`, arrivals of one site, within a polygon. O(arrivals^2) for each region.
   void divide(std::span<const Eigen::Vector2d> polygon, const Active& active);
   void clear();
 
@@ -46,28 +45,31 @@ class StraightRegions {
   const std::vector<Sliver>& slivers() const { return slivers_; }
 
  private:
-  struct Stored {
+  struct StoredRegion {
     std::int32_t arrival;
     std::size_t first_corner;
     std::size_t corners;
   };
 
   void divide(const Polygon& polygon, const Active& active, int depth);
-  /// Whether two halves of the polygon, on both sides of a line on which paths of some arrival end, have been divided.
-  bool divided_by_bundles(const Polygon& polygon, const Active& active, int depth);
+  /// Divides the polygon along a line at which a bundle of paths ends, and both halves further. Returns false if no
+  /// such line crosses it.
+  bool divide_by_bundles(const Polygon& polygon, const Active& active, int depth);
   void divide_by_line(const Polygon& polygon, const Eigen::Vector2d& normal, double offset, const Active& active,
                       int depth);
   void halve(const Polygon& polygon, const Active& active, int depth);
-  /// Drops arrivals that are nowhere shorter than another of `active` that all of the polygon sees.
+  /// Drops arrivals that are nowhere shorter than another one of `active` that reaches the whole polygon straight.
   void drop_longer(const Polygon& polygon, Active& active) const;
   void divide_by_bisectors(const Polygon& polygon, const Active& active);
-  /// The regions of two arrivals; false where the border between them bends too much, and nothing is added.
-  bool divide_by_curve(const Polygon& polygon, std::int32_t one, std::int32_t other);
+  /// Adds the regions of two arrivals. Returns false, and adds nothing, if their border is too strongly curved.
+  bool divide_by_hyperbola(const Polygon& polygon, std::int32_t one, std::int32_t other);
   void add(const Polygon& polygon, std::int32_t arrival);
 
+  /// Whether all arrivals are equally long at the polygon's corners and centre.
   bool are_tied(const Polygon& polygon, const Eigen::Vector2d& centre, const Active& active) const;
+  /// Length of the straight path of an arrival from its image.
   double straight_length(std::int32_t arrival, const Eigen::Vector2d& point) const;
-  /// How far a point lies outside the bundle of paths of an arrival, on its two sides.
+  /// Distances of a point outside the bundle of paths of an arrival, on its two sides; negative inside.
   struct Outside {
     double begin, end;
   };
@@ -75,8 +77,8 @@ class StraightRegions {
 
   const FaceDistances& distances_;
   double size_;
-  int halvings_ = 0;  ///< of the polygon that is being divided
-  std::vector<Stored> regions_;
+  int halvings_ = 0;  ///< halvings of the present polygon so far
+  std::vector<StoredRegion> regions_;
   std::vector<Eigen::Vector2d> corners_;
   std::vector<Sliver> slivers_;
 };

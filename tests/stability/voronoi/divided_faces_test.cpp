@@ -1,5 +1,5 @@
 // An invariance as an oracle: the same surface with each face divided into four has the same cells, although no border
-// is cut at the same places. Borders that a face has and its parts lose, or the other way round, show as areas.
+// is cut at the same places. A border that only one of the two diagrams has shows in the areas.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Each face as four: at its corners, and the middle one of the middles of its sides.
+/// Each face is divided into four: three at its corners, and one between the midpoints of its sides.
 TriangleMesh divided(const TriangleMesh& mesh) {
   std::vector<Vector3d> positions = mesh.positions();
   std::vector<surface::Triangle> faces;
@@ -56,7 +56,8 @@ SurfacePoint on_divided(const SurfacePoint& point) {
   return {FaceId(first + 3), {1 - 2 * b[2], 1 - 2 * b[0], 1 - 2 * b[1]}};
 }
 
-/// `areas` and `lengths` are relative to all of the area and of the borders.
+/// Expects the same cells with divided faces. `areas` and `lengths` are tolerances relative to the area of the surface
+/// and to the length of all borders.
 void expect_same_cells(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites, double areas, double lengths) {
   std::vector<SurfacePoint> moved;
   for (const SurfacePoint& site : sites) moved.push_back(on_divided(site));
@@ -98,7 +99,8 @@ TEST(DividedFaces, HaveTheCellsOfWholeOnes) {
   }
 }
 
-/// With these sites a region of a face is as near to one of them by two ways. It was halved until memory ran out.
+/// With these sites, paths from two images of one site are equally long in a whole region of a face. It was once halved
+/// until memory ran out.
 TEST(DividedFaces, HaveTheMomentsOfWholeOnesWhereTwoWaysAreAsLongAllOver) {
   const TriangleMesh mesh = testing::rabbit(3);
   const std::vector<SurfacePoint> sites = testing::on_vertices_and_edges(random_sites(mesh, 20, 1));
@@ -127,8 +129,8 @@ TEST(DividedFaces, HaveTheCellsOfWholeOnesNextToASymmetry) {
   }
 }
 
-/// Two sites of an octahedron that a turn maps onto each other: what noise does to their cells is in proportion to it.
-/// Bends of the border that lie beside the straight line between its ends in a face were lost at some of these.
+/// Two sites of an octahedron that a rotation maps onto each other: noise changes their cells in proportion. In some of
+/// these cases, bends that do not lie over the chord of their border were not found before.
 TEST(DividedFaces, DifferFromSymmetricOnesInProportionToTheNoise) {
   for (int digits = 6; digits <= 10; ++digits) {
     const double noise = std::pow(10.0, -digits);

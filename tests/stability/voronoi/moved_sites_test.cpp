@@ -1,4 +1,4 @@
-// Hard cases of diagrams that are made anew only where a site has moved: each is compared with one made from scratch.
+// Hard cases of local rebuilds, where sites have moved: each diagram is compared with one computed from scratch.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -18,24 +18,24 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Where the places of a site lie that make it hard.
+/// Kinds of positions of a site that are hard.
 enum class Place { vertex, edge, near_vertex, near_edge, anywhere };
 
 SurfacePoint drawn_place(const TriangleMesh& mesh, Place place, RandomStream& random) {
   SurfacePoint point = random_sites(mesh, 1, static_cast<std::uint64_t>(1 + 1e6 * random.uniform()))[0];
-  const double share = 0.2 + 0.6 * random.uniform();
+  const double fraction = 0.2 + 0.6 * random.uniform();
   switch (place) {
     case Place::vertex:
       point.barycentric = {0, 1, 0};
       break;
     case Place::edge:
-      point.barycentric = {share, 0, 1 - share};
+      point.barycentric = {fraction, 0, 1 - fraction};
       break;
     case Place::near_vertex:
       point.barycentric = {1 - 2e-11, 1e-11, 1e-11};
       break;
     case Place::near_edge:
-      point.barycentric = {share, 1 - share - 1e-11, 1e-11};
+      point.barycentric = {fraction, 1 - fraction - 1e-11, 1e-11};
       break;
     case Place::anywhere:
       break;
@@ -43,7 +43,7 @@ SurfacePoint drawn_place(const TriangleMesh& mesh, Place place, RandomStream& ra
   return point;
 }
 
-/// Moves random sites of `count` to such places one after the other.
+/// Moves random ones of `count` sites to such positions, one after the other.
 void expect_same_after_moves(const TriangleMesh& mesh, int count, Place place, int moves, std::uint64_t seed) {
   const GeodesicSolver solver(testing::share(mesh));
   MovingDiagram moving(solver);
@@ -57,8 +57,8 @@ void expect_same_after_moves(const TriangleMesh& mesh, int count, Place place, i
     EXPECT_TRUE(moving.last_rebuild().local);
     const Diagram wanted = diagram(solver, sites);
     if (place == Place::near_vertex || place == Place::edge) {
-      // Windows from a site next to a vertex overlap all over the mesh by what its directions have lost, and rounding
-      // finds other bends in all borders. From a site on an edge of a sliver it does so in some.
+      // Windows from a site next to a vertex overlap everywhere by the error of its directions, and rounding decides on
+      // the bends of all borders. From a site on an edge of a sliver this affects some borders.
       testing::expect_same_diagram(testing::without_bends(moving.diagram()), testing::without_bends(wanted),
                                    1e-12 * mesh.diagonal());
     } else {
@@ -94,10 +94,10 @@ TEST(MovedSites, ThatMeetAndPartGiveTheDiagramMadeAnew) {
     testing::expect_same_diagram(moving.move_to(sites), diagram(solver, sites), 1e-12 * mesh.diagonal());
     EXPECT_TRUE(moving.last_rebuild().local);
   };
-  move(7, start[3]);   // the later one loses its cell
-  move(3, start[7]);   // and gets it back
-  move(12, start[7]);  // on a site that has moved
-  move(1, start[7]);   // the earlier one takes the cell over
+  move(7, start[3]);   // the later site loses its cell
+  move(3, start[7]);   // that site gets it back
+  move(12, start[7]);  // onto a site that has moved
+  move(1, start[7]);   // the earlier site takes the cell over
   move(1, start[1]);
   move(3, start[3]);
   move(7, start[7]);
@@ -134,8 +134,8 @@ TEST(MovedSites, ByLessThanRoundingShowsGiveAPartitionAllTheSame) {
   MovingDiagram moving(solver);
   std::vector<SurfacePoint> sites = random_sites(mesh, 40, 17);
   moving.move_to(sites);
-  for (const double way : {1e-15, 1e-13, 1e-11, 1e-9, 1e-7}) {
-    sites[5].barycentric += Eigen::Vector3d(way, -way, 0);
+  for (const double displacement : {1e-15, 1e-13, 1e-11, 1e-9, 1e-7}) {
+    sites[5].barycentric += Eigen::Vector3d(displacement, -displacement, 0);
     testing::expect_same_diagram(moving.move_to(sites), diagram(solver, sites), 1e-12 * mesh.diagonal());
   }
 }

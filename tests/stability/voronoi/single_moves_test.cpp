@@ -1,6 +1,6 @@
-// An optimization that calls itself done is tried by moves of single sites, in directions and by lengths of the test's
-// own: they may not lower the energy, which is that of the public evaluation of an objective, by more than a stated
-// fraction. A restart from the answer may not, either.
+// An optimization that reports to be done is tested by moves of single sites, with directions and lengths of the test's
+// own. They may not lower the energy by more than a stated fraction. Neither may a restart from the answer. Energies
+// are those of the public function `optimize`.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -25,7 +25,7 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Fraction of the energy by which a move of a single site, or a restart, may lower it.
+/// Maximum fraction by which a move of a single site, or a restart, may lower the energy.
 constexpr double largest_gain = 0.02;
 constexpr int sites_tried = 8;
 constexpr int moves_of_a_site = 12;
@@ -47,7 +47,7 @@ TriangleMesh random_mesh(RandomStream& random) {
   }
 }
 
-/// One objective, or two of them.
+/// One or two objectives.
 ObjectiveWeights random_weights(RandomStream& random) {
   ObjectiveWeights weights;
   double* all[] = {&weights.edge_length, &weights.planarity, &weights.regularity, &weights.centroidal,
@@ -73,8 +73,8 @@ double energy_at(const GeodesicSolver& solver, OptimizationOptions options, cons
   return optimize(solver, sites, options).energy;
 }
 
-/// The largest fraction by which a move of one of some random sites lowers the energy of the answer. At a minimum that
-/// is none of all places but of those near it, longer moves may find a deeper one.
+/// The largest fraction by which a move of one of some random sites lowers the energy of the answer. If the answer is
+/// only a local minimum, longer moves may find a deeper one.
 double gain_of_single_moves(const GeodesicSolver& solver, const OptimizationOptions& options,
                             const Optimization& answer, double longest, RandomStream& random) {
   double area = 0;
@@ -111,7 +111,7 @@ TEST(SingleMoves, DoNotLowerTheEnergyOfAnAnswerThatCallsItselfDone) {
     options.edge_length = 0;
     options.max_iterations = 150;
     const std::vector<SurfacePoint> sites = random_sites(solver.mesh(), 8 + random.below(25), seed);
-    // Given, because it would be another one at each start.
+    // The target length is given, because otherwise it would differ at each start.
     options.edge_length = statistics(solver, diagram(solver, sites)).edge_length.mean;
     const std::string scene = "seed " + std::to_string(seed) + ": " + std::to_string(solver.mesh().face_count()) +
                               " faces, " + std::to_string(sites.size()) + " sites, " + to_words(options.weights);

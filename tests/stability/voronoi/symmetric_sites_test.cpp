@@ -1,5 +1,5 @@
 // Hard cases of diagrams on symmetric shapes: borders coincide with edges, vertices, diagonals and cut loci, exactly or
-// but for rounding. Each shape is drawn with its sites, then turned, rounded to single precision or disturbed.
+// up to rounding. Each shape is drawn with its sites, and then rotated, rounded to single precision or disturbed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,9 +15,8 @@
 namespace supple::voronoi {
 namespace {
 
-/// `draws` shapes of each family, disturbed. Equal cells are compared only where `symmetric`: cells may be as
-/// sensitive to the shape as they like, because a region behind a saddle vertex that lies on a border goes to one site
-/// or to the other.
+/// Checks `draws` disturbed shapes of each family. Areas of equal sites are compared only if `symmetric`. Otherwise
+/// they may differ much, because a region behind a saddle vertex on a border goes to one site or the other.
 void expect_valid(const testing::Disturbance& disturbance, int draws, bool symmetric, std::uint64_t first_seed) {
   for (int family = 0; family < testing::symmetric_families; ++family) {
     for (int draw = 0; draw < draws; ++draw) {
@@ -28,7 +27,7 @@ void expect_valid(const testing::Disturbance& disturbance, int draws, bool symme
           testing::disturbed(testing::random_symmetric_sites(family, stream), disturbance, stream);
       SCOPED_TRACE("family " + std::to_string(family) + ", seed " + std::to_string(seed) + ", " + drawn.name);
       const Diagram found = diagram(surface::GeodesicSolver(testing::share(drawn.mesh)), drawn.sites);
-      // Where a disturbance has made many borders of one, next to a tip, some parts are as long as the disturbance.
+      // Next to a tip, a disturbance turns one border into many, some of which are as short as the disturbance.
       testing::DiagramTolerance tolerance;
       tolerance.distance += disturbance.noise;
       if (!symmetric) tolerance.area = 1e-11;

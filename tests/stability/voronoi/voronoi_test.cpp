@@ -1,5 +1,5 @@
-// Hard cases of geodesic Voronoi diagrams. Every border is checked against fields from each site by itself, every
-// partition by its area and by how its borders meet.
+// Hard cases of geodesic Voronoi diagrams. Every border is checked with one distance field for each site, and every
+// partition by its areas and by the ends of its edges.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -72,7 +72,7 @@ Diagram checked(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites
 }
 
 TEST(VoronoiHardCases, SitesOnVerticesOfASymmetricMeshTieEverywhere) {
-  // Borders run along edges, four cells meet at vertices, and whole edges are equally near to two sites.
+  // Borders run along edges, four cells meet at each vertex, and whole edges are equally near to two sites.
   const TriangleMesh mesh = testing::flat_grid(8, 8);
   std::vector<SurfacePoint> sites;
   for (int y = 1; y < 9; y += 2)
@@ -119,7 +119,7 @@ TEST(VoronoiHardCases, SurfaceOfGenusThree) {
 
 TEST(VoronoiHardCases, TwoSitesOfATorusHaveCellsThatWrapTheHandle) {
   const TriangleMesh mesh = testing::torus(24, 12);
-  // At opposite places of the outer equator.
+  // The sites are at opposite places of the outer equator.
   std::vector<SurfacePoint> sites(2);
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
     const Eigen::Vector3d& p = mesh.positions()[static_cast<std::size_t>(v)];
@@ -157,7 +157,8 @@ TEST(VoronoiHardCases, BoundaryThatPathsBendAround) {
   const TriangleMesh mesh = testing::slit_annulus();
   checked(mesh, random_sites(mesh, 15, 2));
   const TriangleMesh corner = testing::l_shape(6);
-  // Behind the corner whole regions are reached through it: they tie where the corner is on the border.
+  // Regions behind the corner are reached through it only. They are equally near to two sites if the corner lies on the
+  // border.
   checked(corner, {vertex_point(corner, VertexId(0)), random_sites(corner, 1, 3)[0]});
 }
 
@@ -195,8 +196,8 @@ TEST(VoronoiHardCases, SitesThatMeetAndPartAgain) {
 }
 
 TEST(VoronoiHardCases, ManySitesAlmostInOnePlaceEndInTime) {
-  // Eight strips as wide as the sites are apart, all over the sphere: below 1e-6 they are told apart by the last digits
-  // of distances only. What is left is a partition.
+  // The cells are eight strips all over the sphere, as wide as the distances between the sites. Below 1e-6 only the
+  // last digits of distances tell the sites apart. The result must still be a partition.
   const TriangleMesh mesh = testing::icosphere(2);
   for (const double gap : {1e-2, 1e-3, 1e-5, 1e-7, 1e-9}) {
     std::vector<SurfacePoint> sites;
@@ -214,7 +215,7 @@ TEST(VoronoiHardCases, ManySitesAlmostInOnePlaceEndInTime) {
 }
 
 TEST(VoronoiHardCases, CellThatShrinksBetweenItsNeighbours) {
-  // A site in a ring of twelve others: its cell gets as small as 1e-9 of an edge.
+  // A site in a ring of twelve others: its cell shrinks to 1e-9 of an edge.
   const TriangleMesh mesh = testing::flat_grid(3, 3);
   for (const double radius : {0.3, 1e-3, 1e-6, 1e-9}) {
     std::vector<SurfacePoint> sites{{FaceId(8), {1.0 / 3, 1.0 / 3, 1.0 / 3}}};
@@ -233,7 +234,8 @@ TEST(VoronoiHardCases, CellThatShrinksBetweenItsNeighbours) {
 }
 
 TEST(VoronoiHardCases, DerivativesHoldNextToAChangeOfNeighbours) {
-  // Four sites nearly on a circle: the edge in the middle is short, and gone a little further on.
+  // Four sites nearly on a circle: the Voronoi edge in the middle is short, and which cells it separates depends on the
+  // sign of `offset`.
   const TriangleMesh mesh = testing::flat_grid(4, 4);
   const GeodesicSolver solver(testing::share(mesh));
   const auto at = [&](double x, double y) {

@@ -1,4 +1,5 @@
-// Integrals of squared distances over cells: of polygons, of the regions of several images, and of whole diagrams.
+// Integrals of squared distances over polygons, over the regions of several images, and over the cells of whole
+// diagrams.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -25,7 +26,8 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// The integral of a function over a triangle by the midpoints of the sides of n^2 equal ones.
+/// The integral of a function over a triangle: it is divided into n^2 equal triangles, each integrated by the midpoints
+/// of its sides.
 template <typename Function>
 auto by_midpoints(const Vector2d& a, const Vector2d& b, const Vector2d& c, int n, const Function& function) {
   const Vector2d u = (b - a) / n;
@@ -55,8 +57,8 @@ TEST(PolygonIntegrals, AreThoseOfManySmallTriangles) {
     EXPECT_NEAR(found.area, sum([](const Vector2d&) { return 1.0; }), 1e-11);
     EXPECT_NEAR(found.length, sum([&](const Vector2d& x) { return (x - centre).norm(); }), 1e-6);
     EXPECT_NEAR(found.square, sum([&](const Vector2d& x) { return (x - centre).squaredNorm(); }), 1e-10);
-    EXPECT_NEAR(found.way.x(), sum([&](const Vector2d& x) { return (x - centre).x(); }), 1e-10);
-    EXPECT_NEAR(found.way.y(), sum([&](const Vector2d& x) { return (x - centre).y(); }), 1e-10);
+    EXPECT_NEAR(found.offset.x(), sum([&](const Vector2d& x) { return (x - centre).x(); }), 1e-10);
+    EXPECT_NEAR(found.offset.y(), sum([&](const Vector2d& x) { return (x - centre).y(); }), 1e-10);
   }
 }
 
@@ -65,12 +67,12 @@ TEST(PolygonIntegrals, OfAWayThatTurnsFasterAreThoseOfManySmallTriangles) {
   const Vector2d zero = Vector2d(1, 0.4).normalized();
   for (const Vector2d& centre : {Vector2d(-2, 1), triangle[0], Vector2d(-0.2, 0.1)}) {
     SCOPED_TRACE("centre " + std::to_string(centre.x()));
-    // As fast as x - centre it is that, turned.
-    const Vector2d way = polygon_integrals(triangle, centre).way;
-    const Vector2d turned = Eigen::Rotation2Dd(0.3 - std::atan2(zero.y(), zero.x())) * way;
-    EXPECT_LE((stretched_way(triangle, centre, zero, 0.3, 1) - turned).norm(), 1e-9);
+    // With the stretch 1 the integral is that of x - centre, rotated.
+    const Vector2d offset = polygon_integrals(triangle, centre).offset;
+    const Vector2d turned = Eigen::Rotation2Dd(0.3 - std::atan2(zero.y(), zero.x())) * offset;
+    EXPECT_LE((stretched_offset(triangle, centre, zero, 0.3, 1) - turned).norm(), 1e-9);
     for (const double stretch : {0.7, 1.3}) {
-      const Vector2d found = stretched_way(triangle, centre, zero, 0.3, stretch);
+      const Vector2d found = stretched_offset(triangle, centre, zero, 0.3, stretch);
       const auto sum = [&](int part) {
         return by_midpoints(triangle[0], triangle[1], triangle[2], 400, [&](const Vector2d& x) {
           const Vector2d to = x - centre;
@@ -86,18 +88,18 @@ TEST(PolygonIntegrals, OfAWayThatTurnsFasterAreThoseOfManySmallTriangles) {
 
 TEST(PolygonIntegrals, ClippedPolygonsAreWhatLiesOnOneSideOfALine) {
   const Polygon square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-  Polygon kept;
-  clip(square, Vector2d(1, 0), 0.25, kept);
-  EXPECT_NEAR(polygon_integrals(kept, {0, 0}).area, 0.25, 1e-15);
-  clip(square, Vector2d(-1, 0), -0.25, kept);
-  EXPECT_NEAR(polygon_integrals(kept, {0, 0}).area, 0.75, 1e-15);
-  clip(square, Vector2d(1, 0), 2, kept);
-  EXPECT_EQ(kept.size(), 4U);
-  clip(square, Vector2d(1, 0), -1, kept);
-  EXPECT_TRUE(kept.empty());
+  Polygon clipped;
+  clip(square, Vector2d(1, 0), 0.25, clipped);
+  EXPECT_NEAR(polygon_integrals(clipped, {0, 0}).area, 0.25, 1e-15);
+  clip(square, Vector2d(-1, 0), -0.25, clipped);
+  EXPECT_NEAR(polygon_integrals(clipped, {0, 0}).area, 0.75, 1e-15);
+  clip(square, Vector2d(1, 0), 2, clipped);
+  EXPECT_EQ(clipped.size(), 4U);
+  clip(square, Vector2d(1, 0), -1, clipped);
+  EXPECT_TRUE(clipped.empty());
 }
 
-/// The integral of the squared distance over a triangle by its regions, and by many small triangles.
+/// The integral of the squared distance over a triangle, by its regions and by many small triangles.
 std::pair<double, double> squares(const std::vector<surface::FaceArrival>& arrivals, int n) {
   const CancellationToken never;
   FaceDistances distances(never);
@@ -134,7 +136,7 @@ TEST(StraightRegions, OfImagesThatAreEquallyFarFromTheSiteAreExact) {
 }
 
 TEST(StraightRegions, OfABundleEndWhereItsPathsEnd) {
-  // Beyond its ends, paths from the image turn there.
+  // Beyond the ends of the bundle, paths from the image turn at these ends.
   const Vector2d image(0.3, -0.5);
   const Vector2d begin(0.2, 0);
   const Vector2d end(0.6, 0);
@@ -162,7 +164,7 @@ TEST(StraightRegions, AgreeWithManySmallTrianglesForRandomImages) {
   }
 }
 
-/// The integral of the squared distance over all of a surface, by a field of the sites and small triangles.
+/// The integral of the squared distance over the whole surface, by a field of all sites and small triangles.
 double by_field(const TriangleMesh& mesh, const GeodesicSolver& solver, const std::vector<SurfacePoint>& sites, int n) {
   const surface::GeodesicField field = solver.field(sites, {.keep_windows = true});
   double sum = 0;
@@ -200,8 +202,9 @@ double half_of_squares(const GeodesicSolver& solver, const std::vector<SurfacePo
   return sum;
 }
 
-/// Moves each site along both of its tangent coordinates and compares central differences with the pulls.
-void expect_pulls(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites, double tolerance) {
+/// Moves each site along both of its tangent coordinates, and compares central differences with the gradients in
+/// `pull`.
+void expect_gradients(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites, double tolerance) {
   const GeodesicSolver solver(testing::share(mesh));
   const Diagram found = diagram(solver, sites, {.cell_moments = true});
   const double step = 1e-5;
@@ -209,10 +212,10 @@ void expect_pulls(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sit
   for (const CellMoments& cell : found.cell_moments) scale = std::max(scale, cell.pull.norm());
   for (std::size_t i = 0; i < sites.size(); ++i) {
     for (int k = 0; k < 2; ++k) {
-      const auto value = [&](double way) {
+      const auto value = [&](double displacement) {
         surface::MovingPoints moved(mesh, sites);
         Eigen::VectorXd all = Eigen::VectorXd::Zero(moved.dimension());
-        all[2 * static_cast<Eigen::Index>(i) + k] = way;
+        all[2 * static_cast<Eigen::Index>(i) + k] = displacement;
         moved.move(mesh, all);
         return half_of_squares(solver, moved.points());
       };
@@ -227,18 +230,19 @@ TEST(CellMoments, HaveTheirDerivativesOnCoarseMeshes) {
                                     {testing::torus(12, 6), 20},
                                     {testing::l_shape(3), 2},
                                     {testing::slit_annulus(), 3}})
-    expect_pulls(mesh, random_sites(mesh, count, 2), 1e-5);
+    expect_gradients(mesh, random_sites(mesh, count, 2), 1e-5);
 }
 
 TEST(CellMoments, HaveTheirDerivativesBySitesOnEdges) {
   const TriangleMesh mesh = testing::torus(12, 6);
   std::vector<SurfacePoint> sites = random_sites(mesh, 20, 3);
   sites[1].barycentric = {0.4, 0, 0.6};
-  expect_pulls(mesh, sites, 1e-5);
+  expect_gradients(mesh, sites, 1e-5);
 }
 
 TEST(CellMoments, OfASiteOnAVertexPullAlongTheWaysFromIt) {
-  // On the tip of a cone the derivative is one for each direction, a step of the coordinates the way they point to.
+  // On the tip of a cone only directional derivatives exist. There `pull` is minus the integral of the distance times
+  // the direction in which the path leaves the site, in cone_coordinates.
   for (const TriangleMesh& mesh : {testing::icosphere(1), testing::torus(12, 6), testing::l_shape(3)}) {
     std::vector<SurfacePoint> sites = random_sites(mesh, 4, 4);
     sites[2].barycentric = {0, 1, 0};
@@ -246,7 +250,7 @@ TEST(CellMoments, OfASiteOnAVertexPullAlongTheWaysFromIt) {
     const Diagram found = diagram(solver, sites, {.cell_moments = true});
     const surface::MovingPoints points(mesh, sites);
     ASSERT_TRUE(points.on_tip(2));
-    // The sum of the pulls of samples, each by a geodesic of its own.
+    // The same integral by sample points, each with a geodesic of its own.
     Vector2d wanted = Vector2d::Zero();
     const surface::GeodesicField field = solver.field(sites, {.keep_windows = true});
     const surface::VertexCone cone(mesh, points.vertex_of(mesh, 2));

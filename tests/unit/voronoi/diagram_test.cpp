@@ -30,8 +30,9 @@ std::vector<SurfacePoint> drawn_sites(const TriangleMesh& mesh, int count, std::
   return random_sites(mesh, count, seed);
 }
 
-/// What holds of every diagram: areas, borders that close, vertices of three or more sites, points that are equidistant
-/// from their sites and no nearer to another by an independent search for each site.
+/// Checks what every diagram has: areas that sum up to that of the mesh, borders that close, vertices of three or more
+/// sites, and points that are equally far from their sites and no nearer to others. Distances come from a separate
+/// search for each site.
 void expect_valid(const TriangleMesh& mesh, const Diagram& diagram, double tolerance) {
   const GeodesicSolver solver(testing::share(mesh));
   std::vector<surface::GeodesicField> fields;
@@ -63,13 +64,13 @@ void expect_valid(const TriangleMesh& mesh, const Diagram& diagram, double toler
   }
   for (std::size_t i = 0; i < diagram.vertices.size(); ++i)
     EXPECT_EQ(ends[static_cast<std::int32_t>(i)], static_cast<int>(diagram.vertices[i].sites.size()));
-  // Every place of a border has a cell on either side.
+  // A border has a cell on either side: the relation of neighbours is symmetric.
   for (std::size_t i = 0; i < diagram.cells.size(); ++i)
     for (const std::int32_t other : diagram.cells[i].neighbours) {
       const auto& back = diagram.cells[static_cast<std::size_t>(other)].neighbours;
       EXPECT_TRUE(std::binary_search(back.begin(), back.end(), static_cast<std::int32_t>(i)));
     }
-  // Pieces cover the cut faces.
+  // The pieces cover the cut faces.
   std::map<std::int32_t, double> covered;
   for (const DiagramPiece& piece : diagram.pieces) {
     const auto corner = [&](int i) {
@@ -82,13 +83,13 @@ void expect_valid(const TriangleMesh& mesh, const Diagram& diagram, double toler
       covered[piece.face] += a.x() * b.y() - a.y() * b.x();
     }
   }
-  for (const auto& [face, share] : covered) {
+  for (const auto& [face, fraction] : covered) {
     EXPECT_EQ(diagram.face_sites[static_cast<std::size_t>(face)], -1);
-    EXPECT_NEAR(share, 1, 1e-9) << "face " << face;
+    EXPECT_NEAR(fraction, 1, 1e-9) << "face " << face;
   }
 }
 
-/// Euler characteristic of the cells, which are discs where there are many sites.
+/// Euler characteristic of the surface by its cells, if these are discs, as with many sites.
 int characteristic(const Diagram& diagram) {
   return static_cast<int>(diagram.vertices.size()) - static_cast<int>(diagram.edges.size()) +
          static_cast<int>(diagram.cells.size());
@@ -213,7 +214,7 @@ TEST(Diagram, NamesTheSiteThatIsNoPoint) {
   testing::expect_error("voronoi.too_many_sites", [&] { random_sites(mesh, 10'000'000); });
 }
 
-// The diagram knows them from its propagation; here each is a geodesic of its own.
+// The diagram computes distance gradients in its propagation. Here each is compared with a geodesic of its own.
 TEST(Diagram, KnowsHowDistancesAtVerticesChange) {
   for (const auto& [mesh, count] : {std::pair(testing::icosphere(2), 25),
                                     {testing::torus(20, 10), 40},

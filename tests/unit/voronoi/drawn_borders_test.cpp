@@ -1,4 +1,4 @@
-// Borders are drawn where they run: with the corners that they have within faces, and along their arcs.
+// The points of borders lie where borders run: at their bends within faces, and along their arcs.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -48,7 +48,8 @@ Vector2d corner_of(const Diagram& diagram, const DiagramPiece& piece, int i) {
   return {b[1], b[2]};
 }
 
-/// By how often a ray along the first coordinate leaves the piece.
+/// Whether the piece contains the place, by the number of times that a ray along the first coordinate crosses its
+/// sides.
 bool contains(const Diagram& diagram, const DiagramPiece& piece, const Vector2d& place) {
   bool inside = false;
   for (int i = 0; i < piece.corner_count; ++i) {
@@ -60,8 +61,8 @@ bool contains(const Diagram& diagram, const DiagramPiece& piece, const Vector2d&
   return inside;
 }
 
-/// Random points lie in the piece of their nearest site, or so near to its border that lines which are `deviation` off
-/// may leave them on its other side: each of two distances changes by no more.
+/// Expects random points to lie in the piece of their nearest site. A point close to a border may lie in another piece
+/// if the polyline is up to `deviation` off: each of the two distances then differs by no more than that.
 void expect_points_in_their_pieces(const TriangleMesh& mesh, const Diagram& diagram, double deviation, int count,
                                    RandomStream& stream) {
   const testing::SiteDistances distances(mesh, diagram.sites);
@@ -75,7 +76,7 @@ void expect_points_in_their_pieces(const TriangleMesh& mesh, const Diagram& diag
       if (piece.face == face && contains(diagram, piece, {point.barycentric[1], point.barycentric[2]}))
         site = piece.site;
     if (site < 0) {
-      ++without_piece;  // on a line, but for rounding
+      ++without_piece;  // on a side up to rounding
       continue;
     }
     EXPECT_LE(distances.from(site, point), distances.least(point) + (2 * deviation + 1e-9) * mesh.diagonal())
@@ -84,8 +85,8 @@ void expect_points_in_their_pieces(const TriangleMesh& mesh, const Diagram& diag
   EXPECT_LE(without_piece, 2);
 }
 
-/// Pieces and whole faces have the areas of cells, and polygons of pieces differ from theirs by as much as lines that
-/// are `deviation` off can leave out.
+/// Expects the areas of whole faces and pieces to sum up to those of the cells, and the polygons of pieces to have the
+/// areas of these up to what polylines that are `deviation` off can leave out.
 void expect_areas_of_pieces(const TriangleMesh& mesh, const Diagram& diagram, double deviation) {
   std::vector<double> areas(diagram.cells.size(), 0);
   double whole = 0;
@@ -123,7 +124,7 @@ void expect_drawn_where_they_run(const TriangleMesh& mesh, const std::vector<Sur
     const Diagram found = drawn(mesh, sites, {.border_deviation = deviation});
     expect_areas_of_pieces(mesh, found, deviation);
     expect_points_in_their_pieces(mesh, found, deviation, points, stream);
-    // Quadrature finds lengths to some digits less than areas, where arcs turn sharply.
+    // Quadrature is less accurate for lengths than for areas where arcs curve sharply.
     EXPECT_GE(length_of_borders(found), length_of_lines(found) * (1 - 1e-5));
     if (deviation < 1e-4) {
       EXPECT_LE(length_of_borders(found), length_of_lines(found) * (1 + 1e-4));

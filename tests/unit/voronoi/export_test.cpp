@@ -72,7 +72,7 @@ TEST(VoronoiExport, TableHasALineForEveryCorner) {
     angles += std::stod(field);
   }
   EXPECT_EQ(lines, corners);
-  // Of a polygon of n corners they sum to (n - 2) 180 degrees.
+  // The angles of a polygon of n corners sum up to (n - 2) 180 degrees.
   EXPECT_NEAR(angles, 180 * (static_cast<double>(corners) - 2 * 12), 1e-6);
 }
 

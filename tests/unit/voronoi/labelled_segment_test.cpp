@@ -35,7 +35,7 @@ TEST(LabelledSegment, IsCutHalfwayBetweenTwoSites) {
 }
 
 TEST(LabelledSegment, IsCutTwiceWhereASiteOfLargerOffsetIsNearInTheMiddleOnly) {
-  // |x - A| = 0.4 + |x - B| at x = +- r from the middle.
+  // The sites A = 0 and B = 1 are equally near where |x - A| = 0.7 + |x - B|, on both sides of the middle.
   const auto result =
       label(of({{.image = Vector2d(0.5, 1), .source = 0}, {.image = Vector2d(0.5, 0.1), .sigma = 0.7, .source = 1}}),
             {0, 0}, {1, 0});

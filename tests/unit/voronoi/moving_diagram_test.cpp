@@ -19,8 +19,8 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Moves one site after the other, each by up to `reach` in a random direction, and compares each diagram with one that
-/// is made anew. Returns how many were made locally.
+/// Moves one site after the other, each by up to `reach` in a random direction, and compares each diagram with a full
+/// computation. Returns the number of local rebuilds.
 int expect_same_after_moves(const TriangleMesh& mesh, int sites, int moves, double reach, std::uint64_t seed,
                             const DiagramOptions& options = {}) {
   const GeodesicSolver solver(testing::share(mesh));
@@ -33,9 +33,9 @@ int expect_same_after_moves(const TriangleMesh& mesh, int sites, int moves, doub
     Eigen::VectorXd step = Eigen::VectorXd::Zero(points.dimension());
     const auto site = static_cast<Eigen::Index>(random.uniform() * sites);
     const double angle = 6.283185307179586 * random.uniform();
-    const double way = reach * random.uniform();
-    step[2 * site] = way * std::cos(angle);
-    step[2 * site + 1] = way * std::sin(angle);
+    const double length = reach * random.uniform();
+    step[2 * site] = length * std::cos(angle);
+    step[2 * site + 1] = length * std::sin(angle);
     points.move(mesh, step);
     moving.move_to(points.points());
     local += moving.last_rebuild().local ? 1 : 0;

@@ -17,9 +17,9 @@ namespace {
 using surface::GeodesicSolver;
 using surface::TriangleMesh;
 
-constexpr Needs everything{true, true, true, true};
+constexpr RequiredQuantities everything{true, true, true, true};
 
-/// The derivative of a term along a random direction by central differences, and by its gradient.
+/// The derivative of a term along a random direction, by its gradient and by central differences.
 struct Compared {
   double analytic;
   double numeric;
@@ -27,10 +27,10 @@ struct Compared {
 template <typename MakeTerm>
 Compared compare(const TriangleMesh& mesh, int sites, std::uint64_t seed, const MakeTerm& make, double step) {
   const GeodesicSolver solver(testing::share(mesh));
-  const auto finder = std::make_shared<const DiagramFinder>(solver, everything);
-  const auto term = make(finder);
+  const auto evaluator = std::make_shared<const DiagramEvaluator>(solver, everything);
+  const auto term = make(evaluator);
   SitesState state(solver.mesh(), random_sites(mesh, sites, seed));
-  finder->find(state, 1, {});
+  evaluator->evaluate(state, 1, {});
   numerics::EnergySum sum;
   sum.clear(state.dimension(), 1);
   term->add(state, 1, sum);
@@ -41,7 +41,7 @@ Compared compare(const TriangleMesh& mesh, int sites, std::uint64_t seed, const 
   const auto value = [&](double along) {
     SitesState moved = state;
     moved.move(along * direction);
-    finder->find(moved, 0, {});
+    evaluator->evaluate(moved, 0, {});
     numerics::EnergySum other;
     other.clear(moved.dimension(), 0);
     term->add(moved, 0, other);
@@ -64,22 +64,22 @@ void expect_gradient(const MakeTerm& make, double tolerance = 1e-5) {
   }
 }
 
-using Finder = std::shared_ptr<const DiagramFinder>;
+using Evaluator = std::shared_ptr<const DiagramEvaluator>;
 
 TEST(DiagramTerms, EdgeLengthHasItsGradient) {
-  expect_gradient([](const Finder& finder) { return std::make_shared<EdgeLengthTerm>(finder, 1, 0.5, 0.3); });
+  expect_gradient([](const Evaluator& evaluator) { return std::make_shared<EdgeLengthTerm>(evaluator, 1, 0.5, 0.3); });
 }
 TEST(DiagramTerms, PlanarityHasItsGradient) {
-  expect_gradient([](const Finder& finder) { return std::make_shared<PlanarityTerm>(finder, 1, 0.5); });
+  expect_gradient([](const Evaluator& evaluator) { return std::make_shared<PlanarityTerm>(evaluator, 1, 0.5); });
 }
 TEST(DiagramTerms, RegularityHasItsGradient) {
-  expect_gradient([](const Finder& finder) { return std::make_shared<RegularityTerm>(finder, 1, 0.5); });
+  expect_gradient([](const Evaluator& evaluator) { return std::make_shared<RegularityTerm>(evaluator, 1, 0.5); });
 }
 TEST(DiagramTerms, CentroidalHasItsGradient) {
-  expect_gradient([](const Finder& finder) { return std::make_shared<CentroidalTerm>(finder, 1, 0.5); }, 1e-6);
+  expect_gradient([](const Evaluator& evaluator) { return std::make_shared<CentroidalTerm>(evaluator, 1, 0.5); }, 1e-6);
 }
 TEST(DiagramTerms, EqualAreaHasItsGradient) {
-  expect_gradient([](const Finder& finder) { return std::make_shared<EqualAreaTerm>(finder, 1, 0.5); });
+  expect_gradient([](const Evaluator& evaluator) { return std::make_shared<EqualAreaTerm>(evaluator, 1, 0.5); });
 }
 
 Optimization optimized(const OptimizationOptions& options, int sites = 30) {

@@ -1,4 +1,4 @@
-// Moves of single sites, where no step for all sites lowers the energy.
+// Single-site moves, where no step for all sites lowers the energy.
 #include "site_moves.h"
 
 #include <gtest/gtest.h>
@@ -18,12 +18,12 @@ namespace {
 using surface::GeodesicSolver;
 using surface::TriangleMesh;
 
-constexpr Needs needs_of_values{.edge_lengths = true, .cell_moments = true};
+constexpr RequiredQuantities quantities_of_values{.edge_lengths = true, .cell_moments = true};
 
-std::vector<std::shared_ptr<DiagramTerm>> every_term(const std::shared_ptr<const DiagramFinder>& finder) {
-  return {std::make_shared<EdgeLengthTerm>(finder, 1, 0.5, 0.3), std::make_shared<PlanarityTerm>(finder, 2, 0.5),
-          std::make_shared<RegularityTerm>(finder, 3, 0.5), std::make_shared<CentroidalTerm>(finder, 4, 0.5),
-          std::make_shared<EqualAreaTerm>(finder, 5, 0.5)};
+std::vector<std::shared_ptr<DiagramTerm>> every_term(const std::shared_ptr<const DiagramEvaluator>& evaluator) {
+  return {std::make_shared<EdgeLengthTerm>(evaluator, 1, 0.5, 0.3), std::make_shared<PlanarityTerm>(evaluator, 2, 0.5),
+          std::make_shared<RegularityTerm>(evaluator, 3, 0.5), std::make_shared<CentroidalTerm>(evaluator, 4, 0.5),
+          std::make_shared<EqualAreaTerm>(evaluator, 5, 0.5)};
 }
 
 Eigen::VectorXd energies_of(const DiagramTerm& term, const SitesState& state) {
@@ -35,20 +35,20 @@ Eigen::VectorXd energies_of(const DiagramTerm& term, const SitesState& state) {
 TEST(CellEnergies, AddUpToTheEnergyAndChangeOnlyNextToASiteThatMoves) {
   for (const TriangleMesh& mesh : {testing::icosphere(2), testing::torus(24, 12), testing::saddle(6)}) {
     const GeodesicSolver solver(testing::share(mesh));
-    const auto finder = std::make_shared<const DiagramFinder>(solver, needs_of_values);
+    const auto evaluator = std::make_shared<const DiagramEvaluator>(solver, quantities_of_values);
     SitesState before(solver.mesh(), random_sites(mesh, 40, 1));
-    finder->find(before, 0, {});
+    evaluator->evaluate(before, 0, {});
     Eigen::VectorXd step = Eigen::VectorXd::Zero(before.dimension());
     step.segment<2>(2 * 7) << 0.1, 0.05;
     SitesState after = before;
     after.move(step);
-    finder->find(after, 0, {});
+    evaluator->evaluate(after, 0, {});
     std::set<std::int32_t> near{7};
     for (const SitesState* state : {&before, &after}) {
-      const auto& neighbours = state->found()->diagram.cells[7].neighbours;
+      const auto& neighbours = state->evaluation()->diagram.cells[7].neighbours;
       near.insert(neighbours.begin(), neighbours.end());
     }
-    for (const auto& term : every_term(finder)) {
+    for (const auto& term : every_term(evaluator)) {
       SCOPED_TRACE(term->name());
       const Eigen::VectorXd energies = energies_of(*term, before);
       numerics::EnergySum sum;
@@ -81,20 +81,20 @@ TEST(SiteMoves, OrSearchesWithHeldSitesLowerTheEnergyWhereNoStepForAllSitesDoes)
 TEST(SiteMoves, OfHeldSitesAreNotTriedAndThoseTakenLowerTheEnergyTogether) {
   const TriangleMesh mesh = testing::icosphere(2);
   const GeodesicSolver solver(testing::share(mesh));
-  const auto finder = std::make_shared<const DiagramFinder>(solver, needs_of_values);
-  const auto terms = every_term(finder);
+  const auto evaluator = std::make_shared<const DiagramEvaluator>(solver, quantities_of_values);
+  const auto terms = every_term(evaluator);
   const auto energy_of = [&](SitesState& state) {
-    finder->find(state, 0, {});
+    evaluator->evaluate(state, 0, {});
     double energy = 0;
     for (const auto& term : terms) energy += energies_of(*term, state).sum();
     return energy;
   };
   SitesState state(solver.mesh(), random_sites(mesh, 60, 1));
   const double before = energy_of(state);
-  std::vector<bool> held(120, false);
-  for (std::size_t k = 0; k < 60; ++k) held[k] = true;
+  std::vector<bool> fixed(120, false);
+  for (std::size_t k = 0; k < 60; ++k) fixed[k] = true;
   const auto start = state.sites().points();
-  SiteMoves moves(finder, terms, held, 0.5);
+  SiteMoves moves(evaluator, terms, fixed, 0.5);
   const SiteMovesPass pass = moves.pass(state, {});
   EXPECT_GT(pass.taken, 10);
   EXPECT_GE(pass.tried, 30 * 8);

@@ -15,7 +15,7 @@ namespace {
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Every site compared with every other one before it.
+/// The result by comparing every site with all sites before it.
 std::vector<std::int32_t> by_pairs(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites) {
   std::vector<std::int32_t> first(sites.size());
   for (std::size_t i = 0; i < sites.size(); ++i) {

@@ -1,4 +1,4 @@
-// Derivatives of objectives where borders lie on edges, vertices and diagonals of the mesh.
+// Derivatives of objectives where borders run along edges, through vertices and along diagonals of the mesh.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -15,15 +15,15 @@
 namespace supple::voronoi {
 namespace {
 
-/// The slope of a term along a random direction, by its gradient and by central differences.
+/// Compares the derivative of a term along a random direction by its gradient with central differences.
 template <typename Term>
 void expect_symmetric_gradient(const testing::SymmetricSites& drawn, RandomStream& stream, bool differentiable) {
-  constexpr Needs all_needs{true, true, true, true};
+  constexpr RequiredQuantities all_quantities{true, true, true, true};
   const surface::GeodesicSolver solver(testing::share(drawn.mesh));
-  const auto finder = std::make_shared<const DiagramFinder>(solver, all_needs);
-  const Term term(finder, 1, 0.5 * drawn.mesh.diagonal());
+  const auto evaluator = std::make_shared<const DiagramEvaluator>(solver, all_quantities);
+  const Term term(evaluator, 1, 0.5 * drawn.mesh.diagonal());
   SitesState state(solver.mesh(), drawn.sites);
-  finder->find(state, 1, {});
+  evaluator->evaluate(state, 1, {});
   numerics::EnergySum sum;
   sum.clear(state.dimension(), 1);
   term.add(state, 1, sum);
@@ -35,7 +35,7 @@ void expect_symmetric_gradient(const testing::SymmetricSites& drawn, RandomStrea
   const auto value = [&](double along) {
     SitesState moved = state;
     moved.move(along * direction);
-    finder->find(moved, 0, {});
+    evaluator->evaluate(moved, 0, {});
     numerics::EnergySum other;
     other.clear(moved.dimension(), 0);
     term.add(moved, 0, other);
@@ -49,14 +49,14 @@ void expect_symmetric_gradient(const testing::SymmetricSites& drawn, RandomStrea
 TEST(SymmetricShapes, HaveFiniteGradientsThatAgreeWithDifferences) {
   int compared = 0;
   for (int family = 0; family < testing::symmetric_families; ++family) {
-    // Where a saddle vertex lies on a border, as on tori and round holes, a region may change its site at a step.
+    // If a saddle vertex lies on a border, as on tori and round holes, a region may change its site in a step.
     const bool has_saddles = family == 0 || family == 5 || family == 6;
     for (std::uint64_t seed = 0; seed < 25; ++seed) {
       RandomStream stream("symmetric_gradients", 1000 * static_cast<std::uint64_t>(family) + seed);
       const testing::SymmetricSites drawn = testing::random_symmetric_sites(family, stream);
       SCOPED_TRACE("family " + std::to_string(family) + ", seed " + std::to_string(seed) + ", " + drawn.name);
-      // A site on a tip has a derivative in each direction, but no gradient; one on the mesh's boundary cannot leave
-      // it.
+      // A site on a tip of the mesh has directional derivatives but no gradient. A site on the mesh's boundary cannot
+      // leave it.
       const bool one_sided =
           std::any_of(drawn.sites.begin(), drawn.sites.end(), [&](const surface::SurfacePoint& site) {
             return corner_of(site) >= 0 ||

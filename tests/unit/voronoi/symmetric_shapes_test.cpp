@@ -1,5 +1,5 @@
-// Sites that a symmetry of the surface maps onto each other: borders run along edges, through vertices and along the
-// diagonals of faces, where all that tells one site from the other is rounding.
+// Sites that a symmetry of the surface maps onto each other. Borders run along edges, through vertices and along
+// diagonals of faces, where the distances of two sites differ by rounding only.
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>

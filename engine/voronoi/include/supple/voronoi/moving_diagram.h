@@ -10,44 +10,45 @@
 
 namespace supple::voronoi {
 
-/// How a diagram was made.
+/// How the last diagram was computed.
 struct DiagramRebuild {
-  /// Whether only the surroundings of sites that are elsewhere now were made anew.
+  /// Whether only the faces around moved sites were recomputed.
   bool local = false;
-  std::int32_t moved_sites = 0;  ///< all where it was not
-  std::int32_t cut_faces = 0;    ///< faces that were looked at anew
+  std::int32_t moved_sites = 0;  ///< number of moved sites; all sites if the rebuild was not local
+  std::int32_t cut_faces = 0;    ///< number of recomputed faces
 };
 
-/// The Voronoi diagram of sites that move, for a site that is dragged or sites of which most stay.
+/// The Voronoi diagram of sites that move, for a site that is dragged or for sites most of which stay in place.
 ///
-/// Where few sites have moved since the last diagram, only faces are cut again that have a part of a moved site's old
-/// or new cell. These are found by a propagation from the new places, which ends where other sites are nearer by the
-/// distances that vertices have; what reaches them comes from the sites that have a part of one of them, because a
-/// shortest path stays in its cell, and where a site has left it stays within the old cells of that site and its
-/// neighbours. The diagram is the same as one made anew but for rounding and, where regions are equally near to two
-/// sites, the choice between them.
+/// If few sites have moved since the last diagram, only the faces in which a moved site's old or new cell has a part
+/// are cut again. They are found by a propagation of windows from the new positions, which ends where the cached
+/// distances of the vertices show that other sites are nearer. A second propagation starts from all sites that have a
+/// part of one of these faces. No other site is needed, because a shortest path stays in its cell. Where a site has
+/// moved away, it stays within the old cells of that site and of its neighbours. The result equals that of a full
+/// computation up to rounding. Where regions are equally near to two sites, the choice between the two may differ.
 ///
-/// Memory: about 1 KB for each cut face. For one thread at a time.
+/// Memory: about 1 KB for each cut face. One thread at a time may use it.
 class MovingDiagram {
  public:
-  /// `solver` outlives it. Distances with an allowed error or along edges are always made anew.
+  /// `solver` must outlive this. Diagrams of the methods `bounded` and `edges` are always computed in full.
   explicit MovingDiagram(const surface::GeodesicSolver& solver, const DiagramOptions& options = {});
   ~MovingDiagram();
   MovingDiagram(MovingDiagram&&) noexcept;
   MovingDiagram& operator=(MovingDiagram&&) noexcept;
 
-  /// The diagram of these sites, of any number; valid until the next call. Throws and bills what `diagram` does, and
-  /// bills the quantity "local_rebuilds". After an exception the next diagram is made anew. Cost: that of the faces
-  /// that are cut again, and a tenth of a whole diagram for putting it together.
+  /// Computes the diagram of these sites, whose number may change; the result is valid until the next call. Throws and
+  /// bills what `diagram` does, and bills the quantity "local_rebuilds". After an exception the next diagram is
+  /// computed in full. Cost of a local rebuild: cutting the affected faces again, and a tenth of a full diagram for the
+  /// assembly.
   const Diagram& move_to(std::span<const surface::SurfacePoint> sites, const Execution& execution = {});
 
-  /// The last one; that of no sites before the first.
+  /// The last diagram; one without sites before the first call of move_to.
   const Diagram& diagram() const;
-  /// Hands it over. The next one is made from what is kept all the same.
+  /// Moves the last diagram out. The next call of move_to may still be a local rebuild, because the faces stay cached.
   Diagram take_diagram();
-  /// How the last one was made.
+  /// How the last diagram was computed.
   const DiagramRebuild& last_rebuild() const;
-  /// Whether a diagram of these sites would be made locally. Throws what surface::checked_point throws.
+  /// Whether move_to would rebuild the diagram of these sites locally. Throws what surface::checked_point throws.
   bool is_near(std::span<const surface::SurfacePoint> sites) const;
 
  private:

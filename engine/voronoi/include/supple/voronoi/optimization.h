@@ -9,90 +9,95 @@
 
 namespace supple::voronoi {
 
-/// The weights of the terms of the energy; a term of weight 0 is left out and costs nothing. Lengths count in units of
-/// the mean cell size, root of area over sites, so that every term is a number without a unit.
+/// Weights of the terms of the energy. A term of weight 0 is left out and costs nothing. Lengths are measured in units
+/// of the mean cell size, sqrt(area / sites), so that every term is dimensionless. x: Voronoi vertices, s: sites, g:
+/// geodesic distance, A: areas of cells, L: target length.
 struct ObjectiveWeights {
-  double edge_length = 0;  ///< (1/2) sum over Voronoi edges of (g(x_i, x_j) - L)^2 (thesis eq. 3.29)
-  double planarity = 0;  ///< (1/2) sum over cells of the mean squared distance of their corners from a plane (eq. 3.30)
-  double regularity = 0;  ///< (1/2) sum over cells and their vertices of g(s_i, x_j)^2 (eq. 3.31)
+  double edge_length = 0;  ///< (1/2) sum over Voronoi edges of (g(x_i, x_j) - L)^2 [Thesis, eq. 3.29]
+  double planarity = 0;  ///< (1/2) sum over cells of the corners' mean squared distance from a plane [Thesis, eq. 3.30]
+  double regularity = 0;  ///< (1/2) sum over cells and their vertices of g(s_i, x_j)^2 [Thesis, eq. 3.31]
   double centroidal = 0;  ///< (1/2) sum over cells of the integral of g(s_i, x)^2: centroidal cells
   double equal_area = 0;  ///< (1/2) sum over cells of (A_i - mean)^2
 };
 
 enum class OptimizationMethod {
-  automatic,     ///< gauss_newton where areas are all that counts, otherwise lbfgs
-  gauss_newton,  ///< exact gradients, Gauss-Newton Hessians, one sparse factorization an iteration
+  automatic,     ///< gauss_newton if equal_area is the only objective, otherwise lbfgs
+  gauss_newton,  ///< exact gradients, Gauss-Newton Hessians, one sparse factorization per iteration
   lbfgs
 };
 
-/// One state on the way.
+/// One entry of the iteration history.
 struct OptimizationStep {
   double energy = 0;
   double gradient_norm = 0;
-  double step_length = 0;  ///< root of the sum of the sites' squared ways; 0 for the start
+  double step_length = 0;  ///< root of the sum of the sites' squared displacements, mesh units; 0 at the start
 };
 
-/// Iterations beyond this are refused. Optimizations take dozens to hundreds.
+/// Maximum of max_iterations; larger values are refused. Optimizations take dozens to hundreds.
 inline constexpr int most_optimization_iterations = 10'000;
 
-/// A pass of moves of single sites that lowers the energy by at most this fraction of it is the last one.
-inline constexpr double smallest_gain_of_a_pass = 1e-3;
+/// A pass of single-site moves that lowers the energy by at most this fraction is the last one.
+inline constexpr double min_pass_gain = 1e-3;
 
-/// Passes of moves of single sites beyond this are not made, and the search ends as at its limit of iterations.
+/// Maximum number of passes of single-site moves. Beyond it the search ends with "iteration_limit".
 inline constexpr int max_site_move_passes = 10;
 
 struct OptimizationOptions {
   ObjectiveWeights weights;
   OptimizationMethod method = OptimizationMethod::automatic;
-  /// Of eq. 3.29, mesh units; 0 for the mean length of the start.
+  /// Target length L of [Thesis, eq. 3.29], mesh units; 0 for the mean length at the start.
   double edge_length = 0;
-  /// Converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
+  /// The optimization has converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
   double tolerance = 1e-6;
-  double border_deviation = DiagramOptions{}.border_deviation;  ///< as in DiagramOptions
+  double border_deviation = DiagramOptions{}.border_deviation;  ///< see DiagramOptions
   int max_iterations = 100;                                     ///< at most most_optimization_iterations
-  /// Sites that stay where they are.
+  /// Sites that do not move.
   std::vector<std::int32_t> fixed_sites;
-  /// Called with the start and the state after every iteration, on the thread of the caller.
+  /// Called with the state at the start and after every iteration, on the caller's thread.
   std::function<void(const OptimizationStep& step, const Diagram& diagram)> observer{};
 };
 
-/// What is tried where no step for all sites lowers the energy.
+/// Statistics of the searches for lower energies after a step for all sites has failed to lower it.
 struct SiteMoveTrials {
-  int held_searches = 0;   ///< how often this was so: steps then went on without the sites of far the largest gradients
-  int passes = 0;          ///< over all free sites, each moved in 8 directions by 5 lengths, 0.3 to 1e-3 cell sizes
-  std::int64_t tried = 0;  ///< moves of single sites whose energy was computed
-  std::int64_t taken = 0;  ///< moves that lowered the energy, and were kept
-  double energy_before = 0;  ///< where no step for all sites lowered it for the first time
-  double last_gain = 0;      ///< fraction of the energy by which the last pass lowered it
+  /// Number of such failures. After each of them, the sites of far the largest gradients are fixed for some iterations.
+  int held_searches = 0;
+  /// Passes over all free sites. Each site is moved in 8 directions by 5 lengths, 0.3 to 1e-3 mean cell sizes.
+  int passes = 0;
+  std::int64_t tried = 0;    ///< single-site moves whose energy was computed
+  std::int64_t taken = 0;    ///< single-site moves that lowered the energy and were accepted
+  double energy_before = 0;  ///< energy at the first of these failures
+  double last_gain = 0;      ///< fraction by which the last pass lowered the energy
 };
 
 struct Optimization {
-  Diagram diagram;  ///< at the end
+  Diagram diagram;  ///< of the optimized sites
   struct Term {
     std::string name;   ///< "edge_length", "planarity", "regularity", "centroidal" or "equal_area"
-    double energy = 0;  ///< times its weight
+    double energy = 0;  ///< weighted
   };
-  std::vector<Term> terms;  ///< that took part
+  std::vector<Term> terms;  ///< the terms of nonzero weight
   double energy = 0;
   double gradient_norm = 0;
   double gradient_tolerance = 0;
   int iterations = 0;
   std::vector<OptimizationStep> history;
-  /// "converged": the gradient is within its tolerance; "step_too_small": neither a step nor a pass of moves of single
-  /// sites lowers the energy by more than smallest_gain_of_a_pass of it; "iteration_limit".
+  /// "converged": the gradient norm is within its tolerance. "step_too_small": neither a step for all sites nor a pass
+  /// of single-site moves lowers the energy by more than the fraction min_pass_gain. "iteration_limit": max_iterations
+  /// or max_site_move_passes was reached.
   std::string stopped;
-  SiteMoveTrials site_moves;  ///< all 0 where steps for all sites sufficed
+  SiteMoveTrials site_moves;  ///< all 0 if steps for all sites sufficed
   DiagramStatistics before;
   DiagramStatistics after;
 };
 
-/// Moves the sites to a local minimum of the energy. The diagram is made anew at every state that is tried, so that
-/// cells change their neighbours freely, where most sites are held only round those that move (MovingDiagram); it never
-/// rises in energy from one iteration to the next. Where no step for all sites lowers the energy, which has kinks and
-/// jumps, the few sites next to one, whose gradients are far above the others', are held, and steps go on without them.
-/// Where this gains little, single sites are moved by themselves (SiteMoveTrials). Then steps for all sites go on. All
-/// that is tried between two of these counts as one iteration; a pass of moves of single sites takes some hundred
-/// diagrams, of which only the surroundings of moved sites are made anew where sites are few.
+/// Moves the sites to a local minimum of the energy, which never rises from one iteration to the next. The diagram is
+/// computed anew at every trial state, so that cells change their neighbours freely. If most sites are fixed, only the
+/// faces around the moving ones are recomputed (MovingDiagram).
+///
+/// The energy has kinks and jumps, next to which no step for all sites may lower it. Then the few sites whose gradients
+/// are far above the others' are fixed temporarily, and steps go on for the others. If this gains little, a pass moves
+/// single sites by themselves (SiteMoveTrials). Then steps for all sites go on. Everything between two such sequences
+/// of steps counts as one iteration. A pass costs a few hundred diagrams. If sites are few, these are local rebuilds.
 ///
 /// Bills "propagation", "cells", "derivatives", "step", one effect for each term, and the quantity "site_moves". Throws
 /// what `diagram` throws, "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance,
