@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "records are copied as
   throw Error("file.unreadable", "A record of the unfinished data set does not have the form that was written.");
 }
 
-/// Encoder and Decoder have the same members, so that one description of each struct serves both ways.
+/// Encoder and Decoder have the same members, so that one description of each struct serves both.
 class Encoder {
  public:
   std::string bytes;
@@ -65,7 +65,7 @@ class Decoder {
   }
   template <class T, class Each>
   void list(std::vector<T>& values, Each&& each) {
-    // An element takes at least one byte: a count from damaged bytes asks for no more memory than there are bytes.
+    // An element takes at least one byte. The check keeps a count in damaged bytes from requesting too much memory.
     const std::size_t n = count();
     if (n > rest_.size()) throw_malformed();
     values.resize(n);
@@ -91,11 +91,11 @@ class Decoder {
 };
 
 template <class Codec, class T>
-void plain(Codec& codec, T& value) {
+void describe_field(Codec& codec, T& value) {
   codec.field(value);
 }
 
-/// `Value` is the struct, const while it is written.
+/// Describes a row. Here and below, `Value` is the type of the struct; it is const for an Encoder.
 template <class Codec, class Value>
 void describe_row(Codec& codec, Value& row) {
   codec.field(row.path);
@@ -138,7 +138,7 @@ void describe_cost(Codec& codec, Value& cost) {
 template <class Codec, class Value>
 void describe_design(Codec& codec, Value& design) {
   codec.field(design.index);
-  codec.list(design.parameters, [](auto& c, auto& value) { plain(c, value); });
+  codec.list(design.parameters, [](auto& c, auto& value) { describe_field(c, value); });
   codec.field(design.engine);
   codec.field(design.error_code);
   codec.field(design.error_message);
@@ -164,7 +164,7 @@ void decode_value(Decoder& decoder, std::size_t index, Recipe::Value& value) {
     if (index != alternative) return decode_value<alternative + 1>(decoder, index, value);
     std::variant_alternative_t<alternative, Recipe::Value> content{};
     if constexpr (std::is_same_v<decltype(content), std::vector<double>>)
-      decoder.list(content, [](auto& c, auto& each) { plain(c, each); });
+      decoder.list(content, [](auto& c, auto& each) { describe_field(c, each); });
     else
       decoder.field(content);
     value = std::move(content);
@@ -184,7 +184,7 @@ std::string encode(const Recipe& recipe, const Selection& selection) {
     std::visit(
         [&e](const auto& value) {
           if constexpr (std::is_same_v<decltype(value), const std::vector<double>&>)
-            e.list(value, [](auto& c, auto& each) { plain(c, each); });
+            e.list(value, [](auto& c, auto& each) { describe_field(c, each); });
           else
             e.field(value);
         },

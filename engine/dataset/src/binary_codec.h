@@ -8,11 +8,12 @@
 
 namespace supple::dataset {
 
-/// The journal's records: little-endian integers and doubles, strings and lists after their 32-bit length.
+/// Encode a record of the journal. Integers and doubles are little-endian. Strings and lists follow their 32-bit
+/// length.
 std::string encode(const Recipe& recipe, const Selection& selection);
 std::string encode(const Design& design);
 
-/// The reverse. Throw "file.unreadable" where the bytes end early, go on too long or make no sense.
+/// Decode a record. Throw "file.unreadable" if there are too few or too many bytes, or if a value is invalid.
 void decode(std::string_view bytes, Recipe& recipe, Selection& selection);
 Design decode_design(std::string_view bytes);
 

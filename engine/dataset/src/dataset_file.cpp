@@ -17,22 +17,23 @@ namespace supple::dataset {
 namespace {
 
 constexpr auto format = "supple data set";
-/// Of the layout: another one is not read.
+/// Version of the layout. Files of another version are refused.
 constexpr std::int64_t format_version = 1;
 
-/// A row with what the file repeats for it of its design and path.
+/// A row of the file's table, with values of its design and its path.
 struct TableRow : Row {
   std::int64_t design = 0;
   LoadKind kind = LoadKind::uniaxial;
   double direction = 0;
 };
+/// A path of the file's table, with the index of its design and its index there.
 struct TablePath : Path {
   std::int64_t design = 0;
   std::int32_t path = 0;
 };
 
-/// The columns of each table, in the order of the file: name, member, unit, what it is. One description serves writing
-/// and reading.
+/// Calls visit(name, member, unit, meaning) for the columns of a table in the order of the file. The same function
+/// serves writing and reading. The functions below do so for the other tables.
 template <class Visit>
 void visit_row_columns(Visit&& visit) {
   visit("design", &TableRow::design, "", "index in the sequence of designs");
@@ -82,7 +83,7 @@ void visit_design_columns(Visit&& visit) {
   visit("error_message", &Design::error_message, "", "empty unless the design was rejected");
 }
 
-/// How a member's values lie in a column: the element's type and how many there are.
+/// The type of a column's elements for a member of type T, and their number in a row; 0 if the member is one value.
 template <class T>
 struct Element {
   using type = T;
@@ -217,7 +218,7 @@ void write_parameters(files::Hdf5Writer& file, const std::string& name, const st
   file.attribute(name, "meaning", "the design's parameters, in the family's order and units");
 }
 
-/// What each stage cost each design: a table of designs by stages.
+/// Writes the time and the count of each stage for each design, as tables of designs (rows) by stages (columns).
 void write_costs(files::Hdf5Writer& file, const Dataset& data) {
   std::vector<std::string> stages;
   const auto place_of = [&stages](const std::string& name) {
@@ -288,7 +289,7 @@ void write_tables(files::Hdf5Writer& file, const Dataset& data, const FileOption
   throw Error("file.unreadable", path.string() + ": " + what + ".");
 }
 
-/// Gives rows and paths back to their designs, which are sorted by index.
+/// Appends rows and paths to their designs, which must be sorted by index.
 void distribute(const std::filesystem::path& file, const std::vector<TablePath>& paths,
                 const std::vector<TableRow>& rows, std::vector<Design>& designs) {
   const auto owner = [&](std::int64_t index, const char* table) -> Design& {
@@ -337,7 +338,7 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
 }
 
 Dataset read_dataset(const std::filesystem::path& path) {
-  // HDF5's library trusts what it reads.
+  // The checksum is verified first, because HDF5's library trusts what it reads.
   files::check_seal_if_any(path);
   const files::Hdf5Reader file(path);
   if (file.text_attribute("/", "format") != format) throw_contradiction(path, "it is no data set");

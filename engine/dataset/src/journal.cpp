@@ -18,9 +18,10 @@
 namespace supple::dataset {
 namespace {
 
-/// Begins the file; the last figure is the version of the records.
+/// The first bytes of the file. The number at the end is the version of the records.
 constexpr std::string_view magic = "supple data set journal 1\n";
 
+/// The bytes of a record: the payload's length, its CRC-32, and the payload.
 std::string record(const std::string& payload) {
   const auto length = static_cast<std::uint32_t>(payload.size());
   const std::uint32_t check = files::crc32(payload);
@@ -30,7 +31,8 @@ std::string record(const std::string& payload) {
   return bytes + payload;
 }
 
-/// The payload of the record that begins `rest`, which is moved behind it; empty where it is incomplete or damaged.
+/// Returns the payload of the first record of `rest`, and removes the record from `rest`. Returns an empty view if the
+/// record is incomplete or damaged.
 std::string_view next_record(std::string_view& rest) {
   if (rest.size() < 8) return {};
   std::uint32_t length = 0;
@@ -46,8 +48,8 @@ std::string_view next_record(std::string_view& rest) {
 
 struct Parsed {
   Journal::Content content;
-  bool begun = false;            ///< whether the first record, recipe and selection, is there
-  std::int64_t valid_bytes = 0;  ///< up to the end of the last complete record
+  bool begun = false;            ///< whether the first record, with recipe and selection, is complete
+  std::int64_t valid_bytes = 0;  ///< number of bytes up to the end of the last complete record
 };
 
 Parsed parse(std::string_view bytes, const std::filesystem::path& path) {
@@ -79,6 +81,7 @@ std::string content_of(const std::filesystem::path& path) {
   return std::move(bytes).str();
 }
 
+/// Throws "dataset.different_recipe" unless a journal was begun with these settings.
 void check_same(const Dataset& found, const Recipe& recipe, const Selection& selection,
                 const std::filesystem::path& path) {
   std::vector<Error::Detail> details;

@@ -11,7 +11,7 @@
 namespace supple::dataset {
 namespace {
 
-constexpr std::size_t most_details = 20;
+constexpr std::size_t max_details = 20;
 
 void check_recipes(const std::vector<Dataset>& parts) {
   for (std::size_t i = 1; i < parts.size(); ++i) {
@@ -50,14 +50,15 @@ Dataset merge(std::vector<Dataset> parts, bool allow_missing) {
   merged.selection = {first, end - first, 0, 1};
   auto& designs = merged.designs;
   std::sort(designs.begin(), designs.end(), [](const Design& a, const Design& b) { return a.index < b.index; });
-  const auto twice = std::adjacent_find(designs.begin(), designs.end(),
-                                        [](const Design& a, const Design& b) { return a.index == b.index; });
-  if (twice != designs.end())
-    throw Error("dataset.duplicate_design", "Design " + std::to_string(twice->index) + " is in more than one part.");
+  const auto duplicate = std::adjacent_find(designs.begin(), designs.end(),
+                                            [](const Design& a, const Design& b) { return a.index == b.index; });
+  if (duplicate != designs.end())
+    throw Error("dataset.duplicate_design",
+                "Design " + std::to_string(duplicate->index) + " is in more than one part.");
   const auto missing = missing_designs(merged);
   if (missing.empty() || allow_missing) return merged;
   std::vector<Error::Detail> details;
-  for (std::size_t i = 0; i < std::min(missing.size(), most_details); ++i)
+  for (std::size_t i = 0; i < std::min(missing.size(), max_details); ++i)
     details.push_back({"design " + std::to_string(missing[i]), "is in no part"});
   throw Error("dataset.missing_designs",
               "The parts lack " + std::to_string(missing.size()) + " designs, the first of them " +

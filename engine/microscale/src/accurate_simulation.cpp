@@ -9,40 +9,44 @@
 namespace supple::microscale {
 namespace {
 
-/// The estimated error of `extrapolated_mesh` at the median, and how fast errors fall with the size of the mesh. They
-/// only choose the first mesh and how much finer the next one is.
-constexpr double usual_error = 0.003;
-constexpr double rate = 1.7;
-/// A next mesh aims at this share of the accepted error.
-constexpr double aimed_share = 0.7;
+// The following three numbers only determine the sizes of meshes.
 
-/// Sizes over the beam width. Coarser ones leave one element across a beam, and finer ones take minutes.
-constexpr double coarsest = 1.4;
-constexpr double finest = 0.1;
-/// The next mesh has sides between these two multiples of the last one's.
-constexpr double largest_next_size = 0.8;
-constexpr double smallest_next_size = 0.4;
+/// Median of the estimated relative error of `extrapolated_mesh`.
+constexpr double typical_error = 0.003;
+/// Power of the mesh size to which errors are proportional.
+constexpr double convergence_rate = 1.7;
+/// The error for which the next mesh is sized, as a fraction of the largest accepted error.
+constexpr double target_fraction = 0.7;
+
+/// Limits of the mesh size, in beam widths. Coarser meshes have one element across a beam, and finer ones take minutes.
+constexpr double max_size = 1.4;
+constexpr double min_size = 0.1;
+/// Limits of the ratio of the next mesh's size to the last one's.
+constexpr double max_size_ratio = 0.8;
+constexpr double min_size_ratio = 0.4;
 constexpr int max_meshes = 5;
 
-/// Where a first mesh is too large, the next one has sides this many times as long.
-constexpr double coarser = 1.4;
+/// If the first mesh has too many nodes, the size is multiplied by this factor.
+constexpr double coarsening_factor = 1.4;
 
-/// The mesh, if the one with every triangle divided in four keeps to the limit of nodes too. Throws the limit's error
-/// if even the coarsest mesh is too large.
-std::optional<tiling::PeriodicMesh> mesh_with_room(const tiling::Structure& structure, tiling::MeshOptions options,
-                                                   const Execution& execution) {
+/// Meshes the structure. Returns none if the mesh with every triangle divided in four would have more nodes than the
+/// limit, and throws "tiling.mesh_too_large" if that is so for the coarsest mesh already.
+std::optional<tiling::PeriodicMesh> mesh_if_refinable(const tiling::Structure& structure, tiling::MeshOptions options,
+                                                      const Execution& execution) {
   const StageTimer timer(execution.cost, "meshing");
   options.max_nodes = std::max(1, options.max_nodes / 4);
   try {
     return tiling::mesh_structure(structure, options, execution);
   } catch (const Error& error) {
-    if (error.code() != "tiling.mesh_too_large" || options.mesh_size > coarsest) throw;
+    if (error.code() != "tiling.mesh_too_large" || options.mesh_size > max_size) throw;
     return std::nullopt;
   }
 }
 
-/// The size at which an error becomes another one.
-double size_for(double size, double error, double wanted) { return size * std::pow(wanted / error, 1 / rate); }
+/// The mesh size at which the error is `target`, if it is `error` at `size`.
+double size_for(double size, double error, double target) {
+  return size * std::pow(target / error, 1 / convergence_rate);
+}
 
 }  // namespace
 
@@ -62,30 +66,30 @@ SimulationOptions accurate_options(const Material& material) {
 }
 
 AccurateSimulation simulate_within(const tiling::Structure& structure, const Load& load,
-                                   const SimulationOptions& options, double accepted, const Execution& execution) {
+                                   const SimulationOptions& options, double max_error, const Execution& execution) {
   SimulationOptions attempt = options;
-  const tiling::MeshOptions usual = extrapolated_mesh();
-  attempt.mesh.corner_size = usual.corner_size;
-  attempt.mesh.mesh_size = std::clamp(size_for(usual.mesh_size, usual_error, accepted), finest, coarsest);
+  const tiling::MeshOptions standard = extrapolated_mesh();
+  attempt.mesh.corner_size = standard.corner_size;
+  attempt.mesh.mesh_size = std::clamp(size_for(standard.mesh_size, typical_error, max_error), min_size, max_size);
   std::optional<AccurateSimulation> best;
   bool finer_fits = true;
   for (int k = 0; k < max_meshes || !best; ++k) {
-    std::optional<tiling::PeriodicMesh> mesh = mesh_with_room(structure, attempt.mesh, execution);
+    std::optional<tiling::PeriodicMesh> mesh = mesh_if_refinable(structure, attempt.mesh, execution);
     const double size = attempt.mesh.mesh_size;
     if (!mesh) {
-      // What was found before stands; without that, a coarser mesh is the best that fits.
+      // The last result is returned. If there is none, the finest mesh within the limit of nodes is used.
       if (best) break;
       finer_fits = false;
-      attempt.mesh.mesh_size = size * coarser;
+      attempt.mesh.mesh_size = size * coarsening_factor;
       continue;
     }
     Simulator simulator(std::move(*mesh), attempt, execution);
     SimulationResult result = simulator.run(load, execution);
     best.emplace(AccurateSimulation{std::move(simulator), std::move(result), attempt.mesh});
     const auto error = discretization_error(best->result.states);
-    if (!error || error->stress <= accepted || size <= finest || !finer_fits) break;
-    attempt.mesh.mesh_size = std::max(finest, std::clamp(size_for(size, error->stress, aimed_share * accepted),
-                                                         smallest_next_size * size, largest_next_size * size));
+    if (!error || error->stress <= max_error || size <= min_size || !finer_fits) break;
+    attempt.mesh.mesh_size = std::max(min_size, std::clamp(size_for(size, error->stress, target_fraction * max_error),
+                                                           min_size_ratio * size, max_size_ratio * size));
   }
   return std::move(*best);
 }

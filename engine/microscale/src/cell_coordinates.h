@@ -14,13 +14,15 @@ struct CellCoordinates {
 
   static constexpr Eigen::Index strain_components = 4;
   Eigen::Index size() const { return 2 * nodes + strain_components; }
+  /// Index of the first of a node's two displacements.
   Eigen::Index displacement(Eigen::Index node) const { return 2 * node; }
+  /// Index of the first of the four components of F - I.
   Eigen::Index strain() const { return 2 * nodes; }
 
   Eigen::Matrix2d deformation_gradient(const Eigen::VectorXd& x) const {
     return Eigen::Matrix2d::Identity() + strain_change(x);
   }
-  /// F - I for a state; the change of F for a step.
+  /// F - I, if x is a state. The change of F, if x is a step.
   Eigen::Matrix2d strain_change(const Eigen::VectorXd& x) const {
     const auto f = x.tail<4>();
     return (Eigen::Matrix2d() << f[0], f[1], f[2], f[3]).finished();

@@ -15,35 +15,37 @@
 
 namespace supple::microscale {
 
-/// The terms of one periodic patch: what is simulated, without a state.
+/// The mesh and the energy terms of one periodic patch, without a state.
 class CellModel {
  public:
-  /// What is kept from one load path to the next: where the Hessian has entries, and how they are eliminated. For one
-  /// system at a time.
+  /// Memory that load paths use one after another: the sparsity pattern of the Hessian and its symbolic factorization.
+  /// Only one system may use it at a time.
   struct Workspace {
     std::shared_ptr<numerics::EnergySum> sums = std::make_shared<numerics::EnergySum>();
     numerics::ShiftedCholesky cholesky;
   };
 
-  /// How states move. Long steps turn parts, which needs a factorization of its own; short ones may go straight.
-  enum class Motion { turning, straight };
+  /// The curve on which a state makes a step. Long steps need `rotational`, for which a Laplacian is factorized (see
+  /// RotationRetraction). For short ones, `linear` suffices: a straight line.
+  enum class Retraction { rotational, linear };
 
-  CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact, Motion motion = Motion::turning);
+  CellModel(tiling::PeriodicMesh mesh, const Material& material, bool with_contact,
+            Retraction retraction = Retraction::rotational);
 
   const std::shared_ptr<const tiling::PeriodicMesh>& mesh() const { return mesh_; }
   const CellCoordinates& coordinates() const { return coordinates_; }
   CellState state(Eigen::VectorXd x) const { return {std::move(x), retraction_ ? &*retraction_ : nullptr}; }
-  /// Which of the displacements are held: node 0's, since a translation costs nothing.
-  std::vector<bool> held() const;
+  /// For each displacement whether it is fixed. Node 0 is fixed, because a translation of the patch costs no energy.
+  std::vector<bool> fixed_displacements() const;
   std::vector<std::shared_ptr<numerics::Term<CellState>>> terms() const;
   const ElasticEnergy& elastic() const { return *elastic_; }
-  /// Null where contact is off.
+  /// Null if contact is off.
   ContactBarrier* contact() { return contact_.get(); }
   const ContactBarrier* contact() const { return contact_.get(); }
-  /// Gives the barrier its first stiffness and range again, so that a path does not depend on those before it.
+  /// Resets the barrier's stiffness and range, so that a path does not depend on earlier paths.
   void reset_contact();
 
-  /// Every term adds its own.
+  /// Adds the Hessians of all terms; see CellTerm::add_alternating_hessians.
   void add_alternating_hessians(const Eigen::VectorXd& x, AlternatingEntries& entries) const;
 
   Workspace& workspace() { return workspace_; }

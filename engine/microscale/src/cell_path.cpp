@@ -10,49 +10,51 @@ namespace supple::microscale {
 namespace {
 
 /// A load step below this change of F (largest component) is not divided again.
-constexpr double smallest_load_step = 1e-6;
-/// Cubic extrapolation reaches no farther than this many times the step it is made from.
-constexpr double longest_extrapolation = 2.5;
-/// Two load steps go the same way if the cosine between them is above this.
-constexpr double same_direction = 1 - 1e-9;
+constexpr double min_load_step = 1e-6;
+/// Limit of the length of a cubic extrapolation, divided by the length of the load step from which it is made.
+constexpr double max_extrapolation = 2.5;
+/// Two load steps have the same direction if the cosine of the angle between them is above this.
+constexpr double same_direction_cosine = 1 - 1e-9;
 
-/// A Newton step that brings the gradient to this share keeps its factorization: a step with the old one costs about a
-/// tenth of a new factorization.
+/// The factorization is used again if a Newton step has reduced the gradient's norm by this factor. A step with the old
+/// factorization costs about a tenth of a new factorization.
 constexpr double reuse_contraction = 0.25;
 
-/// Buckling beams curve the energy some 1e8 times less than their elements do, relative to the matrix's scale: the
-/// search for a regularization begins well below, and steps that leave an unstable state may be lengthened this often.
+/// The curvature of the energy along the buckling of a beam is about 1e-8 of the Hessian's scale. The first
+/// regularization that is tried, relative to that scale, is therefore well below.
 constexpr double first_regularization = 1e-10;
-constexpr double longest_expansion = 64;
+/// Limit of the factor by which a step that leaves an unstable state may be lengthened, for the same reason.
+constexpr double max_expansion = 64;
 
-/// Iterative refinement of the response to strains: relative residual where it makes the tangent and where it only
-/// predicts the next state, and rounds before the factorization is given up.
-constexpr double refined = 1e-9;
-constexpr double refined_for_prediction = 1e-5;
-constexpr int refinement_rounds = 5;
+/// Relative residual of the response to strains below which its iterative refinement ends, if tangents are returned.
+constexpr double max_tangent_residual = 1e-9;
+/// The same, if the response only predicts the next state.
+constexpr double max_prediction_residual = 1e-5;
+constexpr int max_refinements = 5;
 
-/// While contact is tightened: the range's factor from one equilibrium to the next, how often, and the relative change
-/// of dE/dF below which the range no longer matters.
+/// Factor of each reduction of the contact barrier's range.
 constexpr double range_factor = 0.25;
-constexpr int most_tightenings = 4;
-constexpr double unfelt_change = 2e-4;
+constexpr int max_range_reductions = 4;
+/// The range no longer matters if its reduction changes dE/dF by less than this ratio.
+constexpr double negligible_change = 2e-4;
 
 numerics::PathOptions path_options(const SimulationOptions& simulation) {
   numerics::PathOptions options;
   options.minimizer.reuse_contraction = reuse_contraction;
   options.minimizer.first_regularization = first_regularization;
-  options.minimizer.longest_expansion = longest_expansion;
+  options.minimizer.longest_expansion = max_expansion;
   options.max_iterations = simulation.max_iterations;
   options.largest_step = simulation.max_load_step;
-  options.smallest_step = smallest_load_step;
+  options.smallest_step = min_load_step;
   options.leave_unstable = simulation.buckling != Switch::off;
-  // Beams bend so much more softly than elements deform that a curvature of 1e-13 of the matrix's scale may be
-  // theirs: with a tolerance, paths of IH29 ended where they can be followed.
+  // Beams can be so soft in bending, compared with elements, that a curvature of 1e-13 of the matrix's scale may be
+  // theirs. With a tolerance for it, paths of the family IH29 ended although they can be followed.
   options.zero_curvature = 0;
   return options;
 }
 
-/// K x for the lower triangle of K; all columns of x at once, so that K is read once.
+/// K x for the symmetric K of which `lower` is the lower triangle. All four columns of x are multiplied in one pass
+/// over K.
 Eigen::MatrixXd product(const numerics::SparseMatrix& lower, const Eigen::MatrixXd& x) {
   using Rows = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
   const Rows from = x;
@@ -78,24 +80,24 @@ CellScene::CellScene(CellModel& model, Eigen::VectorXd x, const FreeStrains& fre
       execution_(execution),
       system_(cell_system(model, std::move(x), free, execution)) {
   cholesky().bill_to(execution.cost);
-  look_around();
+  prepare_terms();
 }
 
 void CellScene::set_state(State state) {
   system_.set_state(model_.state(std::move(state.x)));
   at_ = std::move(state.at);
-  look_around();
+  prepare_terms();
 }
 
-double CellScene::announce(const Eigen::Matrix2d& target) {
-  const Eigen::Vector4d wanted(target(0, 0) - 1, target(0, 1), target(1, 0), target(1, 1) - 1);
-  change_ = prescribed_part(wanted - x().tail<4>());
+double CellScene::set_target(const Eigen::Matrix2d& target) {
+  const Eigen::Vector4d target_strain(target(0, 0) - 1, target(0, 1), target(1, 0), target(1, 1) - 1);
+  change_ = prescribed_part(target_strain - x().tail<4>());
   return change_.cwiseAbs().maxCoeff();
 }
 
 void CellScene::begin_step() {
   start_ = x();
-  along_ = tangent(change_);
+  step_tangent_ = tangent(change_);
 }
 
 Eigen::Vector4d CellScene::prescribed_part(const Eigen::Vector4d& change) const {
@@ -119,39 +121,39 @@ Eigen::VectorXd CellScene::tangent(const Eigen::Vector4d& change) const {
   return along;
 }
 
-CellState CellScene::moved(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
+CellState CellScene::retracted(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
   const StageTimer timer(execution_.cost, CellState::motion);
   CellState state = model_.state(x);
   state.move(step);
   return state;
 }
 
-std::vector<Eigen::VectorXd> CellScene::predictions(double share) const {
+std::vector<Eigen::VectorXd> CellScene::predictions(double fraction) const {
   std::vector<Eigen::VectorXd> states;
   if (previous_) {
-    const double before = previous_->travelled.norm();
-    const double ahead = share * change_.norm();
-    const double cosine = previous_->travelled.dot(change_) / (before * change_.norm());
-    if (cosine > same_direction && ahead <= longest_extrapolation * before) {
-      // Cubic Hermite polynomial through the last two equilibria and their tangents; u = 0 and 1 there.
+    const double before = previous_->load_change.norm();
+    const double ahead = fraction * change_.norm();
+    const double cosine = previous_->load_change.dot(change_) / (before * change_.norm());
+    if (cosine > same_direction_cosine && ahead <= max_extrapolation * before) {
+      // The cubic Hermite polynomial that has the last two equilibria and their tangents at u = 0 and u = 1.
       const double u = 1 + ahead / before;
       const double h00 = u * u * (2 * u - 3) + 1;
       const double h10 = u * (u - 1) * (u - 1);
       const double h11 = u * u * (u - 1);
       states.emplace_back(h00 * previous_->x + (1 - h00) * x() + h10 * previous_->tangent +
-                          h11 * (before / change_.norm()) * along_);
+                          h11 * (before / change_.norm()) * step_tangent_);
     }
   }
-  states.emplace_back(moved(x(), share * along_).x);
+  states.emplace_back(retracted(x(), fraction * step_tangent_).x);
   return states;
 }
 
-bool CellScene::predict(double share) {
-  const Eigen::Vector4d strain_after = start_.tail<4>() + share * change_;
+bool CellScene::predict(double fraction) {
+  const Eigen::Vector4d strain_after = start_.tail<4>() + fraction * change_;
   std::optional<Eigen::VectorXd> best;
   double best_norm = std::numeric_limits<double>::infinity();
-  for (Eigen::VectorXd& state : predictions(share)) {
-    // The prescribed components exactly; the free ones as predicted.
+  for (Eigen::VectorXd& state : predictions(fraction)) {
+    // The prescribed components of F are set exactly, the free ones as predicted.
     const Eigen::Vector4d predicted = state.tail<4>();
     state.tail<4>() = predicted + prescribed_part(strain_after - predicted);
     if (system_.look_ahead(model_.state(start_), model_.state(state)) < 1) continue;
@@ -165,13 +167,13 @@ bool CellScene::predict(double share) {
   }
   if (!best) return false;
   system_.set_state(model_.state(std::move(*best)));
-  look_around();
+  prepare_terms();
   return true;
 }
 
 void CellScene::arrived(const numerics::Arrival& arrival) {
   previous_.reset();
-  if (arrival.same_branch) previous_ = Previous{arrival.share * change_, start_, arrival.share * along_};
+  if (arrival.same_branch) previous_ = Previous{arrival.share * change_, start_, arrival.share * step_tangent_};
 }
 
 double CellScene::gradient_tolerance() const {
@@ -180,9 +182,10 @@ double CellScene::gradient_tolerance() const {
 }
 
 bool CellScene::unsettled(const numerics::MinimizerResult& result) {
-  // The forces of the prediction, by which the tolerance was measured, can be larger than those of the equilibrium.
-  const bool loose = result.gradient_norm > gradient_tolerance() && result.iterations > 0;
-  return raise_contact_stiffness() || loose;
+  // The tolerance is in proportion to the forces at the predicted state, which can be larger than those at the
+  // equilibrium.
+  const bool above_tolerance = result.gradient_norm > gradient_tolerance() && result.iterations > 0;
+  return raise_contact_stiffness() || above_tolerance;
 }
 
 bool CellScene::raise_contact_stiffness() {
@@ -214,13 +217,13 @@ bool CellScene::finish(const numerics::MinimizerResult& result) {
   at_.strain_gradient = system_.full_gradient().tail<4>();
   const bool fresh = result.factorized_at >= 0 && result.history.back().regularization == 0;
   const bool stable =
-      (fresh && solve_for_strains()) || (cholesky().factorize(evaluation.hessian, 0) && solve_for_strains());
+      (fresh && solve_for_response()) || (cholesky().factorize(evaluation.hessian, 0) && solve_for_response());
   if (stable) condense();
   return stable;
 }
 
 bool CellScene::finish_unstable() {
-  // Also for one at the very point where it loses stability.
+  // K is indefinite, or even singular to rounding if the equilibrium is at a bifurcation.
   system_.evaluate(2);
   Eigen::SimplicialLDLT<numerics::SparseMatrix, Eigen::Lower> indefinite(system_.core());
   at_.response = indefinite.solve(-system_.border());
@@ -228,21 +231,21 @@ bool CellScene::finish_unstable() {
   return at_.response.allFinite();
 }
 
-bool CellScene::solve_for_strains() {
+bool CellScene::solve_for_response() {
   const Eigen::MatrixXd& right = system_.border();
-  const double wanted = (options_.tangents ? refined : refined_for_prediction) * right.norm();
+  const double max_residual = (options_.tangents ? max_tangent_residual : max_prediction_residual) * right.norm();
   at_.response = -cholesky().solve_core(right);
-  for (int round = 0;; ++round) {
+  for (int iteration = 0;; ++iteration) {
     const Eigen::MatrixXd residual = -right - product(system_.core(), at_.response);
-    if (!(residual.norm() > wanted)) return true;
-    if (round == refinement_rounds) return residual.norm() < 1e3 * wanted;
+    if (!(residual.norm() > max_residual)) return true;
+    if (iteration == max_refinements) return residual.norm() < 1e3 * max_residual;
     at_.response += cholesky().solve_core(residual);
   }
 }
 
 void CellScene::condense() {
-  // The response leaves a residual, in which soft cells hide much of it. With the residual's work the error of the
-  // stiffness is quadratic in that of the response.
+  // The response of soft cells can have a large error although its residual is small. With the term of the residual,
+  // the error of the stiffness is quadratic in the error of the response.
   const Eigen::MatrixXd residual = -system_.border() - product(system_.core(), at_.response);
   const Eigen::Matrix4d condensed = system_.border().transpose() * at_.response - at_.response.transpose() * residual;
   at_.condensed = system_.corner() + 0.5 * (condensed + condensed.transpose());
@@ -254,7 +257,7 @@ Eigen::VectorXd CellScene::unit_mode(const Eigen::VectorXd& mode) const {
 }
 
 bool CellScene::move_along(const State& from, const Eigen::VectorXd& mode, double amount) {
-  CellState state = moved(from.x, amount * mode);
+  CellState state = retracted(from.x, amount * mode);
   if (system_.look_ahead(model_.state(from.x), state) < 1) return false;
   system_.set_state(std::move(state));
   return true;
@@ -262,7 +265,7 @@ bool CellScene::move_along(const State& from, const Eigen::VectorXd& mode, doubl
 
 void CellScene::left_branch() {
   previous_.reset();
-  look_around();
+  prepare_terms();
 }
 
 CellPath::CellPath(CellModel& model, Eigen::VectorXd x, const FreeStrains& free, const SimulationOptions& options,
@@ -281,45 +284,45 @@ Stop CellPath::stopped() const {
   return Stop::step_too_small;
 }
 
-void CellPath::restore(const Loose& loose) {
-  scene_.set_contact(loose.contact);
-  path_.restore(loose.snapshot);
+void CellPath::restore(const SavedState& saved) {
+  scene_.set_contact(saved.contact);
+  path_.restore(saved.snapshot);
 }
 
-bool CellPath::settle_with_range(double range) {
+bool CellPath::find_equilibrium_with_range(double range) {
   scene_.set_contact({scene_.contact().stiffness, range});
-  scene_.look_around();
+  scene_.prepare_terms();
   const int branches = path_.counts().branches_left;
-  const bool settled = path_.settle() && path_.stable() && path_.counts().branches_left == branches;
+  const bool found = path_.settle() && path_.stable() && path_.counts().branches_left == branches;
   path_.set_branches_left(branches);
-  return settled;
+  return found;
 }
 
-void CellPath::tighten_contact() {
+void CellPath::reduce_contact_range() {
   if (!path_.stable() || scene_.contacts() == 0) return;
-  const Loose first = loose_now();
+  const SavedState first = save();
   const auto previous = scene_.previous();
-  Loose best = first;
-  for (int k = 0; k < most_tightenings && scene_.contacts() > 0; ++k) {
+  SavedState best = first;
+  for (int k = 0; k < max_range_reductions && scene_.contacts() > 0; ++k) {
     const Eigen::Vector4d before = scene_.at().strain_gradient;
-    if (!settle_with_range(best.contact.range * range_factor)) {
+    if (!find_equilibrium_with_range(best.contact.range * range_factor)) {
       restore(best);
       break;
     }
-    // A path that ended at this strain has done so all the same.
-    best = loose_now();
+    // If the path has ended at this strain, the reason why it ended must not be overwritten.
+    best = save();
     best.snapshot.stopped = first.snapshot.stopped;
     const Eigen::Vector4d change = scene_.at().strain_gradient - before;
-    if (change.norm() <= unfelt_change * scene_.at().strain_gradient.norm()) break;
+    if (change.norm() <= negligible_change * scene_.at().strain_gradient.norm()) break;
   }
   restore(best);
   scene_.set_previous(previous);
-  loose_ = first;
+  before_reduction_ = first;
 }
 
-void CellPath::loosen_contact() {
-  if (loose_) restore(*loose_);
-  loose_.reset();
+void CellPath::restore_contact_range() {
+  if (before_reduction_) restore(*before_reduction_);
+  before_reduction_.reset();
 }
 
 }  // namespace supple::microscale

@@ -10,14 +10,14 @@
 
 namespace supple::microscale {
 
-/// Periodic displacements and macroscopic strain of a patch, in the coordinates of cell_coordinates.h. Parts turn on
-/// their way instead of growing.
+/// Periodic displacements and macroscopic strain of a patch, in the coordinates of cell_coordinates.h. A step rotates
+/// parts of the patch, where a straight step would stretch them; see RotationRetraction.
 struct CellState : numerics::VectorState {
-  const RotationRetraction* retraction;  ///< outlives the state; null: the state moves straight on
+  const RotationRetraction* retraction;  ///< must outlive the state; null if the state moves on straight lines
 
-  // Implicit, so that terms can be asked for the coordinates alone.
-  CellState(Eigen::VectorXd coordinates, const RotationRetraction* turning = nullptr)
-      : VectorState{std::move(coordinates)}, retraction(turning) {}
+  // The constructor is implicit, so that callers can pass coordinates where a term takes a state.
+  CellState(Eigen::VectorXd coordinates, const RotationRetraction* optional_retraction = nullptr)
+      : VectorState{std::move(coordinates)}, retraction(optional_retraction) {}
 
   static constexpr std::string_view motion = "retraction";
   Eigen::VectorXd move(const Eigen::VectorXd& step) {

@@ -11,8 +11,8 @@ CellSystem cell_system(CellModel& model, Eigen::VectorXd x, const FreeStrains& f
   options.execution = {execution.cancellation, nullptr, execution.cost};
   options.least_order = 1;
   options.sums = model.workspace().sums;
-  return {model.state(std::move(x)), model.terms(), numerics::Unknowns(model.held(), std::move(directions)),
-          std::move(options)};
+  return {model.state(std::move(x)), model.terms(),
+          numerics::Unknowns(model.fixed_displacements(), std::move(directions)), std::move(options)};
 }
 
 }  // namespace supple::microscale

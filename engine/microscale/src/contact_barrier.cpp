@@ -10,12 +10,13 @@
 namespace supple::microscale {
 namespace {
 
-/// Range over beam width: less changes the stress of structures in contact little, and costs more iterations.
-constexpr double range_share = 0.02;
-/// Stiffness over Young's modulus: slender beams press on each other with about a hundredth of the modulus.
-constexpr double stiffness_share = 0.02;
-/// Distance over range below which an equilibrium asks for a stiffer barrier.
-constexpr double nearest_ratio = 0.1;
+/// Ratio of the range to the beam width. A smaller range hardly changes the stress of structures in contact, and takes
+/// more iterations.
+constexpr double range_ratio = 0.02;
+/// Ratio of the stiffness to Young's modulus. The pressure between slender beams is about a hundredth of the modulus.
+constexpr double stiffness_ratio = 0.02;
+/// Ratio of a pair's distance to its range below which an equilibrium requires a stiffer barrier.
+constexpr double stiffening_ratio = 0.1;
 
 void check(const ContactOptions& options) {
   std::vector<Error::Detail> details;
@@ -29,14 +30,15 @@ void check(const ContactOptions& options) {
 using Vector6 = InsideDistance::Vector6;
 using Matrix6 = InsideDistance::Matrix6;
 
-/// What a barrier between a pair's point and its segment, or one end of that, adds: to the point, the tail and the
-/// head. An end that takes no part has zeros.
+/// The barrier between a pair's point and its segment or one end of it, with derivatives with respect to the point, the
+/// tail and the head. Those for an end that is not involved are zero.
 struct LocalBarrier {
   double value = 0;
   Vector6 gradient = Vector6::Zero();
   Matrix6 hessian = Matrix6::Zero();
 };
 
+/// Sets `local` to the barrier between a point and a segment whose nearest point is inside.
 void add_inside(const PlacedSegment& placed, double range, double weight, int order, bool convex, LocalBarrier& local) {
   const InsideDistance at(placed.tail, placed.head);
   const LogBarrier barrier(at.distance, range);
@@ -45,12 +47,13 @@ void add_inside(const PlacedSegment& placed, double range, double weight, int or
   if (order >= 2) local.hessian = at.hessian(weight * barrier.first, weight * barrier.second, convex);
 }
 
-/// `end` is 1 for the tail, 2 for the head.
-void add_end(const Eigen::Vector2d& seen, int end, double range, double weight, int order, bool convex,
+/// Sets `local` to the barrier between a point and an end of a segment, which is at `end_position` relative to the
+/// point. `end` is 1 for the tail and 2 for the head.
+void add_end(const Eigen::Vector2d& end_position, int end, double range, double weight, int order, bool convex,
              LocalBarrier& local) {
-  const double distance = seen.norm();
+  const double distance = end_position.norm();
   const LogBarrier barrier(distance, range);
-  const Eigen::Vector2d normal = -seen / distance;
+  const Eigen::Vector2d normal = -end_position / distance;
   local.value = weight * barrier.value;
   if (order < 1) return;
   local.gradient.head<2>() = weight * barrier.first * normal;
@@ -73,23 +76,22 @@ void add_end(const Eigen::Vector2d& seen, int end, double range, double weight, 
 }  // namespace
 
 ContactOptions contact_options(const tiling::PeriodicMesh& mesh, const Material& material) {
-  return {.stiffness = stiffness_share * material.youngs_modulus, .range = range_share * mesh.beam_width};
+  return {.stiffness = stiffness_ratio * material.youngs_modulus, .range = range_ratio * mesh.beam_width};
 }
 
 ContactBarrier::ContactBarrier(const tiling::PeriodicMesh& mesh, const ContactOptions& options)
     : coordinates_{mesh.nodes.cols()}, options_(options), pairs_(mesh, options.range, options.rest_fraction) {
-  // Without an outline there is nothing to touch, and no beam width that a range could follow from.
+  // A mesh without an outline has no contacts, and no beam width from which a range could be computed.
   if (!mesh.outline.empty()) check(options);
 }
 
-/// Calls sink(pair, local) for every barrier that is not zero at x.
 template <class Sink>
 void ContactBarrier::visit(const Eigen::VectorXd& x, int order, bool convex, Sink&& sink) const {
   const Eigen::Matrix2d gradient = coordinates_.deformation_gradient(x);
   const auto emit = [&](const ContactPair& pair, const PlacedSegment& placed, Nearest nearest, double range,
-                        double share) {
+                        double multiplicity) {
     LocalBarrier local;
-    const double weight = share * options_.stiffness * pair.length;
+    const double weight = multiplicity * options_.stiffness * pair.length;
     if (nearest == Nearest::inside)
       add_inside(placed, range, weight, order, convex, local);
     else if (nearest == Nearest::tail)
@@ -100,23 +102,26 @@ void ContactBarrier::visit(const Eigen::VectorXd& x, int order, bool convex, Sin
   };
   for (const ContactPair& pair : pairs_.pairs()) {
     const PlacedSegment placed(pair, gradient, x);
-    const SegmentView view = view_segment(placed.tail, placed.head);
-    if (view.squared_distance >= pair.range * pair.range) continue;
-    // What a joint subtracts again, wholly, is left to it.
-    if ((view.nearest == Nearest::tail && pair.tail_joint) || (view.nearest == Nearest::head && pair.head_joint))
+    const PointSegmentDistance found = point_segment_distance(placed.tail, placed.head);
+    if (found.squared_distance >= pair.range * pair.range) continue;
+    // The barrier at an end with a joint is added at the joint below, together with what the joint subtracts.
+    if ((found.nearest == Nearest::tail && pair.tail_joint) || (found.nearest == Nearest::head && pair.head_joint))
       continue;
-    emit(pair, placed, view.nearest, pair.range, 1);
+    emit(pair, placed, found.nearest, pair.range, 1);
   }
   for (const ContactJoint& joint : pairs_.joints()) {
     const ContactPair& before = pairs_.pairs()[static_cast<std::size_t>(joint.before)];
     const PlacedSegment placed(before, gradient, x);
     if (placed.head.squaredNorm() >= joint.range * joint.range) continue;
     const ContactPair& after = pairs_.pairs()[static_cast<std::size_t>(joint.after)];
-    const PlacedSegment follower(after, gradient, x);
-    double share = -1;
-    if (before.head_joint && view_segment(placed.tail, placed.head).nearest == Nearest::head) share += 1;
-    if (after.tail_joint && view_segment(follower.tail, follower.head).nearest == Nearest::tail) share += 1;
-    if (share != 0) emit(before, placed, Nearest::head, joint.range, share);
+    const PlacedSegment placed_after(after, gradient, x);
+    // -1 is the joint's own; 1 is added for each pair whose barrier was left to the joint.
+    double multiplicity = -1;
+    if (before.head_joint && point_segment_distance(placed.tail, placed.head).nearest == Nearest::head)
+      multiplicity += 1;
+    if (after.tail_joint && point_segment_distance(placed_after.tail, placed_after.head).nearest == Nearest::tail)
+      multiplicity += 1;
+    if (multiplicity != 0) emit(before, placed, Nearest::head, joint.range, multiplicity);
   }
 }
 
@@ -135,7 +140,7 @@ void ContactBarrier::add(const CellState& state, int order, numerics::EnergySum&
   visit(x, order, convex_, [&](const ContactPair& pair, const LocalBarrier& local) {
     sum.value += local.value;
     if (order < 1) return;
-    // A change of F moves the ends against the point by dF times their relative rest positions: column 2 i + j.
+    // Derivatives of the ends' positions relative to the point with respect to F_ij, in column 2 i + j.
     Eigen::Matrix<double, 6, 4> strained = Eigen::Matrix<double, 6, 4>::Zero();
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j) {
@@ -152,9 +157,10 @@ void ContactBarrier::add(const CellState& state, int order, numerics::EnergySum&
     const Eigen::Matrix4d corner = strained.transpose() * mixed;
     for (int k = 0; k < 6; ++k) {
       for (int l = 0; l <= k; ++l) {
-        // A point may meet an image of itself: both orders of the pair then fall on one place of the diagonal.
-        const double both = k != l && place[k] == place[l] ? 2 : 1;
-        sum.hessian.add(place[k], place[l], both * local.hessian(k, l));
+        // A point may be in contact with an image of itself. Then both off-diagonal entries of the pair belong to the
+        // same entry of the patch's diagonal.
+        const double factor = k != l && place[k] == place[l] ? 2 : 1;
+        sum.hessian.add(place[k], place[l], factor * local.hessian(k, l));
       }
       for (int c = 0; c < 4; ++c) sum.hessian.add(place[k], strain + c, mixed(k, c));
     }
@@ -173,8 +179,8 @@ void ContactBarrier::add_alternating_hessians(const Eigen::VectorXd& x, Alternat
         for (int l = 0; l <= k; ++l) {
           const Eigen::Index row = coordinates_.displacement(nodes[k / 2]) + k % 2;
           const Eigen::Index column = coordinates_.displacement(nodes[l / 2]) + l % 2;
-          const double both = k != l && row == column ? 2 : 1;
-          entries[a].add(row, column, both * sign[k / 2] * sign[l / 2] * local.hessian(k, l));
+          const double factor = k != l && row == column ? 2 : 1;
+          entries[a].add(row, column, factor * sign[k / 2] * sign[l / 2] * local.hessian(k, l));
         }
     }
   });
@@ -185,7 +191,7 @@ ContactStatus ContactBarrier::status(const Eigen::VectorXd& x) const {
   ContactStatus status;
   for (const ContactPair& pair : pairs_.pairs()) {
     const PlacedSegment placed(pair, gradient, x);
-    const double distance = std::sqrt(view_segment(placed.tail, placed.head).squared_distance);
+    const double distance = std::sqrt(point_segment_distance(placed.tail, placed.head).squared_distance);
     if (distance < pair.range) ++status.pairs;
     status.smallest_ratio = std::min(status.smallest_ratio, distance / pair.range);
     status.smallest_gap = std::min(status.smallest_gap, distance);
@@ -199,7 +205,7 @@ void ContactBarrier::set_range(double range) {
 }
 
 double ContactBarrier::suggested_stiffness(const Eigen::VectorXd& x) const {
-  return status(x).smallest_ratio < nearest_ratio ? 2 * options_.stiffness : options_.stiffness;
+  return status(x).smallest_ratio < stiffening_ratio ? 2 * options_.stiffness : options_.stiffness;
 }
 
 }  // namespace supple::microscale

@@ -12,63 +12,64 @@
 namespace supple::microscale {
 
 struct ContactOptions {
-  /// kappa, MPa, > 0. Two faces at half their range press on each other with 1.19 kappa.
+  /// kappa, MPa, > 0. The pressure between two faces at half their range is 1.19 kappa.
   double stiffness = 1;
   /// Distance at which contact begins, mm, > 0.
   double range = 0;
-  /// Contact of a pair begins at this share of its distance at rest, if that is less than `range`; in (0, 1).
+  /// Contact of a pair begins at this fraction of its distance at rest, if that is less than `range`; in (0, 1).
   double rest_fraction = 0.5;
 };
 
-/// The options that suit a mesh: the range is a named share of the beam width, the stiffness one of Young's modulus.
+/// The options that suit a mesh: the range in proportion to the beam width, and the stiffness to Young's modulus.
 ContactOptions contact_options(const tiling::PeriodicMesh& mesh, const Material& material);
 
-/// How near the outline comes to itself, over the pairs in reach; infinite where there is none.
+/// How near the outline comes to itself, as far as the prepared pairs tell. Minima are infinite if there are no pairs.
 struct ContactStatus {
-  int pairs = 0;  ///< points and segments within their range
-  /// Least distance over range.
+  int pairs = 0;  ///< number of pairs within their range
+  /// Least ratio of a pair's distance to its range.
   double smallest_ratio = std::numeric_limits<double>::infinity();
-  double smallest_gap = std::numeric_limits<double>::infinity();  ///< mm
+  /// Least distance, mm.
+  double smallest_gap = std::numeric_limits<double>::infinity();
 };
 
 /// Self-contact of a periodic patch: a barrier between points and segments of the outline and all their images,
 ///   E = kappa sum_p l_p [ sum_s b(d_ps; r_ps) - sum_v b(d_pv; r_pv) ],
-/// in MPa mm^2 per mm of thickness. p runs over the points of the outline and l_p is the rest length of outline that
-/// belongs to p; s runs over the segments that do not end in p, v over the points between two such segments; d is a
-/// distance, and
-///   b(d; r) = -(d - r)^2 ln(d / r) / (2 r) for d < r, 0 beyond: twice continuously differentiable in d.
-/// Subtracting what two segments share in their common end counts each place of the outline once, however finely it is
-/// divided: along a chain of segments the bracket is b at all local minima of the distance minus b at all its local
-/// maxima. It is never negative, grows beyond bounds as any distance goes to zero, and converges as the mesh is
-/// refined.
+/// in MPa mm^2 per mm of thickness. p runs over the points of the outline, and l_p is the rest length of outline that
+/// is assigned to p. s runs over the segments that do not end in p, and v over the points between two such segments. d
+/// is a distance. The function
+///   b(d; r) = -(d - r)^2 ln(d / r) / (2 r) for d < r, 0 beyond
+/// is twice continuously differentiable in d. Where two segments meet, the second sum subtracts what the first one
+/// counts twice, so that the outline counts once however finely it is divided. Along a chain of segments, the bracket
+/// is the sum of b at all local minima of the distance, minus that at all local maxima. It is never negative, grows
+/// beyond bounds as any distance goes to zero, and converges as the mesh is refined.
 ///
-/// r_ps = min(range, rest_fraction * d_ps at rest), r_pv is the lesser of its two segments' ranges: at rest the energy
-/// and all its derivatives are exactly zero. Pairs that touch at rest are left out. Second derivatives are continuous
-/// except where a point crosses the normal of a segment's end at which the outline bends.
+/// r_ps = min(range, rest_fraction * d_ps at rest), and r_pv is the lesser of the ranges of the two segments at v. At
+/// rest, the energy and all its derivatives are therefore exactly zero. Pairs that touch at rest are left out. Second
+/// derivatives are continuous, except where a point crosses the normal of a segment at a corner of the outline.
 ///
-/// Which pairs matter is known only along the step last given to `prepare_step`: a barrier belongs to one path and one
-/// thread.
+/// The pairs are known only along the step that was last given to `prepare_step`. A barrier therefore belongs to one
+/// path and one thread.
 ///
-/// Li et al. 2020, Incremental Potential Contact; Li et al. 2023, Convergent Incremental Potential Contact.
+/// Sources: incremental potential contact [Li2020], and its variant that converges with the mesh [Li2023].
 class ContactBarrier : public CellTerm {
  public:
   /// Throws "simulation.invalid_option".
   ContactBarrier(const tiling::PeriodicMesh& mesh, const ContactOptions& options);
 
-  /// Looks ahead along x + t step, 0 <= t <= 1, and returns the largest such t, in (0, 1], up to which no pair that
-  /// comes within its range loses more than a named share of its present distance: conservative advancement along
-  /// separating axes, so that nothing ever passes through. x must be free of intersections. Very far steps (hundred
-  /// times the range) may be cut before anything comes near; a step that is not finite gives 0.
+  /// Finds the pairs for the states x + t step, 0 <= t <= 1, and returns a t in (0, 1]. Up to it, the distance of every
+  /// pair that comes within its range stays at least a fifth of what it is at x. See conservative_ccd_step: no point
+  /// passes through a segment. x must be free of intersections. A step on which points move by more than a hundred
+  /// times the range may be shortened before anything comes near. A step that is not finite gives 0.
   ///
-  /// About 25 us for 1000 points of the outline that stay near where they were when neighbours were last looked for,
-  /// 0.3 ms where they are looked for anew.
+  /// 1000 points of the outline take about 25 us, or 0.3 ms if they have moved so far that their neighbours must be
+  /// searched anew.
   ///
-  /// From then on the barrier may be evaluated for states between x and x + t step, and for those whose points lie
-  /// within a hundredth of the range of them.
+  /// The barrier may then be evaluated for the states between x and x + t step, and for states whose points lie within
+  /// a hundredth of the range of those.
   double prepare_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) { return pairs_.prepare(x, step); }
-  /// The same for the way between two states; bills the stage "contact search".
+  /// Prepares the step between two states, and bills the stage "contact search".
   double look_ahead(const CellState& from, const CellState& to, CostLedger* cost) override;
-  /// Whether any pair may come within its range on the way that was prepared: if not, `add` has nothing to add.
+  /// Whether any pair may come within its range on the prepared step. If not, `add` adds nothing.
   bool active() const override { return !pairs_.pairs().empty(); }
 
   std::string_view name() const override { return "contact_barrier"; }
@@ -80,22 +81,23 @@ class ContactBarrier : public CellTerm {
 
   double stiffness() const { return options_.stiffness; }
   void set_stiffness(double stiffness) { options_.stiffness = stiffness; }
-  /// What the stiffness should be once the equilibrium x was found: twice the present one where a pair is nearer than a
-  /// named share of its range, the present one otherwise.
+  /// The stiffness that suits the equilibrium x: twice the present one if a pair is nearer than a tenth of its range,
+  /// and the present one otherwise.
   double suggested_stiffness(const Eigen::VectorXd& x) const;
 
   double range() const { return options_.range; }
-  /// Another range from now on, > 0, and the same stiffness: the next step must be prepared anew.
+  /// Sets the range, mm, > 0. The barrier may be evaluated only after the next `prepare_step`.
   void set_range(double range);
 
-  /// Whether `add` adds, instead of each distance's Hessian, its positive semidefinite part.
+  /// Sets whether `add` adds only the positive semidefinite part of the Hessian of each pair.
   void set_convex(bool convex) { convex_ = convex; }
 
   const ContactOutline& outline() const { return pairs_.outline(); }
-  /// Whether the outline crosses itself or an image at x; needs no preparation.
+  /// Whether the outline crosses itself or an image of itself at x. No step needs to be prepared for it.
   bool intersects(const Eigen::VectorXd& x) const { return microscale::intersects(outline(), x); }
 
  private:
+  /// Calls sink(pair, local) for each barrier that is not zero at x, with its derivatives up to `order`.
   template <class Sink>
   void visit(const Eigen::VectorXd& x, int order, bool convex, Sink&& sink) const;
 

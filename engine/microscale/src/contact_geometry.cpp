@@ -9,24 +9,24 @@ namespace {
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-/// Conservative advancement stops once this share of the way to the kept distance is left, or after so many rounds:
-/// each of them ends at a safe share, so that stopping early costs only a shorter step.
+/// Conservative advancement ends when less than this fraction of the allowed approach is left.
 constexpr double advancement_tolerance = 0.02;
-constexpr int advancement_rounds = 40;
+/// Every iteration gives a step without contact, so that a limit of the iterations only shortens the step.
+constexpr int max_advancement_iterations = 40;
 
-/// The unit vector from a segment's nearest point to the origin, and the distance.
+/// The unit vector from a segment's nearest point to the origin, and the distance between the two.
 struct Separation {
   Separation(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
-    const SegmentView view = view_segment(tail, head);
-    if (view.nearest == Nearest::inside) {
+    const PointSegmentDistance found = point_segment_distance(tail, head);
+    if (found.nearest == Nearest::inside) {
       const Eigen::Vector2d along = (head - tail).normalized();
       const double side = cross(tail, along);
       distance = std::abs(side);
-      // Turned towards the origin; for an origin on the segment either side will do.
+      // The normal of the segment that points to the origin. If the origin lies on the segment, either normal will do.
       direction = side > 0 ? Eigen::Vector2d(-along[1], along[0]) : Eigen::Vector2d(along[1], -along[0]);
     } else {
-      const Eigen::Vector2d& end = view.nearest == Nearest::tail ? tail : head;
-      distance = std::sqrt(view.squared_distance);
+      const Eigen::Vector2d& end = found.nearest == Nearest::tail ? tail : head;
+      distance = std::sqrt(found.squared_distance);
       direction = distance > 0 ? Eigen::Vector2d(-end / distance) : Eigen::Vector2d::UnitX();
     }
   }
@@ -36,8 +36,9 @@ struct Separation {
 
 }  // namespace
 
-// Not inlined: pairs and joints must take the same decision, to the last bit, for the same segment.
-[[gnu::noinline]] SegmentView view_segment(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
+// This function is not inlined, so that pairs and joints get bitwise the same result for the same segment.
+[[gnu::noinline]] PointSegmentDistance point_segment_distance(const Eigen::Vector2d& tail,
+                                                              const Eigen::Vector2d& head) {
   const Eigen::Vector2d side = head - tail;
   const double along = -tail.dot(side);
   if (along <= 0) return {Nearest::tail, tail.squaredNorm()};
@@ -64,7 +65,8 @@ InsideDistance::Vector6 InsideDistance::stack(const Eigen::Vector2d& v, double p
 }
 
 InsideDistance::Matrix6 InsideDistance::hessian(double first, double second, bool convex) const {
-  // In the orthonormal basis alpha / |alpha|, the part of d' across alpha, beta / |beta| it is a 3 x 3 matrix.
+  // The Hessian is a 3 x 3 matrix in an orthonormal basis: alpha / |alpha|, the normalized part of d' orthogonal to
+  // alpha, and beta / |beta|.
   const double skew = 1 - 2 * lambda;
   const double beta_norm = std::sqrt(1 + lambda * lambda + (1 - lambda) * (1 - lambda));
   const double alpha_norm = std::sqrt(2.0);
@@ -87,41 +89,42 @@ InsideDistance::Matrix6 InsideDistance::hessian(double first, double second, boo
 }
 
 LogBarrier::LogBarrier(double distance, double range) {
-  const double share = distance / range;
-  const double log = std::log(share);
-  const double gap = share - 1;
+  const double ratio = distance / range;
+  const double log = std::log(ratio);
+  const double gap = ratio - 1;
   value = -range * gap * gap * log / 2;
-  first = -gap * log - gap * gap / (2 * share);
-  second = (-log - 2 * gap / share + gap * gap / (2 * share * share)) / range;
+  first = -gap * log - gap * gap / (2 * ratio);
+  second = (-log - 2 * gap / ratio + gap * gap / (2 * ratio * ratio)) / range;
 }
 
-double safe_share(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& tail_change,
-                  const Eigen::Vector2d& head_change, double kept, double limit) {
-  double share = 0;
-  double goal = 0;
-  double enough = 0;
-  for (int round = 0; round < advancement_rounds; ++round) {
-    const Eigen::Vector2d tail_now = tail + share * tail_change;
-    const Eigen::Vector2d head_now = head + share * head_change;
+double conservative_ccd_step(const Eigen::Vector2d& tail, const Eigen::Vector2d& head,
+                             const Eigen::Vector2d& tail_change, const Eigen::Vector2d& head_change, double min_ratio,
+                             double limit) {
+  double step = 0;
+  double min_distance = 0;
+  double end_distance = 0;
+  for (int iteration = 0; iteration < max_advancement_iterations; ++iteration) {
+    const Eigen::Vector2d tail_now = tail + step * tail_change;
+    const Eigen::Vector2d head_now = head + step * head_change;
     const Separation separation(tail_now, head_now);
-    if (round == 0) {
-      goal = kept * separation.distance;
-      enough = goal + advancement_tolerance * (separation.distance - goal);
-    } else if (separation.distance <= enough) {
+    if (iteration == 0) {
+      min_distance = min_ratio * separation.distance;
+      end_distance = min_distance + advancement_tolerance * (separation.distance - min_distance);
+    } else if (separation.distance <= end_distance) {
       break;
     }
-    double advance = limit - share;
+    double advance = limit - step;
     const auto bound = [&](const Eigen::Vector2d& end, const Eigen::Vector2d& change) {
       const double approach = separation.direction.dot(change);
-      const double room = -separation.direction.dot(end) - goal;
-      if (approach * advance > room) advance = std::max(room, 0.0) / approach;
+      const double allowed = -separation.direction.dot(end) - min_distance;
+      if (approach * advance > allowed) advance = std::max(allowed, 0.0) / approach;
     };
     bound(tail_now, tail_change);
     bound(head_now, head_change);
-    share += advance;
-    if (share >= limit) return limit;
+    step += advance;
+    if (step >= limit) return limit;
   }
-  return share;
+  return step;
 }
 
 bool stays_beyond(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& tail_change,
@@ -133,7 +136,8 @@ bool stays_beyond(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, cons
 
 bool segments_cross(const Eigen::Vector2d& tail, const Eigen::Vector2d& head, const Eigen::Vector2d& other_tail,
                     const Eigen::Vector2d& other_head) {
-  // Segments on one line, whose sides are of any sign by rounding, are told apart by their extents.
+  // The bounding boxes tell collinear segments apart. For those, rounding alone decides the signs of the products
+  // below.
   const Eigen::Vector2d low = tail.cwiseMin(head).cwiseMax(other_tail.cwiseMin(other_head));
   const Eigen::Vector2d high = tail.cwiseMax(head).cwiseMin(other_tail.cwiseMax(other_head));
   if ((low.array() > high.array()).any()) return false;

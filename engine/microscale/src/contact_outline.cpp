@@ -11,12 +11,12 @@ namespace {
 
 Eigen::Vector2i cell(const tiling::LatticeShift& shift) { return {shift.first, shift.second}; }
 
-/// Sets `next` where exactly one segment ends and one begins.
+/// Sets Segment::next at the points where exactly one segment ends and exactly one begins.
 void link(ContactOutline& outline) {
   struct Junction {
-    int arriving = 0;
-    int leaving = 0;
-    int next = -1;
+    int arriving = 0;  ///< segments that end at the point
+    int leaving = 0;   ///< segments that begin there
+    int next = -1;     ///< a segment that begins there
   };
   std::vector<Junction> junctions(outline.nodes.size());
   for (std::size_t s = 0; s < outline.segments.size(); ++s) {

@@ -10,9 +10,9 @@ void SegmentGrid::build(const ContactOutline& outline, const Eigen::Matrix2d& la
   const std::size_t count = outline.segments.size();
   lattice_ = lattice;
   inverse_ = lattice.inverse();
-  // |row i of the inverse| = 1 / distance of the lines on which coordinate i is 0 and 1.
+  // |row i of the inverse| is 1 / the distance between the lines on which lattice coordinate i is 0 and 1.
   heights_ = inverse_.rowwise().norm().array().inverse();
-  longest_half_ = 0;
+  largest_half_length_ = 0;
   unsorted_.resize(count);
   for (std::size_t s = 0; s < count; ++s) {
     const ContactOutline::Segment& segment = outline.segments[s];
@@ -21,13 +21,14 @@ void SegmentGrid::build(const ContactOutline& outline, const Eigen::Matrix2d& la
     const Eigen::Vector2d middle = (tail + head) / 2;
     const Eigen::Vector2d wrap = (inverse_ * middle).array().floor();
     unsorted_[s] = {middle - lattice * wrap, (head - tail).norm() / 2, static_cast<int>(s), wrap.cast<int>()};
-    longest_half_ = std::max(longest_half_, unsorted_[s].half_length);
+    largest_half_length_ = std::max(largest_half_length_, unsorted_[s].half_length);
   }
 
-  // Half of what `visit` looks around, but not more bins along a side than a few times the root of the segments.
-  const double size = std::max((radius + longest_half_) / 2, 1e-12 * heights_.maxCoeff());
-  const double most = 2 + 2 * std::sqrt(static_cast<double>(count));
-  bins_ = (heights_ / size).min(most).max(1.0).cast<int>();
+  // A bin is half as wide as the typical extent of `visit`. The number of bins along a side is limited to about twice
+  // the square root of the number of segments.
+  const double size = std::max((radius + largest_half_length_) / 2, 1e-12 * heights_.maxCoeff());
+  const double max_bins = 2 + 2 * std::sqrt(static_cast<double>(count));
+  bins_ = (heights_ / size).min(max_bins).max(1.0).cast<int>();
   const auto bins = static_cast<std::size_t>(bins_[0]) * static_cast<std::size_t>(bins_[1]);
   begin_.assign(bins + 1, 0);
   bin_.resize(count);
@@ -37,7 +38,8 @@ void SegmentGrid::build(const ContactOutline& outline, const Eigen::Matrix2d& la
   }
   for (std::size_t b = 0; b < bins; ++b) begin_[b + 1] += begin_[b];
   entries_.resize(count);
-  // Filled from the back, so that segments keep their order within a bin and begin_ ends where it belongs.
+  // A counting sort. Each bin is filled from its end, so that segments keep their order within it. This moves
+  // begin_[b + 1] from the end of bin b to its beginning.
   for (std::size_t s = count; s-- > 0;)
     entries_[static_cast<std::size_t>(--begin_[static_cast<std::size_t>(bin_[s]) + 1])] = unsorted_[s];
   std::rotate(begin_.begin(), begin_.begin() + 1, begin_.end());
@@ -45,7 +47,7 @@ void SegmentGrid::build(const ContactOutline& outline, const Eigen::Matrix2d& la
 }
 
 int SegmentGrid::bin_of(const Eigen::Vector2d& coordinates) const {
-  // A coordinate that rounding has put just outside of [0, 1) belongs to the bin at that side.
+  // A coordinate that rounding has moved out of [0, 1) belongs to the first or the last bin.
   const Eigen::Array2i bin = (coordinates.array() * bins_.cast<double>()).floor().cast<int>().max(0).min(bins_ - 1);
   return bin[0] * bins_[1] + bin[1];
 }

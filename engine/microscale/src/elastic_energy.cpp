@@ -14,23 +14,24 @@
 namespace supple::microscale {
 namespace {
 
-/// Share of the way to an inverted integration point that a step may go: the energy is finite but already steep there.
-constexpr double inversion_safety = 0.9;
+/// Fraction that a step may take of the step that inverts an integration point. The energy is finite there but steep.
+constexpr double max_inversion_fraction = 0.9;
 
-/// Strain whose forces count as none.
-constexpr double strain_at_rest = 1e-6;
-/// Rounding errors of the gradient, relative to forces of a strain of one: deformation gradients are rounded near 1.
+/// Strain whose forces are added to the force scale.
+constexpr double reference_strain = 1e-6;
+/// Rounding errors of the gradient, relative to the forces of a stress of Young's modulus. Deformation gradients are
+/// rounded near 1.
 constexpr double relative_rounding = 16 * std::numeric_limits<double>::epsilon();
 
-/// Batches that are worth a task of their own.
+/// Number of batches in one task of a parallel loop.
 constexpr std::size_t batches_per_task = 16;
 
 }  // namespace
 
-/// The two ways in which a batch's local degrees of freedom enter the patch: the six nodes, then the two columns of F,
-/// which act like nodes whose shape functions are the coordinates themselves.
+/// Connects the degrees of freedom of batches with those of the patch. Local nodes are those of elastic_kernel.h: the
+/// six nodes, then the two columns of F.
 struct ElasticEnergy::Kernel {
-  /// Degree of freedom of component i of local node k in one lane.
+  /// Index of the patch's degree of freedom for component i of local node k in one lane.
   static Eigen::Index index(const Batch& batch, const CellCoordinates& coordinates, int k, int i, int lane) {
     if (k < 6) return coordinates.displacement(batch.node[k][lane]) + i;
     return coordinates.strain() + 2 * i + (k - 6);
@@ -60,8 +61,8 @@ struct ElasticEnergy::Kernel {
       }
     }
     if (batch.distinct[lane]) return;
-    // On a patch of very few triangles two of a triangle's nodes can be one: both orders of the pair then fall on one
-    // place of the diagonal.
+    // On a patch of very few triangles, two nodes of a triangle can be images of one node. Then both off-diagonal
+    // entries of the pair belong to the same entry of the patch's diagonal.
     const Block all = rows(batch, lane);
     lower -= Entries::entries_of(all.size());
     for (std::size_t k = 0; k < all.size(); ++k)
@@ -69,9 +70,9 @@ struct ElasticEnergy::Kernel {
         if (l != k && all[k] == all[l]) *lower *= 2;
   }
 
-  /// What a batch gives at a state.
+  /// A batch that was evaluated at a state.
   struct Evaluated {
-    bool valid;
+    bool valid;  ///< whether det F > 0 at all integration points
     ElasticBatch local;
   };
 
@@ -81,7 +82,7 @@ struct ElasticEnergy::Kernel {
     double block[block_entries];
     nodal_stiffness(batch, local, lane, plus, block);
     entries.add_block(rows(batch, lane), block);
-    // F's components in the order of the coordinates: (row i, column k - 6) at 2 i + k - 6.
+    // Local nodes 6 and 7 are the columns of F. In the coordinates, component i of both is at 2 i and 2 i + 1.
     const auto* first = &local.stiffness[6 * 7 / 2];
     const auto* second = &local.stiffness[7 * 8 / 2];
     for (int l = 0; l < 6; ++l)
@@ -201,13 +202,13 @@ double ElasticEnergy::look_ahead(const CellState& from, const CellState& to, Cos
 double ElasticEnergy::largest_inversion_free_step(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
   ElasticBatch at;
   ElasticBatch along;
-  double largest = std::numeric_limits<double>::infinity();
+  double inverting_step = std::numeric_limits<double>::infinity();
   for (const Batch& batch : batches_) {
     Kernel::gather(batch, x, at);
     Kernel::gather(batch, step, along);
-    largest = std::min(largest, first_inversion(at, along));
+    inverting_step = std::min(inverting_step, first_inversion(at, along));
   }
-  return inversion_safety * largest;
+  return max_inversion_fraction * inverting_step;
 }
 
 double ElasticEnergy::force_scale(const Eigen::VectorXd& x) const {
@@ -220,7 +221,7 @@ double ElasticEnergy::force_scale(const Eigen::VectorXd& x) const {
       for (int i = 0; i < 2; ++i)
         for (int lane = 0; lane < lanes; ++lane) sum += local.force[k][i][lane] * local.force[k][i][lane];
   }
-  return std::sqrt(sum) + strain_at_rest * unit_forces_;
+  return std::sqrt(sum) + reference_strain * unit_forces_;
 }
 
 double ElasticEnergy::force_rounding() const { return relative_rounding * unit_forces_; }

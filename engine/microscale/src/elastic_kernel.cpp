@@ -1,4 +1,4 @@
-// Vectors of four doubles never leave this file's functions by value, so that their calling convention does not matter.
+// Only inlined functions pass vectors of four doubles by value here, so that their calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "elastic_kernel.h"
 
@@ -34,7 +34,7 @@ SUPPLE_INLINE void displacement_gradient(const ElasticBatch& batch, const Lanes 
   }
 }
 
-/// Adds what one integration point contributes, given F - I there.
+/// Adds the contribution of one integration point at which F - I is `h`. Returns false if det F <= 0 there.
 SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)[2][2], const Lanes (&shape)[6][2],
                              const Lanes& weight, ElasticBatch& batch) {
   const Lanes trace = h[0][0] + h[1][1];
@@ -43,7 +43,7 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
   for (int lane = 0; lane < lanes; ++lane)
     if (!(j_minus_one[lane] > -1)) return false;
 
-  // psi, a = J g' and b = J (J g')'; written in F - I, so that small strains lose no digits.
+  // psi, a = J g' and b = J (J g')', see MaterialLaw. They are written in F - I, so that small strains lose no digits.
   Lanes psi;
   Lanes a;
   Lanes b;
@@ -67,7 +67,7 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
   const Lanes inverse = 1 / j;
   const Lanes inverse_transpose[2][2] = {{f[1][1] * inverse, -f[1][0] * inverse},
                                          {-f[0][1] * inverse, f[0][0] * inverse}};
-  // Gradients at rest and, by F^-T, in the deformed state.
+  // Gradients of the shape functions at rest and, multiplied by F^-T, in the deformed state.
   Lanes at_rest[local_nodes][2];
   Lanes deformed[local_nodes][2];
   for (int k = 0; k < 6; ++k)
@@ -78,7 +78,7 @@ SUPPLE_INLINE bool add_point(const MaterialLaw& law, int order, const Lanes (&h)
     for (int i = 0; i < 2; ++i)
       deformed[k][i] = inverse_transpose[i][0] * at_rest[k][0] + inverse_transpose[i][1] * at_rest[k][1];
 
-  // mu (F - F^-T) + (a + mu) F^-T: the first Piola-Kirchhoff stress without the difference of large numbers at rest.
+  // The first Piola-Kirchhoff stress mu F + a F^-T, written so that large numbers do not cancel near rest.
   Lanes stress[2][2];
   for (int i = 0; i < 2; ++i)
     for (int k = 0; k < 2; ++k)
@@ -129,7 +129,7 @@ double first_root(double a, double b, double c) {
   const double none = std::numeric_limits<double>::infinity();
   const double discriminant = b * b - 4 * a * c;
   if (discriminant < 0) return none;
-  // The form that does not cancel: with q of the sign of b, the roots are q / a and c / q.
+  // q has the sign of -b, so that nothing cancels. The roots are q / a and c / q.
   const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
   double first = none;
   if (q != 0 && c / q > 0) first = c / q;
@@ -137,7 +137,6 @@ double first_root(double a, double b, double c) {
   return first;
 }
 
-/// See first_inversion.
 SUPPLE_INLINE double first_inversion_of_batch(const ElasticBatch& at, const ElasticBatch& along) {
   double first = std::numeric_limits<double>::infinity();
   for (int q = 0; q < points; ++q) {
@@ -152,9 +151,9 @@ SUPPLE_INLINE double first_inversion_of_batch(const ElasticBatch& at, const Elas
     const Lanes b = (1 + h[0][0]) * d[1][1] + (1 + h[1][1]) * d[0][0] - h[0][1] * d[1][0] - h[1][0] * d[0][1];
     const Lanes a = d[0][0] * d[1][1] - d[0][1] * d[1][0];
     for (int lane = 0; lane < lanes; ++lane) {
-      // Most triangles are far from it: |b| t and |a| t^2 cannot reach c.
-      const double farthest = farthest_inversion;
-      if (c[lane] > farthest * (std::abs(b[lane]) + farthest * std::abs(a[lane]))) continue;
+      // Most triangles are far from inversion: |b| t + |a| t^2 is less than c up to the limit of t.
+      const double max_step = max_inversion_step;
+      if (c[lane] > max_step * (std::abs(b[lane]) + max_step * std::abs(a[lane]))) continue;
       first = std::fmin(first, first_root(a[lane], b[lane], c[lane]));
     }
   }

@@ -8,21 +8,23 @@
 namespace supple::microscale {
 namespace {
 
-/// The part of the coarse mesh's change that the fine mesh still errs by: 1 / (2^p - 1), where halving all sides
-/// divides the error by 2^p. See docs/bench/simulations-discretization.md.
-constexpr double remaining_share = 0.55;
-/// The extrapolation errs by less than this share of the two meshes' difference, and the coarse mesh by less than this
-/// multiple of it, in more than nine of ten paths of random designs.
-constexpr double extrapolation_share = 0.22;
-constexpr double coarse_share = 1.9;
+/// Ratio of the fine mesh's error to the change from the coarse mesh to the fine one: 1 / (2^p - 1), if halving all
+/// sides divides the error by 2^p. See docs/bench/simulations-discretization.md.
+constexpr double remaining_error_ratio = 0.55;
+/// Bound of the extrapolated response's error, divided by the difference between the two meshes. The errors of more
+/// than nine of ten paths of random designs are below it.
+constexpr double extrapolation_error_factor = 0.22;
+/// The same for the error of the coarse mesh.
+constexpr double coarse_error_factor = 1.9;
 
+/// Frobenius norm of a symmetric tensor (xx, yy, xy).
 double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
 
 MeshError scaled(const MeshError& error, double factor) {
   return {factor * error.stress, factor * error.energy_density};
 }
 
-/// By how much stress and energy density of two meshes differ; `area` is the rest area of the patch.
+/// Differences of the stress and the energy density between two meshes. `area` is the rest area of the patch.
 MeshError difference(const PatchResponse& a, const PatchResponse& b, double area) {
   const auto stress = [&](const PatchResponse& response) {
     return second_piola_kirchhoff(response.deformation_gradient, response.strain_gradient, area);
@@ -33,22 +35,24 @@ MeshError difference(const PatchResponse& a, const PatchResponse& b, double area
 }  // namespace
 
 PatchResponse extrapolate(const PatchResponse& coarse, const PatchResponse& fine) {
-  const auto beyond = [](const auto& from, const auto& to) { return (to + remaining_share * (to - from)).eval(); };
+  const auto beyond = [](const auto& from, const auto& to) {
+    return (to + remaining_error_ratio * (to - from)).eval();
+  };
   return {beyond(coarse.deformation_gradient, fine.deformation_gradient),
           beyond(coarse.strain_gradient, fine.strain_gradient), beyond(coarse.condensed, fine.condensed),
-          fine.energy + remaining_share * (fine.energy - coarse.energy)};
+          fine.energy + remaining_error_ratio * (fine.energy - coarse.energy)};
 }
 
 MeshError extrapolation_error(const PatchResponse& coarse, const PatchResponse& fine, double area) {
-  return scaled(difference(coarse, fine, area), extrapolation_share);
+  return scaled(difference(coarse, fine, area), extrapolation_error_factor);
 }
 
 MeshError coarse_error(const PatchResponse& coarse, const PatchResponse& fine, double area) {
-  return scaled(difference(coarse, fine, area), coarse_share);
+  return scaled(difference(coarse, fine, area), coarse_error_factor);
 }
 
-// Of the meshes' difference d, the extrapolated response differs from the coarse one by (1 + remaining_share) d.
-double extrapolation_error_share() { return extrapolation_share / (1 + remaining_share); }
+// The extrapolated response differs from the coarse one by (1 + remaining_error_ratio) times what the fine one does.
+double extrapolation_error_share() { return extrapolation_error_factor / (1 + remaining_error_ratio); }
 
 std::optional<MeshError> discretization_error(const std::vector<State>& states) {
   double stress_error = 0;
@@ -56,7 +60,7 @@ std::optional<MeshError> discretization_error(const std::vector<State>& states) 
   double energy_error = 0;
   double energy = 0;
   for (const State& state : states) {
-    // The path ended there, and the state is no answer.
+    // A state that did not converge is no answer. It is the last one of its path.
     if (state.stopped != Stop::converged) continue;
     if (!state.mesh_error) return std::nullopt;
     stress_error += std::pow(state.mesh_error->stress, 2);

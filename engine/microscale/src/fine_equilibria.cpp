@@ -10,47 +10,46 @@
 namespace supple::microscale {
 namespace {
 
-/// Where the path's minimization has to find the state, it need not do so more exactly: a residual of this share
-/// changes the stress by less than a thousandth of the mesh's error.
-constexpr double loosest_tolerance = 1e-6;
+/// Smallest tolerance of the minimization. A residual of this size changes the stress by less than a thousandth of the
+/// mesh's error.
+constexpr double min_tolerance = 1e-6;
 
-/// How many Newton steps are made with one factorization at most, and when they have converged: once the square of a
-/// step, measured by the energy, is this share of the first one's. What that step still changes is added to first
-/// order.
-struct Steps {
-  int max_number;
-  double converged_share;
+/// Limits of Newton steps with one factorization. They have converged if the next step would decrease the energy by at
+/// most `convergence_ratio` times the decrease of the first step. That next step is added to the result to first order.
+struct NewtonLimits {
+  int max_steps;
+  double convergence_ratio;
 };
-constexpr Steps for_stresses{4, 1e-3};
-/// Near a bifurcation the tangent changes so fast from state to state that it needs the state more exactly.
-constexpr Steps for_tangents{10, 1e-6};
+constexpr NewtonLimits limits_for_stresses{4, 1e-3};
+/// The tangent requires a more accurate state, because it changes fast from state to state near a bifurcation.
+constexpr NewtonLimits limits_for_tangents{10, 1e-6};
 
-/// The response to strains is improved until what it still adds to the tangent is this share of it, in at most so many
-/// rounds with the factorization of another state. After them the present state's own factorization is cheaper.
-constexpr double unfelt_share = 1e-5;
-constexpr int max_response_rounds = 10;
-constexpr double smallest_positive = std::numeric_limits<double>::min();  ///< in place of 0 as a divisor
+/// The response to strains is iterated until its error changes the tangent by less than this ratio. If that takes more
+/// iterations than the limit, a factorization at the current state is cheaper.
+constexpr double negligible_ratio = 1e-5;
+constexpr int max_response_iterations = 10;
+constexpr double smallest_positive = std::numeric_limits<double>::min();  ///< used instead of 0 as a divisor
 
-SimulationOptions options_for(const SimulationOptions& options) {
+SimulationOptions fine_options(const SimulationOptions& options) {
   SimulationOptions fine = options;
-  fine.tolerance = std::max(options.tolerance, loosest_tolerance);
+  fine.tolerance = std::max(options.tolerance, min_tolerance);
   return fine;
 }
 
-/// A step from a state by the factorization of another one, and what the energy is to first order after it.
+/// A Newton step from a state with the factorization at another state.
 struct Step {
-  Eigen::VectorXd core;             ///< of the displacements
-  Eigen::VectorXd free;             ///< along the free directions of F
-  Eigen::Vector4d strain;           ///< of F
-  Eigen::Vector4d strain_gradient;  ///< dE / dF after the step
-  double decrease = 0;              ///< twice what the energy falls by
-  double forces = 0;                ///< norm of those that do not balance before the step
+  Eigen::VectorXd core;             ///< change of the unknown displacements, mm
+  Eigen::VectorXd free;             ///< change of F along its free directions
+  Eigen::Vector4d strain;           ///< change of the components of F
+  Eigen::Vector4d strain_gradient;  ///< dE / dF after the step, to first order
+  double decrease = 0;              ///< twice the decrease of the energy that the step predicts, MPa mm^2
+  double forces = 0;                ///< norm of the forces that do not balance before the step, MPa mm
 };
 
-/// The stiffness at the state from which Newton's steps start, and what follows from its factorization.
+/// The factorized stiffness at the state where the Newton steps start, and quantities that follow from it.
 class Linearized {
  public:
-  /// Null where it is not positive definite.
+  /// Factorizes the stiffness at the system's current state. Returns null if it is not positive definite.
   static std::unique_ptr<Linearized> at(CellSystem& system, numerics::ShiftedCholesky& cholesky) {
     auto result = std::unique_ptr<Linearized>(new Linearized(system, cholesky));
     auto matrix = std::make_shared<numerics::BorderedMatrix>();
@@ -67,7 +66,7 @@ class Linearized {
     return result;
   }
 
-  /// The step to the equilibrium from the system's present state.
+  /// The Newton step from the system's current state.
   Step step() const {
     const Eigen::VectorXd& gradient = system_.full_gradient();
     const Eigen::VectorXd forces = system_.restrict(gradient).head(system_.unknowns().core());
@@ -90,45 +89,44 @@ class Linearized {
     return step;
   }
 
-  /// d2 E / dF2 at the state of the factorization.
+  /// d2 E / dF2 of the minimized energy at the state of the factorization.
   const Eigen::Matrix4d& condensed() const { return condensed_; }
-  /// d2 E / dF2 at the system's present state, whose Hessian was evaluated. The response is found by conjugate
-  /// gradients, which begin with the response of the first state and are preconditioned by its factorization. None
-  /// where they do not converge.
-  std::optional<Eigen::Matrix4d> condensed_here() const {
+  /// The same at the system's current state, whose Hessian must have been evaluated. The response is found by conjugate
+  /// gradients, which begin with the response at the state of the factorization and are preconditioned by the latter.
+  /// None if they do not converge.
+  std::optional<Eigen::Matrix4d> condensed_at_current_state() const {
     const auto stiffness = system_.core().selfadjointView<Eigen::Lower>();
     const Eigen::MatrixXd& border = system_.border();
     Eigen::MatrixXd response = response_;
-    Eigen::MatrixXd stretched = stiffness * response;
-    Eigen::MatrixXd residual = -border - stretched;
+    Eigen::MatrixXd stiffness_response = stiffness * response;
+    Eigen::MatrixXd residual = -border - stiffness_response;
     Eigen::MatrixXd step;
-    Eigen::Array4d remaining_before;
-    for (int round = 0; round < max_response_rounds; ++round) {
-      const Eigen::MatrixXd improvement = cholesky_.solve_core(residual);
-      // What a response that errs by d adds to the tangent is d^T K d, which the residual's work measures.
-      const Eigen::Array4d remaining = residual.cwiseProduct(improvement).colwise().sum().transpose().array();
-      if (!remaining.allFinite()) return std::nullopt;
-      if (round == 0)
-        step = improvement;
+    Eigen::Array4d previous_work;
+    for (int iteration = 0; iteration < max_response_iterations; ++iteration) {
+      const Eigen::MatrixXd preconditioned = cholesky_.solve_core(residual);
+      // A response with the error d changes the tangent by d^T K d. The work of the residual approximates that.
+      const Eigen::Array4d residual_work = residual.cwiseProduct(preconditioned).colwise().sum().transpose().array();
+      if (!residual_work.allFinite()) return std::nullopt;
+      if (iteration == 0)
+        step = preconditioned;
       else
-        step = improvement + step * (remaining / remaining_before.max(smallest_positive)).matrix().asDiagonal();
-      remaining_before = remaining;
-      const Eigen::MatrixXd stretched_step = stiffness * step;
-      const Eigen::Array4d curvature = step.cwiseProduct(stretched_step).colwise().sum().transpose().array();
+        step = preconditioned + step * (residual_work / previous_work.max(smallest_positive)).matrix().asDiagonal();
+      previous_work = residual_work;
+      const Eigen::MatrixXd stiffness_step = stiffness * step;
+      const Eigen::Array4d curvature = step.cwiseProduct(stiffness_step).colwise().sum().transpose().array();
       if ((curvature < 0).any()) return std::nullopt;
-      const Eigen::Vector4d length = (remaining / curvature.max(smallest_positive)).matrix();
+      const Eigen::Vector4d length = (residual_work / curvature.max(smallest_positive)).matrix();
       const Eigen::Array4d residual_before = residual.colwise().squaredNorm().transpose().array();
       response += step * length.asDiagonal();
-      stretched += stretched_step * length.asDiagonal();
-      residual -= stretched_step * length.asDiagonal();
+      stiffness_response += stiffness_step * length.asDiagonal();
+      residual -= stiffness_step * length.asDiagonal();
       const Eigen::Matrix4d coupled = border.transpose() * response;
       const Eigen::Matrix4d condensed =
-          system_.corner() + coupled + coupled.transpose() + response.transpose() * stretched;
-      // To know what remains now takes another solution with the factorization. The squares of the residuals fall
-      // about as fast.
-      const Eigen::Array4d fall =
+          system_.corner() + coupled + coupled.transpose() + response.transpose() * stiffness_response;
+      // The new work of the residual would take another solve. It decreases about as fast as the residual's square.
+      const Eigen::Array4d reduction =
           residual.colwise().squaredNorm().transpose().array() / residual_before.max(smallest_positive);
-      if ((remaining * fall).sum() <= unfelt_share * condensed.norm()) return condensed;
+      if ((residual_work * reduction).sum() <= negligible_ratio * condensed.norm()) return condensed;
     }
     return std::nullopt;
   }
@@ -147,20 +145,20 @@ class Linearized {
 }  // namespace
 
 FineEquilibria::FineEquilibria(const CellModel& coarse, const SimulationOptions& options)
-    : options_(options_for(options)),
+    : options_(fine_options(options)),
       refined_(tiling::refine(*coarse.mesh())),
-      model_(refined_.mesh, options.material, options.contact != Switch::off, CellModel::Motion::straight) {
-  // A state takes one factorization, and a path has a few states.
+      model_(refined_.mesh, options.material, options.contact != Switch::off, CellModel::Retraction::linear) {
+  // A path has few states with one factorization each, so that a better ordering does not pay.
   model_.workspace().cholesky.order_quickly();
 }
 
-std::optional<FineEquilibria::Found> FineEquilibria::find(const CellPath& coarse, const FreeStrains& free,
-                                                          const Execution& execution) {
+std::optional<FineEquilibria::FineEquilibrium> FineEquilibria::find(const CellPath& coarse, const FreeStrains& free,
+                                                                    const Execution& execution) {
   Eigen::VectorXd x = prolonged(coarse.x());
   const CellScene::Contact contact = model_.contact() ? coarse.contact() : CellScene::Contact{};
   set_contact(contact);
-  if (const auto response = correct(x, free, execution)) return Found{*response, true};
-  return settle(std::move(x), free, contact, execution);
+  if (const auto response = solve_by_newton(x, free, execution)) return FineEquilibrium{*response, true};
+  return minimize(std::move(x), free, contact, execution);
 }
 
 Eigen::VectorXd FineEquilibria::prolonged(const Eigen::VectorXd& x) const {
@@ -179,8 +177,8 @@ void FineEquilibria::set_contact(const CellScene::Contact& contact) {
   if (model_.contact()->range() != contact.range) model_.contact()->set_range(contact.range);
 }
 
-std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, const FreeStrains& free,
-                                                     const Execution& execution) {
+std::optional<PatchResponse> FineEquilibria::solve_by_newton(const Eigen::VectorXd& x, const FreeStrains& free,
+                                                             const Execution& execution) {
   CellSystem system = cell_system(model_, x, free, execution);
   system.look_around();
   numerics::ShiftedCholesky& cholesky = model_.workspace().cholesky;
@@ -190,10 +188,10 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
   const auto linearized = Linearized::at(system, cholesky);
   if (!linearized) return std::nullopt;
   Step step = linearized->step();
-  const Steps& steps = options_.tangents ? for_tangents : for_stresses;
-  const double first = step.decrease;
-  double before = first;
-  for (int k = 0; k < steps.max_number; ++k) {
+  const NewtonLimits& limits = options_.tangents ? limits_for_tangents : limits_for_stresses;
+  const double first_decrease = step.decrease;
+  double previous_decrease = first_decrease;
+  for (int k = 0; k < limits.max_steps; ++k) {
     Eigen::VectorXd change(step.core.size() + step.free.size());
     change << step.core, step.free;
     const CellState from = system.state();
@@ -204,7 +202,8 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
     system.evaluate(1);
     if (!std::isfinite(system.energy())) return std::nullopt;
     step = linearized->step();
-    if (step.decrease <= steps.converged_share * first || step.forces <= model_.elastic().force_rounding()) {
+    if (step.decrease <= limits.convergence_ratio * first_decrease ||
+        step.forces <= model_.elastic().force_rounding()) {
       PatchResponse response;
       response.deformation_gradient =
           model_.coordinates().deformation_gradient(system.state().x) +
@@ -213,7 +212,7 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
       response.energy = system.energy() - step.decrease / 2;
       if (options_.tangents) {
         system.evaluate(2);
-        std::optional<Eigen::Matrix4d> condensed = linearized->condensed_here();
+        std::optional<Eigen::Matrix4d> condensed = linearized->condensed_at_current_state();
         if (!condensed) {
           const auto here = Linearized::at(system, cholesky);
           if (!here) return std::nullopt;
@@ -223,22 +222,23 @@ std::optional<PatchResponse> FineEquilibria::correct(const Eigen::VectorXd& x, c
       }
       return response;
     }
-    if (step.decrease > before) return std::nullopt;
-    before = step.decrease;
+    if (step.decrease > previous_decrease) return std::nullopt;
+    previous_decrease = step.decrease;
   }
   return std::nullopt;
 }
 
-std::optional<FineEquilibria::Found> FineEquilibria::settle(Eigen::VectorXd x, const FreeStrains& free,
-                                                            const CellScene::Contact& contact,
-                                                            const Execution& execution) {
+std::optional<FineEquilibria::FineEquilibrium> FineEquilibria::minimize(Eigen::VectorXd x, const FreeStrains& free,
+                                                                        const CellScene::Contact& contact,
+                                                                        const Execution& execution) {
   model_.reset_contact();
   CellPath path(model_, std::move(x), free, options_, execution);
   if (model_.contact()) path.start_with_contact(contact);
-  if (!path.settle() || !path.stable()) return std::nullopt;
+  if (!path.find_equilibrium() || !path.stable()) return std::nullopt;
   const CellEquilibrium& at = path.equilibrium();
-  return Found{{model_.coordinates().deformation_gradient(path.x()), at.strain_gradient, at.condensed, at.energy},
-               path.take_counts().branches_left == 0};
+  return FineEquilibrium{
+      {model_.coordinates().deformation_gradient(path.x()), at.strain_gradient, at.condensed, at.energy},
+      path.take_counts().branches_left == 0};
 }
 
 }  // namespace supple::microscale

@@ -6,7 +6,7 @@
 namespace supple::microscale {
 namespace {
 
-/// F at the point with the given barycentric coordinates.
+/// F at the point of a triangle whose barycentric coordinates are `point`.
 Eigen::Matrix2d deformation_gradient(const Eigen::Matrix<double, 2, 3>& gradients,
                                      const Eigen::Matrix<double, 2, 6>& displacements,
                                      const Eigen::Matrix2d& strain_change, const Eigen::Vector3d& point) {
@@ -19,7 +19,7 @@ Eigen::Matrix2d deformation_gradient(const Eigen::Matrix<double, 2, 3>& gradient
   return f;
 }
 
-/// The least value on [0, 1] of the parabola through f(0), f(1/2), f(1).
+/// The least value on [0, 1] of the parabola f with f(0) = start, f(1/2) = middle and f(1) = end.
 double smallest_on_side(double start, double middle, double end) {
   const double curvature = 2 * (start + end) - 4 * middle;
   const double slope = 4 * middle - 3 * start - end;
@@ -42,7 +42,8 @@ double smallest_quadratic_jacobian(const Eigen::Matrix<double, 2, 3>& gradients,
   const Eigen::Matrix2d corner = f(1, 0, 0);
   const Eigen::Matrix2d along_s = f(0, 1, 0) - corner;
   const Eigen::Matrix2d along_t = f(0, 0, 1) - corner;
-  // det (A + s B + t C) = c0 + cs s + ct t + css s^2 + cst s t + ctt t^2, with (A, B) = det (A + B) - det A - det B.
+  // det (A + s B + t C) = c0 + cs s + ct t + css s^2 + cst s t + ctt t^2. The mixed coefficient of two matrices is
+  // det (A + B) - det A - det B.
   const auto mixed = [](const Eigen::Matrix2d& a, const Eigen::Matrix2d& b) {
     return a(0, 0) * b(1, 1) + a(1, 1) * b(0, 0) - a(0, 1) * b(1, 0) - a(1, 0) * b(0, 1);
   };

@@ -9,23 +9,24 @@
 namespace supple::microscale {
 namespace {
 
-/// Stretches outside are no elastic loads any more; they are far beyond the materials this is made for.
-constexpr double smallest_stretch = 0.2;
-constexpr double largest_stretch = 4;
-constexpr int most_states = 100'000;
+/// Limits of the principal stretches of a load. They lie far beyond the elastic range of the solids that are simulated.
+constexpr double min_stretch = 0.2;
+constexpr double max_stretch = 4;
+constexpr int max_states = 100'000;
 
 std::string range() {
-  return "must be within [" + std::to_string(smallest_stretch) + ", " + std::to_string(largest_stretch) + "]";
+  return "must be within [" + std::to_string(min_stretch) + ", " + std::to_string(max_stretch) + "]";
 }
 
-bool in_range(double stretch) { return stretch >= smallest_stretch && stretch <= largest_stretch; }
+bool in_range(double stretch) { return stretch >= min_stretch && stretch <= max_stretch; }
 
 void check_count(std::size_t count, const std::string& where, Faults& faults) {
   if (count == 0) faults.add(where, "a load has at least one state");
-  if (count > most_states)
-    faults.add(where, "a load has at most " + std::to_string(most_states) + " states, got " + std::to_string(count));
+  if (count > max_states)
+    faults.add(where, "a load has at most " + std::to_string(max_states) + " states, got " + std::to_string(count));
 }
 
+/// The direction of a load and the unit vector orthogonal to it.
 struct Frame {
   Eigen::Vector2d d;
   Eigen::Vector2d n;
@@ -70,9 +71,9 @@ LoadTargets targets(const UniaxialLoad& load, Faults& faults) {
     if (!in_range(s)) faults.add("uniaxial/stretches/" + std::to_string(i), range() + ", got " + std::to_string(s));
     result.gradients.emplace_back(s * frame.d * frame.d.transpose() + frame.n * frame.n.transpose());
   }
-  // F^T d = s d leaves n^T F free, F d = s d leaves F n.
-  const bool of_space = load.frame == LoadFrame::space;
-  result.free = {of_space ? dyad(frame.n, frame.d) : dyad(frame.d, frame.n), dyad(frame.n, frame.n)};
+  // F^T d = s d leaves the row n^T F free; F d = s d leaves the column F n free.
+  const bool in_space = load.frame == LoadFrame::space;
+  result.free = {in_space ? dyad(frame.n, frame.d) : dyad(frame.d, frame.n), dyad(frame.n, frame.n)};
   return result;
 }
 

@@ -4,7 +4,7 @@
 
 namespace supple::microscale {
 
-/// An isotropic law psi(F) = mu/2 (tr C - 2) + g(J), as its constants. Both laws of `Law` are of this form:
+/// The constants of an isotropic law psi(F) = mu/2 (tr C - 2) + g(J). Both laws of `Law` have this form:
 /// neo-Hookean g = -mu ln J + lambda/2 (ln J)^2, incompressible plane stress g = mu/2 (1/J^2 - 1).
 ///
 /// With a = J g' and b = J (J g')', the first Piola-Kirchhoff stress and its derivative are
@@ -24,7 +24,7 @@ struct MaterialLaw {
 
   Law law;
   double mu = 0;      ///< MPa
-  double lambda = 0;  ///< MPa; neo-Hookean only
+  double lambda = 0;  ///< MPa; used by neo-Hookean only
 };
 
 }  // namespace supple::microscale

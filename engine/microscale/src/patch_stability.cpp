@@ -14,17 +14,17 @@ std::optional<PatchStability::Instability> PatchStability::find(const CellModel&
   for (numerics::HessianEntries& entries : entries_) entries.clear();
   cell.add_alternating_hessians(x, entries_);
   const numerics::Hessian hessian = std::shared_ptr<const numerics::BorderedMatrix>(matrix_);
-  std::optional<Instability> worst;
+  std::optional<Instability> least_stable;
   cholesky_.stop_with(execution.cancellation);
   for (std::size_t a = 0; a < alternations.size(); ++a) {
     execution.cancellation.throw_if_requested();
     entries_[a].assemble(n, *matrix_);
     if (cholesky_.factorize(hessian, 0)) continue;
     const numerics::Mode mode = numerics::least_stable_mode(hessian, n, cholesky_, execution.cancellation);
-    if (mode.curvature < 0 && (!worst || mode.curvature < worst->curvature))
-      worst = Instability{alternations[a], mode.direction, mode.curvature};
+    if (mode.curvature < 0 && (!least_stable || mode.curvature < least_stable->curvature))
+      least_stable = Instability{alternations[a], mode.direction, mode.curvature};
   }
-  return worst;
+  return least_stable;
 }
 
 Eigen::VectorXd repeat_over_patch(const Eigen::VectorXd& x) {

@@ -10,12 +10,12 @@ namespace supple::microscale {
 
 /// Whether an equilibrium of one cell is stable in the 2x2 patch.
 ///
-/// The patch's stiffness falls apart into four problems of one cell, for displacements that alternate or not along
-/// either translation (Bloch waves; Triantafyllidis and Schnaidt 1993). The cell's own period is looked at where the
-/// equilibrium is found; this checks the three others: three factorizations.
+/// The patch's stability decouples into four problems of one cell, for displacements that alternate or not along either
+/// translation (Bloch waves [Triantafyllidis1993]). The path that finds the equilibrium checks the mode in which all
+/// cells move alike. This class checks the three others, at the cost of three factorizations.
 class PatchStability {
  public:
-  /// For cells of that many nodal displacements.
+  /// `displacements`: number of nodal displacements of one cell.
   explicit PatchStability(Eigen::Index displacements);
 
   struct Instability {

@@ -10,17 +10,18 @@
 namespace supple::microscale {
 namespace {
 
-/// Steps that turn no triangle by more than this (rad) are taken straight: they differ by its square.
-constexpr double smallest_angle = 0.02;
-/// Triangles that turn by less follow those that turn more.
+/// Steps that rotate no subtriangle by this much (rad) are straight. The curve would differ by the square of the angle.
+constexpr double min_angle = 0.02;
+/// Smaller rotations (rad) are ignored. Such subtriangles follow their neighbours.
 constexpr double negligible_angle = 1e-3;
-/// Parts that are connected with nothing could move freely: their share of the Laplacian's diagonal.
+/// Shift of the Laplacian's diagonal, relative to the Laplacian's scale. It makes the Laplacian positive definite,
+/// which otherwise leaves the translation of every connected part free.
 constexpr double relative_shift = 1e-9;
 
-/// Nodes of the four parts of a triangle, in the order of the corners; the middle part is turned upside down, so that
-/// its barycentric gradients are those of the corners times -2 instead of 2.
-constexpr int part_nodes[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {4, 5, 3}};
-const Eigen::Array4d part_scale(2, 2, 2, -2);
+/// Nodes of the four subtriangles of a triangle, and the factor between the barycentric gradients of a subtriangle and
+/// those of the triangle. The middle one is upside down, hence -2.
+constexpr int subtriangle_nodes[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {4, 5, 3}};
+const Eigen::Array4d subtriangle_scale(2, 2, 2, -2);
 
 }  // namespace
 
@@ -34,11 +35,11 @@ RotationRetraction::RotationRetraction(const tiling::PeriodicMesh& mesh) : coord
     Eigen::Matrix<double, 3, 2> gradient;
     gradient << -triangle.gradient.colwise().sum(), triangle.gradient;
     const Eigen::Matrix3d products = 4 * triangle.area * gradient * gradient.transpose();
-    for (const auto& part : part_nodes)
+    for (const auto& subtriangle : subtriangle_nodes)
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l <= k; ++l) {
-          const int row = triangle.node[static_cast<std::size_t>(part[k])];
-          const int column = triangle.node[static_cast<std::size_t>(part[l])];
+          const int row = triangle.node[static_cast<std::size_t>(subtriangle[k])];
+          const int column = triangle.node[static_cast<std::size_t>(subtriangle[l])];
           entries.add(row, column, (k != l && row == column ? 2 : 1) * products(k, l));
         }
     triangles_.push_back(triangle);
@@ -56,19 +57,19 @@ void RotationRetraction::add_gradients(const Triangle& triangle, const Eigen::Ve
     Eigen::Array4d first;
     Eigen::Array4d second;
     for (int p = 0; p < 4; ++p) {
-      first[p] = at(i, part_nodes[p][1]) - at(i, part_nodes[p][0]);
-      second[p] = at(i, part_nodes[p][2]) - at(i, part_nodes[p][0]);
+      first[p] = at(i, subtriangle_nodes[p][1]) - at(i, subtriangle_nodes[p][0]);
+      second[p] = at(i, subtriangle_nodes[p][2]) - at(i, subtriangle_nodes[p][0]);
     }
     for (int j = 0; j < 2; ++j)
-      sum[i + 2 * j] += part_scale * (first * triangle.gradient(0, j) + second * triangle.gradient(1, j));
+      sum[i + 2 * j] += subtriangle_scale * (first * triangle.gradient(0, j) + second * triangle.gradient(1, j));
   }
 }
 
 Eigen::VectorXd RotationRetraction::retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const {
   const Eigen::Matrix2d f0 = coordinates_.deformation_gradient(x);
   const Eigen::Matrix2d d0 = coordinates_.strain_change(step);
-  Eigen::Matrix2Xd excess = Eigen::Matrix2Xd::Zero(2, coordinates_.nodes);
-  double largest = 0;
+  Eigen::Matrix2Xd right_side = Eigen::Matrix2Xd::Zero(2, coordinates_.nodes);
+  double largest_angle = 0;
   for (const Triangle& triangle : triangles_) {
     Gradients f;
     Gradients d;
@@ -78,21 +79,21 @@ Eigen::VectorXd RotationRetraction::retract(const Eigen::VectorXd& x, const Eige
     }
     add_gradients(triangle, x, f);
     add_gradients(triangle, step, d);
-    // The angle is the skew part of D F^-1; a part need not be free of inversion, only of collapse.
+    // The angle is the skew part of D F^-1. A subtriangle may be inverted, but det F must not vanish.
     const Eigen::Array4d angle =
         (d[1] * f[3] - d[3] * f[1] - d[2] * f[0] + d[0] * f[2]) / (2 * (f[0] * f[3] - f[1] * f[2]));
-    const double turned = angle.abs().maxCoeff();
-    if (!(turned > negligible_angle)) continue;  // also where a part has collapsed and has no angle
-    largest = std::max(largest, turned);
+    const double triangle_angle = angle.abs().maxCoeff();
+    if (!(triangle_angle > negligible_angle)) continue;  // also if det F = 0 and the angle is not a number
+    largest_angle = std::max(largest_angle, triangle_angle);
     const Eigen::Array4d c = angle.cos();
     const Eigen::Array4d s = angle.sin();
-    // R (F + D - angle J F) - F - D, column by column.
+    // R (F + D - angle J F) - F - D, column by column. R is the rotation by the angle, and J that by a right angle.
     Gradients difference;
     for (int j = 0; j < 4; j += 2) {
-      const Eigen::Array4d above = f[j] + d[j] + angle * f[j + 1];
-      const Eigen::Array4d below = f[j + 1] + d[j + 1] - angle * f[j];
-      difference[j] = triangle.area * part_scale * (c * above - s * below - f[j] - d[j]);
-      difference[j + 1] = triangle.area * part_scale * (s * above + c * below - f[j + 1] - d[j + 1]);
+      const Eigen::Array4d first_row = f[j] + d[j] + angle * f[j + 1];
+      const Eigen::Array4d second_row = f[j + 1] + d[j + 1] - angle * f[j];
+      difference[j] = triangle.area * subtriangle_scale * (c * first_row - s * second_row - f[j] - d[j]);
+      difference[j + 1] = triangle.area * subtriangle_scale * (s * first_row + c * second_row - f[j + 1] - d[j + 1]);
     }
     for (int i = 0; i < 2; ++i) {
       const Eigen::Array4d first =
@@ -100,15 +101,15 @@ Eigen::VectorXd RotationRetraction::retract(const Eigen::VectorXd& x, const Eige
       const Eigen::Array4d second =
           difference[i] * triangle.gradient(1, 0) + difference[i + 2] * triangle.gradient(1, 1);
       for (int p = 0; p < 4; ++p) {
-        excess(i, triangle.node[static_cast<std::size_t>(part_nodes[p][0])]) -= first[p] + second[p];
-        excess(i, triangle.node[static_cast<std::size_t>(part_nodes[p][1])]) += first[p];
-        excess(i, triangle.node[static_cast<std::size_t>(part_nodes[p][2])]) += second[p];
+        right_side(i, triangle.node[static_cast<std::size_t>(subtriangle_nodes[p][0])]) -= first[p] + second[p];
+        right_side(i, triangle.node[static_cast<std::size_t>(subtriangle_nodes[p][1])]) += first[p];
+        right_side(i, triangle.node[static_cast<std::size_t>(subtriangle_nodes[p][2])]) += second[p];
       }
     }
   }
   Eigen::VectorXd moved = x + step;
-  if (largest < smallest_angle) return moved;
-  const Eigen::MatrixXd change = laplacian_.solve_core(excess.transpose());
+  if (largest_angle < min_angle) return moved;
+  const Eigen::MatrixXd change = laplacian_.solve_core(right_side.transpose());
   for (Eigen::Index node = 0; node < coordinates_.nodes; ++node)
     moved.segment<2>(coordinates_.displacement(node)) += (change.row(node) - change.row(0)).transpose();
   return moved;

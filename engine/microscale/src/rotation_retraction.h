@@ -10,30 +10,32 @@
 
 namespace supple::microscale {
 
-/// Moves a patch along a direction on a curve on which its parts turn instead of growing.
+/// A retraction: moves a patch along a curve on which a step rotates its parts instead of stretching them.
 ///
-/// A straight step turns a beam by moving its end along the tangent: it grows longer, its energy rises steeply, and
-/// steps must be short. Here each triangle's deformation gradient F with the change D turns by the angle that D means
-/// to first order and changes by the rest of D in the turned frame; the displacements follow by least squares, in which
-/// the matrix is a Laplacian that is factorized once (rotation-strain coordinates: Huang, Tong, Zhou, Bao and Desbrun
-/// 2011). The curve touches the straight line, and at small angles it is the straight line.
+/// A straight step rotates a beam by moving its end along the tangent. The beam grows longer, its energy rises steeply,
+/// and steps must be short. Here, a change D of a triangle's deformation gradient F is split into a rotation and a
+/// strain (rotation-strain coordinates [Huang2011]). F is rotated by the angle to which D corresponds to first order,
+/// and the rest of D is added in the rotated frame. The displacements follow by least squares, whose matrix is a
+/// Laplacian that is factorized once. The curve is tangent to the straight step. Steps with small angles are straight.
 class RotationRetraction {
  public:
   explicit RotationRetraction(const tiling::PeriodicMesh& mesh);
 
-  /// The state after `step` from `x` (coordinates as in cell_coordinates.h); the strain changes exactly by the step's.
-  /// One pass over the triangles and, where they turn, one solve with two right-hand sides.
+  /// The state after `step` from `x`, in the coordinates of cell_coordinates.h. The macroscopic strain changes exactly
+  /// by that of the step. Takes one pass over the triangles and, if they rotate, one solve with two right-hand sides.
   Eigen::VectorXd retract(const Eigen::VectorXd& x, const Eigen::VectorXd& step) const;
 
  private:
-  /// A quadratic triangle, seen as four triangles of neighbouring nodes: those at its corners, and the middle one.
+  /// A quadratic triangle, which is divided into four subtriangles of neighbouring nodes: three at the corners, and the
+  /// middle one.
   struct Triangle {
     std::array<int, 6> node;
-    Eigen::Matrix2d gradient;  ///< row k: of the barycentric coordinate of corner k + 1, 1/mm
-    double area;               ///< of each of the four, mm^2
+    Eigen::Matrix2d gradient;  ///< row k: gradient of the barycentric coordinate of corner k + 1, 1/mm
+    double area;               ///< area of each subtriangle, mm^2
   };
-  /// Part of the deformation gradient (columns of a 2 x 2 matrix, one after the other) in each of the four.
+  /// A 2 x 2 matrix for each subtriangle: component (i, j) is at [i + 2 j], one entry for each of the four.
   using Gradients = Eigen::Array4d[4];
+  /// Adds the gradients of the displacements x in the four subtriangles.
   static void add_gradients(const Triangle& triangle, const Eigen::VectorXd& x, Gradients& sum);
 
   CellCoordinates coordinates_;

@@ -52,18 +52,18 @@ std::string_view to_string(Stop stop) {
 
 namespace {
 
-/// What a simulator keeps between loads.
+/// The models of a simulator, which all its loads use.
 struct Models {
   SimulationOptions options;
   CellModel cell;
-  std::unique_ptr<CellModel> patch;  ///< 2x2 cells, made when they are called for
-  /// The finer meshes of one cell and of the patch, which are made when they are called for.
+  std::unique_ptr<CellModel> patch;  ///< 2x2 cells; made when they are first needed
+  /// Equilibria on the finer meshes of one cell and of the patch; made when they are first needed.
   std::unique_ptr<FineEquilibria> fine_cell, fine_patch;
   PatchStability patch_stability;
 
-  Models(tiling::PeriodicMesh mesh, const SimulationOptions& wanted)
-      : options(wanted),
-        cell(std::move(mesh), wanted.material, wanted.contact != Switch::off),
+  Models(tiling::PeriodicMesh mesh, const SimulationOptions& requested)
+      : options(requested),
+        cell(std::move(mesh), requested.material, requested.contact != Switch::off),
         patch_stability(cell.coordinates().strain()) {}
 
   CellModel& two_by_two() {
@@ -73,14 +73,14 @@ struct Models {
     return *patch;
   }
 
-  FineEquilibria& fine(const CellModel& model) {
-    std::unique_ptr<FineEquilibria>& made = &model == &cell ? fine_cell : fine_patch;
-    if (!made) made = std::make_unique<FineEquilibria>(model, options);
-    return *made;
+  FineEquilibria& fine_equilibria(const CellModel& model) {
+    std::unique_ptr<FineEquilibria>& equilibria = &model == &cell ? fine_cell : fine_patch;
+    if (!equilibria) equilibria = std::make_unique<FineEquilibria>(model, options);
+    return *equilibria;
   }
 };
 
-/// One load path of a simulator.
+/// Follows one load path of a simulator.
 class Run {
  public:
   Run(Models& models, const Load& load, const Execution& execution)
@@ -92,18 +92,18 @@ class Run {
     model_ = options_.patch == Switch::on ? &models_.two_by_two() : &models_.cell;
     model_->reset_contact();
     path_ = make_path(Eigen::VectorXd::Zero(model_->coordinates().size()));
-    path_->settle();
+    path_->find_equilibrium();
     const int n = static_cast<int>(targets_.gradients.size());
     for (int i = 0; i < n; ++i) {
       execution_.checkpoint(static_cast<double>(i) / n, "states");
-      if (!reach(targets_.gradients[static_cast<std::size_t>(i)])) {
-        record();
+      if (!follow_to(targets_.gradients[static_cast<std::size_t>(i)])) {
+        record_state();
         result_.message = "State " + std::to_string(i) +
                           " could not be reached: the load step was halved down to its " +
                           "limit without convergence (" + std::string(to_string(result_.states.back().stopped)) + ").";
         break;
       }
-      record();
+      record_state();
     }
     bill_effects();
     return std::move(result_);
@@ -116,17 +116,19 @@ class Run {
     return path;
   }
 
-  bool reach(const Eigen::Matrix2d& target) {
+  /// Follows the path to the prescribed components of `target`. Returns false if it ends before.
+  bool follow_to(const Eigen::Matrix2d& target) {
     while (true) {
       const auto progress = path_->step_towards(target);
       if (progress == CellPath::Progress::failed) return false;
-      if (!settle_in_patch()) return false;
+      if (!continue_in_patch_if_unstable()) return false;
       if (progress == CellPath::Progress::arrived) return true;
     }
   }
 
-  /// Where one cell's equilibrium is unstable in the 2x2 patch, goes on with the patch.
-  bool settle_in_patch() {
+  /// If one cell's equilibrium is unstable in the 2x2 patch, continues the path with the patch. Returns false if no
+  /// equilibrium of the patch is found.
+  bool continue_in_patch_if_unstable() {
     alternating_stable_ = true;
     if (options_.patch != Switch::automatic || model_ != &models_.cell) return true;
     const auto instability = models_.patch_stability.find(*model_, path_->x(), execution_);
@@ -141,19 +143,19 @@ class Run {
     model_ = &models_.two_by_two();
     model_->reset_contact();
     path_ = make_path(std::move(x));
-    if (!path_->leave_along(repeat_over_patch(*instability)) && !path_->settle()) return false;
+    if (!path_->leave_along(repeat_over_patch(*instability)) && !path_->find_equilibrium()) return false;
     alternating_stable_ = true;
     return true;
   }
 
-  /// Writes down the equilibrium whose contact is tight. The path goes on from the one that it followed.
-  void record() {
-    path_->tighten_contact();
-    write_state();
-    path_->loosen_contact();
+  /// Appends the equilibrium with a reduced range of contact to the result. The path itself goes on with the full one.
+  void record_state() {
+    path_->reduce_contact_range();
+    append_state();
+    path_->restore_contact_range();
   }
 
-  void write_state() {
+  void append_state() {
     const Eigen::VectorXd& x = path_->x();
     const double area = model_->mesh()->cell_area();
     const CellEquilibrium& at = path_->equilibrium();
@@ -185,27 +187,29 @@ class Run {
     result_.states.push_back(std::move(state));
   }
 
-  /// Off also where the finer mesh would be too large. A triangle in four has about four times the nodes.
+  /// The refinement that is requested, or off if the finer mesh would have too many nodes. Dividing triangles in four
+  /// gives about four times as many nodes.
   Refinement refinement() const {
-    const bool fits = 4 * static_cast<std::int64_t>(result_.nodes) <= options_.mesh.max_nodes;
-    return fits ? options_.refinement : Refinement::off;
+    const bool within_limit = 4 * static_cast<std::int64_t>(result_.nodes) <= options_.mesh.max_nodes;
+    return within_limit ? options_.refinement : Refinement::off;
   }
 
-  /// Finds the state on the finer mesh too, and extrapolates the response if that is asked for. The error that is left.
+  /// Finds the state on the finer mesh too, and extrapolates `response` if that is requested. Returns the estimated
+  /// error of `response`.
   std::optional<MeshError> refine(PatchResponse& response, double area) {
     if (path_->stopped() != Stop::converged || !path_->stable() || !alternating_stable_) return std::nullopt;
     CostLedger cost;
-    std::optional<FineEquilibria::Found> found;
+    std::optional<FineEquilibria::FineEquilibrium> found;
     {
       const StageTimer timer(&cost, "refinement");
-      found = models_.fine(*model_).find(*path_, targets_.free, {execution_.cancellation, nullptr, nullptr});
+      found = models_.fine_equilibria(*model_).find(*path_, targets_.free, {execution_.cancellation, nullptr, nullptr});
     }
     ++refinements_;
     refinement_seconds_ += cost.total_seconds();
     if (!found) return std::nullopt;
     const PatchResponse coarse = response;
-    // Where one mesh buckles and the other does not yet, the change does not fall with the mesh's size as elsewhere, so
-    // that nothing is extrapolated.
+    // If one mesh has buckled and the other has not, their difference does not decrease with the mesh size as it does
+    // elsewhere. Nothing is extrapolated then.
     if (!found->same_branch || refinement() == Refinement::estimated)
       return coarse_error(coarse, found->response, area);
     response = extrapolate(coarse, found->response);
@@ -220,7 +224,7 @@ class Run {
     return result;
   }
 
-  std::string_view why_refined() const {
+  std::string_view refinement_reason() const {
     if (options_.refinement == Refinement::off) return "switched off by the request";
     if (refinement() == Refinement::off) return "the finer mesh would have more nodes than the limit";
     if (refinements_ == 0) return "no state converged to a stable equilibrium";
@@ -228,14 +232,14 @@ class Run {
                                                         : "the error of the mesh is extrapolated away and estimated";
   }
 
-  /// Whether the bill has the effect already, from a term that was assembled or a branch that was left.
+  /// Whether the bill already has the effect, because a term was evaluated or a branch was left.
   bool has_run(std::string_view effect) const {
     const auto& effects = execution_.cost->effects();
     return std::any_of(effects.begin(), effects.end(),
                        [effect](const CostLedger::Effect& e) { return e.name == effect && e.ran; });
   }
 
-  /// Effects that did not run say so and why.
+  /// Bills the effects that neither a term nor the path has billed, with the reason why they ran or did not run.
   void bill_effects() const {
     if (!execution_.cost) return;
     if (options_.contact == Switch::off) {
@@ -243,13 +247,13 @@ class Run {
     } else if (!has_run("contact")) {
       execution_.cost->add_effect("contact", false, "no pair of boundary points came within the barrier's range");
     }
-    const bool doubled = model_ != &models_.cell;
-    execution_.cost->add_effect("patch", doubled,
+    const bool uses_patch = model_ != &models_.cell;
+    execution_.cost->add_effect("patch", uses_patch,
                                 options_.patch == Switch::on    ? "switched on by the request"
                                 : options_.patch == Switch::off ? "switched off by the request"
-                                : doubled ? "one cell was unstable against a mode that alternates from cell to cell"
-                                          : "one cell was stable against all modes of the 2x2 patch");
-    execution_.cost->add_effect("refinement", refinements_ > 0, why_refined(), refinements_, refinement_seconds_);
+                                : uses_patch ? "one cell was unstable against a mode that alternates from cell to cell"
+                                             : "one cell was stable against all modes of the 2x2 patch");
+    execution_.cost->add_effect("refinement", refinements_ > 0, refinement_reason(), refinements_, refinement_seconds_);
     if (!has_run("buckling"))
       execution_.cost->add_effect("buckling", false,
                                   options_.buckling == Switch::off ? "switched off by the request"

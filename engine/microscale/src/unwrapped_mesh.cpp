@@ -8,14 +8,14 @@ namespace supple::microscale {
 UnwrappedMesh unwrap(const tiling::PeriodicMesh& mesh) {
   UnwrappedMesh result;
   result.triangles.reserve(mesh.triangles.size());
-  std::map<std::tuple<int, int, int>, int> known;
+  std::map<std::tuple<int, int, int>, int> point_indices;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     auto& triangle = result.triangles.emplace_back();
     for (std::size_t k = 0; k < 6; ++k) {
       const int node = mesh.triangles[t][k];
       const tiling::LatticeShift shift = mesh.shifts[t][k];
       const auto [place, is_new] =
-          known.try_emplace({node, shift.first, shift.second}, static_cast<int>(result.points.size()));
+          point_indices.try_emplace({node, shift.first, shift.second}, static_cast<int>(result.points.size()));
       if (is_new) result.points.push_back({node, shift});
       triangle[k] = place->second;
     }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int vtk_quadratic_triangle = 22;
 
-/// Energy per rest area for a deformation gradient, MPa. Zero at rest.
+/// Elastic energy per rest area for the deformation gradient `f`, MPa. It is zero at rest.
 double energy_density(const MaterialLaw& law, const Eigen::Matrix2d& f) {
   const double j = f.determinant();
   const double trace = f.squaredNorm();
@@ -21,13 +21,13 @@ double energy_density(const MaterialLaw& law, const Eigen::Matrix2d& f) {
   return law.mu / 2 * (trace - 2 - 2 * log_j) + law.lambda / 2 * log_j * log_j;
 }
 
-/// Mean energy density of a quadratic triangle with straight sides at rest. Columns: the corners, the midpoints of the
-/// sides 01, 12, 20.
+/// Mean energy density of a quadratic triangle with straight sides at rest, MPa. Columns of `rest` and `deformed` are
+/// positions of the corners and of the midpoints of the sides 01, 12, 20.
 double mean_energy_density(const MaterialLaw& law, const Eigen::Matrix<double, 2, 6>& rest,
                            const Eigen::Matrix<double, 2, 6>& deformed) {
   Eigen::Matrix2d sides;
   sides << rest.col(1) - rest.col(0), rest.col(2) - rest.col(0);
-  Eigen::Matrix<double, 3, 2> gradient;  // of the barycentric coordinates
+  Eigen::Matrix<double, 3, 2> gradient;  // gradients of the barycentric coordinates, one in each row
   gradient.bottomRows<2>() = sides.inverse();
   gradient.row(0) = -gradient.row(1) - gradient.row(2);
   double sum = 0;

@@ -1,4 +1,4 @@
-// Packs never leave this file's functions by value, so that their calling convention does not matter.
+// Only inlined functions pass packs by value here, so that their calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "activation_kernel.h"
 

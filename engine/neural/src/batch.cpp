@@ -14,25 +14,27 @@ namespace {
 
 using Eigen::Index;
 
-/// Designs that are held at the same time.
+/// Number of designs that are prepared, and thus in memory, at the same time.
 constexpr std::size_t designs_at_once = 256;
-/// Strains of one task by the order: some 10 ms of work for a large network, after which a stop is noticed.
+/// Number of strains of one task for each order. A task takes some 10 ms for a large network, after which stop requests
+/// are checked.
 constexpr Index strains_of_task[] = {192, 96, 48};
 
-/// Strains begin ... end - 1, all of one design.
+/// Consecutive strains of one design: begin ... end - 1.
 struct Range {
   std::size_t design;  ///< index into the batch's designs
   Index begin;
   Index end;
 };
-/// A part of one range, which is that of `group`.
+/// A part of one range.
 struct Piece {
-  std::size_t group;
+  std::size_t group;  ///< index of the range
   Index begin;
   Index end;
 };
 using Task = std::vector<Piece>;
 
+/// The ranges of consecutive strains that have equal designs.
 std::vector<Range> equal_designs(const Batch& batch) {
   const Index strains = batch.strains.cols();
   const auto& designs = batch.designs;
@@ -49,19 +51,19 @@ std::vector<Range> equal_designs(const Batch& batch) {
   return ranges;
 }
 
-/// The strains of groups first ... last - 1 as tasks of about the same work.
-std::vector<Task> tasks_of(const std::vector<Range>& groups, std::size_t first, std::size_t last, Index most) {
+/// Divides the strains of the ranges first ... last - 1 into tasks of at most max_strains strains.
+std::vector<Task> tasks_of(const std::vector<Range>& groups, std::size_t first, std::size_t last, Index max_strains) {
   std::vector<Task> tasks(1);
-  Index room = most;
+  Index remaining = max_strains;
   for (std::size_t group = first; group < last; ++group) {
     for (Index begin = groups[group].begin; begin < groups[group].end;) {
-      if (room == 0) {
+      if (remaining == 0) {
         tasks.emplace_back();
-        room = most;
+        remaining = max_strains;
       }
-      const Index end = std::min(groups[group].end, begin + room);
+      const Index end = std::min(groups[group].end, begin + remaining);
       tasks.back().push_back({group, begin, end});
-      room -= end - begin;
+      remaining -= end - begin;
       begin = end;
     }
   }
@@ -130,7 +132,8 @@ class BatchEvaluation {
     }
   }
 
-  /// Calls work(i), which returns how many strains are done by it, for i in [0, n), and bills its time.
+  /// Calls work(i) for i in [0, n) in parallel, and bills its time. work(i) returns the number of strains that it has
+  /// evaluated.
   template <class Work>
   void for_each(std::size_t n, const char* stage, Work work) {
     parallel_for(static_cast<int>(n), [&](int i) {
@@ -167,21 +170,21 @@ class BatchEvaluation {
   const Batch& batch_;
   const Execution& execution_;
   const std::vector<Range> groups_;
-  std::vector<std::unique_ptr<Evaluator::Design>> designs_;  // of the groups that are at work
+  std::vector<std::unique_ptr<Evaluator::Design>> designs_;  ///< designs of the ranges that are being evaluated
   BatchResult result_;
-  std::mutex mutex_;  // of the bill and the progress
-  Index done_ = 0;
+  std::mutex mutex_;  ///< protects the bill and the progress
+  Index done_ = 0;    ///< number of strains that have been evaluated
 };
 
 }  // namespace
 
 void check_designs(const Model& model, std::span<const std::vector<double>> designs, const std::string& field,
                    bool several) {
-  constexpr std::size_t most_details = 20;
+  constexpr std::size_t max_details = 20;
   const auto expected = static_cast<std::size_t>(model.network.shape.parameters);
   const std::string wanted = std::to_string(expected) + (expected == 1 ? " number" : " numbers");
   std::vector<Error::Detail> details;
-  for (std::size_t i = 0; i < designs.size() && details.size() < most_details; ++i)
+  for (std::size_t i = 0; i < designs.size() && details.size() < max_details; ++i)
     if (designs[i].size() != expected)
       details.push_back({several ? field + "/" + std::to_string(i) : field,
                          "must be " + wanted + ", not " + std::to_string(designs[i].size())});

@@ -42,8 +42,8 @@ double BarOffsets::at(double rating) const {
   if (above == knots.begin()) return offsets.front();
   if (above == knots.end()) return offsets.back();
   const auto i = static_cast<std::size_t>(above - knots.begin());
-  const double share = (rating - knots[i - 1]) / (knots[i] - knots[i - 1]);
-  return offsets[i - 1] + share * (offsets[i] - offsets[i - 1]);
+  const double fraction = (rating - knots[i - 1]) / (knots[i] - knots[i - 1]);
+  return offsets[i - 1] + fraction * (offsets[i] - offsets[i - 1]);
 }
 
 double rating(const ErrorScale& scale, const Eigen::VectorXd& features) {

@@ -26,7 +26,7 @@ void for_each_list(Offsets& offsets, Visit&& visit) {
   visit("observed", offsets.judged.observed);
 }
 template <class Judged, class Visit>
-void for_each_finding(Judged& judged, Visit&& visit) {
+void for_each_validation_number(Judged& judged, Visit&& visit) {
   visit("designs", judged.designs);
   visit("states", judged.states);
   visit("share", judged.share);
@@ -39,27 +39,28 @@ void for_each_finding(Judged& judged, Visit&& visit) {
   visit("within_in_range", judged.within_in_range);
 }
 
-struct ReadFinding {
+struct ReadValidationNumber {
   const files::Hdf5Reader& file;
   std::string prefix;
   void operator()(const char* name, std::int64_t& value) const { value = file.integer(prefix + name); }
   void operator()(const char* name, double& value) const { value = file.real(prefix + name); }
 };
 
-/// What the names of the lists and findings for searched designs begin with.
-constexpr const char* of_searched = "searched_";
+/// Prefix of the names of all lists and numbers for searched designs.
+constexpr const char* searched_prefix = "searched_";
 
 void write(files::Hdf5Writer& file, const std::string& prefix, const BarOffsets& offsets) {
   for_each_list(offsets,
                 [&](const char* name, const std::vector<double>& values) { file.column(prefix + name, values, 0); });
-  for_each_finding(offsets.judged, [&](const char* name, const auto& value) { file.value(prefix + name, value); });
+  for_each_validation_number(offsets.judged,
+                             [&](const char* name, const auto& value) { file.value(prefix + name, value); });
 }
 
 BarOffsets read(const files::Hdf5Reader& file, const std::string& prefix) {
   BarOffsets offsets;
   for_each_list(offsets,
                 [&](const char* name, std::vector<double>& values) { values = file.column<double>(prefix + name, 0); });
-  for_each_finding(offsets.judged, ReadFinding{file, prefix});
+  for_each_validation_number(offsets.judged, ReadValidationNumber{file, prefix});
   return offsets;
 }
 
@@ -69,7 +70,7 @@ void require(bool fine, Quantity quantity, const char* what) {
   if (!fine) throw Error("file.unreadable", "calibration/" + std::string(to_string(quantity)) + ": " + what + ".");
 }
 
-/// What expected_error relies on.
+/// Throws unless the scale is as expected_error requires it.
 void check(const ErrorScale& scale, Quantity quantity, Eigen::Index features) {
   const Eigen::Index terms = 1 + features + features * (features + 1) / 2;
   bool sizes = scale.coefficients.size() == terms;
@@ -103,7 +104,7 @@ void write_calibration(files::Hdf5Writer& file, const std::optional<Calibration>
       file.column(group + name, std::vector<double>(values.begin(), values.end()), 0);
     });
     write(file, group, scale.given);
-    if (!scale.searched.knots.empty()) write(file, group + of_searched, scale.searched);
+    if (!scale.searched.knots.empty()) write(file, group + searched_prefix, scale.searched);
   }
 }
 
@@ -121,7 +122,7 @@ std::optional<Calibration> read_calibration(const files::Hdf5Reader& file, int p
       values = Eigen::Map<const Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
     });
     scale.given = read(file, group);
-    if (file.contains(group + of_searched + "knots")) scale.searched = read(file, group + of_searched);
+    if (file.contains(group + searched_prefix + "knots")) scale.searched = read(file, group + searched_prefix);
     check(
         scale, quantity,
         quantity == Quantity::stress_at_strain ? strain_feature_count(parameters) : uniaxial_feature_count(parameters));

@@ -7,11 +7,11 @@
 
 namespace supple::neural {
 
-/// The group "calibration" of a model's file; nothing where there is none.
+/// Writes the group "calibration" of a model's file. Writes nothing if there is no calibration.
 void write_calibration(files::Hdf5Writer& file, const std::optional<Calibration>& calibration);
 
-/// Nothing from files without one, such as of older programs. Throws "file.unreadable" where sizes do not fit a network
-/// of so many parameters or numbers are not finite.
+/// Reads the group "calibration". Returns none if the file lacks it, as files of older programs do. Throws
+/// "file.unreadable" if sizes do not fit a network with this number of parameters, or if a number is not finite.
 std::optional<Calibration> read_calibration(const files::Hdf5Reader& file, int parameters);
 
 }  // namespace supple::neural

@@ -6,9 +6,10 @@
 namespace supple::neural {
 namespace {
 
-/// A vector in its first column, its derivatives by the parameters in the others.
+/// A vector, in the first column, and its derivatives with respect to the parameters, in the others.
 using Dual = Eigen::MatrixXd;
 
+/// The activation of a dual.
 Dual activated(Activation activation, Dual z) {
   for (long i = 0; i < z.rows(); ++i) {
     const auto f = activation_at(activation, z(i, 0));
@@ -18,8 +19,8 @@ Dual activated(Activation activation, Dual z) {
   return z;
 }
 
-/// Duals and their derivatives by the three components of strain beside them: [x, x_p | x_1, x_1p | x_2, x_2p | x_3,
-/// x_3p].
+/// The activation of a dual with its derivatives with respect to the three components of strain beside it:
+/// [x, x_p | x_1, x_1p | x_2, x_2p | x_3, x_3p].
 Dual activated_with_strains(Activation activation, Dual z) {
   const long duals = z.cols() / 4;
   const long parameters = duals - 1;
@@ -39,7 +40,7 @@ Dual activated_with_strains(Activation activation, Dual z) {
   return z;
 }
 
-/// (1, p_i, p_i p_j for i <= j) with derivatives, of parameters with theirs.
+/// The terms (1, p_i, p_i p_j for i <= j) with their derivatives.
 Dual quadratic_terms_of(const Dual& p) {
   const long n = p.rows();
   Dual terms = Dual::Zero(1 + n + n * (n + 1) / 2, p.cols());
@@ -54,17 +55,18 @@ Dual quadratic_terms_of(const Dual& p) {
   return terms;
 }
 
-/// Far outside the bounds of the parameters a stiffness stays a finite number, of no meaning.
-constexpr double largest_log_factor = 20;
+/// Limit of the logarithms that the stiffness branch returns. It is reached only far outside the bounds of the
+/// parameters, and keeps the stiffness finite there.
+constexpr double max_log_factor = 20;
 
-/// A = L^T / sqrt(s) with its derivatives.
+/// The skip connection y = A e with A = L^T / sqrt(s), and the derivatives of A.
 struct Skip {
   Eigen::Matrix3d map;
   std::vector<Eigen::Matrix3d> map_by;
 };
 
-/// Of the stiffness branch's six outputs; s goes to the content.
-Skip scale(const Dual& outputs, DesignContent& content) {
+/// The skip connection for the stiffness branch's six outputs. Writes s and its derivatives to `content`.
+Skip skip_connection(const Dual& outputs, DesignContent& content) {
   const auto lower_factor = [](const Eigen::VectorXd& q) {
     const Eigen::Vector3d d = q.head<3>().array().exp();
     Eigen::Matrix3d l;
@@ -72,8 +74,8 @@ Skip scale(const Dual& outputs, DesignContent& content) {
     return l;
   };
   Eigen::VectorXd q = outputs.col(0);
-  const auto clamped = (q.head<3>().array().abs() > largest_log_factor).eval();
-  q.head<3>() = q.head<3>().cwiseMin(largest_log_factor).cwiseMax(-largest_log_factor);
+  const auto clamped = (q.head<3>().array().abs() > max_log_factor).eval();
+  q.head<3>() = q.head<3>().cwiseMin(max_log_factor).cwiseMax(-max_log_factor);
   const Eigen::Matrix3d l = lower_factor(q);
   const double s = l.squaredNorm() / 3;
   content.stiffness = s;
@@ -122,13 +124,13 @@ DesignLayers::DesignLayers(const Network& network) {
   for (const auto& layer : network.parameter) parameter_.push_back(packed(layer.weights, layer.bias));
   for (const auto& layer : network.trunk)
     trunk_.push_back(packed(trunk_.empty() ? layer.weights.rightCols(network.shape.width) : layer.weights, layer.bias));
-  const auto& meeting = network.trunk[0].weights.leftCols(network.shape.width);
+  const auto& strain_columns = network.trunk[0].weights.leftCols(network.shape.width);
   Dual x = activated(network.shape.activation, network.strain[0].bias);
   for (std::size_t i = 1; i < network.strain.size(); ++i)
     x = activated(network.shape.activation, network.strain[i].weights * x + network.strain[i].bias);
-  strain_at_rest_ = meeting * x.col(0);
+  strain_at_rest_ = strain_columns * x.col(0);
   if (network.shape.rest == RestForm::free) return;
-  // The same with derivatives by the branch's inputs in further columns.
+  // The branch is evaluated again with derivatives with respect to its inputs in further columns.
   x.resize(network.shape.width, 1 + network.shape.strain_inputs());
   x << network.strain[0].bias, network.strain[0].weights;
   x = activated(network.shape.activation, x);
@@ -137,7 +139,7 @@ DesignLayers::DesignLayers(const Network& network) {
     x.col(0) += network.strain[i].bias;
     x = activated(network.shape.activation, x);
   }
-  strain_slope_ = meeting * x.rightCols(x.cols() - 1);
+  strain_slope_ = strain_columns * x.rightCols(x.cols() - 1);
 }
 
 Dual DesignLayers::Layer::operator()(const Dual& x) const {
@@ -175,7 +177,7 @@ DesignContent DesignLayers::evaluate(const Network& network, std::span<const dou
     for (std::size_t i = 0; i + 1 < stiffness_.size(); ++i) q = activated(Activation::swish, stiffness_[i](q));
     Dual outputs = stiffness_.back()(q);
     if (network.mesh_correction.size() > 0) outputs += network.mesh_correction * quadratic_terms_of(p.topRows(n));
-    const auto skip = scale(outputs, content);
+    const auto skip = skip_connection(outputs, content);
     content.linear = skip.map;
     content.linear_by.assign(skip.map_by.begin(), skip.map_by.end());
     content.input = first.leftCols<3>() * skip.map + first.rightCols<3>();
@@ -184,14 +186,14 @@ DesignContent DesignLayers::evaluate(const Network& network, std::span<const dou
 
   Dual h = p;
   for (const auto& layer : parameter_) h = activated(shape.activation, layer(h));
-  const Dual meeting = trunk_[0](h);
-  content.meeting = meeting.col(0);
-  content.meeting_by = meeting.rightCols(duals - 1);
+  const Dual trunk_bias = trunk_[0](h);
+  content.trunk_bias = trunk_bias.col(0);
+  content.trunk_bias_by = trunk_bias.rightCols(duals - 1);
 
-  Dual x = meeting;
+  Dual x = trunk_bias;
   x.col(0) += strain_at_rest_;
   if (shape.rest == RestForm::exact) {
-    take_slope_at_rest(shape, x, content);
+    subtract_rest_slope(shape, x, content);
     return content;
   }
   x = activated(shape.activation, std::move(x));
@@ -202,11 +204,11 @@ DesignContent DesignLayers::evaluate(const Network& network, std::span<const dou
   return content;
 }
 
-void DesignLayers::take_slope_at_rest(const NetworkShape& shape, const Dual& meeting, DesignContent& content) const {
-  const long duals = meeting.cols();
-  Dual x(meeting.rows(), 4 * duals);
-  x.leftCols(duals) = meeting;
-  // What the branch reads is (A e, e), and A the one part that parameters change.
+void DesignLayers::subtract_rest_slope(const NetworkShape& shape, const Dual& trunk_sum, DesignContent& content) const {
+  const long duals = trunk_sum.cols();
+  Dual x(trunk_sum.rows(), 4 * duals);
+  x.leftCols(duals) = trunk_sum;
+  // The strain branch reads (A e, e), in which only A depends on parameters.
   const Eigen::MatrixXd slope = strain_slope_.leftCols<3>() * content.linear + strain_slope_.rightCols<3>();
   for (long i = 0; i < 3; ++i) x.col((1 + i) * duals) = slope.col(i);
   for (long k = 0; k + 1 < duals; ++k) {
@@ -218,14 +220,14 @@ void DesignLayers::take_slope_at_rest(const NetworkShape& shape, const Dual& mee
   const Dual rest = trunk_.back()(x);
   content.rest = rest.col(0);
   content.rest_by = rest.middleCols(1, duals - 1);
-  const auto without_slope = [&](Eigen::MatrixXd& linear, long column) {
+  const auto subtract_slope = [&](Eigen::MatrixXd& linear, long column) {
     Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rest.rows(), 3);
     all.topRows<3>() = linear;
     for (long i = 0; i < 3; ++i) all.col(i) -= rest.col((1 + i) * duals + column);
     linear = std::move(all);
   };
-  without_slope(content.linear, 0);
-  for (long k = 0; k + 1 < duals; ++k) without_slope(content.linear_by[static_cast<std::size_t>(k)], 1 + k);
+  subtract_slope(content.linear, 0);
+  for (long k = 0; k + 1 < duals; ++k) subtract_slope(content.linear_by[static_cast<std::size_t>(k)], 1 + k);
 }
 
 }  // namespace supple::neural

@@ -9,24 +9,25 @@
 
 namespace supple::neural {
 
-/// What of a network depends on the tiling parameters alone, with derivatives by each of them, in double precision.
-/// Vectors beside a matrix of the same name with `_by` are its derivatives, a column (or an entry) for each parameter.
+/// The quantities of a network that depend on the tiling parameters p alone, in double precision. Members whose names
+/// end in `_by` are derivatives with respect to each parameter: a column, an entry, or an element of a vector. The
+/// notation is that of EnergyForm.
 struct DesignContent {
-  Eigen::MatrixXd input;    ///< M, width x 3: first layer of the strain branch as a map of e
-  Eigen::VectorXd meeting;  ///< width: what the parameter branch and the bias add to the first trunk layer
-  Eigen::VectorXd rest;     ///< N(p, 0)
-  /// K, what r has beside N(p, e) - N(p, 0): its k-th row times e is added to the k-th residual. y = A e alone in three
-  /// rows; with the exact form of rest A e - N'(p, 0) e in as many as there are residuals; none for softplus.
+  Eigen::MatrixXd input;       ///< width x 3: the first layer of the strain branch as a linear map of e
+  Eigen::VectorXd trunk_bias;  ///< width: the first trunk layer's bias and its product with the parameter branch
+  Eigen::VectorXd rest;        ///< N(p, 0)
+  /// The residuals r are N(p, e) - N(p, 0) + linear e. With RestForm::free, `linear` is A = L^T / sqrt(s), for the
+  /// first three residuals. With RestForm::exact, it is A - N'(p, 0), for all residuals. It is empty for softplus.
   Eigen::MatrixXd linear;
   double stiffness = 1;  ///< s, MPa; 1 for softplus
   std::vector<Eigen::MatrixXd> input_by;
-  Eigen::MatrixXd meeting_by;  ///< width x parameters
-  Eigen::MatrixXd rest_by;     ///< outputs x parameters
+  Eigen::MatrixXd trunk_bias_by;  ///< width x parameters
+  Eigen::MatrixXd rest_by;        ///< outputs x parameters
   std::vector<Eigen::MatrixXd> linear_by;
   Eigen::VectorXd stiffness_by;
 };
 
-/// f, f' and f'' of an activation.
+/// An activation and its first two derivatives at a number.
 struct ActivationAt {
   double value = 0;
   double slope = 0;
@@ -34,7 +35,7 @@ struct ActivationAt {
 };
 ActivationAt activation_at(Activation activation, double z);
 
-/// The layers that see a design's parameters, packed for products with few columns.
+/// The layers that depend on a design's parameters, packed for products with few columns.
 class DesignLayers {
  public:
   explicit DesignLayers(const Network& network);
@@ -48,14 +49,17 @@ class DesignLayers {
     Eigen::VectorXd bias;
     Eigen::MatrixXd operator()(const Eigen::MatrixXd& x) const;
   };
-  /// N(p, 0) and N'(p, 0) e from the meeting layer's sum at rest; the latter is taken from the content's linear part.
-  void take_slope_at_rest(const NetworkShape& shape, const Eigen::MatrixXd& meeting, DesignContent& content) const;
+  /// Computes N(p, 0), and subtracts N'(p, 0) from `content.linear`. `trunk_sum` is the input of the first trunk
+  /// layer's activation at rest, with its derivatives with respect to the parameters.
+  void subtract_rest_slope(const NetworkShape& shape, const Eigen::MatrixXd& trunk_sum, DesignContent& content) const;
 
   std::vector<Layer> stiffness_;
   std::vector<Layer> parameter_;
-  std::vector<Layer> trunk_;        ///< of the first, the columns that see the parameter branch
-  Eigen::VectorXd strain_at_rest_;  ///< the strain branch's part of the first trunk layer, which no parameter changes
-  /// Its derivative by what the strain branch reads, (y, e) or e; empty unless the network's form of rest is exact.
+  std::vector<Layer> trunk_;  ///< the first one has only the columns that read the parameter branch
+  /// The first trunk layer's product with the strain branch at rest. It does not depend on parameters.
+  Eigen::VectorXd strain_at_rest_;
+  /// Its derivative with respect to the input of the strain branch, (y, e); empty unless the network has
+  /// RestForm::exact.
   Eigen::MatrixXd strain_slope_;
 };
 

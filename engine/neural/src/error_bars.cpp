@@ -17,11 +17,11 @@ ErrorBars::ErrorBars(const Model& model, const Evaluator& evaluator, const Evalu
   features_ = design_features(model.network, parameters, rest_stiffness_, symmetric_matrix(rest.tangent.col(0)));
 }
 
-Trust ErrorBars::uniaxial(Quantity quantity, const UniaxialFrame& frame, double given, const Eigen::Vector3d& strain,
-                          const UniaxialPoint& point) const {
+Trust ErrorBars::uniaxial(Quantity quantity, const UniaxialFrame& frame, double axial_strain,
+                          const Eigen::Vector3d& strain, const UniaxialPoint& point) const {
   if (!in_box(strain, point.energy_density)) return {};
   if (!model_.calibration) return {true, {}};
-  return trust(quantity, uniaxial_features(features_, frame, given, strain, point));
+  return trust(quantity, uniaxial_features(features_, frame, axial_strain, strain, point));
 }
 
 Trust ErrorBars::at_strain(const Eigen::Vector3d& strain, double energy_density, const Eigen::Vector3d& stress) const {
@@ -35,7 +35,7 @@ bool ErrorBars::in_box(const Eigen::Vector3d& strain, double energy_density) con
 }
 
 Trust ErrorBars::trust(Quantity quantity, const Eigen::VectorXd& features) const {
-  // Of a tangent that is not finite nothing is known.
+  // If the tangent is not finite, the error is not known.
   if (!features.allFinite()) return {};
   const double error = expected_error(*model_.calibration, quantity, features, origin_);
   return {error <= trusted_error(quantity), error};

@@ -9,13 +9,13 @@
 namespace supple::neural {
 namespace {
 
-/// Logarithms end where they would tell rounding apart.
-double bounded_log(double value, double least) { return std::log(std::max(value, least)); }
+/// The logarithm of a value that is first raised to a lower limit, below which differences are rounding.
+double bounded_log(double value, double lower_limit) { return std::log(std::max(value, lower_limit)); }
 
-/// Strains below are rest.
-constexpr double least_strain = 1e-4;
-/// Ratios of stiffnesses below are those of a state that is no longer stable.
-constexpr double least_ratio = 1e-3;
+/// Strains below this count as rest.
+constexpr double min_strain = 1e-4;
+/// Ratios of stiffnesses below this are not distinguished, because such states are hardly stable.
+constexpr double min_stiffness_ratio = 1e-3;
 
 Eigen::Vector3d eigenvalues_of(const Eigen::Matrix3d& tangent) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -23,14 +23,14 @@ Eigen::Vector3d eigenvalues_of(const Eigen::Matrix3d& tangent) {
   return solver.eigenvalues();
 }
 
-/// Mean and radius of Mohr's circle of (xx, yy) and half of `xy_twice`.
-struct Circle {
+/// Mohr's circle of a symmetric tensor with the components xx, yy and xy = shear.
+struct MohrCircle {
   double mean;
   double half_difference;
   double shear;
   double radius;
 };
-Circle circle_of(double xx, double yy, double shear) {
+MohrCircle mohr_circle(double xx, double yy, double shear) {
   const double half = 0.5 * (xx - yy);
   return {0.5 * (xx + yy), half, shear, std::hypot(half, shear)};
 }
@@ -54,32 +54,32 @@ DesignFeatures design_features(const Network& network, std::span<const double> p
   return {mapped(network, parameters), rest_stiffness, rest_tangent, eigenvalues_of(rest_tangent)};
 }
 
-Eigen::VectorXd uniaxial_features(const DesignFeatures& design, const UniaxialFrame& frame, double given,
+Eigen::VectorXd uniaxial_features(const DesignFeatures& design, const UniaxialFrame& frame, double axial_strain,
                                   const Eigen::Vector3d& strain, const UniaxialPoint& point) {
   const double s = design.rest_tangent.trace() / 3;
-  const auto& rest = design.rest_stiffest;
+  const auto& rest = design.rest_eigenvalues;
   const auto now = eigenvalues_of(point.tangent);
   const auto slopes = path_slopes(frame, point.tangent);
   const double rest_slope = path_slopes(frame, design.rest_tangent).stiffness;
-  const double size = std::abs(given);
-  const double secant = size < least_strain ? rest_slope : std::abs(frame.directional(point.stress)) / size;
-  const auto circle = circle_of(strain[0], strain[1], 0.5 * strain[2]);
-  // The sign turns over the strains that count as rest, so that bars do not jump there.
-  const double sign = std::clamp(given / least_strain, -1.0, 1.0);
-  const std::array<double, 19> others{given,
+  const double size = std::abs(axial_strain);
+  const double secant = size < min_strain ? rest_slope : std::abs(frame.directional(point.stress)) / size;
+  const auto circle = mohr_circle(strain[0], strain[1], 0.5 * strain[2]);
+  // The sign changes continuously over the strains that count as rest, so that error bars do not jump there.
+  const double sign = std::clamp(axial_strain / min_strain, -1.0, 1.0);
+  const std::array<double, 19> others{axial_strain,
                                       size,
-                                      bounded_log(size, least_strain),
+                                      bounded_log(size, min_strain),
                                       circle.mean,
                                       circle.radius,
                                       bounded_log(point.energy_density / s, 1e-9),
                                       bounded_log(point.energy_density, 1e-9),
                                       bounded_log(s, 1e-3),
                                       bounded_log(rest_slope / s, 1e-4),
-                                      bounded_log(slopes.stiffness / rest_slope, least_ratio),
-                                      bounded_log(secant / rest_slope, least_ratio),
-                                      bounded_log(now[0] / rest[0], least_ratio),
-                                      bounded_log(now[1] / rest[1], least_ratio),
-                                      bounded_log(now[2] / rest[2], least_ratio),
+                                      bounded_log(slopes.stiffness / rest_slope, min_stiffness_ratio),
+                                      bounded_log(secant / rest_slope, min_stiffness_ratio),
+                                      bounded_log(now[0] / rest[0], min_stiffness_ratio),
+                                      bounded_log(now[1] / rest[1], min_stiffness_ratio),
+                                      bounded_log(now[2] / rest[2], min_stiffness_ratio),
                                       bounded_log(rest[0] / rest[2], 1e-5),
                                       bounded_log(rest[1] / rest[2], 1e-5),
                                       bounded_log(now[0] / now[2], 1e-5),
@@ -91,12 +91,12 @@ Eigen::VectorXd uniaxial_features(const DesignFeatures& design, const UniaxialFr
 Eigen::VectorXd strain_features(const DesignFeatures& design, const Eigen::Vector3d& strain, double energy_density,
                                 const Eigen::Vector3d& stress) {
   const double s = design.rest_stiffness;
-  const auto e = circle_of(strain[0], strain[1], 0.5 * strain[2]);
-  const auto sigma = circle_of(stress[0], stress[1], stress[2]);
-  const double size = std::max(std::hypot(e.mean, e.radius), least_strain);
+  const auto e = mohr_circle(strain[0], strain[1], 0.5 * strain[2]);
+  const auto sigma = mohr_circle(stress[0], stress[1], stress[2]);
+  const double size = std::max(std::hypot(e.mean, e.radius), min_strain);
   const double stress_size = std::max(std::hypot(sigma.mean, sigma.radius), 1e-9);
   const double radius2 = e.radius * e.radius + 1e-12;
-  // Of a linear law the work of the final stress is twice the energy.
+  // For a linear law, the work of the final stress on the strain is twice the energy, and this ratio is 1.
   const double work = strain.dot(stress) / std::max(2 * energy_density, 1e-12);
   const std::array<double, 16> others{e.mean,
                                       e.radius,

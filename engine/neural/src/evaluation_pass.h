@@ -8,61 +8,65 @@
 
 namespace supple::neural {
 
-/// Strains of one design on their way forward through the layers, with derivatives of one order less than asked for,
-/// and back, which adds the last order and the derivatives by all parameters.
+/// Evaluates strains of one design. The forward pass through the layers propagates derivatives with respect to strain
+/// of one order less than requested. The backward pass adds the last order and the derivatives with respect to
+/// parameters.
 template <class Real>
 class EvaluationPass {
  public:
-  /// Of n strains in all. Keeps references; sizes the answer's arrays.
-  EvaluationPass(const PackedNetwork<Real>& network, const PackedDesign<Real>& design, Order asked, long n,
+  /// Resizes the arrays of `answer` for n strains. The references must outlive the pass.
+  EvaluationPass(const PackedNetwork<Real>& network, const PackedDesign<Real>& design, Order requested, long n,
                  PassSpace<Real>& space, Evaluation& answer);
 
-  /// Strains that go through the layers together: enough to use what is loaded of the weights, few enough that the jets
-  /// of all layers stay near.
+  /// Number of strains that go through the layers together. It is so large that weights are used several times once
+  /// they are loaded, and so small that the jets of all layers remain in the cache.
   int strains_at_once() const;
 
-  /// Answers these strains as columns begin, begin + 1, ...
+  /// Evaluates at most strains_at_once() strains, and writes the columns begin, begin + 1, ... of the answer.
   void run(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, long begin);
 
  private:
   int channels() const { return channels_of_order[order_]; }
   int columns() const { return channels() * jets_; }
-  /// A block of this pass's jets on top of `numbers`.
+  /// A block of jets that uses the memory of `numbers`, which is enlarged if necessary.
   JetBlock<Real> block(std::vector<Real>& numbers, int rows) const;
 
   void forward();
-  /// From the outputs' jets N: the energy's jets, and in place of N those of its derivatives by N.
-  void close_sum_of_squares();
-  void close_softplus();
+  /// Computes the energy's jets from those of the outputs N, which are replaced by the jets of its derivatives with
+  /// respect to N.
+  void apply_sum_of_squares();
+  void apply_softplus();
   void backward();
-  /// The addends of the parameters' derivatives that come from the stiffness and the rest state.
-  void begin_parameters();
-  /// From the derivatives by the first layer's three columns of each map, `maps_back`.
-  void finish_strains(const JetBlock<Real>& maps_back);
-  void finish_parameters(const JetBlock<Real>& maps_back);
-  /// Adds add(jet, parameter, channel) to the derivatives by parameters.
+  /// Sets the derivatives with respect to parameters to their contributions from the stiffness s and the rest state.
+  void init_parameter_derivatives();
+  /// Writes the derivatives with respect to strain. `input_products` are the products with PackedDesign::input_back.
+  void write_strain_derivatives(const JetBlock<Real>& input_products);
+  /// Adds the contributions of the maps `input` and `linear` to the derivatives with respect to parameters.
+  void add_input_derivatives(const JetBlock<Real>& input_products);
+  /// Adds add(jet, parameter, channel) to the derivatives with respect to parameters.
   template <class Add>
-  void by_parameters(Add&& add);
-  /// Channel c of sum_k dPhi / d(map's column i), of the first layer and the linear part; map 0 is the design's, map 1
-  /// + k its derivative by parameter k.
-  double mapped(const JetBlock<Real>& maps_back, int map, int i, int c, int j) const;
+  void add_parameter_derivatives(Add&& add);
+  /// Channel c, for strain j, of component i of a product: the transposed maps `input` and `linear` of the design times
+  /// the derivatives of Phi with respect to their results. Map 0 gives dPhi / de_i. Map 1 + k has the derivatives of
+  /// the two maps with respect to parameter k instead.
+  double map_derivative(const JetBlock<Real>& input_products, int map, int i, int c, int j) const;
 
   const PackedNetwork<Real>& network_;
   const PackedDesign<Real>& design_;
   const NetworkShape& shape_;
   PassSpace<Real>& space_;
   Evaluation& answer_;
-  Order asked_;
-  int order_;       ///< of the jets
-  int width_;       ///< with padding
-  int parameters_;  ///< by which the design has derivatives
+  Order requested_;
+  int order_;       ///< order of the jets
+  int width_;       ///< width of the layers with padding
+  int parameters_;  ///< number of parameters with respect to which derivatives are computed
 
-  // Of the strains at work.
+  // The strains that are evaluated together:
   long begin_ = 0;
-  int jets_ = 0;
-  JetBlock<Real> e_;     ///< strains
-  JetBlock<Real> a_;     ///< activations, then derivatives by them
-  JetBlock<Real> last_;  ///< outputs, then derivatives by them
+  int jets_ = 0;  ///< number of strains
+  JetBlock<Real> strains_;
+  JetBlock<Real> activations_;  ///< activations; in the backward pass, derivatives with respect to them
+  JetBlock<Real> outputs_;      ///< outputs N, then derivatives with respect to them
 };
 
 extern template class EvaluationPass<double>;

@@ -86,13 +86,13 @@ void BasicEvaluator<Real>::evaluate(const Design& design, const Eigen::Ref<const
     for (long begin = 0; begin < n; begin += at_once)
       pass.run(all.middleCols(begin, std::min(at_once, n - begin)), begin);
   };
-  if (content_->images.none()) {
+  if (content_->images.empty()) {
     run(strains, evaluation);
     return;
   }
-  content_->images.see(strains, space.images);
+  content_->images.map_strains(strains, space.images);
   run(space.images, space.of_images);
-  content_->images.mean(space.of_images, strains.cols(), evaluation);
+  content_->images.average(space.of_images, strains.cols(), evaluation);
 }
 
 template <class Real>

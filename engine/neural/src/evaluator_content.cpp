@@ -15,7 +15,7 @@ std::vector<PackedLayer<Real>> hidden_layers(const Network& network) {
   std::vector<PackedLayer<Real>> layers;
   for (std::size_t i = 1; i < network.strain.size(); ++i)
     layers.emplace_back(network.strain[i].weights, network.strain[i].bias);
-  // The bias of the layer where the branches meet is a part of the design.
+  // The bias of the first trunk layer is part of the design's trunk_bias.
   layers.emplace_back(network.trunk[0].weights.leftCols(network.shape.width),
                       Eigen::VectorXd::Zero(network.shape.width));
   for (std::size_t i = 1; i + 1 < network.trunk.size(); ++i)
@@ -43,14 +43,14 @@ PackedDesign<Real>::PackedDesign(const PackedNetwork<Real>& of, std::span<const 
     : exact(of.design_layers.evaluate(of.network, parameters, with_parameter_derivatives)),
       with_derivatives(with_parameter_derivatives),
       input(exact.input),
-      meeting(padded<Real>(exact.meeting)) {
+      trunk_bias(padded<Real>(exact.trunk_bias)) {
   const int maps = with_derivatives ? 1 + of.network.shape.parameters : 1;
   Eigen::MatrixXd back(3 * maps, of.network.shape.width);
   back.topRows<3>() = exact.input.transpose();
   for (int k = 1; k < maps; ++k)
     back.middleRows<3>(3 * k) = exact.input_by[static_cast<std::size_t>(k - 1)].transpose();
   input_back.assign(back);
-  if (with_derivatives) meeting_back.assign(exact.meeting_by.transpose());
+  if (with_derivatives) trunk_bias_back.assign(exact.trunk_bias_by.transpose());
 }
 
 template struct PackedLayer<double>;

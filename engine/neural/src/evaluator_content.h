@@ -8,20 +8,20 @@
 #include "supple/neural/network.h"
 #include "supple/neural/packed_matrix.h"
 
-// What an evaluator, a design and a workspace hold, in the order in which the passes read it.
+// The numbers of an evaluator, a design and a workspace, in the order in which the passes read them.
 namespace supple::neural {
 
-/// A layer's weights in both directions. The first layers need the way back only, which depends on the design.
+/// The weights of a layer for the forward and the backward pass.
 template <class Real>
 struct PackedLayer {
   PackedMatrix<Real> forward;
   PackedMatrix<Real> backward;
-  std::vector<Real> bias;  ///< zeros below, up to a stride
+  std::vector<Real> bias;  ///< padded with zeros to padded_rows
 
   PackedLayer(const Eigen::Ref<const Eigen::MatrixXd>& weights, const Eigen::VectorXd& bias_values);
 };
 
-/// A network's numbers.
+/// The packed weights of a network.
 template <class Real>
 struct PackedNetwork {
   explicit PackedNetwork(const Network& of);
@@ -29,15 +29,15 @@ struct PackedNetwork {
   Network network;
   DesignLayers design_layers;
   std::vector<Real> first_bias;
-  /// Of the layers between the first of the strain branch and the last of the trunk: the hidden ones, in order.
+  /// The layers between the first one of the strain branch and the last one of the trunk, in order.
   std::vector<PackedLayer<Real>> hidden;
   PackedLayer<Real> last;
 
-  /// Index in `hidden` of the layer where the branches meet.
-  std::size_t meeting() const { return network.strain.size() - 1; }
+  /// Index in `hidden` of the first trunk layer, which reads both branches.
+  std::size_t first_trunk_layer() const { return network.strain.size() - 1; }
 };
 
-/// What depends on the tiling parameters alone.
+/// The packed quantities of a design, which depend on the tiling parameters alone.
 template <class Real>
 struct PackedDesign {
   PackedDesign() = default;
@@ -45,22 +45,22 @@ struct PackedDesign {
 
   DesignContent exact;
   bool with_derivatives = false;
-  PackedMatrix<Real> input;         ///< M
-  PackedMatrix<Real> input_back;    ///< rows: M^T, then for each parameter the three rows of its derivative
-  PackedMatrix<Real> meeting_back;  ///< rows: derivative of the meeting layer's addend by each parameter
-  std::vector<Real> meeting;
+  PackedMatrix<Real> input;            ///< DesignContent::input
+  PackedMatrix<Real> input_back;       ///< the transposed input, and below it that of each of its derivatives
+  PackedMatrix<Real> trunk_bias_back;  ///< the derivative of the trunk bias with respect to each parameter, as a row
+  std::vector<Real> trunk_bias;        ///< padded with zeros
 };
 
-/// Scratch space of a pass; jets of one block of strains.
+/// Scratch memory of a pass for the jets of one block of strains.
 template <class Real>
 struct PassSpace {
   std::vector<Real> strains;
-  std::vector<std::vector<Real>> slopes;  ///< of each activation, jets of f'
+  std::vector<std::vector<Real>> slopes;  ///< jets of f' for each activation
   std::vector<Real> activations;
   std::vector<Real> products;
   std::vector<Real> outputs;
-  std::vector<Real> small;
-  Eigen::ArrayXXd energy;  ///< channels x jets
+  std::vector<Real> design_products;  ///< products with input_back or trunk_bias_back
+  Eigen::ArrayXXd energy;             ///< channels x jets
 };
 
 }  // namespace supple::neural

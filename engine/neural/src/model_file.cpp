@@ -25,9 +25,9 @@ using files::Hdf5Reader;
 using files::Hdf5Writer;
 
 constexpr const char* layout_name = "supple model";
-/// The second version has what the first lacks: the form of rest, the layers of the stiffness branch and features of
-/// the tile; the third the correction of the mesh. Networks are written as the first version that has what they need,
-/// so that older programs read them.
+/// Version 2 of the layout adds the form of rest, the number of layers of the stiffness branch, and the features of the
+/// tile. Version 3 adds the correction of the mesh. A network is written in the lowest version that has all it needs,
+/// so that older programs can read it.
 constexpr std::int64_t newest_version = 3;
 
 std::int64_t version_of(const Network& network) {
@@ -46,7 +46,7 @@ constexpr std::array<Branch, 4> branches{{{"strain", &Network::strain},
                                           {"trunk", &Network::trunk},
                                           {"stiffness", &Network::stiffness}}};
 
-/// The sizes that decide the layers, by name.
+/// Calls visit(name, size) for the sizes of a network's layers.
 template <class Shape, class Visit>
 void for_each_size(Shape& shape, Visit&& visit) {
   visit("parameters", shape.parameters);
@@ -95,7 +95,7 @@ std::string layer_name(const Branch& branch, std::size_t layer) {
   return std::string("network/") + branch.name + "/" + std::to_string(layer);
 }
 
-/// What the second version adds.
+/// Writes what version 2 adds.
 void write_extension(Hdf5Writer& file, const NetworkShape& shape, const TileGeometry& geometry) {
   file.value("network/rest", std::string(to_string(shape.rest)));
   file.value("network/stiffness_layers", std::int64_t{shape.stiffness_layers});
@@ -228,7 +228,7 @@ Network read_network(const Hdf5Reader& file, std::int64_t version) {
       layers.push_back({matrix_of(name + "/weights"), vector_of(name + "/bias")});
     }
   }
-  // Files of networks without have no such column.
+  // The column is missing if the network has no symmetries.
   const auto parts = file.members("network");
   if (std::find(parts.begin(), parts.end(), "symmetries") != parts.end()) {
     const auto maps = file.column<double>("network/symmetries", 9);
@@ -278,10 +278,11 @@ struct ReadFact {
   static std::string path(const char* name) { return std::string("provenance/") + name; }
 };
 
-/// Ids and families are parts of addresses and of file names; the contract of the service allows the same.
-void check_name(const char* field, const std::string& name, std::size_t longest, std::string_view characters) {
-  if (!name.empty() && name.size() <= longest && name.find_first_not_of(characters) == std::string::npos) return;
-  const auto rule = "1 to " + std::to_string(longest) + " of " + std::string(characters);
+/// Throws unless a name is short and has only allowed characters, which are those of the service's contract. Ids and
+/// families are parts of addresses and of file names.
+void check_name(const char* field, const std::string& name, std::size_t max_length, std::string_view characters) {
+  if (!name.empty() && name.size() <= max_length && name.find_first_not_of(characters) == std::string::npos) return;
+  const auto rule = "1 to " + std::to_string(max_length) + " of " + std::string(characters);
   throw Error("model.invalid_id", std::string("A model's ") + field + " is made of " + rule + ", got \"" + name + "\".",
               {{field, rule}});
 }
@@ -371,7 +372,7 @@ Model read_model(std::string_view bytes, const std::string& name, const Executio
 
 HelperTasks helper_tasks() {
   return {{std::string(read_task), [](std::string_view bytes) {
-             // What is written anew has nothing of the file that was not understood.
+             // The bytes are written anew, so that they contain nothing from the file but the model.
              Hdf5Writer file;
              write_content(file, read_content(Hdf5Reader(bytes, "the file"), "the file"));
              return file.bytes();

@@ -17,11 +17,11 @@ constexpr std::array<std::pair<EnergyForm, std::string_view>, 2> forms{
 constexpr std::array<std::pair<RestForm, std::string_view>, 2> rest_forms{
     {{RestForm::free, "free"}, {RestForm::exact, "exact"}}};
 
-/// No network of use is larger; sizes are read from files.
-constexpr int largest_width = 4096;
-constexpr int most_layers = 64;
-/// Rotations by multiples of 30 degrees and mirrors, without the identity.
-constexpr std::size_t most_symmetries = 23;
+/// Limits of sizes that are read from files. Useful networks are smaller.
+constexpr int max_width = 4096;
+constexpr int max_layers = 64;
+/// Number of rotations by multiples of 30 degrees and mirrors of a lattice, without the identity.
+constexpr std::size_t max_symmetries = 23;
 
 template <class Table>
 std::string names_of(const Table& table) {
@@ -38,7 +38,7 @@ void check(bool fine, const std::string& where, const std::string& what) {
   if (!fine) throw_invalid(where, what);
 }
 
-/// Layers of a branch: inputs -> width -> ... -> width [-> outputs].
+/// Throws unless the layers have the sizes inputs -> width -> ... -> width [-> outputs] and finite numbers.
 void check_layers(const std::vector<Layer>& layers, const std::string& branch, int hidden, long inputs, long width,
                   long outputs) {
   const auto count = static_cast<std::size_t>(hidden) + (outputs > 0 ? 1 : 0);
@@ -110,14 +110,14 @@ void validate(const Network& network) {
           "is " + std::to_string(value) + ", must be from " + std::to_string(low) + " to " + std::to_string(high));
   };
   within(shape.parameters, 1, max_parameters, "parameters");
-  within(shape.width, 8, largest_width, "width");
+  within(shape.width, 8, max_width, "width");
   check(shape.width % 8 == 0, "width", "is no multiple of 8");
-  within(shape.strain_layers, 1, most_layers, "strain_layers");
-  within(shape.parameter_layers, 1, most_layers, "parameter_layers");
-  within(shape.trunk_layers, 1, most_layers, "trunk_layers");
+  within(shape.strain_layers, 1, max_layers, "strain_layers");
+  within(shape.parameter_layers, 1, max_layers, "parameter_layers");
+  within(shape.trunk_layers, 1, max_layers, "trunk_layers");
   within(shape.outputs(), shape.form == EnergyForm::softplus ? 1 : 3, 64, "residuals");
-  within(shape.stiffness_width, 1, largest_width, "stiffness_width");
-  within(shape.stiffness_layers, 1, most_layers, "stiffness_layers");
+  within(shape.stiffness_width, 1, max_width, "stiffness_width");
+  within(shape.stiffness_layers, 1, max_layers, "stiffness_layers");
   check(shape.form == EnergyForm::sum_of_squares || shape.rest == RestForm::free, "rest",
         "must be free where the energy is no sum of squares");
   check(shape.features == static_cast<int>(network.geometry.features.size()), "features",
@@ -129,7 +129,7 @@ void validate(const Network& network) {
         "bounds", "must be finite, lower ones below upper ones");
   check_layers(network.strain, "strain", shape.strain_layers, shape.strain_inputs(), shape.width, 0);
   check_layers(network.parameter, "parameter", shape.parameter_layers, shape.design_inputs(), shape.width, 0);
-  // The trunk's first layer reads both branches.
+  // The trunk's first layer reads both branches. The checks of the other layers are made with half of its columns.
   check(!network.trunk.empty() && network.trunk[0].weights.cols() == 2L * shape.width, "trunk/0",
         "does not read both branches");
   auto trunk = network.trunk;
@@ -148,7 +148,7 @@ void validate(const Network& network) {
           "must be a matrix of 6 x " + std::to_string(terms));
     check(network.mesh_correction.allFinite(), "mesh_correction", "holds a number that is not finite");
   }
-  check(network.symmetries.size() <= most_symmetries, "symmetries", "are more than a lattice has");
+  check(network.symmetries.size() <= max_symmetries, "symmetries", "are more than a lattice has");
   for (const auto& map : network.symmetries) check(map.allFinite(), "symmetries", "hold a number that is not finite");
 }
 

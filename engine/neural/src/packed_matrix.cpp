@@ -1,4 +1,4 @@
-// Packs never leave this file's functions by value, so that their calling convention does not matter.
+// Only inlined functions pass packs by value here, so that their calling convention does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 #include "supple/neural/packed_matrix.h"
 
@@ -9,7 +9,8 @@
 namespace supple::neural {
 namespace {
 
-/// The product's tile of `Panels` panels by `Columns` columns, held in registers: 12 sums for 16 registers.
+/// Computes the tile of `Panels` panels by `Columns` columns of the product. Its sums, at most 12 vectors, are held in
+/// the 16 registers.
 template <class Real, int Panels, int Columns>
 SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c, int stride_c) {
   constexpr int packs = 2 * Panels;
@@ -30,7 +31,7 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const F
     for (int p = 0; p < packs; ++p) row[p] = load_pack<Real>(from[p / 2] + k * panel_rows + (p % 2) * count);
 #pragma GCC unroll 16
     for (int j = 0; j < Columns; ++j) {
-      // A number times a pack becomes one broadcasting load; a pack built from it does not.
+      // A number times a pack compiles to one broadcasting load. A pack that is made from the number does not.
       const Real factor = b.numbers[k * b.step + j * b.stride];
 #pragma GCC unroll 16
       for (int p = 0; p < packs; ++p) sum[p][j] += row[p] * factor;
@@ -42,19 +43,20 @@ SUPPLE_INLINE void multiply_tile(const PackedMatrix<Real>& a, int panel, const F
     for (int j = 0; j < Columns; ++j) store_pack<Real>(to + j * stride_c + p * count, sum[p][j]);
 }
 
-/// All rows of `Columns` columns; few columns take several panels at once, for enough independent sums.
+/// Computes all rows of `Columns` columns. If there are few columns, several panels are multiplied at once, so that
+/// there are enough independent sums.
 template <class Real, int Columns>
 SUPPLE_INLINE void multiply_columns(const PackedMatrix<Real>& a, const Factor<Real>& b, Real* c, int stride_c) {
-  constexpr int at_once = Columns >= 4 ? 1 : Columns >= 2 ? 2 : 4;
+  constexpr int panels_at_once = Columns >= 4 ? 1 : Columns >= 2 ? 2 : 4;
   int panel = 0;
-  for (; panel + at_once <= a.panels(); panel += at_once)
-    multiply_tile<Real, at_once, Columns>(a, panel, b, c, stride_c);
+  for (; panel + panels_at_once <= a.panels(); panel += panels_at_once)
+    multiply_tile<Real, panels_at_once, Columns>(a, panel, b, c, stride_c);
   for (; panel < a.panels(); ++panel) multiply_tile<Real, 1, Columns>(a, panel, b, c, stride_c);
 }
 
 template <class Real>
 SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
-  // A panel stays in the nearest cache while it meets all columns.
+  // A panel remains in the first-level cache while it is multiplied with all columns.
   const int sixes = n / 6 * 6;
   if (n > 6)
     for (int panel = 0; panel < a.panels(); ++panel)
@@ -80,12 +82,12 @@ SUPPLE_INLINE void multiply_all(const PackedMatrix<Real>& a, const Factor<Real>&
   }
 }
 
-/// A panel's rows of one column.
+/// A vector of a panel's rows in one column.
 template <class Real>
 using PanelPack = typename Packs<Real>::Wide;
 
-/// As multiply_tile, with one vector for a panel's rows: up to 24 sums for 32 registers. The sums run in the same
-/// order, so that results are the same to the last bit.
+/// Does what multiply_tile does, with one vector for a panel's rows: up to 24 sums in 32 registers. Sums are in the
+/// same order, so that results are the same to the last bit.
 template <class Real, int Panels, int Columns>
 SUPPLE_INLINE void multiply_wide_tile(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c,
                                       int stride_c) {
@@ -117,7 +119,8 @@ SUPPLE_INLINE void multiply_wide_tile(const PackedMatrix<Real>& a, int panel, co
     for (int j = 0; j < Columns; ++j) std::memcpy(to + j * stride_c + p * panel_rows, &sum[p][j], sizeof sum[p][j]);
 }
 
-/// All rows of `Columns` columns from `panel` on, so many panels at once as there are, halves of that for the rest.
+/// Computes the rows of `Columns` columns from panel `panel` on. `Panels` panels are multiplied at once, and half as
+/// many where fewer remain.
 template <class Real, int Panels, int Columns>
 SUPPLE_INLINE void multiply_wide_columns(const PackedMatrix<Real>& a, int panel, const Factor<Real>& b, Real* c,
                                          int stride_c) {
@@ -158,7 +161,7 @@ SUPPLE_AVX2 void multiply_avx2(const PackedMatrix<Real>& a, const Factor<Real>& 
   multiply_all(a, b, n, c, stride_c);
 }
 template <class Real>
-void multiply_any(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
+void multiply_portable(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c) {
   multiply_all(a, b, n, c, stride_c);
 }
 
@@ -180,7 +183,7 @@ void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int 
   const std::ptrdiff_t right = transposed ? 1 : stride;
   Real* to = numbers_.data();
   int first = 0;
-  // Whole panels have a loop of known length: training packs as often as it multiplies.
+  // Whole panels have a loop of constant length, which is faster. Training packs as often as it multiplies.
   for (; first + panel_rows <= rows; first += panel_rows)
     for (int k = 0; k < columns; ++k, to += panel_rows) {
       const Real* from = numbers + first * down + k * right;
@@ -195,7 +198,7 @@ void PackedMatrix<Real>::assign(const Real* numbers, int rows, int columns, int 
 }
 
 Instructions best_instructions() {
-  return has_avx512 ? Instructions::avx512 : has_avx2 ? Instructions::avx2 : Instructions::any;
+  return has_avx512 ? Instructions::avx512 : has_avx2 ? Instructions::avx2 : Instructions::portable;
 }
 
 template <class Real>
@@ -206,7 +209,7 @@ void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c
     case Instructions::avx2:
       return multiply_avx2(a, b, n, c, stride_c);
     default:
-      return multiply_any(a, b, n, c, stride_c);
+      return multiply_portable(a, b, n, c, stride_c);
   }
 }
 

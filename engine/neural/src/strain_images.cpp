@@ -7,7 +7,8 @@
 namespace supple::neural {
 namespace {
 
-/// Components of a symmetric tensor with `order` indices from 0 to 2, in the order of `Evaluation`.
+/// The indices of the components of a symmetric tensor of the given order in three dimensions, in the order of
+/// `Evaluation`.
 template <std::size_t order>
 std::vector<std::array<int, order>> components() {
   std::vector<std::array<int, order>> all;
@@ -21,7 +22,7 @@ std::vector<std::array<int, order>> components() {
   }
 }
 
-/// Of D'_ij... = T_ai T_bj ... D_ab..., as a map between components.
+/// The matrix of D'_ij... = T_ai T_bj ... D_ab... as a map between components.
 template <std::size_t order>
 Eigen::MatrixXd pulled_back(const Eigen::Matrix3d& t) {
   const auto all = components<order>();
@@ -44,9 +45,10 @@ Eigen::MatrixXd pulled_back(const Eigen::Matrix3d& t) {
   return map;
 }
 
-/// Adds the image's columns, and the images' own ones before them, as rows of components times parameters.
+/// Adds the weighted results of one image, whose columns begin at `first`, to the answer. `map` pulls back the
+/// components. A row of the results is a component, or a component and a parameter.
 template <class Map, class Images, class Answer>
-void add(const Map& map, const Images& images, long first, double share, Answer& answer) {
+void add(const Map& map, const Images& images, long first, double weight, Answer& answer) {
   if (answer.size() == 0) return;
   const long components = map.rows();
   const long inner = answer.rows() / components;
@@ -55,7 +57,7 @@ void add(const Map& map, const Images& images, long first, double share, Answer&
   const Eigen::Stride<Eigen::Dynamic, Eigen::Dynamic> stride(answer.rows(), inner);
   for (long k = 0; k < inner; ++k)
     Rows(answer.data() + k, components, answer.cols(), stride).noalias() +=
-        share *
+        weight *
         map.lazyProduct(ConstRows(images.data() + first * images.rows() + k, components, answer.cols(), stride));
 }
 
@@ -71,7 +73,7 @@ StrainImages::StrainImages(const std::vector<Eigen::Matrix3d>& maps) {
   for (const auto& map : maps) append(map);
 }
 
-void StrainImages::see(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, Eigen::Matrix3Xd& images) const {
+void StrainImages::map_strains(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, Eigen::Matrix3Xd& images) const {
   const long n = strains.cols();
   images.resize(3, n * static_cast<long>(pullbacks_.size()));
   long first = 0;
@@ -81,7 +83,7 @@ void StrainImages::see(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, Eigen:
   }
 }
 
-void StrainImages::mean(const Evaluation& of_images, long strains, Evaluation& answer) const {
+void StrainImages::average(const Evaluation& of_images, long strains, Evaluation& answer) const {
   const auto clear = [&](const auto& images, auto& part) {
     part.setZero(images.rows(), images.size() > 0 ? strains : 0);
   };
@@ -92,17 +94,17 @@ void StrainImages::mean(const Evaluation& of_images, long strains, Evaluation& a
   clear(of_images.energy_by_parameters, answer.energy_by_parameters);
   clear(of_images.stress_by_parameters, answer.stress_by_parameters);
   clear(of_images.tangent_by_parameters, answer.tangent_by_parameters);
-  const double share = 1 / static_cast<double>(pullbacks_.size());
-  const Eigen::Matrix<double, 1, 1> unchanged(1);
+  const double weight = 1 / static_cast<double>(pullbacks_.size());
+  const Eigen::Matrix<double, 1, 1> identity(1);
   long first = 0;
   for (const auto& [map, stress, tangent, third] : pullbacks_) {
-    add(unchanged, of_images.energy_density, first, share, answer.energy_density);
-    add(stress, of_images.stress, first, share, answer.stress);
-    add(tangent, of_images.tangent, first, share, answer.tangent);
-    add(third, of_images.third, first, share, answer.third);
-    add(unchanged, of_images.energy_by_parameters, first, share, answer.energy_by_parameters);
-    add(stress, of_images.stress_by_parameters, first, share, answer.stress_by_parameters);
-    add(tangent, of_images.tangent_by_parameters, first, share, answer.tangent_by_parameters);
+    add(identity, of_images.energy_density, first, weight, answer.energy_density);
+    add(stress, of_images.stress, first, weight, answer.stress);
+    add(tangent, of_images.tangent, first, weight, answer.tangent);
+    add(third, of_images.third, first, weight, answer.third);
+    add(identity, of_images.energy_by_parameters, first, weight, answer.energy_by_parameters);
+    add(stress, of_images.stress_by_parameters, first, weight, answer.stress_by_parameters);
+    add(tangent, of_images.tangent_by_parameters, first, weight, answer.tangent_by_parameters);
     first += strains;
   }
 }

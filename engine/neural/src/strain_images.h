@@ -7,28 +7,30 @@
 
 namespace supple::neural {
 
-/// A strain seen through maps e -> T e as well as it is, and the mean of what an energy answers to all of them: an
-/// energy that has the maps' symmetry, where they and the identity are a group.
+/// The images T e of strains e, and the mean of an energy over a strain and its images. If the maps T and the identity
+/// are a group, the mean has its symmetry.
 class StrainImages {
  public:
-  /// Of some maps without the identity.
+  /// `maps` does not contain the identity.
   explicit StrainImages(const std::vector<Eigen::Matrix3d>& maps);
 
-  bool none() const { return pullbacks_.empty(); }
-  /// The strains as they are, then through one map after another.
-  void see(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, Eigen::Matrix3Xd& images) const;
-  /// The mean over a strain and its images, with derivatives by the strain as it is.
-  void mean(const Evaluation& of_images, long strains, Evaluation& answer) const;
+  bool empty() const { return pullbacks_.empty(); }
+  /// Sets `images` to the strains themselves, followed by their images under one map after another.
+  void map_strains(const Eigen::Ref<const Eigen::Matrix3Xd>& strains, Eigen::Matrix3Xd& images) const;
+  /// Sets `answer` to the mean over each strain and its images, with derivatives with respect to the strain itself.
+  /// `of_images` is the evaluation of what map_strains has returned for `strains` strains.
+  void average(const Evaluation& of_images, long strains, Evaluation& answer) const;
 
  private:
-  /// Derivatives by e of a function of T e, from those by T e: linear maps of the components that `Evaluation` lists.
+  /// Linear maps from the derivatives of a function of T e with respect to T e to those with respect to e. Components
+  /// are in the order of `Evaluation`.
   struct Pullback {
     Eigen::Matrix3d map;
     Eigen::Matrix3d stress;
     Eigen::Matrix<double, 6, 6> tangent;
     Eigen::Matrix<double, 10, 10> third;
   };
-  std::vector<Pullback> pullbacks_;
+  std::vector<Pullback> pullbacks_;  ///< beginning with the identity; empty if there are no maps
 };
 
 }  // namespace supple::neural

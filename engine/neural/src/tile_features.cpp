@@ -23,50 +23,53 @@ constexpr std::array<std::pair<FeatureKind, std::string_view>, 10> names{{{Featu
                                                                           {FeatureKind::density, "density"},
                                                                           {FeatureKind::log_density, "log_density"}}};
 
-/// Lengths are rounded off at this share of the beam width: joints are as large as the beam is wide.
-constexpr double rounding = 0.25;
-/// How sharply the nearest point of an edge is cut off at its ends, in edge lengths to the minus one.
+/// Ratio to the beam width of the length below which lengths are smoothed. Joints are about as large as the beam is
+/// wide.
+constexpr double smoothing_ratio = 0.25;
+/// Sharpness of the clamping of the nearest point to an edge, in units of 1 / edge length.
 constexpr double end_sharpness = 20;
-/// Tiles have few corners; sizes are read from files.
-constexpr std::size_t most_vertices = 64;
-constexpr std::size_t most_features = 1024;
+/// Limits of sizes that are read from files. Tiles have far fewer corners.
+constexpr std::size_t max_vertices = 64;
+constexpr std::size_t max_features = 1024;
 
-/// A number and its derivatives by the tiling parameters.
-struct Tangent {
+/// A number and its derivatives with respect to the tiling parameters.
+struct DualNumber {
   double value = 0;
   Eigen::Array<double, max_parameters, 1> by = Eigen::Array<double, max_parameters, 1>::Zero();
 };
-Tangent operator+(const Tangent& a, const Tangent& b) { return {a.value + b.value, a.by + b.by}; }
-Tangent operator-(const Tangent& a, const Tangent& b) { return {a.value - b.value, a.by - b.by}; }
-Tangent operator*(const Tangent& a, const Tangent& b) { return {a.value * b.value, a.by * b.value + b.by * a.value}; }
-Tangent operator/(const Tangent& a, const Tangent& b) {
+DualNumber operator+(const DualNumber& a, const DualNumber& b) { return {a.value + b.value, a.by + b.by}; }
+DualNumber operator-(const DualNumber& a, const DualNumber& b) { return {a.value - b.value, a.by - b.by}; }
+DualNumber operator*(const DualNumber& a, const DualNumber& b) {
+  return {a.value * b.value, a.by * b.value + b.by * a.value};
+}
+DualNumber operator/(const DualNumber& a, const DualNumber& b) {
   const double quotient = a.value / b.value;
   return {quotient, (a.by - quotient * b.by) / b.value};
 }
-Tangent operator+(const Tangent& a, double b) { return {a.value + b, a.by}; }
-Tangent operator*(const Tangent& a, double b) { return {a.value * b, a.by * b}; }
-Tangent sqrt(const Tangent& a) {
+DualNumber operator+(const DualNumber& a, double b) { return {a.value + b, a.by}; }
+DualNumber operator*(const DualNumber& a, double b) { return {a.value * b, a.by * b}; }
+DualNumber sqrt(const DualNumber& a) {
   const double root = std::sqrt(a.value);
   return {root, a.by / (2 * root)};
 }
-Tangent log(const Tangent& a) { return {std::log(a.value), a.by / a.value}; }
+DualNumber log(const DualNumber& a) { return {std::log(a.value), a.by / a.value}; }
 /// log(1 + exp x), without overflow.
-Tangent softplus(const Tangent& a) {
+DualNumber softplus(const DualNumber& a) {
   const double slope = a.value >= 0 ? 1 / (1 + std::exp(-a.value)) : 1 - 1 / (1 + std::exp(a.value));
   return {std::max(a.value, 0.0) + std::log1p(std::exp(-std::abs(a.value))), a.by * slope};
 }
 
-struct TangentVector {
-  Tangent x;
-  Tangent y;
+struct DualVector {
+  DualNumber x;
+  DualNumber y;
 };
-TangentVector operator-(const TangentVector& a, const TangentVector& b) { return {a.x - b.x, a.y - b.y}; }
-TangentVector operator*(const TangentVector& a, const Tangent& b) { return {a.x * b, a.y * b}; }
-Tangent dot(const TangentVector& a, const TangentVector& b) { return a.x * b.x + a.y * b.y; }
-Tangent cross(const TangentVector& a, const TangentVector& b) { return a.x * b.y - a.y * b.x; }
+DualVector operator-(const DualVector& a, const DualVector& b) { return {a.x - b.x, a.y - b.y}; }
+DualVector operator*(const DualVector& a, const DualNumber& b) { return {a.x * b, a.y * b}; }
+DualNumber dot(const DualVector& a, const DualVector& b) { return a.x * b.x + a.y * b.y; }
+DualNumber cross(const DualVector& a, const DualVector& b) { return a.x * b.y - a.y * b.x; }
 
-TangentVector point_at(const Eigen::Matrix2Xd& point, std::span<const double> parameters) {
-  TangentVector at;
+DualVector point_at(const Eigen::Matrix2Xd& point, std::span<const double> parameters) {
+  DualVector at;
   at.x.value = point(0, 0);
   at.y.value = point(1, 0);
   for (std::size_t k = 0; k < parameters.size(); ++k) {
@@ -79,12 +82,12 @@ TangentVector point_at(const Eigen::Matrix2Xd& point, std::span<const double> pa
   return at;
 }
 
-/// The tile at some parameters, with what several features share.
+/// The tile at given parameters, with quantities that several features use.
 class TileAt {
  public:
   TileAt(const TileGeometry& geometry, std::span<const double> parameters) : width_(geometry.beam_width) {
     for (const auto& vertex : geometry.vertices) vertices_.push_back(point_at(vertex, parameters));
-    Tangent perimeter;
+    DualNumber perimeter;
     for (std::size_t k = 0; k < vertices_.size(); ++k) {
       edges_.push_back(vertices_[(k + 1) % vertices_.size()] - vertices_[k]);
       lengths_.push_back(smooth_length(edges_.back()));
@@ -92,12 +95,12 @@ class TileAt {
     }
     const auto cell =
         cross(point_at(geometry.translations[0], parameters), point_at(geometry.translations[1], parameters));
-    const double least = rounding * width_ * width_;
+    const double smoothing_area = smoothing_ratio * width_ * width_;
     // Each beam belongs to two tiles.
-    density_ = perimeter * (0.5 * width_ * geometry.tiles) / sqrt(cell * cell + least * least);
+    density_ = perimeter * (0.5 * width_ * geometry.tiles) / sqrt(cell * cell + smoothing_area * smoothing_area);
   }
 
-  Tangent measure(const TileFeature& feature) const {
+  DualNumber measure(const TileFeature& feature) const {
     const auto edge = static_cast<std::size_t>(feature.edge);
     const auto vertex = static_cast<std::size_t>(feature.vertex);
     switch (feature.kind) {
@@ -127,11 +130,11 @@ class TileAt {
 
  private:
   std::size_t before(std::size_t vertex) const { return (vertex + vertices_.size() - 1) % vertices_.size(); }
-  Tangent smooth_length(const TangentVector& x) const {
-    return sqrt(dot(x, x) + rounding * width_ * rounding * width_);
+  DualNumber smooth_length(const DualVector& x) const {
+    return sqrt(dot(x, x) + smoothing_ratio * width_ * smoothing_ratio * width_);
   }
-  /// From the edge's nearest point to the vertex.
-  TangentVector from_edge(std::size_t edge, std::size_t vertex) const {
+  /// The vector from the edge's nearest point to the vertex.
+  DualVector from_edge(std::size_t edge, std::size_t vertex) const {
     const auto x = vertices_[vertex] - vertices_[edge];
     const auto place = dot(x, edges_[edge]) / (lengths_[edge] * lengths_[edge]) * end_sharpness;
     const auto within = (softplus(place) - softplus(place + -end_sharpness)) * (1 / end_sharpness);
@@ -139,10 +142,10 @@ class TileAt {
   }
 
   double width_;
-  std::vector<TangentVector> vertices_;
-  std::vector<TangentVector> edges_;
-  std::vector<Tangent> lengths_;
-  Tangent density_;
+  std::vector<DualVector> vertices_;
+  std::vector<DualVector> edges_;
+  std::vector<DualNumber> lengths_;
+  DualNumber density_;
 };
 
 void check(bool fine, const char* what) {
@@ -181,13 +184,13 @@ void validate(const TileGeometry& geometry, int parameters) {
   const auto point = [&](const Eigen::Matrix2Xd& affine) {
     return affine.cols() == 1 + parameters && affine.allFinite();
   };
-  check(geometry.vertices.size() >= 3 && geometry.vertices.size() <= most_vertices, "has no 3 to 64 vertices");
+  check(geometry.vertices.size() >= 3 && geometry.vertices.size() <= max_vertices, "has no 3 to 64 vertices");
   check(std::all_of(geometry.vertices.begin(), geometry.vertices.end(), point) &&
             std::all_of(geometry.translations.begin(), geometry.translations.end(), point),
         "points must be finite, with a column more than there are parameters");
   check(geometry.tiles >= 1 && geometry.tiles <= 1000, "must have 1 to 1000 tiles in a cell");
   check(std::isfinite(geometry.beam_width) && geometry.beam_width > 0, "the beam width must be positive");
-  check(geometry.features.size() <= most_features, "has more than 1024 features");
+  check(geometry.features.size() <= max_features, "has more than 1024 features");
   const auto corners = static_cast<int>(geometry.vertices.size());
   for (const auto& feature : geometry.features) {
     check(feature.edge >= 0 && feature.edge < corners && feature.vertex >= 0 && feature.vertex < corners,

@@ -21,7 +21,8 @@ UniaxialState state_of(const UniaxialNewton& newton) {
   return state;
 }
 
-/// Where no finite energy was found: what is not finite is handed on, so that nobody takes it for a state.
+/// The result if no finite energy was found. It contains the numbers that are not finite, so that it cannot be mistaken
+/// for a state.
 UniaxialState overflowed(const UniaxialNewton& newton, const UniaxialPoint& last) {
   UniaxialState state = state_of(newton);
   state.stress = last.stress;

@@ -36,7 +36,7 @@ UniaxialCurve uniaxial_curve(const Model& model, const Evaluator& evaluator, con
     iterations += state.iterations;
     auto& trust = curve.trust.emplace_back(bars.uniaxial(Quantity::stress, frame, green_strains[i], state.strain,
                                                          {state.energy_density, state.stress, state.tangent}));
-    // What is no equilibrium is no answer to the question that bars are about.
+    // Error bars refer to equilibria only.
     if (!state.converged) trust.error.reset();
   }
   if (execution.cost) execution.cost->add_quantity("iterations", iterations);

@@ -7,11 +7,11 @@
 namespace supple::neural {
 namespace {
 
-/// Forces are measured against at least this share of the stiffness: close to rest, stresses are differences of numbers
-/// whose rounding is about 1e-14 of it.
-constexpr double least_force_share = 1e-3;
-/// Smallest eigenvalue that a Hessian is taken to have, over its largest.
-constexpr double least_curvature = 1e-8;
+/// Residuals are relative to the stress, or to this fraction of the stiffness if that is larger. Close to rest,
+/// stresses are differences of numbers, with rounding errors of about 1e-14 of the stiffness.
+constexpr double min_stress_ratio = 1e-3;
+/// Lower limit of the eigenvalues of |H|, relative to the largest one.
+constexpr double min_curvature_ratio = 1e-8;
 
 }  // namespace
 
@@ -38,14 +38,14 @@ Eigen::Matrix3d symmetric_matrix(const Eigen::Matrix<double, 6, 1>& c) {
 }
 
 double uniaxial_residual(const UniaxialFrame& frame, const Eigen::Vector3d& stress, const Eigen::Matrix3d& tangent) {
-  const double scale = std::max({stress.norm(), least_force_share * tangent.norm(), 1e-300});
+  const double scale = std::max({stress.norm(), min_stress_ratio * tangent.norm(), 1e-300});
   return (frame.free.transpose() * stress).norm() / scale;
 }
 
 Eigen::Vector2d convex_solve(const Eigen::Matrix2d& h, const Eigen::Vector2d& b) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(h);
   Eigen::Vector2d values = eigen.eigenvalues().cwiseAbs();
-  values = values.cwiseMax(std::max(least_curvature * values.maxCoeff(), 1e-30));
+  values = values.cwiseMax(std::max(min_curvature_ratio * values.maxCoeff(), 1e-30));
   return eigen.eigenvectors() * (eigen.eigenvectors().transpose() * b).cwiseQuotient(values);
 }
 

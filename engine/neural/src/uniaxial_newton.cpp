@@ -7,19 +7,20 @@ namespace supple::neural {
 namespace {
 
 /// Largest change of E_dd in one increment.
-constexpr double longest_increment = 0.1;
+constexpr double max_increment = 0.1;
 /// Largest change of the free strains in one step.
-constexpr double longest_step = 0.2;
-/// What suffices on the way to a state.
-constexpr double tolerance_between = 1e-3;
-/// Share of the decrease that the gradient promises which a step has to bring.
+constexpr double max_step = 0.2;
+/// Tolerance of the states between the increments.
+constexpr double intermediate_tolerance = 1e-3;
+/// Armijo's constant: the least ratio of a step's decrease of the energy to the one that the gradient predicts.
 constexpr double sufficient_decrease = 1e-4;
-/// Relative rounding of energies, which are squares of differences: within it the gradient decides.
+/// Relative rounding errors of energies. If energies differ by less, the gradient decides whether a step is accepted.
 constexpr double energy_rounding = 1e-10;
 
+/// The step, shortened to at most max_step.
 Eigen::Vector2d limited(const Eigen::Vector2d& step) {
   const double length = step.norm();
-  return length > longest_step ? Eigen::Vector2d(step * (longest_step / length)) : step;
+  return length > max_step ? Eigen::Vector2d(step * (max_step / length)) : step;
 }
 
 }  // namespace
@@ -33,25 +34,26 @@ UniaxialNewton::UniaxialNewton(const UniaxialFrame& frame, const UniaxialOptions
 
 void UniaxialNewton::start_from_rest(const UniaxialPoint& rest) {
   point_ = rest;
-  given_ = 0;
-  x_.setZero();
+  axial_strain_ = 0;
+  free_strains_.setZero();
   phase_ = Phase::done;
 }
 
-void UniaxialNewton::go_to(double given) {
-  target_ = given;
+void UniaxialNewton::go_to(double axial_strain) {
+  target_axial_strain_ = axial_strain;
   iterations_ = 0;
-  increments_left_ = std::max(1, static_cast<int>(std::ceil(std::abs(target_ - given_) / longest_increment - 1e-9)));
+  remaining_increments_ =
+      std::max(1, static_cast<int>(std::ceil(std::abs(target_axial_strain_ - axial_strain_) / max_increment - 1e-9)));
   predict();
 }
 
-void UniaxialNewton::go_straight_to(double given, const Eigen::Vector2d& step) {
-  target_ = given;
+void UniaxialNewton::go_straight_to(double axial_strain, const Eigen::Vector2d& step) {
+  target_axial_strain_ = axial_strain;
   iterations_ = 0;
-  increments_left_ = 0;
-  iterations_here_ = 0;
-  trial_given_ = given;
-  trial_x_ = x_ + limited(step);
+  remaining_increments_ = 0;
+  increment_iterations_ = 0;
+  trial_axial_strain_ = axial_strain;
+  trial_free_strains_ = free_strains_ + limited(step);
   phase_ = Phase::predicting;
 }
 
@@ -63,17 +65,16 @@ bool UniaxialNewton::receive(const UniaxialPoint& trial) {
   if (phase_ == Phase::searching && !accepts(trial)) {
     if (++halvings_ > options_.max_halvings) phase_ = Phase::failed;
     step_ /= 2;
-    trial_x_ = x_ + step_;
+    trial_free_strains_ = free_strains_ + step_;
     return false;
   }
-  given_ = trial_given_;
-  x_ = trial_x_;
+  axial_strain_ = trial_axial_strain_;
+  free_strains_ = trial_free_strains_;
   point_ = trial;
   correct();
   return true;
 }
 
-/// Whether the energy falls, or near the end, where energies differ by rounding alone, the gradient.
 bool UniaxialNewton::accepts(const UniaxialPoint& trial) const {
   if (!trial.finite()) return false;
   const double before = point_.energy_density;
@@ -82,36 +83,35 @@ bool UniaxialNewton::accepts(const UniaxialPoint& trial) const {
          (frame_.free.transpose() * trial.stress).norm() < 0.5 * gradient_.norm();
 }
 
-/// Goes on to the next increment along the path's tangent.
 void UniaxialNewton::predict() {
-  const double change = (target_ - given_) / increments_left_;
-  --increments_left_;
-  iterations_here_ = 0;
+  const double change = (target_axial_strain_ - axial_strain_) / remaining_increments_;
+  --remaining_increments_;
+  increment_iterations_ = 0;
   const Eigen::Vector2d rate = -convex_solve(free_tangent(), frame_.free.transpose() * point_.tangent * frame_.along);
-  trial_given_ = increments_left_ == 0 ? target_ : given_ + change;
-  trial_x_ = x_ + limited(rate * change);
+  trial_axial_strain_ = remaining_increments_ == 0 ? target_axial_strain_ : axial_strain_ + change;
+  trial_free_strains_ = free_strains_ + limited(rate * change);
   phase_ = Phase::predicting;
 }
 
-/// The next Newton step, the next increment, or the end.
 void UniaxialNewton::correct() {
   residual_ = uniaxial_residual(frame_, point_.stress, point_.tangent);
-  const double tolerance = increments_left_ > 0 ? std::max(tolerance_between, options_.tolerance) : options_.tolerance;
+  const double tolerance =
+      remaining_increments_ > 0 ? std::max(intermediate_tolerance, options_.tolerance) : options_.tolerance;
   if (residual_ <= tolerance) {
-    if (increments_left_ > 0) return predict();
+    if (remaining_increments_ > 0) return predict();
     phase_ = Phase::done;
     return;
   }
-  if (iterations_here_ == options_.max_iterations) {
+  if (increment_iterations_ == options_.max_iterations) {
     phase_ = Phase::failed;
     return;
   }
   ++iterations_;
-  ++iterations_here_;
+  ++increment_iterations_;
   gradient_ = frame_.free.transpose() * point_.stress;
   step_ = limited(-convex_solve(free_tangent(), gradient_));
-  trial_given_ = given_;
-  trial_x_ = x_ + step_;
+  trial_axial_strain_ = axial_strain_;
+  trial_free_strains_ = free_strains_ + step_;
   halvings_ = 0;
   phase_ = Phase::searching;
 }

@@ -1,4 +1,5 @@
-// Data sets that are cut off, damaged or extreme: what was appended is there, and what cannot be read is refused.
+// Data sets that are cut off, damaged or extreme. Designs that were appended must be read back, and damaged files must
+// be refused.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -29,7 +30,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Runs `work` in a process of its own and returns its id; it ends without any clean-up of this one's.
+/// Runs `work` in a child process and returns its id. The child ends without the clean-up of this process.
 template <class Work>
 pid_t in_another_process(Work work) {
   const pid_t child = fork();
@@ -46,7 +47,8 @@ int exit_status(pid_t child) {
   return status;
 }
 
-/// Hard: the process dies at any instruction, also within a write. Every design whose append returned is there again.
+/// Hard: the process is killed at any instruction, also within a write. Every design whose append has returned must be
+/// read back.
 TEST(HardDatasets, AProcessThatIsKilledAgainAndAgainLosesNoDesign) {
   const testing::TemporaryFolder folder;
   constexpr Selection selection{0, 400, 0, 1};
@@ -69,7 +71,7 @@ TEST(HardDatasets, AProcessThatIsKilledAgainAndAgainLosesNoDesign) {
     std::size_t appended = 0;
     for (char x = 0; read(ends[0], &x, 1) == 1;) ++appended;
     close(ends[0]);
-    if (!std::filesystem::exists(folder / "j")) continue;  // it died before it made the file
+    if (!std::filesystem::exists(folder / "j")) continue;  // the process was killed before it made the file
     const auto content = Journal::read(folder / "j");
     ASSERT_GE(content.data.designs.size(), kept + appended) << "in life " << life;
     ASSERT_LE(content.data.designs.size(), kept + appended + 1) << "one may have been written and not been told of";
@@ -82,7 +84,7 @@ TEST(HardDatasets, AProcessThatIsKilledAgainAndAgainLosesNoDesign) {
   EXPECT_EQ(all_values(Journal::read(folder / "j").data.designs), all_values(sample_dataset(selection).designs));
 }
 
-/// Hard: there is no room in the middle of a record. It is told, and what was there before stays.
+/// Hard: the disk is full in the middle of a record. The error must be reported, and earlier records must remain.
 TEST(HardDatasets, AFullDiskIsToldAndTheJournalGoesOnAfterwards) {
   const testing::TemporaryFolder folder;
   constexpr Selection selection{0, 8, 0, 1};
@@ -109,7 +111,7 @@ TEST(HardDatasets, AFullDiskIsToldAndTheJournalGoesOnAfterwards) {
   EXPECT_EQ(all_values(Journal::read(folder / "j").data.designs), all_values(sample_dataset(selection).designs));
 }
 
-/// Hard: any bit of the file is wrong, also where the HDF5 library keeps addresses that it follows without a look.
+/// Hard: any bit of the file may be wrong, also in addresses that the HDF5 library follows without checking them.
 TEST(HardDatasets, AFileWithAFlippedBitIsRefused) {
   const testing::TemporaryFolder folder;
   for (const bool compressed : {false, true}) {
@@ -123,7 +125,7 @@ TEST(HardDatasets, AFileWithAFlippedBitIsRefused) {
       damaged[at] ^= static_cast<char>(1 << random.below(8));
       std::ofstream(folder / "b.h5", std::ios::binary | std::ios::trunc) << damaged;
       try {
-        // Only the mark of the checksum may be damaged without harm.
+        // Only damage of the label of the checksum does no harm.
         EXPECT_EQ(all_values(read_dataset(folder / "b.h5").designs), all_values(data.designs)) << "byte " << at;
         EXPECT_GE(at, whole.size() - 24) << "damage that is not noticed";
       } catch (const Error& error) {
@@ -142,7 +144,7 @@ TEST(HardDatasets, AFileWithoutAChecksumIsRead) {
   EXPECT_EQ(all_values(read_dataset(folder / "d.h5").designs), all_values(data.designs));
 }
 
-/// Hard: each shard has one design, and they come in any order.
+/// Hard: each shard has one design, and shards are merged in any order.
 TEST(HardDatasets, ManyShardsOfOneDesignEachAreTheWholeDataSet) {
   constexpr std::int64_t shards = 500;
   std::vector<Dataset> parts;
@@ -154,7 +156,7 @@ TEST(HardDatasets, ManyShardsOfOneDesignEachAreTheWholeDataSet) {
   EXPECT_EQ(all_values(merged.designs), all_values(sample_dataset({0, shards, 0, 1}).designs));
 }
 
-/// Hard: values at the ends of what a number is, texts that break lines, designs without anything.
+/// Hard: numbers are infinite or at the limits of their range, texts contain line breaks, and designs are empty.
 TEST(HardDatasets, ExtremeValuesComeBackAsTheyWere) {
   const testing::TemporaryFolder folder;
   Dataset data{sample_recipe(), {5, 3, 0, 1}, {}};

@@ -1,4 +1,4 @@
-// Beams that touch: across the patch's border, after folding, and nearly so before any load.
+// Beams that touch across the patch's border, that touch after folding, and that nearly touch before any load.
 #include <limits>
 
 #include "simulation_case.h"
@@ -7,8 +7,8 @@
 namespace supple::microscale {
 namespace {
 
-// Hard: dozens of pairs come within the range of the barrier that the path is followed with, many of them a point and
-// an image from the neighbouring cell, and some press on each other.
+// Hard: dozens of pairs come within the range of the barrier with which the path is followed, and some touch. In many
+// of them, the segment is an image from a neighbouring cell.
 TEST(ContactCases, ContactAcrossThePeriodicBoundaryHolds) {
   const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
   const SimulationResult result = follow("IH01", std::vector{0.1191, 0.3178, 0.1199, 0.6276}, load);
@@ -17,13 +17,14 @@ TEST(ContactCases, ContactAcrossThePeriodicBoundaryHolds) {
   EXPECT_LT(result.states.back().smallest_gap, 5e-4 * 0.3) << "what is left of the barrier is contact";
 }
 
-// Hard: the tile crosses itself, so that a beam's two sides start close to each other and the mesh is made by cells.
+// Hard: the tile crosses itself, so that some sides are close to each other at rest, and the whole cell is meshed at
+// once.
 TEST(ContactCases, AFoldedTileUnderBiaxialLoadConverges) {
   follow("IH01", std::vector{0.2399, 0.5547, 0.0665, 0.4047}, BiaxialLoad{2.304, {{1.001, 0.939}}});
 }
 
-// Hard: a wall that is connected with nothing closes the gap to its own image; until it touches there is no stress at
-// all, and no scale of forces.
+// Hard: a wall that is connected with nothing closes the gap to its own image. Until it touches, there is no stress,
+// and thus no scale of forces.
 TEST(ContactCases, AFreeWallThatClosesAGapConverges) {
   const BiaxialLoad load{0, {{0.99, 1}, {0.97, 1}, {0.94, 1}}};
   SimulationOptions options = hard_case_options();
@@ -36,7 +37,7 @@ TEST(ContactCases, AFreeWallThatClosesAGapConverges) {
   EXPECT_LT(result.states[2].stress[0], -0.1) << "the closed wall must press";
 }
 
-/// 2 area / perimeter: of a slit the gap between its sides, mm.
+/// 2 area / perimeter of a hole, mm. For a slit this is the gap between its sides.
 double mean_width(const tiling::Polygon& hole) {
   double twice_area = 0;
   double perimeter = 0;
@@ -48,8 +49,8 @@ double mean_width(const tiling::Polygon& hole) {
   return twice_area / perimeter;
 }
 
-// Hard: the sides of long slits are 4 % of the beam width apart at rest, within the barrier's range at the least load,
-// and press on each other later.
+// Hard: the sides of long slits are 4 % of the beam width apart at rest. They come within the barrier's range under the
+// smallest load, and touch later.
 TEST(ContactCases, BeamsThatNearlyTouchAtRestConverge) {
   const std::vector<double> parameters{0.956};
   const tiling::Structure structure = tiling::make_structure(tiling::family("square"), parameters);

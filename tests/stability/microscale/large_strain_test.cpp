@@ -28,7 +28,7 @@ class LargeStrain : public ::testing::TestWithParam<FamilyCase> {
 // Hard: beams buckle, fold and come to lie on each other.
 TEST_P(LargeStrain, CompressionByThirtyPercentConverges) { load_to({0.97, 0.9, 0.8, 0.7}); }
 
-// Hard: beams turn into the direction of the load and stiffen manifold.
+// Hard: beams rotate into the direction of the load, and become many times as stiff.
 TEST_P(LargeStrain, TensionByFiftyPercentConverges) { load_to({1.03, 1.15, 1.3, 1.5}); }
 
 constexpr double upright = std::numbers::pi / 2;

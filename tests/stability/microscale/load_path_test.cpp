@@ -1,10 +1,10 @@
-// Paths that are hard for how they are followed: steps too long, buckling, and the way back.
+// Paths that are hard to follow: with steps that are too long, with buckling, and back to rest.
 #include "simulation_case.h"
 
 namespace supple::microscale {
 namespace {
 
-// Hard: ten times the usual load step; one step passes buckling and contact at once.
+// Hard: load steps are ten times as long as usual, so that beams buckle and touch within one step.
 TEST(LoadPath, ALoadStepTenTimesTooLargeConverges) {
   SimulationOptions options = hard_case_options();
   options.max_load_step = 0.5;
@@ -12,7 +12,7 @@ TEST(LoadPath, ALoadStepTenTimesTooLargeConverges) {
   expect_resistance(follow("IH01", preset("IH01"), load, options), load);
 }
 
-// Hard: the only state that is asked for is the last one of the range.
+// Hard: the only state that is requested is at the end of the range of loads.
 TEST(LoadPath, OneJumpToTheEndConverges) {
   SimulationOptions options = hard_case_options();
   options.max_load_step = 0.5;
@@ -20,7 +20,7 @@ TEST(LoadPath, OneJumpToTheEndConverges) {
     expect_resistance(follow("IH22", preset("IH22"), load, options), load);
 }
 
-// Hard: the cell's own equilibrium stays stable against all modes of one cell; only alternating ones show the way.
+// Hard: the cell's own equilibrium remains stable against all modes of one cell. Only alternating modes are unstable.
 TEST(LoadPath, BucklingOverTwoCellsIsFoundByOneCellAndByThePatch) {
   const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
   const std::vector parameters{0.1191, 0.3178, 0.1199, 0.6276};
@@ -36,7 +36,7 @@ TEST(LoadPath, BucklingOverTwoCellsIsFoundByOneCellAndByThePatch) {
   }
 }
 
-// Hard: the way back passes the load at which the beams buckled, from the other side.
+// Hard: on its way back, the path passes the load at which the beams have buckled.
 TEST(LoadPath, APathBackToRestEndsWithoutEnergy) {
   const SimulationResult result = follow("IH01", preset("IH01"), UniaxialLoad{0.5, {0.95, 0.88, 0.8, 0.88, 0.95, 1}});
   ASSERT_EQ(result.states.size(), 6U);
@@ -48,7 +48,7 @@ TEST(LoadPath, APathBackToRestEndsWithoutEnergy) {
   }
 }
 
-// Hard: equal to the last bit, though the path buckles, branches and touches.
+// Hard: results must be equal to the last bit, although beams buckle and touch on the path.
 TEST(LoadPath, TheSameRequestTwiceIsBitIdentical) {
   const UniaxialLoad load{2.094, {0.9, 0.839}};
   const std::vector parameters{0.1191, 0.3178, 0.1199, 0.6276};

@@ -1,4 +1,4 @@
-// Simulations that say their mesh's error where the coarse and the fine mesh have little in common.
+// Estimated errors of meshes in cases in which the states of the coarse and the fine mesh differ much.
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -20,7 +20,8 @@ SimulationOptions saying_options(Refinement refinement = Refinement::extrapolate
   return options;
 }
 
-/// An error is said of all states together where it is said of each, and is a finite number.
+/// Expects that estimated errors are finite numbers, and that the path has one if and only if every converged state
+/// does.
 void expect_honest(const SimulationResult& result) {
   bool all = true;
   for (const State& state : result.states) {
@@ -45,13 +46,14 @@ const std::vector<double> touching{0.1191, 0.3178, 0.1199, 0.6276};
 
 double norm_of(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
 
-// Hard: a folded tile is meshed by cells, with slivers between beams that start close to each other.
+// Hard: a folded tile requires a mesh of the whole cell. It has slivers between beams that are close to each other at
+// rest.
 TEST(MeshErrorCases, AFoldedTileSaysItsError) {
   for (const Refinement refinement : {Refinement::extrapolated, Refinement::estimated})
     expect_honest(follow("IH01", folded, BiaxialLoad{2.304, {{1.001, 0.939}}}, saying_options(refinement)));
 }
 
-// Hard: the path buckles over two cells, and dozens of pairs of boundary points press on each other on either mesh.
+// Hard: beams buckle with a period of two cells, and dozens of pairs of boundary points touch on both meshes.
 TEST(MeshErrorCases, BeamsThatBuckleAndTouchSayTheirError) {
   const UniaxialLoad load{2.094, {0.95, 0.9, 0.839}};
   const SimulationResult result = follow("IH01", touching, load, saying_options());
@@ -60,7 +62,7 @@ TEST(MeshErrorCases, BeamsThatBuckleAndTouchSayTheirError) {
   EXPECT_GT(result.states.back().contacts, 0) << "the case does not touch";
 }
 
-// Hard: close to the load at which beams buckle, one mesh finds them buckled on a path that the other leaves.
+// Hard: close to the load at which beams buckle, they have buckled on one mesh and not yet on the other.
 TEST(MeshErrorCases, NearBucklingTheErrorOfEitherBranchIsSaid) {
   UniaxialLoad load{2.094, {}};
   for (int k = 0; k <= 30; ++k) load.stretches.push_back(0.987 - 0.0001 * k);
@@ -68,8 +70,8 @@ TEST(MeshErrorCases, NearBucklingTheErrorOfEitherBranchIsSaid) {
   expect_honest(result);
   EXPECT_EQ(result.states.front().cells, 1);
   EXPECT_EQ(result.states.back().cells, 2) << "the case does not buckle";
-  // Just after buckling the fine mesh is farther along the new branch: the states there are not extrapolated, as those
-  // after them are, and say an error that covers the jump between the two.
+  // Just after buckling, the fine mesh is farther along the new branch. These states are not extrapolated. Later ones
+  // are, so that the response jumps. The estimated error must cover the jump.
   double largest_jump = 0;
   for (std::size_t k = 0; k + 1 < result.states.size(); ++k) {
     const State& state = result.states[k];
@@ -82,8 +84,9 @@ TEST(MeshErrorCases, NearBucklingTheErrorOfEitherBranchIsSaid) {
   EXPECT_GT(largest_jump, 0.01) << "no state lies between the two meshes' buckling";
 }
 
-/// How far the stress between neighbouring strains is from the integral of the tangents by Simpson's rule, over the
-/// error of the stress that is said. None where a state is missing, touches itself or is on another branch.
+/// The difference between the change of the stress over a short step of strain and the integral of the tangents by
+/// Simpson's rule, divided by the estimated error of the stress. None if a state is missing or not smooth: it did not
+/// converge, is unstable, has contacts or no estimate, or is on another branch.
 std::optional<double> broken_derivative(RandomStream& random) {
   constexpr double length = 2e-3;
   const Design design = draw_design(random);
@@ -107,14 +110,14 @@ std::optional<double> broken_derivative(RandomStream& random) {
     if (!smooth) return std::nullopt;
   }
   const Eigen::Vector3d change(step[0], step[1], 2 * step[2]);
-  // At a bifurcation between the states the tangent jumps, and no rule integrates it.
+  // If there is a bifurcation between the states, the tangent jumps, and the rule does not apply.
   if ((states[2].tangent - states[0].tangent).norm() > 0.5 * states[1].tangent.norm()) return std::nullopt;
   const Eigen::Vector3d integral = (states[0].tangent + 4 * states[1].tangent + states[2].tangent) * change / 6;
   return norm_of(states[2].stress - states[0].stress - integral) / states[1].mesh_error->stress;
 }
 
-// Hard: past a bifurcation the response of the nodes changes so fast from the coarse mesh's state to the fine one's
-// that a tangent with the response of either alone is off by up to 40 %.
+// Hard: past a bifurcation, the nodes' response to strains changes fast from the coarse mesh's state to that of the
+// fine mesh. A tangent that is computed from one response alone has an error of up to 40 %.
 TEST(MeshErrorCases, PastABifurcationTangentsAreTheDerivativesOfTheStress) {
   int compared = 0;
   for (int k = 20; k < 34; ++k) {
@@ -128,7 +131,7 @@ TEST(MeshErrorCases, PastABifurcationTangentsAreTheDerivativesOfTheStress) {
   EXPECT_GT(compared, 10);
 }
 
-// Hard: without a load there is nothing that an error could be relative to.
+// Hard: without a load, the stress to which an error could be relative is zero.
 TEST(MeshErrorCases, RestHasNoError) {
   for (const Refinement refinement : {Refinement::extrapolated, Refinement::estimated}) {
     const GreenStrainLoad load{{Eigen::Vector3d::Zero(), Eigen::Vector3d(0, 0, 1e-14), Eigen::Vector3d(1e-9, 0, 0)}};
@@ -136,7 +139,7 @@ TEST(MeshErrorCases, RestHasNoError) {
     expect_honest(result);
     ASSERT_TRUE(result.states[0].mesh_error);
     EXPECT_LT(result.states[0].mesh_error->stress, 1e-10);
-    // The error of a small strain is as large a share as that of any other.
+    // The relative error at a small strain is no larger than at other strains.
     const auto error = discretization_error({result.states[2]});
     ASSERT_TRUE(error);
     EXPECT_LT(error->stress, 0.1);
@@ -153,7 +156,7 @@ TEST(MeshErrorCases, AFreeWallThatClosesAGapSaysItsError) {
   EXPECT_GT(result.states[2].contacts, 0);
 }
 
-// Hard: the limit of nodes leaves room for the mesh, but for no finer one; or not even for the coarsest.
+// Hard: the limit of nodes allows the mesh but no finer one, or not even the coarsest mesh.
 TEST(MeshErrorCases, AMeshAtItsLimitSaysNothingRatherThanSomethingWrong) {
   const tiling::Structure structure = tiling::make_structure(tiling::family("IH22"), preset("IH22"));
   SimulationOptions options = saying_options();
@@ -167,7 +170,7 @@ TEST(MeshErrorCases, AMeshAtItsLimitSaysNothingRatherThanSomethingWrong) {
   ::supple::testing::expect_error("tiling.mesh_too_large", [&] { simulate_within(structure, load, options, 0.01); });
 }
 
-/// Requests a stop when it has been told so many times how far a path is.
+/// Requests a stop at the progress report of this number.
 class StopAt : public ProgressSink {
  public:
   StopAt(CancellationToken token, int reports) : token_(std::move(token)), left_(reports) {}
@@ -180,7 +183,8 @@ class StopAt : public ProgressSink {
   int left_;
 };
 
-// Hard: a stop leaves the fine mesh's contacts and factors as they were in the middle of a path that touches.
+// Hard: a stop request ends a path with contacts in the middle, and the fine mesh keeps contacts and factors from
+// there.
 TEST(MeshErrorCases, ACancelledPathLeavesNothingBehind) {
   const tiling::Structure structure = tiling::make_structure(tiling::family("IH01"), touching);
   const Load load = UniaxialLoad{2.094, {0.95, 0.9}};

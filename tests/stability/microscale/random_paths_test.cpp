@@ -14,7 +14,7 @@ namespace {
 constexpr int seed = 1;
 constexpr int states_of_a_path = 4;
 
-/// Uniaxial to a stretch from 0.7 to 1.5, or biaxial to two from 0.9 to 1.2, in equal steps from rest.
+/// A random load in equal steps from rest: uniaxial to a stretch from 0.7 to 1.5, or biaxial to two from 0.9 to 1.2.
 Load draw_load(RandomStream& random) {
   const double direction = random.uniform(0, std::numbers::pi);
   if (random.below(2) == 0) {
@@ -42,7 +42,7 @@ std::string describe(const Load& load) {
   return text.str();
 }
 
-/// One path: what was asked for, what arrived.
+/// The request and the result of one path.
 struct Outcome {
   Design design;
   Load load;
@@ -79,7 +79,8 @@ void write(std::ostream& out, const Outcome& o) {
       << ',' << o.stopped << '\n';
 }
 
-// SUPPLE_RANDOM_PATHS sets the number of paths, SUPPLE_RANDOM_REPORT the file that lists them.
+// The environment variable SUPPLE_RANDOM_PATHS sets the number of paths, and SUPPLE_RANDOM_REPORT the file that lists
+// them.
 TEST(RandomPaths, StepsConvergeAndNoneInvertsOrIntersects) {
   const char* wanted = std::getenv("SUPPLE_RANDOM_PATHS");
   const int paths = wanted ? std::stoi(wanted) : 20;

@@ -25,7 +25,7 @@ struct Design {
   tiling::Structure structure;
 };
 
-/// Parameters that the family refuses are drawn again.
+/// Draws a random design. Parameters that the family refuses are drawn again.
 inline Design draw_design(RandomStream& random) {
   const auto& all = tiling::families();
   const tiling::Family& family = all[random.below(static_cast<int>(all.size()))];
@@ -40,7 +40,7 @@ inline Design draw_design(RandomStream& random) {
   }
 }
 
-/// A mesh a little coarser than that of the data sets.
+/// Options with a mesh a little coarser than that of the data sets.
 inline SimulationOptions hard_case_options(double mesh_size = 0.5) {
   SimulationOptions options;
   options.mesh.mesh_size = mesh_size;
@@ -56,7 +56,7 @@ inline std::vector<double> preset(const std::string& id) {
   return parameters;
 }
 
-/// Whether the outline of a deformed patch crosses itself or an image.
+/// Whether the outline of a deformed patch crosses itself or an image of itself.
 inline bool intersects(const DeformedMesh& deformed) {
   const tiling::PeriodicMesh& mesh = *deformed.mesh;
   const Eigen::Matrix2d f = deformed.lattice * mesh.lattice.inverse();
@@ -66,12 +66,12 @@ inline bool intersects(const DeformedMesh& deformed) {
   return intersects(ContactOutline(mesh), x);
 }
 
-/// What holds for every equilibrium, whatever the load.
+/// Expects what must hold for every equilibrium under any load.
 inline void expect_sound(const State& state) {
   EXPECT_EQ(state.stopped, Stop::converged) << to_string(state.stopped);
   EXPECT_LE(state.residual, 1e-6);
   EXPECT_GT(state.smallest_jacobian, 0);
-  // Rest itself may round to a little below zero.
+  // Rounding may give an energy a little below zero at rest.
   EXPECT_GE(state.energy_density, -1e-14);
   EXPECT_TRUE(state.stress.allFinite());
   if (state.tangent.allFinite()) {
@@ -81,7 +81,7 @@ inline void expect_sound(const State& state) {
   EXPECT_FALSE(intersects(*state.deformed)) << "the outline crosses itself";
 }
 
-/// Runs the load on a structure and holds every state to `expect_sound`.
+/// Runs the load on a structure, and checks every state with `expect_sound`.
 inline SimulationResult follow(const std::string& family, std::span<const double> parameters, const Load& load,
                                const SimulationOptions& options = hard_case_options()) {
   Simulator simulator(tiling::make_structure(tiling::family(family), parameters), options);
@@ -102,7 +102,7 @@ inline double axial_stress(const State& state, double direction) {
   return c * c * state.stress[0] + s * s * state.stress[1] + 2 * c * s * state.stress[2];
 }
 
-/// A path that only ever moves away from rest stores more and more energy, and resists.
+/// Expects that energy increases along a path that leads away from rest, and that the stress opposes the load.
 inline void expect_resistance(const SimulationResult& result, const UniaxialLoad& load) {
   double before = 0;
   for (std::size_t k = 0; k < result.states.size(); ++k) {

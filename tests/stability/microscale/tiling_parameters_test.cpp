@@ -20,7 +20,7 @@ void PrintTo(const ParameterCase& c, std::ostream* out) { *out << c.name; }
 
 class NearSingularParameters : public ::testing::TestWithParam<ParameterCase> {};
 
-// Hard: sides of nearly no length, holes that have only just opened, and angles that gmsh must not lose.
+// Hard: sides have nearly no length, holes have only just opened, and gmsh must not lose sharp angles.
 TEST_P(NearSingularParameters, CompressionAndTensionConverge) {
   const ParameterCase& c = GetParam();
   for (const UniaxialLoad& load : {UniaxialLoad{0.3, {0.97, 0.9}}, UniaxialLoad{0.3, {1.03, 1.15}}})
@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(Tilings, NearSingularParameters,
                                            ParameterCase{"CornerOfTheBox", "IH28", {0.005, 0.005}}),
                          [](const auto& c) { return c.param.name; });
 
-/// A design at a place of a line through the box: its stiffness at rest and its number of holes.
+/// A design on a line through the box of parameters, with its stiffness at rest and its number of holes.
 struct DesignOnLine {
   double place = 0;
   Eigen::Matrix3d stiffness;
@@ -94,15 +94,16 @@ struct LineCase {
 
 class LinesThroughTheBox : public ::testing::TestWithParam<LineCase> {};
 
-// Hard: tiles that cross themselves, short sides, holes that fall apart. Stiffness at rest changes fast there, but not
-// at once: bisection towards the largest change ends below what meshes differ by, unless a hole opens or closes there.
+// Hard: tiles cross themselves, sides are short, and holes divide. The stiffness at rest changes fast there, but does
+// not jump. Bisection towards the largest change therefore ends at a change below the differences between meshes,
+// unless a hole opens or closes there.
 TEST_P(LinesThroughTheBox, MeetNoJumpOfTheStiffnessAtRest) {
   const LineCase& c = GetParam();
   const tiling::Family& family = tiling::family(c.family);
   RandomStream random("microscale.lines." + c.family, 1);
   int designs = 0, crossing = 0;
   for (int line = 0; line < c.lines; ++line) {
-    // Every other line runs between designs whose tiles cross themselves, where a family has any.
+    // Every other line connects designs whose tiles cross themselves, if the family has any.
     const bool crossed = line % 2 == 1;
     const Line through(family, random_design(family, random, crossed), random_design(family, random, crossed));
     std::optional<DesignOnLine> before;
@@ -136,7 +137,8 @@ INSTANTIATE_TEST_SUITE_P(Tilings, LinesThroughTheBox,
                                            LineCase{"IH28", 1, 15}, LineCase{"square", 1, 40}),
                          [](const auto& c) { return c.param.family; });
 
-// A hole became three and one again, and the stiffness a dozen times as large, where joints were made tile by tile.
+// When joints were made tile by tile, a hole of these designs became three holes and one again, and the stiffness grew
+// by a factor of twelve.
 TEST(CrossingTiles, AreAsStiffAsTheirNeighboursInTheBox) {
   const tiling::Family& family = tiling::family("IH01");
   const Line line(family, {0.097405, 0.406142, 0.05, 0.762537}, {0.097405, 0.406142, 0.05, 0.782537});

@@ -1,4 +1,4 @@
-// Error bars of the models that are shipped, where they were never calibrated.
+// Error bars of the shipped models for designs and strains with which they were not calibrated.
 #include "supple/neural/error_bars.h"
 
 #include <gtest/gtest.h>
@@ -31,13 +31,13 @@ class ErrorBarsOfShippedModels : public ::testing::TestWithParam<std::string> {
   ErrorBarsOfShippedModels()
       : model_(read_model(std::filesystem::path(SUPPLE_MODELS) / (GetParam() + ".h5"))), evaluator_(model_.network) {}
 
-  /// At a share of the box: 0 and 1 are its bounds.
+  /// The parameters on the diagonal of their box: 0 is at the lower bounds, and 1 at the upper ones.
   std::vector<double> at(double share) const {
     const Eigen::VectorXd p = model_.network.lower + share * (model_.network.upper - model_.network.lower);
     return {p.begin(), p.end()};
   }
 
-  /// Each strain from rest; nothing where there is no equilibrium.
+  /// The trust in a quantity at each strain, which is reached directly from rest. None if there is no equilibrium.
   std::vector<std::optional<Trust>> along(const std::vector<double>& parameters, double direction,
                                           const std::vector<double>& strains, Quantity quantity) const {
     const auto design = evaluator_.design(parameters);
@@ -60,7 +60,7 @@ constexpr std::array<Quantity, 3> uniaxial_quantities{Quantity::stress, Quantity
 
 TEST_P(ErrorBarsOfShippedModels, AreThereForEveryModel) { EXPECT_TRUE(model_.calibration.has_value()); }
 
-// Corners of the box have data on one side only.
+// Hard: at corners of the box, there are training data on one side only.
 TEST_P(ErrorBarsOfShippedModels, AreFiniteAtTheEdgesOfTheBoxAndOfTheStrains) {
   for (const double share : {0.0, 1e-9, 0.5, 1.0}) {
     for (const auto quantity : uniaxial_quantities) {
@@ -72,7 +72,7 @@ TEST_P(ErrorBarsOfShippedModels, AreFiniteAtTheEdgesOfTheBoxAndOfTheStrains) {
           EXPECT_LE(*trust->error, largest_error);
           EXPECT_EQ(trust->in_range, *trust->error <= trusted_error(quantity));
         }
-        // In a corner no tile may be left, and the network have no soft direction that makes sense.
+        // In a corner there may be no valid tile, so that the stiffness that the network predicts may make no sense.
         if (share == 0.5) {
           EXPECT_TRUE(asked[1] && asked[1]->error && asked[2] && asked[2]->error) << "next to rest";
         }
@@ -81,7 +81,7 @@ TEST_P(ErrorBarsOfShippedModels, AreFiniteAtTheEdgesOfTheBoxAndOfTheStrains) {
   }
 }
 
-// Ratios of stresses to strains are 0 / 0 there.
+// Hard: ratios of stresses to strains are 0 / 0 at rest.
 TEST_P(ErrorBarsOfShippedModels, DoNotJumpAtRest) {
   for (const auto quantity : uniaxial_quantities) {
     const auto bars = along(at(0.4), 0.3, {-1e-7, 0, 1e-7}, quantity);
@@ -92,7 +92,7 @@ TEST_P(ErrorBarsOfShippedModels, DoNotJumpAtRest) {
   }
 }
 
-// No simulation tells there.
+// Hard: there were no simulations with which errors could be compared.
 TEST_P(ErrorBarsOfShippedModels, AreSilentFarOutside) {
   for (const double share : {-0.1, 1.1, 50.0, -1e6}) {
     for (const auto& trust : along(at(share), 0.5, {-0.01, 0.02}, Quantity::stress)) {
@@ -108,7 +108,7 @@ TEST_P(ErrorBarsOfShippedModels, AreSilentFarOutside) {
   }
 }
 
-// Any strain may be asked for over the wire.
+// Hard: requests may contain any strain.
 TEST_P(ErrorBarsOfShippedModels, AreFiniteOrSilentAtAnyStrain) {
   RandomStream random("error bars at any strain " + GetParam(), 1);
   for (int i = 0; i < 300; ++i) {

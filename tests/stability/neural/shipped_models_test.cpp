@@ -1,4 +1,4 @@
-// The models that are shipped, where networks are asked for what training data say little about.
+// The shipped models, in cases that the training data hardly cover.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -56,7 +56,7 @@ class ShippedModels : public ::testing::TestWithParam<std::string> {
   Evaluator evaluator_;
 };
 
-// Relative rounding has nothing to stand on where energy and stress vanish.
+// Hard: energy and stress vanish, so that rounding errors are large relative to them.
 TEST_P(ShippedModels, StrainsDownToRoundingAreLinearElasticity) {
   for (const auto& parameters : corners()) {
     const auto design = evaluator_.design(parameters);
@@ -69,7 +69,7 @@ TEST_P(ShippedModels, StrainsDownToRoundingAreLinearElasticity) {
       for (int i = 0; i < 3; ++i) {
         const Eigen::Vector3d e = size * Eigen::Vector3d::Unit(i);
         const auto answer = evaluator_.evaluate(design, e, Order::stress);
-        const double curvature = 1e4 * size + 1e-14 / size;  // of the energy, and rounding
+        const double curvature = 1e4 * size + 1e-14 / size;  // change of the stiffness, and rounding errors
         EXPECT_LE((answer.stress.col(0) - stiffness * e).norm(), curvature * stiffness.norm() * size) << size;
         EXPECT_GE(answer.energy_density[0], 0);
       }
@@ -77,7 +77,7 @@ TEST_P(ShippedModels, StrainsDownToRoundingAreLinearElasticity) {
   }
 }
 
-// Corners have data on one side only, and the ends of the range none beyond.
+// Hard: at corners, there are training data on one side only, and none beyond the ends of the range.
 TEST_P(ShippedModels, UniaxialPathsToTheEndsOfTheRangeConvergeAtAllCorners) {
   for (const auto& parameters : corners()) {
     const auto design = evaluator_.design(parameters);
@@ -95,7 +95,7 @@ TEST_P(ShippedModels, UniaxialPathsToTheEndsOfTheRangeConvergeAtAllCorners) {
   }
 }
 
-// No states lead there: the first step is the whole way.
+// Hard: only the end of the path is requested.
 TEST_P(ShippedModels, OneJumpToAnEndOfTheRangeConverges) {
   RandomStream random("one jump " + GetParam(), 1);
   for (int trial = 0; trial < 200; ++trial) {
@@ -110,7 +110,7 @@ TEST_P(ShippedModels, OneJumpToAnEndOfTheRangeConverges) {
   }
 }
 
-// Networks extrapolate at will: what they say must be finite, and be known for what it is.
+// Hard: networks extrapolate in an arbitrary manner. Results must be finite, and must not be called in range.
 TEST_P(ShippedModels, FarOutsideAnswersAreFiniteAndFlagged) {
   auto far = corners().back();
   for (const double size : {2.0, 1e2, 1e4}) {
@@ -129,7 +129,7 @@ TEST_P(ShippedModels, FarOutsideAnswersAreFiniteAndFlagged) {
   }
 }
 
-// Next to the strain at which the length along the load vanishes there is no equilibrium to be trusted.
+// Hard: close to the strain at which the length along the load vanishes, there may be no equilibrium.
 TEST_P(ShippedModels, NextToAVanishingLengthNothingIsClaimedThatIsNotReached) {
   for (const auto& parameters : corners()) {
     const auto states = uniaxial_path(evaluator_, evaluator_.design(parameters), 0.3, std::vector{-0.4999});

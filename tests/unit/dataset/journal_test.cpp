@@ -19,7 +19,7 @@ void write_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-/// A journal of designs 0 .. count - 1 at `path`; returns its size after each of them, its beginning first.
+/// Writes a journal of the designs 0 .. count - 1. Returns its sizes in bytes: without designs, and after each of them.
 std::vector<std::size_t> write_journal(const std::filesystem::path& path, int count) {
   Journal journal(path, sample_recipe(), selection);
   std::vector<std::size_t> sizes{std::filesystem::file_size(path)};

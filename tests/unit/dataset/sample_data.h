@@ -20,7 +20,7 @@ inline Recipe sample_recipe() {
   return recipe;
 }
 
-/// A design whose every value is drawn anew for each index; every fourth is rejected.
+/// A design with random values that depend on its index. Every fourth design is rejected.
 inline Design sample_design(std::int64_t index) {
   RandomStream random("sample_design", static_cast<std::uint64_t>(index));
   const auto draw = [&random] { return random.uniform(-1, 1); };
@@ -95,7 +95,7 @@ auto all_values(const std::vector<Each>& list) {
   return result;
 }
 
-/// Everything of a design, as one comparable value.
+/// All values of a design as one tuple, which can be compared.
 inline auto values(const Design& design) {
   return std::make_tuple(design.index, design.parameters, design.engine, design.error_code, design.error_message,
                          design.nodes, design.unknowns, design.seconds, all_values(design.paths),

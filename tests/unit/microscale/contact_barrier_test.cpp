@@ -45,7 +45,7 @@ void hold(ContactBarrier& barrier, const Eigen::VectorXd& x) {
   barrier.prepare_step(x, Eigen::VectorXd::Zero(x.size()));
 }
 
-/// The cell deforms by f while the pieces keep their shape and place.
+/// The state in which the lattice deforms by f, and the pieces in the cell at the origin keep their shape and place.
 Eigen::VectorXd move_images(const tiling::PeriodicMesh& mesh, const Eigen::Matrix2d& f) {
   Eigen::VectorXd x = rest(mesh);
   x.tail<4>() << f(0, 0) - 1, f(0, 1), f(1, 0), f(1, 1) - 1;
@@ -54,13 +54,13 @@ Eigen::VectorXd move_images(const tiling::PeriodicMesh& mesh, const Eigen::Matri
   return x;
 }
 
-/// A wall of width 1 whose next image is at `gap`, moved up by `slide`.
+/// The state of a wall of width 1 in which the gap to its next image is `gap`, and the image is moved up by `slide`.
 Eigen::VectorXd press(const tiling::PeriodicMesh& mesh, double gap, double slide = 0) {
   const double period = mesh.lattice(0, 0);
   return move_images(mesh, (Eigen::Matrix2d() << (1 + gap) / period, 0, slide / period, 1).finished());
 }
 
-/// Wanders at random, held back by contact, until enough is in contact.
+/// A state with more than eight pairs in contact, which is reached by random steps that contact shortens.
 Eigen::VectorXd tangle(const tiling::PeriodicMesh& mesh, ContactBarrier& barrier, RandomStream& random) {
   Eigen::VectorXd x = rest(mesh);
   for (int attempt = 0; attempt < 100; ++attempt) {
@@ -166,7 +166,7 @@ TEST(ContactBarrier, GrowsBeyondBoundsAsFacesMeet) {
 }
 
 TEST(ContactBarrier, OfFlatFacesIsThePressureTimesTheirLengthHoweverFineTheOutline) {
-  // Two walls of height 2: the energy of each is stiffness b(d) for each length of face.
+  // The two faces that meet have a length of 2 each. The energy of each face is stiffness * b(d) per length.
   const double gap = options.range / 2;
   const LogBarrier at_gap(gap, options.range);
   EXPECT_NEAR(-2 * at_gap.first, 1.19, 0.005) << "pressure over stiffness at half the range";
@@ -177,7 +177,7 @@ TEST(ContactBarrier, OfFlatFacesIsThePressureTimesTheirLengthHoweverFineTheOutli
       const Eigen::VectorXd x = press(mesh, gap, slide);
       hold(barrier, x);
       EXPECT_NEAR(energy(barrier, x), 2 * 2 * options.stiffness * at_gap.value, 1e-10) << rows << " rows";
-      // A change of F alone moves the faces, 0.2 apart at rest, by as much.
+      // The faces are 0.2 apart at rest, so that a change of F_xx alone changes their distance by 0.2 times as much.
       const double force = -gradient(barrier, x)[2 * mesh.nodes.cols()] / 0.2;
       EXPECT_NEAR(force, -2 * 2 * options.stiffness * at_gap.first, 1e-8) << rows << " rows";
     }
@@ -259,8 +259,8 @@ TEST(ContactBarrier, IsTheSameForEveryChoiceOfTheTranslations) {
 }
 
 TEST(ContactBarrier, IsTheSameForEveryChoiceOfThePointsCells) {
-  // Moving a node by a lattice translation of the deformed patch and all its images with it changes nothing, but only
-  // whole pieces may be moved: the ring is one.
+  // If a whole piece is moved by a translation of the deformed lattice, all its images move alike, and the deformed
+  // patch is the same. The ring is one piece.
   RandomStream random("contact_barrier", 5);
   const tiling::PeriodicMesh mesh = testing::open_ring();
   ContactBarrier barrier(mesh, options);
@@ -305,7 +305,7 @@ TEST(ContactBarrier, KnowsTheStiffnessOfA2x2PatchAgainstAlternatingModes) {
   };
   const tiling::PeriodicMesh patch = testing::draw(twice_drawing, twice(columns), twice(rows));
 
-  // The same state of both; then modes that alternate.
+  // Cell and patch are compared in the same state, first their energies and then modes that alternate.
   RandomStream random("contact_barrier", 7);
   ContactBarrier on_cell(cell, options);
   ContactBarrier on_patch(patch, options);

@@ -16,7 +16,7 @@ using Eigen::Vector2d;
 
 Vector2d random_vector(RandomStream& random) { return {random.normal(), random.normal()}; }
 
-/// By ternary search along the segment, which needs no case distinction.
+/// The distance of the origin from a segment, found by ternary search along the segment without distinguishing cases.
 double searched_distance(const Vector2d& tail, const Vector2d& head) {
   double low = 0;
   double high = 1;
@@ -37,7 +37,7 @@ TEST(ViewSegment, SeesTheNearestPointInsideOrAtAnEnd) {
   for (int trial = 0; trial < 1000; ++trial) {
     const Vector2d tail = random_vector(random);
     const Vector2d head = random_vector(random);
-    const SegmentView view = view_segment(tail, head);
+    const PointSegmentDistance view = point_segment_distance(tail, head);
     ++seen[static_cast<int>(view.nearest)];
     EXPECT_NEAR(std::sqrt(view.squared_distance), searched_distance(tail, head), 1e-7);
   }
@@ -45,21 +45,21 @@ TEST(ViewSegment, SeesTheNearestPointInsideOrAtAnEnd) {
 }
 
 TEST(ViewSegment, TakesASegmentWithoutLengthForItsTail) {
-  const SegmentView view = view_segment(Vector2d(3, 4), Vector2d(3, 4));
+  const PointSegmentDistance view = point_segment_distance(Vector2d(3, 4), Vector2d(3, 4));
   EXPECT_EQ(view.nearest, Nearest::tail);
   EXPECT_EQ(view.squared_distance, 25);
 }
 
 TEST(ViewSegment, IsZeroOnTheSegmentAndAtItsEnds) {
-  EXPECT_EQ(view_segment(Vector2d(0, 0), Vector2d(1, 2)).squared_distance, 0);
-  EXPECT_EQ(view_segment(Vector2d(1, 2), Vector2d(0, 0)).squared_distance, 0);
-  EXPECT_EQ(view_segment(Vector2d(-1, -2), Vector2d(1, 2)).squared_distance, 0);
-  const SegmentView beyond = view_segment(Vector2d(1, 0), Vector2d(2, 0));
+  EXPECT_EQ(point_segment_distance(Vector2d(0, 0), Vector2d(1, 2)).squared_distance, 0);
+  EXPECT_EQ(point_segment_distance(Vector2d(1, 2), Vector2d(0, 0)).squared_distance, 0);
+  EXPECT_EQ(point_segment_distance(Vector2d(-1, -2), Vector2d(1, 2)).squared_distance, 0);
+  const PointSegmentDistance beyond = point_segment_distance(Vector2d(1, 0), Vector2d(2, 0));
   EXPECT_EQ(beyond.nearest, Nearest::tail);
   EXPECT_EQ(beyond.squared_distance, 1);
 }
 
-/// cos(d) of point, tail and head: first and second derivative of the outer function differ from zero.
+/// cos(d) as a function of point, tail and head. Both derivatives of the cosine are different from zero.
 numerics::Evaluation cosine_of_distance(const Eigen::VectorXd& at) {
   const InsideDistance inside(at.segment<2>(2) - at.head<2>(), at.tail<2>() - at.head<2>());
   numerics::Evaluation evaluation;
@@ -147,7 +147,7 @@ TEST(SafeShare, KeepsAShareOfTheDistanceOnRandomMotions) {
     const double speed = std::pow(10, random.uniform(-3, 3));
     const Vector2d tail_change = speed * random_vector(random);
     const Vector2d head_change = trial % 5 == 0 ? tail_change : Vector2d(speed * random_vector(random));
-    const double share = safe_share(tail, head, tail_change, head_change, 0.2, 1);
+    const double share = conservative_ccd_step(tail, head, tail_change, head_change, 0.2, 1);
     (share < 1 ? cut : whole)++;
     ASSERT_GT(share, 0);
     const double start = searched_distance(tail, head);
@@ -166,7 +166,7 @@ TEST(SafeShare, GoesAlmostAsFarAsTheKeptDistanceAllows) {
     const Vector2d tail(-random.uniform(0.5, 2), 1);
     const Vector2d head(random.uniform(0.5, 2), 1);
     const Vector2d change(random.normal(), -random.uniform(1, 5));
-    const double share = safe_share(tail, head, change, change, 0.2, 1);
+    const double share = conservative_ccd_step(tail, head, change, change, 0.2, 1);
     if (share == 1) continue;
     EXPECT_LT(searched_distance(tail + share * change, head + share * change), 0.2 + 0.05);
   }
@@ -174,19 +174,20 @@ TEST(SafeShare, GoesAlmostAsFarAsTheKeptDistanceAllows) {
 
 TEST(SafeShare, LetsASegmentSlidePastAtAConstantDistance) {
   const Vector2d slide(1000, 0);
-  EXPECT_EQ(safe_share({-1, 1e-6}, {1, 1e-6}, slide, slide, 0.2, 1), 1);
-  EXPECT_EQ(safe_share({-1, 1e-6}, {1, 1e-6}, Vector2d::Zero(), Vector2d::Zero(), 0.2, 1), 1);
+  EXPECT_EQ(conservative_ccd_step({-1, 1e-6}, {1, 1e-6}, slide, slide, 0.2, 1), 1);
+  EXPECT_EQ(conservative_ccd_step({-1, 1e-6}, {1, 1e-6}, Vector2d::Zero(), Vector2d::Zero(), 0.2, 1), 1);
 }
 
 TEST(SafeShare, StopsAPointThatMovesAlongTheSegmentsLine) {
   const Vector2d approach(-4, 0);
-  const double share = safe_share({1, 0}, {2, 0}, approach, approach, 0.2, 1);
+  const double share = conservative_ccd_step({1, 0}, {2, 0}, approach, approach, 0.2, 1);
   EXPECT_NEAR(share, 0.2, 1e-12);
 }
 
 TEST(SafeShare, StopsASegmentThatTurnsOntoThePoint) {
-  // The tail stays, the head swings from straight up across the origin: it would cross at half way.
-  const double share = safe_share({-1, 0}, {-1, 2}, Vector2d::Zero(), Vector2d(4, -4), 0.2, 1);
+  // The tail stays, and the head moves from above the tail to the right. At half the step, the segment crosses the
+  // origin.
+  const double share = conservative_ccd_step({-1, 0}, {-1, 2}, Vector2d::Zero(), Vector2d(4, -4), 0.2, 1);
   EXPECT_LT(share, 0.5);
   EXPECT_GT(share, 0.3);
 }

@@ -21,21 +21,23 @@ std::set<PairKey> contacts(const ContactPairs& pairs, const Eigen::VectorXd& x) 
   std::set<PairKey> found;
   for (const ContactPair& pair : pairs.pairs()) {
     const PlacedSegment placed(pair, gradient, x);
-    if (std::sqrt(view_segment(placed.tail, placed.head).squared_distance) >= pair.range) continue;
+    if (std::sqrt(point_segment_distance(placed.tail, placed.head).squared_distance) >= pair.range) continue;
     const bool fresh = found.emplace(pair.point, pair.segment, pair.tail_shift[0], pair.tail_shift[1]).second;
     EXPECT_TRUE(fresh) << "a pair that is listed twice";
   }
   return found;
 }
 
-/// Walks at random as far as is safe; calls look(x, step, share) before each step.
+/// Makes random steps, each as long as `prepare` allows. Calls look(x, step, share) before each step, where `share` is
+/// the fraction of the step that is allowed.
 template <class Look>
 void wander(const tiling::PeriodicMesh& mesh, ContactPairs& pairs, int steps, double amplitude, double strain,
             RandomStream& random, Look&& look) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(2 * mesh.nodes.cols() + 4);
   Eigen::VectorXd direction;
   for (int k = 0; k < steps; ++k) {
-    // The same way for a while, so that things meet; then small steps, which a list serves.
+    // Three long steps in one direction bring points near each other. The list need not be rebuilt for the fourth,
+    // which is short.
     if (k % 4 == 0) direction = testing::random_motion(mesh, amplitude, strain, random);
     const Eigen::VectorXd step = (k % 4 == 3 ? 0.01 : 1.0) * direction;
     const double share = pairs.prepare(x, step);
@@ -149,7 +151,7 @@ TEST(ContactPairs, StopAStepThatWouldPullASlabThroughItsImages) {
   const CellCoordinates coordinates{mesh.nodes.cols()};
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(coordinates.size());
   Eigen::VectorXd squeeze = rest;
-  // The cell shrinks by the gap and more while the wall keeps its width.
+  // The cell shrinks by more than the gap, and the wall keeps its width.
   squeeze[coordinates.strain()] = -0.6;
   for (Eigen::Index k = 0; k < mesh.nodes.cols(); ++k) squeeze[2 * k] = 0.6 * mesh.nodes(0, k);
   const double share = pairs.prepare(rest, squeeze);

@@ -12,7 +12,7 @@ namespace {
 
 using testing::distance_to;
 
-/// Every image that the grid visits around `position` and how often.
+/// The number of visits of each image that the grid visits around `position`. Keys are (segment, shift).
 std::map<std::tuple<int, int, int>, int> visits(const SegmentGrid& grid, const Eigen::Vector2d& position,
                                                 double radius) {
   std::map<std::tuple<int, int, int>, int> counts;
@@ -34,7 +34,7 @@ TEST(SegmentGrid, VisitsOnceEveryImageInReachHoweverTheLatticeIsDeformed) {
     const Eigen::Matrix2d lattice = f * outline.lattice;
     Eigen::Matrix2Xd points = f * outline.rest;
     for (Eigen::Index k = 0; k < points.size(); ++k) points(k) += 0.05 * random.normal();
-    // Points may have wandered off by whole cells.
+    // The points may be moved by whole periods.
     if (trial % 2 == 0) points.colwise() += lattice * Eigen::Vector2d(random.below(7) - 3, random.below(7) - 3);
 
     const double radius = random.uniform(0.02, trial % 10 == 0 ? 3.0 : 0.4);
@@ -133,7 +133,7 @@ TEST(Intersects, SeesAPieceThatReachesIntoItsNextImage) {
   const CellCoordinates coordinates{mesh.nodes.cols()};
   Eigen::VectorXd x = Eigen::VectorXd::Zero(coordinates.size());
   EXPECT_FALSE(intersects(outline, x));
-  // The cell shrinks while the ring keeps its shape; a little shear, lest sides lie exactly on each other.
+  // The cell shrinks, and the ring keeps its shape. A little shear avoids sides that lie exactly on each other.
   Eigen::Matrix2d f;
   f << 0.8, 0.02, 0.03, 1;
   x.segment<4>(coordinates.strain()) << f(0, 0) - 1, f(0, 1), f(1, 0), f(1, 1) - 1;

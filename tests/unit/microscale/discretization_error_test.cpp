@@ -1,4 +1,4 @@
-// What a simulation says of its mesh's error, against meshes that are fine without any extrapolation.
+// The estimated error of a mesh, compared with results on much finer meshes without extrapolation.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -104,7 +104,8 @@ TEST(DiscretizationError, LeavesFreeSidesFreeAndPrescribedStretchesExact) {
   const auto states = run(preset_of("IH22"), accurate_options(), UniaxialLoad{0, {1.03, 0.98}}).states;
   for (const State& state : states) {
     EXPECT_NEAR(state.deformation_gradient(0, 0), state.green_strain[0] > 0 ? 1.03 : 0.98, 1e-12);
-    // Free of force exactly; the stress is that force over the extrapolated area, up to products of small changes.
+    // The forces on free sides vanish exactly. The stress does so up to products of the small changes between the
+    // meshes.
     EXPECT_LT(std::abs(state.stress[1]) + std::abs(state.stress[2]), 1e-4 * std::abs(state.stress[0]));
   }
 }

@@ -19,7 +19,7 @@ using testing::random_motion;
 
 constexpr Law laws[] = {Law::neo_hookean, Law::incompressible_plane_stress};
 
-/// A skew frame with a hole, of few enough triangles for dense comparisons.
+/// A skew frame with a hole. It has so few triangles that dense matrices can be compared.
 tiling::PeriodicMesh skew_frame() {
   const Eigen::Matrix2d skew = (Eigen::Matrix2d() << 1, 0.2, 0, 0.9).finished();
   return draw({"###", "#.#", "###"}, {0.3, 0.5, 0.2}, {0.25, 0.4, 0.35}, skew);
@@ -42,7 +42,7 @@ TEST(ElasticEnergy, HasTheDerivativesOfItsValueAtModerateAndExtremeStates) {
       numerics::DerivativeCheckOptions options;
       options.step = 1e-3;
       const auto check = numerics::check_derivatives<CellState>(energy, x, options);
-      // At rest the gradient is exactly zero, and compared absolutely.
+      // At rest, the gradient is exactly zero, and the error is an absolute one.
       EXPECT_LT(check.gradient.error, 1e-7) << to_string(law) << " " << size << ": " << check.summary();
       EXPECT_LT(check.hessian.error, 1e-7) << to_string(law) << " " << size << ": " << check.summary();
     }
@@ -79,8 +79,9 @@ TEST(ElasticEnergy, HasAScaleOfForcesWhichIsTheSumInSquaresOfWhatTrianglesAdd) {
   const Eigen::Matrix2d f = (Eigen::Matrix2d() << 1.3, 0.1, -0.2, 0.75).finished();
   const Eigen::Matrix2d inverse = f.inverse().transpose();
   const Eigen::Matrix2d stress = mu * (f - inverse) + lambda * std::log(f.determinant()) * inverse;
-  // In a triangle under one stress P a corner bears a third of area P g, with g its gradient of barycentric
-  // coordinates, and the middle of a side four thirds of area P (g + h).
+  // In a triangle with the uniform stress P, the force on a corner is a third of area P g, and that on the midpoint of
+  // a side is four thirds of area P (g + h). g and h are the gradients of the barycentric coordinates of the corner and
+  // of the next one.
   double sum = 0;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
     Eigen::Matrix3d corners = Eigen::Matrix3d::Ones();
@@ -106,7 +107,8 @@ TEST(ElasticEnergy, KeepsItsDigitsAtTinyStrains) {
     energy.add(Eigen::VectorXd(size * direction), 0, sum);
     return sum.value / (size * size);
   };
-  // Quadratic near rest: the ratio to the square tends to a limit, linearly in the size.
+  // The energy is quadratic near rest: divided by the square of the size, it differs from its limit linearly in the
+  // size.
   EXPECT_NEAR(value(1e-7), value(2e-6), 1e-5 * value(1e-7));
   EXPECT_NEAR(value(1e-5), value(2e-6), 1e-3 * value(1e-5));
 }
@@ -216,7 +218,7 @@ TEST(ElasticEnergy, AlternatingHessiansAreThoseOfTheTwoByTwoPatch) {
     const Eigen::VectorXd spread = repeat_over_patch({alternation, mode, 0});
     Eigen::VectorXd expected = repeat_over_patch({alternation, block * mode, 0});
     Eigen::VectorXd got = whole * spread;
-    // Only a mode of the cell's own period does work against a macroscopic strain.
+    // Modes that alternate have no coupling with the macroscopic strain.
     EXPECT_LT(got.tail<4>().norm(), 1e-10 * got.norm());
     got.tail<4>().setZero();
     EXPECT_LT((got - expected).norm(), 1e-12 * expected.norm()) << alternation.first << " " << alternation.second;

@@ -19,7 +19,7 @@ tiling::PeriodicMesh crossing_beams() {
   return testing::draw(drawing, widths, widths);
 }
 
-/// The least eigenvalue of each alternating mode's stiffness.
+/// The least eigenvalue of the stiffness for each alternation.
 std::array<double, alternations.size()> least_eigenvalues(const CellModel& cell, const Eigen::VectorXd& x) {
   AlternatingEntries entries;
   cell.add_alternating_hessians(x, entries);

@@ -1,6 +1,6 @@
-// Equilibria of the data set published with Neural Metamaterial Networks (family IH01), whose conventions are ours:
-// neo-Hookean solid of 26 MPa and Poisson's ratio 0.48, quadratic triangles of a third of the beam width, not graded.
-// Another mesh of that size moves the stress by some 0.05 %, more where beams are about to buckle.
+// Equilibria of the published data set of the family IH01 [LiCoros2023]. Its solid is neo-Hookean with 26 MPa and
+// Poisson's ratio 0.48, as ours is by default. Its quadratic triangles have a third of the beam width and are not
+// graded. Another mesh of that size changes the stress by some 0.05 %, and by more if beams are about to buckle.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -131,8 +131,8 @@ const std::vector<PublishedRow>& buckled_rows() {
   return rows;
 }
 
-/// Beams come within the range of a contact barrier and do not touch: with the barrier as wide as paths are followed
-/// with the stress errs by 0.6 %, without it by 0.09 %.
+/// Beams come within the range of the contact barrier and do not touch. The error of the stress is 0.6 % with the wide
+/// barrier with which paths are followed, and 0.09 % without a barrier.
 const PublishedRow& nearly_touching_row() {
   static const PublishedRow row{"CompressionOfOneCell",
                                 {0.1278593673, 0.3313893914, 0.08809997669, 0.7176405383},
@@ -207,7 +207,7 @@ TEST(PublishedRows, DoNotFeelABarrierWithoutContact) {
   EXPECT_LT(stress_error(state, nearly_touching_row()), 0.002);
 }
 
-// With mitred joints at re-entrant corners the tile is a tenth too stiff: 0.01946 MPa.
+// With mitred joints at re-entrant corners, the tile would be a tenth too stiff, with an energy density of 0.01946 MPa.
 TEST(PublishedRows, DenseTilesHaveSquareJoints) {
   const tiling::Structure structure = tiling::make_structure(
       tiling::family("IH01"), std::vector{0.08428510182, 0.394279423, 0.1097567763, 0.436773953});

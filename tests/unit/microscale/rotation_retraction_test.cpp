@@ -19,7 +19,7 @@ using testing::equal;
 /// A thin beam across the cell.
 tiling::PeriodicMesh beam() { return draw({"..........", "##########"}, equal(10, 0.3), {0.2, 2.8}); }
 
-/// A sideways motion of the beam, as a wave that leaves node 0 where it is.
+/// A transverse motion of the beam: a wave with no displacement at node 0.
 Eigen::VectorXd wave(const tiling::PeriodicMesh& mesh, double amplitude) {
   Eigen::VectorXd step = Eigen::VectorXd::Zero(2 * mesh.nodes.cols() + 4);
   const double period = mesh.lattice(0, 0);

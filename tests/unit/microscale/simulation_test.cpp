@@ -38,7 +38,7 @@ tiling::PeriodicMesh stiff_frame() {
   return draw({"######", "##..##", "##..##", "######"}, equal(6, 1.0 / 6), equal(4, 0.25), skew);
 }
 
-/// Slender crossing beams: under compression they buckle with a period of two cells.
+/// Slender crossing beams, which buckle under compression with a period of two cells.
 tiling::PeriodicMesh lattice() {
   const std::vector<double> widths = {0.06, 0.06, 0.11, 0.11, 0.11, 0.11, 0.11, 0.11, 0.11, 0.11};
   testing::Drawing drawing(8, "##........");
@@ -46,7 +46,7 @@ tiling::PeriodicMesh lattice() {
   return draw(drawing, widths, widths);
 }
 
-/// The laws' second Piola-Kirchhoff stress, from C alone.
+/// The law's second Piola-Kirchhoff stress, computed from C alone.
 Eigen::Matrix2d analytic_stress(const Material& material, const Eigen::Matrix2d& c) {
   const Eigen::Matrix2d inverse = c.inverse();
   const double j = std::sqrt(c.determinant());
@@ -88,7 +88,7 @@ TEST(Simulator, GivesASolidCellTheMaterialsOwnLaw) {
 
 TEST(Simulator, PassesThePatchTestOnADistortedMesh) {
   tiling::PeriodicMesh mesh = draw({"####", "####", "####", "####"}, equal(4, 0.25), equal(4, 0.25));
-  // Corners move at random; midpoints follow, so that sides stay straight.
+  // Corners are moved at random, and midpoints with them, so that sides remain straight.
   RandomStream random("patch test", 0);
   const Eigen::Index n = mesh.nodes.cols();
   std::vector<bool> corner(static_cast<std::size_t>(n), false);
@@ -114,7 +114,7 @@ TEST(Simulator, PassesThePatchTestOnADistortedMesh) {
                                                        Eigen::Matrix2d::Identity() + 2 * tensor(state.green_strain))))
                 .norm(),
             1e-10 * state.stress.norm());
-  // Every node moves with the macroscopic deformation, but for one common translation.
+  // Every node moves with the macroscopic deformation, apart from one common translation.
   const Eigen::Matrix2Xd moved = state.deformed->nodes - state.deformation_gradient * mesh.nodes;
   EXPECT_LT((moved.colwise() - moved.col(0)).norm(), 1e-10);
 }
@@ -144,7 +144,7 @@ TEST(Simulator, StressIsTheDerivativeOfEnergyAndTangentThatOfStress) {
 }
 
 TEST(Simulator, TangentsOfSoftCellsAreDerivativesOfTheStressToo) {
-  // Long thin beams bend before they stretch, and little of what they resist is left in the residual of a response.
+  // Long thin beams are so soft in bending that a response can have a large error although its residual is small.
   SimulationOptions options;
   options.material = {Law::incompressible_plane_stress, 7.4, 0.48};
   options.mesh.mesh_size = 0.7;
@@ -291,7 +291,7 @@ TEST(Simulator, ReportsTheUnstableStateWhereBucklingIsOff) {
   EXPECT_EQ(result.states[0].branch, 0);
 }
 
-// The sides of the hole press on each other from a stretch of about 0.6 on.
+// The sides of the hole touch each other at stretches below about 0.6.
 TEST(Simulator, TightensContactOfStatesAndGoesOnFromTheOnesThatItFollowed) {
   Simulator simulator(stiff_frame(), {});
   const SimulationResult path = simulator.run(UniaxialLoad{0.3, {0.62, 0.58, 0.54, 0.5}});
@@ -337,7 +337,7 @@ TEST(Simulator, ReportsTheLastEquilibriumWhereAPathCannotBeFollowed) {
   ASSERT_NE(last.stopped, Stop::converged);
   ASSERT_GT(last.energy_density, 0) << "no step was made";
   EXPECT_NE(stopped.message, "");
-  // Stress and energy are those of the strain that is reported, not of an attempt that failed.
+  // Stress and energy belong to the strain that is reported, and not to an attempt that failed.
   const State again = strict.run(GreenStrainLoad{{last.green_strain}}).states.at(0);
   EXPECT_NEAR(last.energy_density, again.energy_density, 1e-6 * again.energy_density + 1e-12);
 }
@@ -345,7 +345,8 @@ TEST(Simulator, ReportsTheLastEquilibriumWhereAPathCannotBeFollowed) {
 TEST(Simulator, SaysThatAStateIsOutOfReachWhereItBucklesButCannotSettle) {
   SimulationOptions options;
   options.contact = Switch::off;
-  // Enough for one cell under so small a load, too few for the patch once it has left the unstable equilibrium.
+  // One iteration suffices for one cell under so small a load. It does not for the patch, which has left an unstable
+  // equilibrium.
   options.max_iterations = 1;
   const SimulationResult result = Simulator(lattice(), options).run(BiaxialLoad{0, {{0.98, 0.98}}});
   const State& last = result.states.at(0);
@@ -394,7 +395,7 @@ TEST(Simulator, TakesOptionsUpToTheirLimitsAndNoFurther) {
     return std::vector<std::string>{};
   };
   using Refused = std::vector<std::string>;
-  // clang 14 cannot capture a structured binding by reference, hence `value = value`.
+  // clang 14 cannot capture a structured binding by reference. Therefore the captures are written `value = value`.
   for (const auto& [value, within] : {std::pair(0.99e-12, false), {1e-12, true}, {1e-2, true}, {1.01e-2, false}})
     EXPECT_EQ(refused([value = value](auto& o) { o.tolerance = value; }), within ? Refused{} : Refused{"tolerance"})
         << value;

@@ -66,7 +66,7 @@ TEST(ExpectedError, HoldsFeaturesWithinWhatWasSeenAndEndsAtTheLargest) {
   Eigen::VectorXd features = Eigen::VectorXd::Zero(uniaxial_feature_count(2));
   EXPECT_NEAR(expected_error(calibration, Quantity::stress, features), 0.02, 1e-12);
   EXPECT_NEAR(expected_error(calibration, Quantity::poisson, features), 0.06, 1e-12);
-  scale.coefficients[3] = 1;  // of the third feature
+  scale.coefficients[3] = 1;  // the linear coefficient of the third feature
   scale.least[2] = -1;
   scale.greatest[2] = 2;
   features[2] = 1;

@@ -24,7 +24,7 @@ NetworkShape shape_of(EnergyForm form, Activation activation, int width, int par
   return shape;
 }
 
-/// With the exact form of rest, features of a tile and another depth of the stiffness branch.
+/// The shape with the exact form of rest, with features of a tile, and with a stiffness branch of another depth.
 NetworkShape extended(NetworkShape shape, int features, int stiffness_layers) {
   shape.rest = RestForm::exact;
   shape.features = features;
@@ -45,7 +45,8 @@ class Evaluations : public ::testing::TestWithParam<NetworkShape> {
       for (int i = 0; i < 3; ++i) strains(i, j) = stream.uniform(-0.3, 0.4);
   }
 
-  /// Richardson-extrapolated central differences: what an evaluation's rows change by along `move`.
+  /// The derivative of an evaluation's rows with respect to a parameter, or to a component of strain if `parameter` is
+  /// negative. It is computed from central differences with Richardson extrapolation.
   template <class Rows>
   Eigen::MatrixXd differences(const Evaluator& evaluator, Rows rows, int strain, int parameter) const {
     const double scale = parameter < 0 ? 1 : network.upper[parameter] - network.lower[parameter];
@@ -115,7 +116,7 @@ TEST_P(Evaluations, DerivativesByStrainAgreeWithDifferences) { expect_strain_der
 
 TEST_P(Evaluations, DerivativesByParametersAgreeWithDifferences) { expect_parameter_derivatives(*this); }
 
-/// What a rotation makes of (E_xx, E_yy, 2 E_xy).
+/// The linear map of (E_xx, E_yy, 2 E_xy) for a rotation.
 Eigen::Matrix3d rotation_of_strains(double angle) {
   const double c = std::cos(angle);
   const double s = std::sin(angle);
@@ -144,7 +145,7 @@ TEST_P(Evaluations, SymmetriesHoldExactlyAndDerivativesAreThoseOfTheMean) {
   expect_parameter_derivatives(*this);
 }
 
-/// Random numbers in the form of a correction for a network with so many parameters.
+/// A random mesh correction for a network with this number of parameters.
 Eigen::MatrixXd random_correction(int parameters, double size) {
   RandomStream stream("correction", 7);
   Eigen::MatrixXd correction(6, 1 + parameters + parameters * (parameters + 1) / 2);
@@ -171,7 +172,7 @@ TEST_P(Evaluations, ACorrectionOfEqualFactorsMultipliesTheEnergy) {
   network.mesh_correction = random_correction(network.shape.parameters, 0.1);
   network.mesh_correction.bottomRows(3).setZero();
   for (const int row : {1, 2}) network.mesh_correction.row(row) = network.mesh_correction.row(0);
-  // Half the logarithm of the factor by hand: a polynomial of degree 2 in parameters from -1 to 1.
+  // Half the logarithm of the factor is computed here: a polynomial of degree 2 in the mapped parameters.
   double half = network.mesh_correction(0, 0);
   long term = 1;
   std::vector<double> mapped;
@@ -248,7 +249,7 @@ TEST(SumOfSquares, EnergyAndStressVanishAtRestAndEnergyIsNowhereNegative) {
   EXPECT_GE(evaluator.evaluate(design, strains, Order::energy).energy_density.minCoeff(), 0);
 }
 
-/// L L^T of the stiffness branch alone, with L^T L's rows worked out here from its layers.
+/// L L^T of the stiffness branch, computed here from the branch's layers.
 Eigen::Matrix3d stiffness_of_branch(const Network& network, const std::vector<double>& parameters) {
   const auto n = network.shape.parameters;
   Eigen::VectorXd x(network.shape.design_inputs());

@@ -150,7 +150,7 @@ TEST_F(ModelFile, AnyChangedByteIsNoticedBeforeItIsRead) {
 TEST_F(ModelFile, IsReadFromBytesAsFromTheFile) {
   write_model(path, model);
   const std::string bytes = content(path);
-  // A file of the name that stands in messages is none of the library's business.
+  // The name is used in messages only, even if there is a file of that name.
   for (const std::string& name : {std::string("a name"), path.string()}) {
     write_model(folder / "again.h5", read_model(bytes, name));
     EXPECT_EQ(content(folder / "again.h5"), bytes) << name;
@@ -159,7 +159,7 @@ TEST_F(ModelFile, IsReadFromBytesAsFromTheFile) {
     testing::expect_error("file.unreadable", [&] { (void)read_model(wrong, "a name"); });
 }
 
-/// Reads in a helper process until the end of a test.
+/// Models are read in a helper process until the end of a test.
 class ModelFileInAHelper : public ModelFile {
  protected:
   ModelFileInAHelper() {
@@ -171,7 +171,7 @@ class ModelFileInAHelper : public ModelFile {
   std::condition_variable read;
   int trial_read = 0;
 
-  /// Bytes with the checksum that makes them a file of ours.
+  /// The bytes with a valid checksum at their end.
   std::string sealed(const std::string& bytes) const {
     const auto file = folder / "sealed.h5";
     std::ofstream(file, std::ios::binary) << bytes;
@@ -187,7 +187,7 @@ TEST_F(ModelFileInAHelper, IsTheModelThatIsReadHere) {
   EXPECT_EQ(content(folder / "again.h5"), bytes);
 }
 
-// Whatever the library makes of such a file, this process goes on, and what it reads is a model.
+// A forged file may make the library crash. This process must go on, and whatever it reads must be a valid model.
 TEST_F(ModelFileInAHelper, AForgedOneHarmsTheHelperAlone) {
   write_model(path, model);
   const std::string bytes = content(path);
@@ -200,7 +200,7 @@ TEST_F(ModelFileInAHelper, AForgedOneHarmsTheHelperAlone) {
       const auto place = static_cast<std::size_t>(stream.uniform() * std::min<double>(4096, forged.size()));
       forged[place] = static_cast<char>(stream.below(256));
     }
-    // A file that keeps the library busy for ever is given up by its caller.
+    // If a file makes the library run for ever, its caller stops it.
     const Execution execution;
     std::thread patience([&, token = execution.cancellation] {
       std::unique_lock lock(mutex);

@@ -13,7 +13,7 @@
 namespace supple::neural {
 namespace {
 
-/// A rectangle of sides a and b, which are the parameters, with every feature of each kind.
+/// A rectangle whose sides a and b are the parameters, with one feature of each kind.
 TileGeometry rectangle() {
   const auto point = [](double by_a, double by_b) {
     Eigen::Matrix2Xd affine = Eigen::Matrix2Xd::Zero(2, 3);
@@ -33,15 +33,15 @@ TileGeometry rectangle() {
 TEST(TileFeatures, OfARectangleAreWhatItsSidesSay) {
   const auto values = evaluate_features(rectangle(), std::vector{2.0, 3.0}, false);
   const double w = 0.1;
-  const double slack = 1e-3;  // Lengths are rounded off at a quarter of the beam width.
+  const double slack = 1e-3;  // Lengths are smoothed below a quarter of the beam width.
   EXPECT_NEAR(values(0, 0), 2 / w, 20 * slack);
   EXPECT_NEAR(values(1, 0), std::log(2 / w), slack);
   EXPECT_NEAR(values(2, 0), 1, slack);
   EXPECT_NEAR(values(3, 0), 0, slack);
   EXPECT_NEAR(values(4, 0), 0, slack) << "a right angle";
   EXPECT_NEAR(values(5, 0), 1, slack);
-  // Vertex 2 lies beside the end of edge 0, where the nearest point is cut off smoothly: it is at most a tenth of the
-  // edge away from the end.
+  // Vertex 2 is beside the end of edge 0. The nearest point is clamped smoothly, and thus at most a tenth of the edge
+  // away from the end.
   EXPECT_NEAR(values(6, 0), std::log(3 / w), 0.01);
   EXPECT_NEAR(values(7, 0), 1, 0.01);
   EXPECT_NEAR(values(8, 0), w * (2 + 3) / (2 * 3), slack);
@@ -65,7 +65,7 @@ TEST(TileFeatures, DerivativesAgreeWithDifferencesAlsoWhereTilesCrossThemselvesO
     std::vector<double> parameters;
     for (int k = 0; k < 3; ++k) parameters.push_back(stream.uniform(-1.2, 1.2));
     if (trial == 0) {
-      // Where edge 0 has no length, as nearly as three parameters allow.
+      // Parameters at which the length of edge 0 vanishes up to rounding.
       Eigen::Matrix2d map;
       const Eigen::Matrix2Xd edge = geometry.vertices[1] - geometry.vertices[0];
       map << edge(0, 1), edge(0, 2), edge(1, 1), edge(1, 2);
@@ -83,7 +83,7 @@ TEST(TileFeatures, DerivativesAgreeWithDifferencesAlsoWhereTilesCrossThemselvesO
       const Eigen::VectorXd coarse = (at(2 * h) - at(-2 * h)) / (4 * h);
       const Eigen::VectorXd fine = (at(h) - at(-h)) / (2 * h);
       const Eigen::VectorXd difference = (4 * fine - coarse) / 3;
-      // A kink would leave an error of the order of the derivatives themselves.
+      // At a kink, the difference would have an error of the size of the derivatives themselves.
       EXPECT_LE((exact.col(1 + k) - difference).cwiseAbs().maxCoeff(), 1e-6 * (1 + difference.cwiseAbs().maxCoeff()))
           << "trial " << trial;
     }

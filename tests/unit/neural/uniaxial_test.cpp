@@ -12,8 +12,8 @@
 namespace supple::neural {
 namespace {
 
-/// A network that is exactly the quadratic energy s/2 |y|^2: its last layer adds nothing. With L = sqrt(2) times
-/// (1; 0.4 1; 0.1 0.2 1) at every parameter.
+/// A network whose energy is exactly the quadratic s/2 |y|^2, because the weights of its last layer are zero. L is
+/// sqrt(2) times (1; 0.4 1; 0.1 0.2 1) for all parameters.
 Network quadratic_network() {
   NetworkShape shape;
   shape.width = 16;
@@ -41,7 +41,7 @@ TEST(Uniaxial, OfAQuadraticEnergyIsWhatLinearAlgebraSays) {
     ASSERT_EQ(states.size(), 3U);
     const double c = std::cos(direction);
     const double s = std::sin(direction);
-    // S = sigma d d^T, E = C^-1 S with E_dd given.
+    // S = sigma d d^T and E = C^-1 S, where sigma follows from the given E_dd.
     const Eigen::Vector3d along(c * c, s * s, c * s);
     const Eigen::Vector3d engineering(c * c, s * s, 2 * c * s);
     const Eigen::Vector3d compliance = stiffness().inverse() * along;

@@ -9,6 +9,7 @@
 
 namespace supple::dataset {
 
+/// The kind of a path's load, as it is stored.
 enum class LoadKind : std::uint8_t { uniaxial = 0, biaxial = 1 };
 
 /// One equilibrium of a path. Strains are Green strains, stresses are second Piola-Kirchhoff stresses, and everything
@@ -29,25 +30,26 @@ struct Row {
   std::int32_t branch = 0;               ///< how many unstable branches the path has left so far
   std::int32_t contacts = 0;             ///< pairs within the contact barrier's range
   std::int32_t cells = 1;                ///< cells along each side of the simulated patch: 1 or 2
-  bool stable = true;                    ///< whether it is positive definite against all modes that were looked for
+  bool stable = true;                    ///< whether the stiffness is positive definite for all modes that were checked
 };
 
-/// One load path from rest. Only converged states become rows; a path that stopped early says where and why.
+/// One load path from rest. Only converged states become rows. A path that ended early says where and why.
 struct Path {
   LoadKind kind = LoadKind::uniaxial;
   double direction = 0;            ///< rad
   double end_stretch = 1;          ///< s of its last state
   double end_lateral_stretch = 0;  ///< s0 of its last state; 0 where it is free
-  std::int32_t planned = 0;        ///< number of states that were asked for
+  std::int32_t planned = 0;        ///< number of states that were requested
   std::int32_t reached = 0;        ///< number of them that became rows
-  std::string stopped;             ///< "converged", or the simulation's reason to stop, or an error's code
+  std::string stopped;             ///< "converged", or why the simulation ended early, or an error's code
   std::string message;             ///< empty if it converged
 };
 
+/// The cost of one stage of a design's simulation.
 struct StageCost {
   std::string name;
   double seconds = 0;
-  std::int64_t count = 0;
+  std::int64_t count = 0;  ///< how often the stage ran
 };
 
 /// Everything that the simulation of one design gave.
@@ -67,7 +69,7 @@ struct Design {
   bool rejected() const { return !error_code.empty(); }
 };
 
-/// The designs of the recipe's sequence that are asked for: i in [first, first + count) with i mod shards = shard.
+/// The requested designs of the recipe's sequence: i in [first, first + count) with i mod shards = shard.
 struct Selection {
   std::int64_t first = 0;
   std::int64_t count = 0;
@@ -84,7 +86,7 @@ struct Dataset {
   std::vector<Design> designs;  ///< sorted by index, each once
 };
 
-/// The designs for which the selection asks and which the data set lacks.
+/// The indices of the designs that the selection contains and the data set lacks.
 std::vector<std::int64_t> missing_designs(const Dataset& data);
 
 }  // namespace supple::dataset

@@ -12,8 +12,8 @@ struct FileOptions {
   bool compressed = false;  ///< whether columns are written in chunks whose bytes are shuffled and deflated
 };
 
-/// Writes one HDF5 file (layout: docs/datasets.md). The file appears completely or not at all: it is written beside its
-/// place, synchronized and renamed. The same data give the same bytes. Throws "file.write_failed".
+/// Writes one HDF5 file (layout: docs/datasets.md). The file appears completely or not at all, because it is written
+/// under another name, synchronized and then renamed. The same data give the same bytes. Throws "file.write_failed".
 void write_dataset(const std::filesystem::path& path, const Dataset& data, const FileOptions& options = {});
 
 /// Reads a data set. Throws "file.unreadable" if there is no such file, if its content does not have its checksum, if
@@ -21,6 +21,6 @@ void write_dataset(const std::filesystem::path& path, const Dataset& data, const
 /// data sets had checksums are read without one.
 Dataset read_dataset(const std::filesystem::path& path);
 
-// HDF5's library is not made for several threads: only one thread at a time may be in these functions.
+// HDF5's library is not thread-safe. Only one thread at a time may be in these functions.
 
 }  // namespace supple::dataset

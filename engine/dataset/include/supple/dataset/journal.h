@@ -8,14 +8,14 @@
 
 namespace supple::dataset {
 
-/// The path of the journal that keeps the unfinished data set which will become `path`.
+/// The path of the journal of an unfinished data set, whose finished file will be `path`.
 std::filesystem::path journal_path(const std::filesystem::path& path);
 
 /// An unfinished data set on disk. Its file only grows, by one design at a time.
 ///
 /// Each record has its length and a CRC-32, and is synchronized before `append` returns. The process or the machine may
-/// stop at any moment: all designs whose `append` returned are read back, and a last record that is incomplete is cut
-/// off. A design is written completely or not at all. Only one process at a time may use a journal (flock).
+/// crash at any moment. All designs whose `append` has returned are read back, and an incomplete last record is cut
+/// off. Only one process at a time may use a journal (flock).
 class Journal {
  public:
   struct Content {

@@ -11,10 +11,10 @@ namespace supple::dataset {
 /// is no such file. Throws "file.unreadable".
 Dataset read_finished_or_partial(const std::filesystem::path& path);
 
-/// Makes one data set of several with the same recipe. They are shards of one selection, or consecutive stretches of
-/// the sequence.
+/// Makes one data set of several with the same recipe. They are shards of one selection, or consecutive ranges of the
+/// sequence of designs.
 ///
-/// Designs are sorted by index. The selection becomes the least stretch of the sequence that contains all selections,
+/// Designs are sorted by index. The selection becomes the smallest range of the sequence that contains all selections,
 /// so that merged shards equal the data set that is made without shards. Throws "dataset.different_recipe" (which names
 /// the settings), "dataset.duplicate_design" (which names the design) and, unless `allow_missing`,
 /// "dataset.missing_designs".

@@ -16,18 +16,18 @@
 
 namespace supple::microscale {
 
-/// Macroscopic loads. A list of strains or stretches is one path from rest, which is followed in its order. A stretch
-/// is a length divided by the length at rest, > 0.
-///
+// Macroscopic loads. A list of strains or stretches is one path from rest, which is followed in its order. A stretch is
+// a length divided by the length at rest, > 0.
+
 /// This load imposes the Green strain (E_xx, E_yy, E_xy; tensor components) exactly. The macroscopic rotation is the
 /// identity.
 struct GreenStrainLoad {
   std::vector<Eigen::Vector3d> strains;
 };
-/// In which frame the direction of a uniaxial load is fixed.
+/// The frame in which the direction of a uniaxial load is fixed.
 enum class LoadFrame {
-  space,     ///< F^T d = s d, as in the thesis's simulations: the stress is uniaxial along F^-1 d of the material
-  material,  ///< F d = s d, as in inverse design (thesis 4.9): the stress is uniaxial along d
+  space,     ///< F^T d = s d, as in the simulations of [Thesis, eq. 4.2]: the stress is uniaxial along F^-1 d
+  material,  ///< F d = s d, as in inverse design [Thesis, eq. 4.9]: the stress is uniaxial along d
 };
 /// This load imposes the stretch s along the direction d = (cos, sin). The rest of F is free: lateral strain and shear
 /// have the least energy.
@@ -43,16 +43,16 @@ struct BiaxialLoad {
 };
 using Load = std::variant<GreenStrainLoad, UniaxialLoad, BiaxialLoad>;
 
-/// The number of states of a load's path.
+/// The number of states on a load's path.
 int size(const Load& load);
 
 using supple::Switch;
 
-/// Whether states are found once more on a finer mesh, on which every triangle is divided in four.
+/// Whether states are also found on a finer mesh, on which every triangle is divided in four.
 enum class Refinement {
-  off,           ///< states are those of the mesh, and nothing is known of its error
+  off,           ///< states are those of the mesh, and its error is not estimated
   estimated,     ///< states are those of the mesh, and their error is estimated from the finer one
-  extrapolated,  ///< states are extrapolated from both meshes, which leaves a small part of the error; it is estimated
+  extrapolated,  ///< states are extrapolated from both meshes; the small remaining error is estimated
 };
 
 struct SimulationOptions {
@@ -60,41 +60,42 @@ struct SimulationOptions {
   /// Size and grading of the mesh; see tiling::MeshOptions. The default is the mesh of the data sets.
   tiling::MeshOptions mesh{};
   /// A state is an equilibrium if |g| <= tolerance * f. Here g is the gradient of the energy with respect to the nodes
-  /// and the free strain components, and f is the root of the sum of squares of what the single terms add to it (MPa mm
-  /// per mm of thickness).
+  /// and the free strain components, and f is the root of the sum over triangles of |nodal forces of the triangle|^2
+  /// (MPa mm per mm of thickness).
   double tolerance = 1e-8;
   int max_iterations = 60;  ///< Newton iterations for one load step before it is halved
   /// The largest change of any component of F in one internal load step. Longer steps are divided.
   double max_load_step = 0.05;
-  /// Self-contact. automatic and on look for it in every step, and assemble it while a pair of boundary points is
+  /// Self-contact. automatic and on search for it in every step, and evaluate it while a pair of boundary points is
   /// within the barrier's range (the energy of all other pairs is exactly zero). off lets beams pass through each
   /// other.
   Switch contact = Switch::automatic;
   /// 2x2 cells. automatic simulates one cell until one of its equilibria is unstable against a mode that alternates
   /// from cell to cell (the three other Bloch phases of the 2x2 patch), and then two by two cells. on uses them from
-  /// the start, and off never.
+  /// the start, and off never does.
   Switch patch = Switch::automatic;
-  /// A deliberate step along the least stable mode if the tangent is not positive definite. automatic means on. off
-  /// reports the unstable state.
+  /// A step along the least stable mode, which is taken if the tangent is not positive definite. automatic means on.
+  /// off reports the unstable state.
   Switch buckling = Switch::automatic;
-  /// Costs about as much again as the states themselves. off suits data sets, in which all designs have the error of
-  /// one mesh, and whoever simulates on several meshes anyway.
+  /// A refinement takes about as much time as the states themselves. off suits data sets, in which all designs have the
+  /// error of one mesh, and studies that compare several meshes themselves.
   Refinement refinement = Refinement::off;
   bool tangents = true;          ///< compute the tangent stiffness of each state
-  bool deformed_meshes = false;  ///< keep each state's node positions
+  bool deformed_meshes = false;  ///< return each state's node positions
 };
 
+/// Why the search for an equilibrium ended.
 enum class Stop {
   converged,
   iteration_limit,  ///< the smallest load step did not converge
-  step_too_small,   ///< no descent was found, because a barrier or an element was at its limit
+  step_too_small,   ///< no step decreased the energy, because a barrier or an element was at its limit
 };
 std::string_view to_string(Stop stop);
 
-/// The error that a mesh makes, as |difference| of a quantity.
+/// The discretization error of a mesh. It has the units of the quantities, or is relative to them.
 struct MeshError {
-  double stress = 0;          ///< Frobenius norm
-  double energy_density = 0;  ///< absolute value
+  double stress = 0;          ///< Frobenius norm of the error
+  double energy_density = 0;  ///< absolute value of the error
 };
 
 struct DeformedMesh {
@@ -108,50 +109,50 @@ struct State {
   Eigen::Vector3d green_strain = Eigen::Vector3d::Zero();  ///< E_xx, E_yy, E_xy
   Eigen::Vector3d stress = Eigen::Vector3d::Zero();        ///< second Piola-Kirchhoff S_xx, S_yy, S_xy, MPa
   double energy_density = 0;                               ///< MPa, including contact
-  /// d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), MPa, symmetric. NaN where it was not asked for or is singular.
+  /// d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), MPa, symmetric. NaN if it is singular or was not requested.
   Eigen::Matrix3d tangent = Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Matrix2d deformation_gradient = Eigen::Matrix2d::Identity();
   Stop stopped = Stop::converged;
   double residual = 0;  ///< |g| / f as in SimulationOptions::tolerance
   int iterations = 0;   ///< Newton iterations since the previous state
   int load_steps = 0;   ///< internal load steps since the previous state
-  /// The number of pairs of boundary points and sides within the barrier's range. The range was reduced until the pairs
-  /// touch or until it no longer matters.
+  /// The number of pairs of boundary points and sides within the barrier's range. The range was reduced until no pair
+  /// was within it or until it no longer influenced the state.
   int contacts = 0;
-  /// The smallest gap between sides that are not neighbours, mm; infinity if it was not looked for.
+  /// The smallest gap between sides that are not neighbours, mm; infinity if no gap was searched or none is near.
   double smallest_gap = std::numeric_limits<double>::infinity();
-  /// Whether the state is positive definite against all modes of the patch, including two-by-two modes if those were
-  /// looked for.
+  /// Whether the stiffness is positive definite for all modes of the patch, including modes of two by two cells if
+  /// those were checked.
   bool stable = true;
-  int branch = 0;                ///< how many times the path has left an unstable branch
+  int branch = 0;                ///< number of unstable branches that the path has left so far
   int cells = 1;                 ///< cells along each side of the patch: 1 or 2
   double smallest_jacobian = 1;  ///< least det F over the whole area of all elements
-  /// The estimated error of the mesh, MPa. At least nine of ten states err by less than it, see
-  /// docs/bench/simulations-discretization.md. None if `SimulationOptions::refinement` is off, if the state did not
-  /// converge or is not stable, if there is no stable equilibrium near it on the finer mesh, or if that mesh would have
-  /// more nodes than MeshOptions::max_nodes.
+  /// The estimated error of the mesh, MPa. The error of at least nine of ten states is less than it, see
+  /// docs/bench/simulations-discretization.md. There is none in the following cases: `SimulationOptions::refinement` is
+  /// off; the state did not converge or is not stable; there is no stable equilibrium near it on the finer mesh; that
+  /// mesh would have more nodes than MeshOptions::max_nodes.
   std::optional<MeshError> mesh_error;
   std::optional<DeformedMesh> deformed;
 };
 
 struct SimulationResult {
-  /// One state for each state of the load. If the path stopped early there are fewer, and the last one says why.
+  /// One state for each state of the load. If the path ended early there are fewer, and the last one says why.
   std::vector<State> states;
-  std::string message;  ///< why it stopped early; empty if it did not
+  std::string message;  ///< why the path ended early; empty if it did not
   int nodes = 0;        ///< number of nodes of one cell's mesh
   int unknowns = 0;     ///< number of unknowns of the largest system that was solved
-  /// Whether states are extrapolated where that was possible. It is not done where the finer mesh would have more nodes
-  /// than MeshOptions::max_nodes.
+  /// Whether states are extrapolated if possible. False also if the finer mesh would have more nodes than
+  /// MeshOptions::max_nodes.
   bool extrapolated = false;
 };
 
-/// The root mean square of the estimated errors over that of the stress and the energy density, over the states of a
-/// path that converged; dimensionless. 0 if all of them are zero, as at rest. None if one of these states has no
-/// estimate.
+/// The relative error of the stress and of the energy density of a path, dimensionless: the root mean square of the
+/// estimated errors of all converged states, divided by that of the quantity. 0 if the quantity is zero in all of them,
+/// as at rest. None if one of these states has no estimate.
 std::optional<MeshError> discretization_error(const std::vector<State>& states);
 
-/// A meshed structure that is ready for loads. It keeps factorization patterns and the stiffness at rest. Threads must
-/// not share it.
+/// A meshed structure that can be loaded. Its factorization patterns are reused from load to load. Threads must not
+/// share a simulator.
 class Simulator {
  public:
   /// Meshes one cell. Throws what tiling::mesh_structure throws, and "simulation.invalid_option", which names the

@@ -7,11 +7,11 @@
 
 namespace supple::microscale {
 
-/// A deformed patch as a VTK unstructured grid (VTU, ASCII): quadratic triangles (cell type 22) at their rest positions
-/// in mm, the point data "displacement" (mm, with the macroscopic part) and the cell data "energy_density" (MPa: the
-/// triangle's elastic energy per rest area, from its three integration points).
+/// Writes a deformed patch as a VTK unstructured grid (VTU, ASCII). It has quadratic triangles (cell type 22) at their
+/// rest positions in mm, the point data "displacement" (mm, including the macroscopic part) and the cell data
+/// "energy_density" (MPa, the triangle's elastic energy per rest area from its three integration points).
 ///
-/// `unwrapped` is unwrap(*deformed.mesh). Numbers read back as the same doubles. About 250 bytes a point.
+/// `unwrapped` is unwrap(*deformed.mesh). Numbers are read back as the same doubles. A point takes about 250 bytes.
 std::string write_vtu(const UnwrappedMesh& unwrapped, const DeformedMesh& deformed, const Material& material);
 
 }  // namespace supple::microscale

@@ -10,7 +10,8 @@
 
 namespace supple::neural {
 
-/// f and its first three derivatives at z, as far as `derivatives` asks.
+/// Sets f[0] to the activation at z, and f[1], f[2], f[3] to its derivatives. Derivatives of an order above
+/// `derivatives` may be left out.
 template <class Real, Activation A>
 SUPPLE_INLINE void derivatives_of(const Pack<Real>& z, int derivatives, Pack<Real> (&f)[4]) {
   if constexpr (A == Activation::swish) {

@@ -17,14 +17,14 @@ struct Batch {
   Order order = Order::stress;
 };
 
-/// What a model says about the strains of a batch, in their order.
+/// A model's results for the strains of a batch, in their order.
 struct BatchResult {
   Evaluation values;
   std::vector<Trust> trust;
 };
 
 /// Throws "model.parameter_count" unless each design has as many numbers as the model has parameters. There is one
-/// detail for each of the first 20 designs at fault. It names `field`, followed by "/" and the index of the design if
+/// detail for each of the first 20 faulty designs. It names `field`, followed by "/" and the index of the design if
 /// there are `several`.
 void check_designs(const Model& model, std::span<const std::vector<double>> designs, const std::string& field,
                    bool several);
@@ -33,9 +33,9 @@ void check_designs(const Model& model, std::span<const std::vector<double>> desi
 /// or one for each strain.
 void check_batch(const Model& model, const Batch& batch);
 
-/// Evaluates a batch that has passed `check_batch`, in parallel. Equal designs that follow one another are prepared
-/// only once. Throws "model.not_finite" with a detail such as "green_strain/7". Bills the stages "designs" and
-/// "evaluation" and the quantities "designs" and "strains".
+/// Evaluates a batch that has passed `check_batch`, in parallel. Consecutive designs that are equal are prepared once.
+/// Throws "model.not_finite" with a detail such as "green_strain/7". Bills the stages "designs" and "evaluation" and
+/// the quantities "designs" and "strains".
 BatchResult evaluate_batch(const Model& model, const Evaluator& evaluator, const Batch& batch,
                            const Execution& execution = {});
 

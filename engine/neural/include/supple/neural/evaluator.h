@@ -8,7 +8,7 @@
 
 namespace supple::neural {
 
-/// Which derivatives an evaluation returns; each includes those before it.
+/// The highest derivatives with respect to strain that an evaluation returns. Lower derivatives are returned too.
 enum class Order {
   energy = 0,
   stress = 1,   ///< first derivatives
@@ -16,10 +16,10 @@ enum class Order {
   third = 3,    ///< third derivatives
 };
 
-/// The answers for n strains of one design, with one column for each strain. What was not asked for is empty.
+/// The results for n strains of one design, with one column for each strain. Results that were not requested are empty.
 /// Derivatives are with respect to e = (E_xx, E_yy, 2 E_xy), so that the first derivatives are the second
-/// Piola-Kirchhoff stress S_xx, S_yy, S_xy. Derivatives with respect to the tiling parameters p are per unit of p, and
-/// p runs fastest: row q * parameters + k is the derivative of row q with respect to p_k.
+/// Piola-Kirchhoff stress S_xx, S_yy, S_xy. In derivatives with respect to the tiling parameters p, row
+/// q * parameters + k is the derivative of row q with respect to p_k.
 struct Evaluation {
   Eigen::RowVectorXd energy_density;     ///< 1 x n, MPa
   Eigen::Matrix3Xd stress;               ///< 3 x n, MPa
@@ -31,14 +31,14 @@ struct Evaluation {
   Eigen::MatrixXd tangent_by_parameters;  ///< 6 parameters x n; present from Order::third on
 };
 
-/// Evaluates one network. It holds the network's weights in a form that suits the processor. Nothing in it changes
+/// Evaluates one network. It has the network's weights in an order that suits the processor. Nothing in it changes
 /// after construction, so that several threads may evaluate at once, each with its own Workspace.
 ///
-/// A strain goes forward through the layers with derivatives of one order less than asked for, and backward with as
-/// many. The backward pass adds one order, and gives the derivatives with respect to all parameters beside those with
-/// respect to strain. The cost of a strain is counted in products with one of the strain_layers + trunk_layers - 1
-/// square matrices, each of which takes width^2 multiply-adds: 1 for the energy, 2 with the stress, 8 with the tangent,
-/// 20 with third derivatives. A network with symmetries evaluates one strain as several. The parameter branch, the rest
+/// A forward pass through the layers propagates derivatives with respect to strain of one order less than requested. A
+/// backward pass adds one order. It also gives the derivatives with respect to all parameters. For each strain, each of
+/// the strain_layers + trunk_layers - 1 square matrices is multiplied with 1 vector for the energy, with 2 for the
+/// stress too, with 8 for the tangent too, and with 20 for third derivatives too. One such product takes width^2
+/// multiply-adds. A network with symmetries evaluates several images of each strain. The parameter branch, the rest
 /// state and the first layer are computed once for each design.
 template <class Real>
 class BasicEvaluator {
@@ -56,7 +56,8 @@ class BasicEvaluator {
     Design(Design&&) noexcept;
     Design& operator=(Design&&) noexcept;
 
-    /// A third of the trace of the rest stiffness that the stiffness branch predicts (s), in MPa; 1 for softplus.
+    /// A third of the trace of the rest stiffness that the stiffness branch predicts, s in EnergyForm, in MPa; 1 for
+    /// softplus.
     double rest_stiffness() const;
 
    private:
@@ -66,7 +67,7 @@ class BasicEvaluator {
     std::unique_ptr<Content> content_;
   };
 
-  /// Scratch memory, which is kept between calls so that they allocate nothing.
+  /// Scratch memory, which calls reuse so that they need not allocate any.
   class Workspace {
    public:
     Workspace();
@@ -104,7 +105,7 @@ extern template class BasicEvaluator<float>;
 
 /// The evaluator that the service uses, in double precision throughout.
 using Evaluator = BasicEvaluator<double>;
-/// Takes half the time and memory, with the rounding of single precision.
+/// An evaluator that takes half the time and memory, with the rounding of single precision.
 using SingleEvaluator = BasicEvaluator<float>;
 
 }  // namespace supple::neural

@@ -4,7 +4,7 @@
 
 namespace supple::neural {
 
-/// What a helper process does for this room: it reads the files of models.
+/// The tasks of helper processes for this room: one reads the files of models.
 HelperTasks helper_tasks();
 
 }  // namespace supple::neural

@@ -32,16 +32,16 @@ struct SplitErrors {
   std::int64_t samples = 0;
 };
 
-/// The strains among which a model was trained.
+/// The range of strains with which a model was trained.
 struct StrainRange {
   double smallest_principal = 0;  ///< least principal Green strain of the training rows
-  double largest_principal = 0;   ///< greatest one, likewise
-  /// The greatest energy density, divided by the rest stiffness s of its design (Evaluator::Design::rest_stiffness). A
-  /// strain above it is far from every path that was simulated, for example along a stiff direction.
+  double largest_principal = 0;   ///< greatest principal Green strain of the training rows
+  /// Greatest ratio of the energy density to the rest stiffness s of its design (Evaluator::Design::rest_stiffness). A
+  /// strain with a larger ratio is far from all simulated paths, for example along a stiff direction.
   double largest_relative_energy = 0;
 };
 
-/// Where a model comes from: enough to make it again.
+/// The provenance of a model, which suffices to make the model again.
 struct Provenance {
   std::string data_set;      ///< names of the files of the data set
   std::string data_engine;   ///< versions of the engine that simulated it
@@ -51,8 +51,8 @@ struct Provenance {
   std::int64_t seed = 0;
   std::vector<std::pair<std::string, std::string>> options;  ///< names and values of the training's options
   double training_seconds = 0;
-  double youngs_modulus = 26;   ///< of the simulated solid, MPa
-  double poisson_ratio = 0.48;  ///< of the simulated solid
+  double youngs_modulus = 26;   ///< Young's modulus of the simulated solid, MPa
+  double poisson_ratio = 0.48;  ///< Poisson's ratio of the simulated solid
 };
 
 /// A trained network with everything that a user must know about it.
@@ -63,20 +63,20 @@ struct Model {
   StrainRange strain_range;
   Provenance provenance;
   std::optional<SplitErrors> design_split;  ///< test designs appear in no training row
-  std::optional<SplitErrors> row_split;     ///< rows of known designs, as the thesis tests
-  std::optional<Calibration> calibration;   ///< error bars of its answers; none if they were not made
+  std::optional<SplitErrors> row_split;     ///< test rows are of training designs, as in [Thesis, sec. 4.4.1]
+  std::optional<Calibration> calibration;   ///< error bars of its results; none if they were not made
 };
 
 /// The mean relative error of the stress on designs that training has not seen; none if it was not measured.
 std::optional<double> mean_stress_error(const Model& model);
 
 /// The indices of the best model of each family, in the order in which the families first occur. The best model is the
-/// one that errs least on designs that training has not seen, or the first one if these errors were not measured.
+/// one with the least mean_stress_error, or the first one if these errors were not measured.
 std::vector<std::size_t> best_of_families(std::span<const Model* const> models);
 
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within the ranges on which the model was trained.
-/// The energy density is the one that the model predicts there, and the rest stiffness is s of its design
-/// (Evaluator::Design::rest_stiffness). The bounds of the parameters allow for rounding.
+/// `energy_density` is the one that the model predicts there, and `rest_stiffness` is Evaluator::Design::rest_stiffness
+/// of the design. The bounds of the parameters allow for rounding.
 bool in_range(const Model& model, std::span<const double> parameters, const Eigen::Vector3d& strain,
               double energy_density, double rest_stiffness);
 
@@ -88,9 +88,9 @@ void write_model(const std::filesystem::path& path, const Model& model);
 /// Reads a file that `write_model` wrote. Throws "file.unreadable" if there is no such file or if it is damaged or has
 /// another or a newer layout, and "model.invalid_id" and what `validate` throws.
 Model read_model(const std::filesystem::path& path);
-/// The same of the bytes of a file, for files that nobody vouches for; `name` stands for it in messages. Where there
-/// are helper processes, one of them reads the bytes and writes them anew: a file that makes HDF5's library fail ends
-/// the helper and is refused as damaged. Some milliseconds more.
+/// Reads the bytes of a file from an untrusted source; messages call the file `name`. If there are helper processes,
+/// one of them reads the bytes and writes the model anew. A file that makes HDF5's library crash then ends the helper
+/// only, and is refused as damaged. A helper takes some milliseconds more.
 Model read_model(std::string_view bytes, const std::string& name, const Execution& execution = {});
 
 }  // namespace supple::neural

@@ -15,33 +15,35 @@ std::string_view to_string(Activation activation);
 /// Throws "model.unknown_activation", which lists the known ones.
 Activation activation_of(std::string_view name);
 
-/// How the last layer's outputs N become an energy density.
+/// The form in which the last layer's outputs N give an energy density Phi.
 ///
-/// Throughout, p are the tiling parameters, mapped linearly from their bounds to [-1, 1], e = (E_xx, E_yy, 2 E_xy) is
-/// the Green strain, L(p) the lower triangular factor that the stiffness branch returns, s = tr(L L^T) / 3 a stiffness
-/// in MPa, and y = L^T e / sqrt(s) the strain measured by its energy.
+/// Here and below, p are the tiling parameters, mapped linearly from their bounds to [-1, 1]; e = (E_xx, E_yy, 2 E_xy)
+/// is the Green strain; L(p) is the lower triangular factor of a stiffness, which the stiffness branch returns; s =
+/// tr(L L^T) / 3 is the size of that stiffness in MPa; and y = L^T e / sqrt(s) is the strain in the norm of the energy.
 enum class EnergyForm {
   /// Phi = s/2 sum_k r_k^2 with r_k = N_k(p, e) - N_k(p, 0) + y_k, where y_k = 0 for k > 3. Energy and stress vanish at
-  /// rest, energies are never negative, and stiffnesses that span decades span half as many in what is learned.
+  /// rest, and energies are never negative. The learned factor L spans only half as many decades as the stiffness does.
   sum_of_squares,
-  /// Phi = softplus(N(p, e)) as in the thesis (4.3.4): one output, no stiffness branch.
+  /// Phi = softplus(N(p, e)) as in [Thesis, sec. 4.3.4]. There is one output and no stiffness branch.
   softplus,
 };
 std::string_view to_string(EnergyForm form);
 EnergyForm energy_form_of(std::string_view name);
 
-/// What determines the stiffness at rest in the sum of squares.
+/// The form of the residuals r_k, which determines the stiffness at rest in the sum of squares.
 enum class RestForm {
-  /// The residuals are those above, so that the slope N'(p, 0) adds to L^T / sqrt(s).
+  /// The residuals are those of EnergyForm, so that the stiffness at rest also depends on the slope N'(p, 0).
   free,
-  /// r_k = N_k(p, e) - N_k(p, 0) - N_k'(p, 0) e + y_k: the Hessian of Phi at rest is L L^T and nothing else, so that a
-  /// better L is a better stiffness.
+  /// r_k = N_k(p, e) - N_k(p, 0) - N_k'(p, 0) e + y_k. The Hessian of Phi at rest is exactly L L^T, so that the
+  /// stiffness
+  /// at rest is as accurate as L.
   exact,
 };
 std::string_view to_string(RestForm form);
 /// Throws "model.unknown_form", which lists the known ones.
 RestForm rest_form_of(std::string_view name);
 
+/// The sizes and the form of a network.
 struct NetworkShape {
   int parameters = 1;        ///< 1 to max_parameters
   int width = 256;           ///< neurons of each hidden layer; a multiple of 8
@@ -51,30 +53,31 @@ struct NetworkShape {
   int residuals = 8;         ///< outputs of the sum of squares, at least 3; softplus has one output
   int stiffness_width = 64;  ///< neurons of each hidden layer of the stiffness branch
   int stiffness_layers = 2;  ///< hidden layers of the stiffness branch
-  int features = 0;          ///< features of the tile, which the parameter and stiffness branches read too
+  int features = 0;          ///< number of features of the tile, which the parameter and stiffness branches read too
   Activation activation = Activation::swish;
   EnergyForm form = EnergyForm::sum_of_squares;
   RestForm rest = RestForm::free;
 
   bool operator==(const NetworkShape&) const = default;
   int outputs() const { return form == EnergyForm::softplus ? 1 : residuals; }
-  /// What the first layer of the strain branch reads: (y, e), or e alone.
+  /// Number of inputs of the strain branch: (y, e), or e alone for softplus.
   int strain_inputs() const { return form == EnergyForm::softplus ? 3 : 6; }
-  /// What the first layers of the parameter and stiffness branches read: parameters, then features.
+  /// Number of inputs of the parameter and stiffness branches: the parameters, then the features.
   int design_inputs() const { return parameters + features; }
 };
 inline constexpr int max_parameters = 8;
 
-/// x -> weights x + bias; rows are outputs.
+/// The affine map x -> weights x + bias of one layer. Rows are outputs.
 struct Layer {
   Eigen::MatrixXd weights;
   Eigen::VectorXd bias;
 };
 
-/// A smooth energy density of strain and tiling parameters: the two-branch network of the thesis (4.3.4), as plain
-/// numbers. Its first trunk layer reads (strain branch, parameter branch); the last layer of `trunk` and of `stiffness`
-/// is linear. The stiffness branch returns (log L11, log L22, log L33, L21/L11, L31/L11, L32/L22) of L in sqrt(MPa),
-/// and has a swish in its hidden layers.
+/// The weights of a network whose output is a smooth energy density, a function of strain and tiling parameters. It has
+/// two branches, for the strain and for the parameters, as in [Thesis, sec. 4.3.4]. The first trunk layer reads (strain
+/// branch, parameter branch). The last layers of `trunk` and of `stiffness` are linear. The stiffness branch returns
+/// (log L11, log L22, log L33, L21/L11, L31/L11, L32/L22) of L in sqrt(MPa). Its hidden layers have the activation
+/// swish.
 struct Network {
   NetworkShape shape;
   Eigen::VectorXd lower;  ///< lower bounds of the parameters, which are mapped to -1
@@ -84,27 +87,27 @@ struct Network {
   std::vector<Layer> trunk;
   std::vector<Layer> stiffness;  ///< empty for softplus
   TileGeometry geometry;         ///< the tile and `shape.features` features of it; unused if there are none
-  /// Takes off what the mesh of the data errs by: this matrix times (1, p_i, p_i p_j for i <= j), p the mapped
-  /// parameters, is added to the outputs of the stiffness branch. It has 6 rows. The first three, half the logarithm of
-  /// a factor each, multiply the energy by that factor where they are equal and the others zero. Derivatives stay
-  /// exact, because the correction is a part of the network. If it is empty, the network answers as simulations on the
-  /// mesh of its data do.
+  /// Corrects the discretization error of the training data. This matrix times (1, p_i, p_i p_j for i <= j), with the
+  /// mapped parameters p, is added to the 6 outputs of the stiffness branch. If the first three rows give the same
+  /// number and the others give zero, the correction multiplies the energy by a factor, half of whose logarithm is that
+  /// number. Derivatives remain exact, because the correction is a part of the network. If the matrix is empty, the
+  /// network predicts what simulations on the mesh of its data give.
   Eigen::MatrixXd mesh_correction;
-  /// Maps T of strains e that do not change the family's energies. They belong to the rotations of the structure onto
-  /// itself, without the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T e), so that it has
-  /// these symmetries exactly. Each map costs one more evaluation. If the list is empty, the energy density is Phi(p,
-  /// e).
+  /// Linear maps T of strains e that do not change the energies of the family. They belong to the rotations and mirrors
+  /// of the structure onto itself, without the identity. The energy density is the mean of Phi(p, e) and all Phi(p, T
+  /// e), so that it has these symmetries exactly. Each map takes one more evaluation. If the list is empty, the energy
+  /// density is Phi(p, e).
   std::vector<Eigen::Matrix3d> symmetries;
 
   /// Number of weights and biases.
   long weights() const;
 };
 
-/// Parameters, mapped linearly from the network's bounds to [-1, 1].
+/// The parameters, mapped linearly from the network's bounds to [-1, 1].
 Eigen::VectorXd mapped(const Network& network, std::span<const double> parameters);
 
-/// The network as its data have taught it, without the correction of their mesh. Whoever compares a network with data
-/// of that mesh compares this one.
+/// The network without the correction of the data's discretization error. It is the one to be compared with data from
+/// the mesh of the training data.
 Network as_trained(Network network);
 
 /// Throws "model.invalid_network", which names the layer, unless all sizes fit together and all numbers are finite.

@@ -8,19 +8,20 @@
 
 namespace supple::neural {
 
-/// Numbers between the beginnings of two columns of activations: rows are padded with zeros to a multiple of this, so
-/// that kernels know no remainders.
+/// Columns of activations are padded with zeros to a multiple of this number of rows, so that kernels need no loops for
+/// remainders.
 inline constexpr int row_multiple = 16;
 SUPPLE_INLINE int padded_rows(int rows) { return (rows + row_multiple - 1) / row_multiple * row_multiple; }
 
-/// A constant matrix in the order in which the product reads it: panels of 64 bytes of rows, each column after column.
+/// A constant matrix in the order in which products read it. It consists of panels of consecutive rows; a panel has 64
+/// bytes of each column, one column after another.
 template <class Real>
 class PackedMatrix {
  public:
   PackedMatrix() = default;
   explicit PackedMatrix(const Eigen::Ref<const Eigen::MatrixXd>& matrix) { assign(matrix); }
   void assign(const Eigen::Ref<const Eigen::MatrixXd>& matrix);
-  /// From columns of `stride` numbers, or (transposed) from rows of as many.
+  /// Packs `numbers`, in which columns (or rows, if `transposed`) begin `stride` numbers apart.
   void assign(const Real* numbers, int rows, int columns, int stride, bool transposed);
 
   int rows() const { return rows_; }
@@ -48,13 +49,14 @@ struct Factor {
   SUPPLE_INLINE Factor from_column(std::ptrdiff_t j) const { return {numbers + j * stride, stride, step}; }
 };
 
-enum class Instructions { any, avx2, avx512 };
-/// The last of them that this machine has.
+/// Instruction sets for products.
+enum class Instructions { portable, avx2, avx512 };
+/// The last of these instruction sets that this machine has.
 Instructions best_instructions();
 
-/// c = a b for n columns: c[j stride_c + i] = sum_k a(i, k) b(k, j). Writes padded_rows(a.rows()) rows of
-/// each column. 2 n padded_rows(a.rows()) a.columns() flops. AVX2 and AVX-512 give the same bits. `use` is for tests:
-/// beyond what the machine has, the program is killed.
+/// Computes c = a b for n columns: c[j stride_c + i] = sum_k a(i, k) b(k, j). It writes padded_rows(a.rows()) rows of
+/// each column, and takes 2 n padded_rows(a.rows()) a.columns() flops. AVX2 and AVX-512 give the same bits. `use` is
+/// for tests. An instruction set that the machine lacks ends the program.
 template <class Real>
 void multiply(const PackedMatrix<Real>& a, const Factor<Real>& b, int n, Real* c, int stride_c,
               Instructions use = best_instructions());

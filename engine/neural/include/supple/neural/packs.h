@@ -5,14 +5,14 @@
 
 #include "supple/base/lanes.h"
 
-// Vectors of numbers as results of inlined functions only: their calling convention does not matter.
+// Only inlined functions return vectors of numbers, so that their calling convention does not matter.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace supple::neural {
 
-/// 32 bytes of numbers that are computed with together: four doubles or eight floats; Wide is twice as many. As with
-/// Lanes, none crosses the border of a function that is not inlined.
+/// Vectors of numbers for SIMD instructions, and constants for their exponential function. A Pack has 32 bytes: four
+/// doubles or eight floats. A Wide has twice as many. Only inlined functions may pass them by value; see Lanes.
 template <class Real>
 struct Packs;
 
@@ -24,11 +24,12 @@ struct Packs<double> {
   static constexpr int count = 4;
   static constexpr int mantissa_bits = 52;
   static constexpr std::int64_t exponent_bias = 1023;
-  static constexpr double round_to_integer = 0x1.8p52;  ///< adding and taking it away rounds
-  static constexpr double largest_exponent = 708;       ///< exp stays finite, and its inverse normal
+  static constexpr double round_to_integer = 0x1.8p52;  ///< adding and subtracting it rounds to an integer
+  static constexpr double max_exponent = 708;           ///< limit of |x| up to which exp x is finite and normal
   static constexpr double ln2_high = 0x1.62e42fefa3800p-1;
   static constexpr double ln2_low = 0x1.ef35793c76730p-45;
-  /// Taylor's coefficients: on |r| <= ln 2 / 2 the first left out is below a tenth of the last place.
+  /// Taylor coefficients, highest order first. For |r| <= ln 2 / 2, the first omitted term is below a tenth of the last
+  /// place.
   static constexpr double exponential[] = {
       1.0 / 6227020800, 1.0 / 479001600, 1.0 / 39916800, 1.0 / 3628800, 1.0 / 362880, 1.0 / 40320, 1.0 / 5040,
       1.0 / 720,        1.0 / 120,       1.0 / 24,       1.0 / 6,       1.0 / 2,      1.0,         1.0};
@@ -43,7 +44,7 @@ struct Packs<float> {
   static constexpr int mantissa_bits = 23;
   static constexpr std::int32_t exponent_bias = 127;
   static constexpr float round_to_integer = 0x1.8p23F;
-  static constexpr float largest_exponent = 87;
+  static constexpr float max_exponent = 87;
   static constexpr float ln2_high = 0x1.62e400p-1F;
   static constexpr float ln2_low = 0x1.7f7d1cp-20F;
   static constexpr float exponential[] = {1.0F / 5040, 1.0F / 720, 1.0F / 120, 1.0F / 24, 1.0F / 6, 0.5F, 1.0F, 1.0F};
@@ -70,13 +71,13 @@ SUPPLE_INLINE Pack<Real> all_of(Real value) {
     return Pack<Real>{value, value, value, value, value, value, value, value};
 }
 
-/// exp, to about one unit in the last place; arguments beyond the range of finite results are clamped to it.
+/// exp x with an error of about one unit in the last place. Arguments are clamped to +-max_exponent.
 template <class Real>
 SUPPLE_INLINE Pack<Real> exponential(Pack<Real> x) {
   using P = Packs<Real>;
-  x = x > P::largest_exponent ? all_of<Real>(P::largest_exponent) : x;
-  x = x < -P::largest_exponent ? all_of<Real>(-P::largest_exponent) : x;
-  // exp x = 2^n exp r with |r| <= ln 2 / 2. The sum's lowest bits hold n.
+  x = x > P::max_exponent ? all_of<Real>(P::max_exponent) : x;
+  x = x < -P::max_exponent ? all_of<Real>(-P::max_exponent) : x;
+  // exp x = 2^n exp r with |r| <= ln 2 / 2. The lowest bits of `shifted` are n.
   const Pack<Real> shifted = x * Real(1.4426950408889634) + P::round_to_integer;
   const Pack<Real> n = shifted - P::round_to_integer;
   const Pack<Real> r = (x - n * P::ln2_high) - n * P::ln2_low;

@@ -8,8 +8,9 @@
 
 namespace supple::neural {
 
-/// A measure of a tile, smooth in its vertices everywhere, also where a tile crosses itself and where lengths vanish.
-/// With w the beam width, smooth lengths are |x|_w = sqrt(|x|^2 + (w/4)^2). Edge k goes from vertex k to the next one.
+/// A measure of a tile. It is a smooth function of the vertices everywhere, also if the tile crosses itself and where
+/// lengths vanish. With w the beam width, smooth lengths are |x|_w = sqrt(|x|^2 + (w/4)^2). Edge k goes from vertex k
+/// to the next one.
 enum class FeatureKind {
   length,         ///< |edge|_w / w
   log_length,     ///< its logarithm
@@ -17,17 +18,17 @@ enum class FeatureKind {
   direction_sin,  ///< sin 2t, likewise
   corner_cos,     ///< scalar product of the edges at a vertex over the product of their smooth lengths
   corner_sin,     ///< their cross product, likewise
-  log_gap,        ///< ln (|d|_w / w) with d from an edge's nearest point to a vertex; the place on the edge is clamped
-                  ///< smoothly
-  side,           ///< the side of the edge on which the vertex lies: sine of the angle to it, smooth through zero
-  density,      ///< area of the beams over that of the cell, overlaps counted twice: w tiles sum |edge|_w / (2 |cell|)
+  log_gap,        ///< ln (|d|_w / w), where d leads from an edge's nearest point to a vertex; that point is clamped
+                  ///< smoothly to the edge
+  side,           ///< the side of an edge on which a vertex lies: a smooth sine of the angle between edge and vertex
+  density,  ///< ratio of the beams' area to the cell's, with overlaps counted twice: w tiles sum |edge|_w / (2 |cell|)
   log_density,  ///< its logarithm
 };
 std::string_view to_string(FeatureKind kind);
 /// Throws "model.invalid_network", which lists the known ones.
 FeatureKind feature_kind_of(std::string_view name);
 
-/// One input of a network: (measure - mean) / scale.
+/// One feature, an input of a network: (measure - mean) / scale.
 struct TileFeature {
   FeatureKind kind = FeatureKind::length;
   int edge = 0;    ///< used by length, direction, gap and side
@@ -36,9 +37,9 @@ struct TileFeature {
   double scale = 1;
 };
 
-/// What features need to know about the tile of a family. A point is an affine function of the tiling parameters. It is
-/// a matrix of 2 x (1 + parameters): its place at zero parameters, and its derivative with respect to each of them.
-/// Lengths are in tiling units.
+/// The tile of a family, and its features. Points are affine functions of the tiling parameters. Each is a matrix of
+/// 2 x (1 + parameters): the position at zero parameters, and the derivatives with respect to each of them. Lengths are
+/// in tiling units.
 struct TileGeometry {
   std::vector<Eigen::Matrix2Xd> vertices;          ///< in order around the tile
   std::array<Eigen::Matrix2Xd, 2> translations{};  ///< translations of the lattice

@@ -10,8 +10,8 @@
 
 namespace supple::neural {
 
-/// An equilibrium under a uniaxial load: the Green strain along d is given, and the stress does no work on the other
-/// strains.
+/// An equilibrium under a uniaxial load. The Green strain along d is given, and the stress does no work on the other
+/// components of strain.
 struct UniaxialState {
   Eigen::Vector3d strain = Eigen::Vector3d::Zero();   ///< E_xx, E_yy, 2 E_xy
   Eigen::Vector3d stress = Eigen::Vector3d::Zero();   ///< S_xx, S_yy, S_xy, MPa
@@ -23,11 +23,10 @@ struct UniaxialState {
   int iterations = 0;   ///< Newton iterations of this state
 };
 
-/// The states of least energy for given strains E_dd = d^T E d, where d = (cos, sin) of `direction` (rad). Each state
-/// is followed from the one before it in `green_strains` (thesis 4.8 to 4.10), as UniaxialNewton does. A state takes
-/// about 3 to 6 evaluations with tangents. The strains along d must be > -1/2 (a stretch > 0), otherwise
-/// "model.invalid_load" is thrown. A state that is not reached has converged = false, and its numbers are not finite if
-/// the energy overflowed.
+/// The states of least energy for given strains E_dd = d^T E d, where d = (cos, sin) of `direction` (rad); see
+/// [Thesis, eq. 4.9c]. UniaxialNewton finds each state from the one before it in `green_strains`. A state takes about 3
+/// to 6 evaluations with tangents. The strains along d must be > -1/2 (a stretch > 0), otherwise "model.invalid_load"
+/// is thrown. A state that is not reached has converged = false. Its numbers are not finite if the energy overflowed.
 template <class Real>
 std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
                                          const typename BasicEvaluator<Real>::Design& design, double direction,
