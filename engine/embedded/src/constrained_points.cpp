@@ -16,20 +16,20 @@ ConstrainedPoints constrained_points(const Network& network) {
   for (const MembraneTriangle& triangle : network.triangles) {
     for (const std::int32_t corner : triangle.corners) stiffness[static_cast<std::size_t>(corner)] += 2 * membrane;
   }
-  points.held.resize(network.points.size(), false);
-  for (const std::int32_t point : network.fixed_points) points.held[static_cast<std::size_t>(point)] = true;
+  points.fixed.resize(network.points.size(), false);
+  for (const std::int32_t point : network.fixed_points) points.fixed[static_cast<std::size_t>(point)] = true;
   for (std::size_t i = 0; i < stiffness.size(); ++i) {
-    points.largest_stiffness = std::max(points.largest_stiffness, stiffness[i]);
-    if (stiffness[i] > 0 || points.held[i]) continue;
-    points.held[i] = true;
+    points.max_stiffness = std::max(points.max_stiffness, stiffness[i]);
+    if (stiffness[i] > 0 || points.fixed[i]) continue;
+    points.fixed[i] = true;
     points.loose.push_back(static_cast<std::int32_t>(i));
   }
   return points;
 }
 
-std::vector<bool> held_coordinates(const std::vector<bool>& held_points) {
-  std::vector<bool> coordinates(2 * held_points.size());
-  for (std::size_t i = 0; i < held_points.size(); ++i) coordinates[2 * i] = coordinates[2 * i + 1] = held_points[i];
+std::vector<bool> fixed_coordinates(const std::vector<bool>& fixed_points) {
+  std::vector<bool> coordinates(2 * fixed_points.size());
+  for (std::size_t i = 0; i < fixed_points.size(); ++i) coordinates[2 * i] = coordinates[2 * i + 1] = fixed_points[i];
   return coordinates;
 }
 

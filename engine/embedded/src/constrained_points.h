@@ -7,20 +7,20 @@
 
 namespace supple::embedded {
 
-/// Tells which points of a network can move, and how stiffly the elements at each point hold it in the first state.
+/// The points of a network that cannot move, and the stiffness of all points.
 struct ConstrainedPoints {
-  std::vector<bool> held;           ///< for each point whether it is fixed or loose
-  std::vector<std::int32_t> loose;  ///< points that no element holds; they stay where they are
-  /// For each point twice the sum of its springs' weights; a triangle counts as springs of Young's modulus times
-  /// thickness, by which its energy bends over its lengths. Energy per squared mesh unit.
+  std::vector<bool> fixed;          ///< for each point whether it is fixed or loose
+  std::vector<std::int32_t> loose;  ///< points without an elastic element; they stay in place
+  /// For each point twice the sum of its springs' weights. A triangle counts as two springs of Young's modulus times
+  /// thickness, which is about the second derivative of its energy by a length. Energy per squared mesh unit.
   std::vector<double> stiffness;
-  double largest_stiffness = 0;  ///< of one point
+  double max_stiffness = 0;  ///< the largest of them
 };
 
 /// O(points + elements).
 ConstrainedPoints constrained_points(const Network& network);
 
 /// Two entries for each point, one for each of its tangent coordinates.
-std::vector<bool> held_coordinates(const std::vector<bool>& held_points);
+std::vector<bool> fixed_coordinates(const std::vector<bool>& fixed_points);
 
 }  // namespace supple::embedded

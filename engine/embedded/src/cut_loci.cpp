@@ -15,27 +15,28 @@ namespace {
 using Eigen::Vector4d;
 using surface::TangentGeodesic;
 
-/// Lengths in mean edges: paths to the sides of a cut locus are first looked for so far from it, where they are told
-/// apart from rounding, then ten times as far, up to the farthest.
+/// Distances from a cut locus, in mean edges, at which its shortest paths are looked for, the smallest first: beside it
+/// each of them is the only shortest one, and far enough from it rounding does not hide which.
 constexpr std::array side_distances{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1};
-/// Two paths are the same where their gradients differ by less than this, and by less than `bend` times the way to
-/// where they were found over their length, which is what crossing other edges may change.
+/// Two paths are the same if their gradients differ by less than this plus `gradient_change` times the distance at
+/// which they were found over their length. The second part is what crossing other edges may change.
 constexpr double same_gradient = 1e-6;
-constexpr double bend = 1;
-/// Lengths that differ by less than this share are equal but for rounding.
+constexpr double gradient_change = 1;
+/// Relative difference of lengths that are equal but for rounding.
 constexpr double equal_lengths = 1e-14;
-/// A path whose lengths still differ by more than this share after the last adjustment is not kept.
-constexpr double almost_equal = 1e-11;
+/// Relative difference of lengths above which a cut locus is forgotten after the last adjustment.
+constexpr double max_length_difference = 1e-11;
 constexpr int max_adjustments = 12;
 
-Vector4d free_part(const Vector4d& change, const CutLocus& locus, const std::vector<bool>& held) {
+/// The part of a change that moves free ends.
+Vector4d free_part(const Vector4d& change, const CutLocus& locus, const std::vector<bool>& fixed) {
   Vector4d part = change;
-  if (held[static_cast<std::size_t>(locus.from)]) part.head<2>().setZero();
-  if (held[static_cast<std::size_t>(locus.to)]) part.tail<2>().setZero();
+  if (fixed[static_cast<std::size_t>(locus.from)]) part.head<2>().setZero();
+  if (fixed[static_cast<std::size_t>(locus.to)]) part.tail<2>().setZero();
   return part;
 }
 
-/// The shortest path between ends that have moved by `offset`, continued to where they are.
+/// The shortest path between the ends moved by `offset`, continued back to the ends themselves.
 std::optional<TangentGeodesic> shortest_beside(const CutLocusContext& context, const NetworkState& state,
                                                const CutLocus& locus, const Vector4d& offset) {
   const auto& points = state.points();
@@ -54,93 +55,94 @@ std::optional<TangentGeodesic> shortest_beside(const CutLocusContext& context, c
   return found.before_turns(from.turn, to.turn).continued(-offset);
 }
 
-bool are_different(const std::vector<TangentGeodesic>& paths, double way) {
+bool are_different(const std::vector<TangentGeodesic>& paths, double distance) {
   for (std::size_t i = 0; i < paths.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if ((paths[i].gradient() - paths[j].gradient()).norm() < same_gradient + bend * way / paths[i].distance)
+      if ((paths[i].gradient() - paths[j].gradient()).norm() <
+          same_gradient + gradient_change * distance / paths[i].distance)
         return false;
   return true;
 }
 
-/// One path for each side, all different; none where these are not found.
+/// One shortest path for each side of a cut locus, all different; empty where these are not found.
 std::vector<TangentGeodesic> paths_beside(const CutLocusContext& context, const NetworkState& state,
                                           const CutLocus& locus) {
   const double edge = context.solver.mesh().mean_edge_length();
-  for (const double way : side_distances) {
+  for (const double distance : side_distances) {
     std::vector<TangentGeodesic> paths;
     for (const Vector4d& side : locus.sides) {
-      const auto path = shortest_beside(context, state, locus, way * edge * side);
+      const auto path = shortest_beside(context, state, locus, distance * edge * side);
       if (!path) return {};
       paths.push_back(*path);
     }
-    if (are_different(paths, way * edge)) return paths;
+    if (are_different(paths, distance * edge)) return paths;
   }
   return {};
 }
 
-/// The conditions that lengths are equal, one for each path after the first of each cut locus.
-struct Conditions {
-  Eigen::VectorXd excess;
-  Eigen::MatrixXd slopes;  ///< by all coordinates of points that belong to a path
-  std::vector<std::int32_t> points;
-  double shortest = 0;  ///< length of a path
+/// The constraints that the lengths at each cut locus are equal, one for each path after the first.
+struct EqualLengths {
+  Eigen::VectorXd excess;            ///< lengths minus that of the first path
+  Eigen::MatrixXd jacobian;          ///< derivatives of the excess by the coordinates of `points`
+  std::vector<std::int32_t> points;  ///< ends of the paths
+  double shortest = 0;               ///< least length of all paths
 
   Eigen::Index row_of(std::int32_t point) const { return 2 * (std::ranges::find(points, point) - points.begin()); }
 };
 
-Conditions conditions_of(const std::vector<CutLocus>& loci, const std::vector<EqualPaths>& equal,
-                         const std::vector<bool>& held) {
-  Conditions conditions;
+EqualLengths equal_lengths_of(const std::vector<CutLocus>& loci, const std::vector<EqualPaths>& equal,
+                              const std::vector<bool>& fixed) {
+  EqualLengths constraints;
   Eigen::Index count = 0;
-  conditions.shortest = equal.front().geodesics.front().distance;
+  constraints.shortest = equal.front().geodesics.front().distance;
   for (std::size_t k = 0; k < loci.size(); ++k) {
-    conditions.shortest = std::min(conditions.shortest, equal[k].geodesics.front().distance);
+    constraints.shortest = std::min(constraints.shortest, equal[k].geodesics.front().distance);
     for (const std::int32_t point : {loci[k].from, loci[k].to})
-      if (std::ranges::find(conditions.points, point) == conditions.points.end()) conditions.points.push_back(point);
+      if (std::ranges::find(constraints.points, point) == constraints.points.end()) constraints.points.push_back(point);
     count += static_cast<Eigen::Index>(equal[k].geodesics.size()) - 1;
   }
-  conditions.excess.resize(count);
-  conditions.slopes.setZero(count, 2 * static_cast<Eigen::Index>(conditions.points.size()));
+  constraints.excess.resize(count);
+  constraints.jacobian.setZero(count, 2 * static_cast<Eigen::Index>(constraints.points.size()));
   Eigen::Index row = 0;
   for (std::size_t k = 0; k < loci.size(); ++k) {
     const auto& paths = equal[k].geodesics;
     for (std::size_t b = 1; b < paths.size(); ++b, ++row) {
-      conditions.excess[row] = paths[b].distance - paths[0].distance;
-      const Vector4d slope = free_part(paths[b].gradient() - paths[0].gradient(), loci[k], held);
-      conditions.slopes.block<1, 2>(row, conditions.row_of(loci[k].from)) += slope.head<2>().transpose();
-      conditions.slopes.block<1, 2>(row, conditions.row_of(loci[k].to)) += slope.tail<2>().transpose();
+      constraints.excess[row] = paths[b].distance - paths[0].distance;
+      const Vector4d difference = free_part(paths[b].gradient() - paths[0].gradient(), loci[k], fixed);
+      constraints.jacobian.block<1, 2>(row, constraints.row_of(loci[k].from)) += difference.head<2>().transpose();
+      constraints.jacobian.block<1, 2>(row, constraints.row_of(loci[k].to)) += difference.tail<2>().transpose();
     }
   }
-  return conditions;
+  return constraints;
 }
 
-/// The shortest paths at all cut loci where the points are; those without are forgotten.
+/// The shortest paths of all cut loci at the present points. The state forgets cut loci for which they are not found.
 std::vector<EqualPaths> paths_at(const CutLocusContext& context, NetworkState& state) {
-  std::vector<CutLocus> kept;
+  std::vector<CutLocus> retained;
   std::vector<EqualPaths> equal;
   for (const CutLocus& locus : state.cut_loci()) {
     EqualPaths own{.path = locus.path, .geodesics = paths_beside(context, state, locus)};
     if (own.geodesics.empty()) continue;
     CutLocus turned = locus;
-    turned.sides = sides_of(own.geodesics, locus, context.held);
+    turned.sides = sides_of(own.geodesics, locus, context.fixed);
     if (turned.sides.empty()) continue;
-    kept.push_back(std::move(turned));
+    retained.push_back(std::move(turned));
     equal.push_back(std::move(own));
   }
-  state.set_cut_loci(std::move(kept));
+  state.set_cut_loci(std::move(retained));
   return equal;
 }
 
 }  // namespace
 
 std::vector<Vector4d> sides_of(const std::vector<TangentGeodesic>& paths, const CutLocus& locus,
-                               const std::vector<bool>& held) {
+                               const std::vector<bool>& fixed) {
   std::vector<Vector4d> sides;
   for (const TangentGeodesic& own : paths) {
     Vector4d side = Vector4d::Zero();
     for (const TangentGeodesic& other : paths) {
       if (&other == &own) continue;
-      const Vector4d away = free_part(other.gradient() - own.gradient(), locus, held);
+      const Vector4d away = free_part(other.gradient() - own.gradient(), locus, fixed);
       if (away.norm() < same_gradient) return {};
       side += away.normalized();
     }
@@ -150,118 +152,123 @@ std::vector<Vector4d> sides_of(const std::vector<TangentGeodesic>& paths, const 
   return sides;
 }
 
-std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, NetworkState& state) {
+std::vector<EqualPaths> return_to_cut_loci(const CutLocusContext& context, NetworkState& state) {
   for (int adjustment = 0;; ++adjustment) {
     std::vector<EqualPaths> equal = paths_at(context, state);
     if (equal.empty()) return {};
-    const Conditions conditions = conditions_of(state.cut_loci(), equal, context.held);
-    if (conditions.excess.size() == 0) return equal;
-    const double worst = conditions.excess.cwiseAbs().maxCoeff();
+    const EqualLengths constraints = equal_lengths_of(state.cut_loci(), equal, context.fixed);
+    if (constraints.excess.size() == 0) return equal;
+    const double worst = constraints.excess.cwiseAbs().maxCoeff();
     const bool last = adjustment == max_adjustments;
-    if (worst <= (last ? almost_equal : equal_lengths) * conditions.shortest) return equal;
+    if (worst <= (last ? max_length_difference : equal_lengths) * constraints.shortest) return equal;
     if (last) {
       state.set_cut_loci({});
       return {};
     }
-    const Eigen::VectorXd way = -conditions.slopes.completeOrthogonalDecomposition().solve(conditions.excess);
-    // Paths whose lengths hardly change would be equal far away, if at all.
-    if (!(way.norm() <= conditions.shortest)) {
+    const Eigen::VectorXd change = -constraints.jacobian.completeOrthogonalDecomposition().solve(constraints.excess);
+    // Where the lengths hardly depend on the ends, the linear system asks for a step that is longer than the paths.
+    if (!(change.norm() <= constraints.shortest)) {
       state.set_cut_loci({});
       return {};
     }
     Eigen::VectorXd step = Eigen::VectorXd::Zero(state.dimension());
-    for (const std::int32_t point : conditions.points)
-      step.segment<2>(2 * point) = way.segment<2>(conditions.row_of(point));
+    for (const std::int32_t point : constraints.points)
+      step.segment<2>(2 * point) = change.segment<2>(constraints.row_of(point));
     state.adjust(step);
   }
 }
 
 namespace {
 
-template <class Chosen>
-void let_go_of(NetworkState& state, std::vector<EqualPaths>& equal, const Chosen& chosen) {
+/// Forgets the cut loci that the predicate is true for.
+template <class Predicate>
+void drop_if(NetworkState& state, std::vector<EqualPaths>& equal, const Predicate& is_dropped) {
   std::vector<CutLocus> loci = state.cut_loci();
-  std::erase_if(
-      loci, [&](const CutLocus& locus) { return chosen(*std::ranges::find(equal, locus.path, &EqualPaths::path)); });
-  std::erase_if(equal, chosen);
+  std::erase_if(loci, [&](const CutLocus& locus) {
+    return is_dropped(*std::ranges::find(equal, locus.path, &EqualPaths::path));
+  });
+  std::erase_if(equal, is_dropped);
   state.set_cut_loci(std::move(loci));
 }
 
 }  // namespace
 
-void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
-                      const std::vector<TangentGeodesic>& shortest) {
-  let_go_of(state, equal, [&](const EqualPaths& own) {
+void drop_non_shortest(NetworkState& state, std::vector<EqualPaths>& equal,
+                       const std::vector<TangentGeodesic>& shortest) {
+  drop_if(state, equal, [&](const EqualPaths& own) {
     const double least = shortest[own.path].distance;
-    return std::abs(own.geodesics.front().distance - least) > almost_equal * least;
+    return std::abs(own.geodesics.front().distance - least) > max_length_difference * least;
   });
 }
 
-void let_go_of_pulling(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& pulls) {
-  let_go_of(state, equal, [&](const EqualPaths& own) { return !(pulls[own.path] < 0); });
+void drop_uncompressed(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& forces) {
+  drop_if(state, equal, [&](const EqualPaths& own) { return !(forces[own.path] < 0); });
 }
 
 namespace {
 
-/// The least sum of a vector and of convex combinations, one of each set of columns.
-class LeastSum {
+/// The convex combinations, one of the columns of each set, whose sum with a given vector is the shortest.
+class ShortestSum {
  public:
-  LeastSum(Eigen::VectorXd fixed, std::vector<Eigen::MatrixXd> sets) : sum_(std::move(fixed)), sets_(std::move(sets)) {
+  ShortestSum(Eigen::VectorXd fixed, std::vector<Eigen::MatrixXd> sets)
+      : sum_(std::move(fixed)), sets_(std::move(sets)) {
     for (const Eigen::MatrixXd& set : sets_) {
-      shares_.push_back(Eigen::VectorXd::Unit(set.cols(), 0));
+      weights_.push_back(Eigen::VectorXd::Unit(set.cols(), 0));
       sum_ += set.col(0);
     }
   }
 
-  std::vector<Eigen::VectorXd> shares() {
-    for (int sweep = 0; sweep < max_sweeps && exchange_all() > smallest_exchange; ++sweep) continue;
-    if (const auto exact = on_support()) return *exact;
-    return shares_;
+  /// The weights of the combinations.
+  std::vector<Eigen::VectorXd> weights() {
+    for (int sweep = 0; sweep < max_sweeps && exchange_all() > min_exchange; ++sweep) continue;
+    if (const auto exact = weights_on_support()) return *exact;
+    return weights_;
   }
 
  private:
   static constexpr int max_sweeps = 500;
-  static constexpr double smallest_exchange = 1e-10;
+  static constexpr double min_exchange = 1e-10;
 
-  /// Moves shares between any two columns of a set, as much as is best. Returns the largest that was moved.
+  /// Moves weight between every two columns of a set, as much as makes the sum shortest. Returns the largest change.
   double exchange_all() {
     double largest = 0;
     for (std::size_t k = 0; k < sets_.size(); ++k)
       for (Eigen::Index i = 0; i < sets_[k].cols(); ++i)
         for (Eigen::Index j = 0; j < i; ++j) {
-          const Eigen::VectorXd way = sets_[k].col(i) - sets_[k].col(j);
-          const double length = way.squaredNorm();
-          if (!(length > 0)) continue;
-          const double moved = std::clamp(-way.dot(sum_) / length, -shares_[k][i], shares_[k][j]);
-          shares_[k][i] += moved;
-          shares_[k][j] -= moved;
-          sum_ += moved * way;
+          const Eigen::VectorXd difference = sets_[k].col(i) - sets_[k].col(j);
+          const double squared = difference.squaredNorm();
+          if (!(squared > 0)) continue;
+          const double moved = std::clamp(-difference.dot(sum_) / squared, -weights_[k][i], weights_[k][j]);
+          weights_[k][i] += moved;
+          weights_[k][j] -= moved;
+          sum_ += moved * difference;
           largest = std::max(largest, std::abs(moved));
         }
     return largest;
   }
 
-  /// The same to rounding, for the columns that have shares; none where others would have some.
-  std::optional<std::vector<Eigen::VectorXd>> on_support() const {
+  /// The weights to rounding, by least squares over the columns that have weight now. Nothing where one of these would
+  /// get a negative weight.
+  std::optional<std::vector<Eigen::VectorXd>> weights_on_support() const {
     std::vector<std::pair<std::size_t, Eigen::Index>> free;
     std::vector<Eigen::Index> first(sets_.size());
     for (std::size_t k = 0; k < sets_.size(); ++k) {
-      shares_[k].maxCoeff(&first[k]);
+      weights_[k].maxCoeff(&first[k]);
       for (Eigen::Index i = 0; i < sets_[k].cols(); ++i)
-        if (i != first[k] && shares_[k][i] > smallest_exchange) free.emplace_back(k, i);
+        if (i != first[k] && weights_[k][i] > min_exchange) free.emplace_back(k, i);
     }
     std::vector<Eigen::VectorXd> exact(sets_.size());
     for (std::size_t k = 0; k < sets_.size(); ++k) exact[k] = Eigen::VectorXd::Unit(sets_[k].cols(), first[k]);
     if (free.empty()) return exact;
     Eigen::VectorXd fixed = sum_;
-    for (std::size_t k = 0; k < sets_.size(); ++k) fixed += sets_[k] * (exact[k] - shares_[k]);
-    Eigen::MatrixXd ways(sum_.size(), static_cast<Eigen::Index>(free.size()));
-    for (Eigen::Index c = 0; c < ways.cols(); ++c) {
+    for (std::size_t k = 0; k < sets_.size(); ++k) fixed += sets_[k] * (exact[k] - weights_[k]);
+    Eigen::MatrixXd differences(sum_.size(), static_cast<Eigen::Index>(free.size()));
+    for (Eigen::Index c = 0; c < differences.cols(); ++c) {
       const auto& [k, i] = free[static_cast<std::size_t>(c)];
-      ways.col(c) = sets_[k].col(i) - sets_[k].col(first[k]);
+      differences.col(c) = sets_[k].col(i) - sets_[k].col(first[k]);
     }
-    const Eigen::VectorXd found = -ways.completeOrthogonalDecomposition().solve(fixed);
-    for (Eigen::Index c = 0; c < ways.cols(); ++c) {
+    const Eigen::VectorXd found = -differences.completeOrthogonalDecomposition().solve(fixed);
+    for (Eigen::Index c = 0; c < differences.cols(); ++c) {
       const auto& [k, i] = free[static_cast<std::size_t>(c)];
       exact[k][i] = found[c];
       exact[k][first[k]] -= found[c];
@@ -273,76 +280,77 @@ class LeastSum {
 
   Eigen::VectorXd sum_;
   std::vector<Eigen::MatrixXd> sets_;  ///< columns
-  std::vector<Eigen::VectorXd> shares_;
+  std::vector<Eigen::VectorXd> weights_;
 };
 
-/// The shares with which the force that is left is the least.
-std::vector<Eigen::VectorXd> shares_of(const std::vector<CutLocus>& loci, const std::vector<EqualPaths>& equal,
-                                       const Eigen::VectorXd& gradient, const std::vector<double>& pulls,
-                                       const std::vector<bool>& held) {
-  const Conditions conditions = conditions_of(loci, equal, held);
-  Eigen::VectorXd fixed = Eigen::VectorXd::Zero(conditions.slopes.cols());
-  for (const std::int32_t point : conditions.points)
-    if (!held[static_cast<std::size_t>(point)])
-      fixed.segment<2>(conditions.row_of(point)) = gradient.segment<2>(2 * point);
+/// The fractions of each force with which the least gradient is left.
+std::vector<Eigen::VectorXd> force_fractions(const std::vector<CutLocus>& loci, const std::vector<EqualPaths>& equal,
+                                             const Eigen::VectorXd& gradient, const std::vector<double>& forces,
+                                             const std::vector<bool>& fixed) {
+  const EqualLengths constraints = equal_lengths_of(loci, equal, fixed);
+  Eigen::VectorXd others = Eigen::VectorXd::Zero(constraints.jacobian.cols());
+  for (const std::int32_t point : constraints.points)
+    if (!fixed[static_cast<std::size_t>(point)])
+      others.segment<2>(constraints.row_of(point)) = gradient.segment<2>(2 * point);
   std::vector<Eigen::MatrixXd> sets;
   for (std::size_t k = 0; k < equal.size(); ++k) {
-    Eigen::MatrixXd set = Eigen::MatrixXd::Zero(fixed.size(), static_cast<Eigen::Index>(equal[k].geodesics.size()));
+    Eigen::MatrixXd set = Eigen::MatrixXd::Zero(others.size(), static_cast<Eigen::Index>(equal[k].geodesics.size()));
     for (Eigen::Index b = 0; b < set.cols(); ++b) {
       const Vector4d force =
-          pulls[equal[k].path] * free_part(equal[k].geodesics[static_cast<std::size_t>(b)].gradient(), loci[k], held);
-      set.block<2, 1>(conditions.row_of(loci[k].from), b) = force.head<2>();
-      set.block<2, 1>(conditions.row_of(loci[k].to), b) = force.tail<2>();
+          forces[equal[k].path] * free_part(equal[k].geodesics[static_cast<std::size_t>(b)].gradient(), loci[k], fixed);
+      set.block<2, 1>(constraints.row_of(loci[k].from), b) = force.head<2>();
+      set.block<2, 1>(constraints.row_of(loci[k].to), b) = force.tail<2>();
     }
-    fixed -= set.col(0);
+    others -= set.col(0);
     sets.push_back(std::move(set));
   }
-  return LeastSum(std::move(fixed), std::move(sets)).shares();
+  return ShortestSum(std::move(others), std::move(sets)).weights();
 }
 
-/// Forgets the paths that have no share.
-void let_go(CutLocus& locus, EqualPaths& equal) {
-  Eigen::Index kept = 0;
-  for (Eigen::Index b = 0; b < equal.shares.size(); ++b) {
-    if (!(equal.shares[b] > 0) && !locus.for_next_step) continue;
-    const auto to = static_cast<std::size_t>(kept);
+/// Forgets the paths without force.
+void drop_unused_paths(CutLocus& locus, EqualPaths& equal) {
+  Eigen::Index retained = 0;
+  for (Eigen::Index b = 0; b < equal.fractions.size(); ++b) {
+    if (!(equal.fractions[b] > 0) && !locus.for_next_step) continue;
+    const auto to = static_cast<std::size_t>(retained);
     const auto from = static_cast<std::size_t>(b);
     locus.sides[to] = locus.sides[from];
     equal.geodesics[to] = equal.geodesics[from];
-    equal.shares[kept++] = equal.shares[b];
+    equal.fractions[retained++] = equal.fractions[b];
   }
   locus.for_next_step = false;
-  locus.sides.resize(static_cast<std::size_t>(kept));
-  equal.geodesics.resize(static_cast<std::size_t>(kept));
-  equal.shares.conservativeResize(kept);
+  locus.sides.resize(static_cast<std::size_t>(retained));
+  equal.geodesics.resize(static_cast<std::size_t>(retained));
+  equal.fractions.conservativeResize(retained);
 }
 
-LengthDerivatives shared_length(const EqualPaths& equal) {
+/// The length of equally short paths, with the convex combination of their derivatives.
+LengthDerivatives combined_length(const EqualPaths& equal) {
   LengthDerivatives result;
   result.length = std::ranges::min_element(equal.geodesics, {}, &TangentGeodesic::distance)->distance;
   for (std::size_t b = 0; b < equal.geodesics.size(); ++b) {
-    const double share = equal.shares[static_cast<Eigen::Index>(b)];
-    result.gradient += share * equal.geodesics[b].gradient();
-    result.hessian += share * equal.geodesics[b].hessian();
+    const double fraction = equal.fractions[static_cast<Eigen::Index>(b)];
+    result.gradient += fraction * equal.geodesics[b].gradient();
+    result.hessian += fraction * equal.geodesics[b].hessian();
   }
   return result;
 }
 
 }  // namespace
 
-void share_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
-                  const std::vector<double>& pulls, const std::vector<bool>& held) {
+void distribute_path_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
+                            const std::vector<double>& forces, const std::vector<bool>& fixed) {
   std::vector<CutLocus> loci = state.cut_loci();
-  const std::vector<Eigen::VectorXd> shares = shares_of(loci, equal, gradient, pulls, held);
+  const std::vector<Eigen::VectorXd> fractions = force_fractions(loci, equal, gradient, forces, fixed);
   for (std::size_t k = 0; k < equal.size(); ++k) {
     EqualPaths& own = equal[k];
-    own.shares = shares[k];
-    let_go(loci[k], own);
-    own.length = shared_length(own);
+    own.fractions = fractions[k];
+    drop_unused_paths(loci[k], own);
+    own.length = combined_length(own);
     own.across.clear();
     for (std::size_t b = 1; b < own.geodesics.size(); ++b)
       own.across.push_back(
-          free_part(own.geodesics[b].gradient() - own.geodesics[0].gradient(), loci[k], held).normalized());
+          free_part(own.geodesics[b].gradient() - own.geodesics[0].gradient(), loci[k], fixed).normalized());
   }
   std::erase_if(loci, [](const CutLocus& locus) { return locus.sides.size() < 2; });
   state.set_cut_loci(std::move(loci));

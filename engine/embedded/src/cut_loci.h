@@ -8,37 +8,36 @@
 
 namespace supple::embedded {
 
-/// What is needed of a surface and a network to look for cut loci.
+/// The surface and the fixed points of a network, for the functions below.
 struct CutLocusContext {
   const surface::GeodesicSolver& solver;
-  const std::vector<bool>& held;  ///< points that do not move
+  const std::vector<bool>& fixed;  ///< for each point
 };
 
-/// The sides of shortest paths between two points: where each of them is the only one, by the coordinates of the ends
-/// that are free to move. Empty where two of them cannot be told apart so.
+/// For each of several equally short paths a unit change of the free ends after which it is the only shortest one.
+/// Empty where two of the paths cannot be told apart in this way.
 std::vector<Eigen::Vector4d> sides_of(const std::vector<surface::TangentGeodesic>& paths, const CutLocus& locus,
-                                      const std::vector<bool>& held);
+                                      const std::vector<bool>& fixed);
 
-/// Moves the ends of paths that are kept at cut loci by as little as possible so that each is at its own, all at once
-/// (Gauss and Newton), and returns the shortest paths of each. The state forgets those for which there is none near by.
-/// A few searches for each of the paths.
-std::vector<EqualPaths> keep_at_cut_loci(const CutLocusContext& context, NetworkState& state);
+/// Moves the ends of the paths that a state keeps at cut loci back to these, all at once and by as little as possible
+/// (Gauss-Newton method for equal lengths), and returns the shortest paths of each. The state forgets the cut loci that
+/// are not found nearby. A few searches for each of the paths.
+std::vector<EqualPaths> return_to_cut_loci(const CutLocusContext& context, NetworkState& state);
 
-/// Lets go of paths at cut loci that are longer than the shortest, which `shortest` has for every path: seen from too
-/// far away, other paths can seem to be equally long.
-void let_go_of_longer(NetworkState& state, std::vector<EqualPaths>& equal,
-                      const std::vector<surface::TangentGeodesic>& shortest);
+/// Forgets cut loci whose paths are not the shortest ones: from too far away, other paths can seem to be equally long.
+/// `shortest` has the shortest path for every path of the network.
+void drop_non_shortest(NetworkState& state, std::vector<EqualPaths>& equal,
+                       const std::vector<surface::TangentGeodesic>& shortest);
 
-/// Lets go of cut loci of paths that do not push: at rest a path may be shorter than at the cut locus that its ends
-/// were pushed across, and has a ridge there and no valley. `pulls` are the energy's derivatives by the lengths of all
-/// paths.
-void let_go_of_pulling(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& pulls);
+/// Forgets cut loci of paths that are not under compression: their energy has a ridge there instead of a valley.
+/// `forces` are those of all paths.
+void drop_uncompressed(NetworkState& state, std::vector<EqualPaths>& equal, const std::vector<double>& forces);
 
-/// Divides the force at each cut locus among its shortest paths, so that the least gradient is left. Shares are at
-/// least 0, and their sum is 1. `gradient` holds the energy's derivatives by all tangent coordinates when the first
-/// path of each cut locus has the whole force, `pulls` the energy's derivatives by the lengths. Paths without a share
-/// are let go, in the state too.
-void share_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
-                  const std::vector<double>& pulls, const std::vector<bool>& held);
+/// Divides the force at each cut locus among its shortest paths so that the least gradient is left. The fractions are
+/// not negative and have the sum 1. `gradient` holds the energy's derivatives by all tangent coordinates while the
+/// first path of each cut locus has the whole force, `forces` those of all paths. Paths without force are forgotten, in
+/// the state, too.
+void distribute_path_forces(NetworkState& state, std::vector<EqualPaths>& equal, const Eigen::VectorXd& gradient,
+                            const std::vector<double>& forces, const std::vector<bool>& fixed);
 
 }  // namespace supple::embedded

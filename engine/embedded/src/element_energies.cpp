@@ -6,16 +6,17 @@
 #include <limits>
 #include <numbers>
 
-#include "beyond_logarithm.h"
+#include "x_minus_log1p.h"
 
 namespace supple::embedded {
 namespace {
 
-/// 16 times the squared area of a triangle with such squared lengths (Heron): a quadratic form, and its gradient.
+/// 16 times the squared area of a triangle with these squared lengths (Heron's formula, a quadratic form).
 double sixteen_squared_areas(const Eigen::Vector3d& squares) {
   const double sum = squares.sum();
   return sum * sum - 2 * squares.squaredNorm();
 }
+/// The gradient of that form.
 Eigen::Vector3d slope_of_squared_areas(const Eigen::Vector3d& squares) {
   return Eigen::Vector3d::Constant(2 * squares.sum()) - 4 * squares;
 }
@@ -39,8 +40,8 @@ SpringElement spring_element_at_zero(const Spring& spring, double turn, std::siz
   element.hessian *= 2 * spring.weight;
   if (spring.rest_length > 0) {
     const double angle = static_cast<double>(number) * 2 * std::numbers::pi / std::numbers::phi;
-    const Eigen::Vector2d way(std::cos(angle), std::sin(angle));
-    element.gradient << way, -rotation.transpose() * way;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    element.gradient << direction, -rotation.transpose() * direction;
     element.gradient *= 2 * spring.weight * spring.rest_length;
   }
   return element;
@@ -54,9 +55,9 @@ TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const 
   lambda_ = mu_ * 2 * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
 }
 
-// With the form Q of 16 squared areas, squared lengths s and their changes D from rest s0: tr C - 2 = Q'(s0) D / Q(s0),
-// det C - 1 = tr C - 2 + Q(D) / Q(s0), and Q(D) / Q(s0) = det(C - I). Written so, energies and forces of small strains
-// keep their digits, which tr C - 2 - log det C itself loses.
+// Q(s) is 16 times the squared area of a triangle with the squared lengths s, s0 are those at rest, and D = s - s0.
+// Then tr C - 2 = Q'(s0) D / Q(s0) and det C - 1 = tr C - 2 + Q(D) / Q(s0), where Q(D) / Q(s0) = det(C - I). In this
+// form energies and forces of small strains keep their digits, which tr C - 2 - log det C loses.
 TriangleEnergy::Value TriangleEnergy::by_squares(const Eigen::Vector3d& lengths) const {
   Value value;
   const Eigen::Vector3d squares = lengths.cwiseAbs2();
@@ -69,8 +70,8 @@ TriangleEnergy::Value TriangleEnergy::by_squares(const Eigen::Vector3d& lengths)
     return value;
   }
   const double log_j = 0.5 * std::log1p(growth);
-  value.energy = 0.5 * mu_ * (beyond_logarithm(growth) - quadratic) + 0.5 * lambda_ * log_j * log_j;
-  // log J has the gradient q / 2 for the logarithmic slope q of Q.
+  value.energy = 0.5 * mu_ * (x_minus_log1p(growth) - quadratic) + 0.5 * lambda_ * log_j * log_j;
+  // The gradient of log J by the squared lengths is q / 2, where q is the gradient of log Q.
   const double area = rest_ * (1 + growth);
   const Eigen::Vector3d q = slope_of_squared_areas(squares) / area;
   const Eigen::Vector3d beside = (growth * by_rest - slope_of_squared_areas(change) / rest_) / (1 + growth);

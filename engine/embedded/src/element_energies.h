@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -9,7 +10,7 @@
 
 namespace supple::embedded {
 
-/// An element's share of the energy by the tangent coordinates of its corners, two rows for each.
+/// Energy of one element and its derivatives by the tangent coordinates of its corners, two rows for each.
 template <int corners>
 struct PointsElement {
   static constexpr int size = 2 * corners;
@@ -34,41 +35,47 @@ struct PointsElement {
     sum.add_element(rows, order, value, gradient.data(), lower.data());
   }
 
-  /// Takes the motion of a corner along a unit vector away: a wall stands there.
-  void hold(int corner, const Eigen::Vector2d& along) {
-    const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - along * along.transpose();
-    gradient.template segment<2>(2 * corner) = (rest * gradient.template segment<2>(2 * corner)).eval();
-    hessian.template middleRows<2>(2 * corner) = (rest * hessian.template middleRows<2>(2 * corner)).eval();
-    hessian.template middleCols<2>(2 * corner) = (hessian.template middleCols<2>(2 * corner) * rest).eval();
+  /// Removes the motion of a point, one of the corners, along a unit vector: gradient and Hessian are projected onto
+  /// the direction across it.
+  void project_out(std::int32_t point, const Eigen::Vector2d& direction) {
+    const int row = row_of(point);
+    const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - direction * direction.transpose();
+    gradient.template segment<2>(row) = (rest * gradient.template segment<2>(row)).eval();
+    hessian.template middleRows<2>(row) = (rest * hessian.template middleRows<2>(row)).eval();
+    hessian.template middleCols<2>(row) = (hessian.template middleCols<2>(row) * rest).eval();
   }
 
-  /// Takes a corner's rows away: what happens at a tip is added by itself.
-  void take_out(int corner) {
-    gradient.template segment<2>(2 * corner).setZero();
-    hessian.template middleRows<2>(2 * corner).setZero();
-    hessian.template middleCols<2>(2 * corner).setZero();
+  /// Sets the derivatives by a point's coordinates to zero. Those of a point at a cone vertex are added separately.
+  void zero_point(std::int32_t point) {
+    const int row = row_of(point);
+    gradient.template segment<2>(row).setZero();
+    hessian.template middleRows<2>(row).setZero();
+    hessian.template middleCols<2>(row).setZero();
   }
+
+ private:
+  int row_of(std::int32_t point) const { return static_cast<int>(std::ranges::find(rows, 2 * point) - rows.begin()); }
 };
 using SpringElement = PointsElement<2>;
 using TriangleElement = PointsElement<3>;
 
-/// weight (length - rest_length)^2 of a length that has derivatives (thesis eq. 3.13).
+/// weight (length - rest_length)^2 of a length with its derivatives [Thesis, eq. 3.13].
 SpringElement spring_element(const Spring& spring, const LengthDerivatives& length);
 
-/// The same for ends in one place, whose coordinates differ by the rotation of `turn` radians. The squared distance is
-/// differentiable there. With a rest length the energy has a peak: its slope is 2 weight rest_length whichever way the
-/// ends part, and a direction, another for each spring, is chosen by its number.
+/// The same for ends in one place, whose coordinates differ by a rotation of `turn` radians. The squared distance is
+/// differentiable there. With a positive rest length the energy has a peak, whose slope is 2 weight rest_length in
+/// every direction in which the ends separate: the direction of the gradient is chosen by the spring's number.
 SpringElement spring_element_at_zero(const Spring& spring, double turn, std::size_t number);
 
-/// The elastic energy of a flat triangle as a function of the lengths of its sides alone (thesis eq. 3.17 to 3.20): C
-/// is the Cauchy-Green tensor for which e^T C e is the squared length of each side that was e at rest, and
-/// E = thickness * area * (mu / 2 (tr C - 2 - 2 log J) + lambda / 2 log(J)^2), J^2 = det C, area at rest.
+/// The elastic energy of a flat triangle as a function of the lengths of its sides alone [Thesis, eq. 3.17 to 3.20].
+/// C is the Cauchy-Green tensor: e^T C e is the squared length of the side that was the vector e at rest. The energy is
+/// E = thickness * area * (mu / 2 (tr C - 2 - 2 log J) + lambda / 2 log(J)^2), J^2 = det C, with the area at rest.
 class TriangleEnergy {
  public:
   /// Sides (0, 1), (1, 2), (2, 0).
   TriangleEnergy(const std::array<double, 3>& rest_lengths, const MembraneMaterial& material);
 
-  /// The energy and its derivatives by the three lengths. It is infinite where no triangle has such sides.
+  /// The energy and its derivatives by the three lengths. The energy is infinite where no triangle has such sides.
   struct Value {
     double energy = 0;
     Eigen::Vector3d first = Eigen::Vector3d::Zero();
@@ -78,14 +85,14 @@ class TriangleEnergy {
   /// The same with derivatives by the squared lengths.
   Value by_squares(const Eigen::Vector3d& lengths) const;
 
-  /// Principal stretches, the greater first; zero where the lengths are of no triangle.
+  /// Principal stretches, the greater first; zero where no triangle has such sides.
   Eigen::Vector2d stretches(const Eigen::Vector3d& lengths) const;
 
  private:
   Eigen::Vector3d rest_lengths_;
-  double rest_ = 0;  ///< 16 times the squared area at rest
-  double mu_ = 0;    ///< times thickness and area
-  double lambda_ = 0;
+  double rest_ = 0;    ///< 16 times the squared area at rest
+  double mu_ = 0;      ///< Lame's constant times thickness and area
+  double lambda_ = 0;  ///< likewise
 };
 
 }  // namespace supple::embedded

@@ -8,18 +8,19 @@
 namespace supple::embedded {
 namespace {
 
-/// Directions at a vertex of which the steepest is taken.
-constexpr int directions_at_a_tip = 256;
+/// Number of directions at a vertex of which the steepest is taken.
+constexpr int directions_at_vertex = 256;
 
 using Frame = Eigen::Matrix<double, 3, 2>;
 
-/// The way down at a vertex, where each face has its own slope: the steepest of directions all around it.
-Eigen::Vector2d slope_on_tip(const NetworkState& state, std::size_t point, const Eigen::Vector3d& gradient) {
+/// The steepest descent at a vertex, where each face has a gradient of its own, as if it were the gradient.
+Eigen::Vector2d steepest_descent_at_vertex(const NetworkState& state, std::size_t point,
+                                           const Eigen::Vector3d& gradient) {
   const surface::VertexCone cone(state.mesh(), state.vertex_of(point));
   double least = 0;
   double at = 0;
-  for (int k = 0; k < directions_at_a_tip; ++k) {
-    const double angle = (k + 0.5) / directions_at_a_tip * cone.total_angle();
+  for (int k = 0; k < directions_at_vertex; ++k) {
+    const double angle = (k + 0.5) / directions_at_vertex * cone.total_angle();
     const double slope = gradient.dot(cone.direction(angle).vector);
     if (slope >= least) continue;
     least = slope;
@@ -39,32 +40,32 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
     if (order < 1) continue;
     frames[i] = state.on_tip(i) ? Frame(Frame::Zero()) : Frame(surface::tangent_frame(state.mesh(), points[i].face));
   }
-  std::vector<Eigen::Vector3d> on_tips(points.size(), Eigen::Vector3d::Zero());
+  std::vector<Eigen::Vector3d> vertex_gradients(points.size(), Eigen::Vector3d::Zero());
   std::vector<double> stiffness(points.size(), 0);
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const Spring& spring = springs_[i];
     const auto from = static_cast<std::size_t>(spring.from);
     const auto to = static_cast<std::size_t>(spring.to);
     for (const std::size_t end : {from, to}) stiffness[end] += 2 * spring.weight;
-    const Eigen::Vector3d way = positions[to] - positions[from];
+    const Eigen::Vector3d difference = positions[to] - positions[from];
     SpringElement element;
-    if (const double length = way.norm(); length > 0 || order < 1) {
+    if (const double length = difference.norm(); length > 0 || order < 1) {
       LengthDerivatives derivatives;
       derivatives.length = length;
       if (order >= 1) {
-        const Eigen::Vector3d d = way / length;
+        const Eigen::Vector3d d = difference / length;
         Eigen::Matrix<double, 3, 4> by_ends;
         by_ends << -frames[from], frames[to];
         derivatives.gradient = by_ends.transpose() * d;
         derivatives.hessian =
             (by_ends.transpose() * by_ends - derivatives.gradient * derivatives.gradient.transpose()) / length;
-        const double pull = 2 * spring.weight * (length - spring.rest_length);
-        if (state.on_tip(from)) on_tips[from] -= pull * d;
-        if (state.on_tip(to)) on_tips[to] += pull * d;
+        const double force = 2 * spring.weight * (length - spring.rest_length);
+        if (state.on_tip(from)) vertex_gradients[from] -= force * d;
+        if (state.on_tip(to)) vertex_gradients[to] += force * d;
       }
       element = spring_element(spring, derivatives);
     } else {
-      // In one face, or on one edge, whose two frames differ by a turn about it.
+      // The ends are in one face, or on one edge, and the frames of its two faces differ by a rotation about it.
       const Eigen::Matrix2d turn = frames[from].transpose() * frames[to];
       element = spring_element_at_zero(spring, std::atan2(turn(1, 0) - turn(0, 1), turn.trace()), i);
     }
@@ -74,7 +75,7 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!state.on_tip(i)) continue;
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    sum.gradient.segment<2>(row) += slope_on_tip(state, i, on_tips[i]);
+    sum.gradient.segment<2>(row) += steepest_descent_at_vertex(state, i, vertex_gradients[i]);
     if (order < 2) continue;
     for (int k = 0; k < 2; ++k) sum.hessian.add(row + k, row + k, stiffness[i]);
   }

@@ -9,8 +9,8 @@
 
 namespace supple::embedded {
 
-/// E = sum weight (|x_i - x_j| - rest_length)^2 with lengths through space. Smooth within faces; its slope jumps across
-/// edges, at which points stick although the surface would let them slide on (thesis fig. 3.12).
+/// E = sum weight (|x_i - x_j| - rest_length)^2 with lengths through space. E is smooth within faces. Its slope jumps
+/// across edges, where points stick although the surface would let them slide on [Thesis, fig. 3.12].
 class EuclideanSprings : public numerics::Term<NetworkState> {
  public:
   explicit EuclideanSprings(const Network& network) : springs_(network.springs) {}

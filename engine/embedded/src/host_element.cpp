@@ -8,7 +8,7 @@
 namespace supple::embedded {
 namespace {
 
-/// The change of a point's barycentric coordinates with its two tangent coordinates.
+/// Derivatives of a point's barycentric coordinates by its two tangent coordinates.
 Eigen::Matrix<double, 3, 2> barycentrics_by_tangents(const surface::TriangleMesh& mesh, FaceId face) {
   const surface::Triangle& corners = mesh.faces()[index(face)];
   const Eigen::Vector3d& first = mesh.positions()[corners[0]];
@@ -21,7 +21,8 @@ Eigen::Matrix<double, 3, 2> barycentrics_by_tangents(const surface::TriangleMesh
   return change;
 }
 
-Eigen::MatrixXd without_negative_curvature(const Eigen::MatrixXd& curvature) {
+/// The symmetric matrix with its negative eigenvalues replaced by zero.
+Eigen::MatrixXd positive_part(const Eigen::MatrixXd& curvature) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(curvature);
   return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0).asDiagonal() * modes.eigenvectors().transpose();
 }
@@ -37,7 +38,7 @@ HostLength host_length(const NetworkState& state, const surface::HostDerivatives
   result.rows = {2 * from_point, 2 * from_point + 1, 2 * to_point, 2 * to_point + 1};
   for (const std::int32_t vertex : by_barycentrics.vertices)
     for (int k = 0; k < 3; ++k) result.rows.push_back(state.node_row(vertex) + k);
-  // Coordinates of points and nodes to barycentric coordinates and nodes: block diagonal, the identity for nodes.
+  // The change of variables is block diagonal: tangent to barycentric coordinates for each end, the identity for nodes.
   const auto face_of = [&](std::int32_t point) { return state.points()[static_cast<std::size_t>(point)].face; };
   Eigen::Matrix<double, 6, 4> change = Eigen::Matrix<double, 6, 4>::Zero();
   change.topLeftCorner<3, 2>() = barycentrics_by_tangents(state.mesh(), face_of(from_point));
@@ -64,17 +65,17 @@ void HostElement::add_to(numerics::EnergySum& sum, int order) const {
   sum.add_element(rows, order, value, gradient.data(), lower.data());
 }
 
-void HostElement::hold(std::int32_t point, const Eigen::Vector2d& along) {
+void HostElement::project_out(std::int32_t point, const Eigen::Vector2d& direction) {
   const auto first = std::ranges::find(rows, 2 * point) - rows.begin();
   const std::array<Eigen::Index, 2> own{first, first + 1};
-  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - along * along.transpose();
+  const Eigen::Matrix2d rest = Eigen::Matrix2d::Identity() - direction * direction.transpose();
   gradient(own) = (rest * gradient(own)).eval();
   if (hessian.size() == 0) return;
   hessian(own, Eigen::all) = (rest * hessian(own, Eigen::all)).eval();
   hessian(Eigen::all, own) = (hessian(Eigen::all, own) * rest).eval();
 }
 
-void HostElement::take_out(std::int32_t point) {
+void HostElement::zero_point(std::int32_t point) {
   for (std::size_t k = 0; k < rows.size(); ++k) {
     if (rows[k] / 2 != point) continue;
     const auto row = static_cast<Eigen::Index>(k);
@@ -109,8 +110,7 @@ HostElement element_of_lengths(double value, const Eigen::VectorXd& first, const
     if (!convex || first[k] > 0) element.hessian(places, places) += first[k] * length.hessian;
   }
   element.gradient = slopes * first;
-  if (order >= 2)
-    element.hessian += slopes * (convex ? without_negative_curvature(second) : second) * slopes.transpose();
+  if (order >= 2) element.hessian += slopes * (convex ? positive_part(second) : second) * slopes.transpose();
   return element;
 }
 

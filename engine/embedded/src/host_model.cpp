@@ -19,8 +19,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Fixed vertices count as lying on one line where they span less of an area than this share of their squared extent.
-constexpr double min_area_share = 1e-6;
+/// Three nodes lie on one line if they span less area than this fraction of the squared extent of their part.
+constexpr double min_area_fraction = 1e-6;
 
 void require_positive(Faults& faults, const std::string& where, double value) {
   faults.require(std::isfinite(value) && value > 0, where, "is " + std::to_string(value) + ", but must be positive");
@@ -67,7 +67,8 @@ void check_fixed(const surface::TriangleMesh& mesh, const std::vector<std::int32
   faults.throw_if_any("host.fixed_vertex");
 }
 
-/// Numbers the parts that elements join nodes to; -1 for nodes of no element.
+/// For each node the number of the connected part that it belongs to; -1 for nodes without an element. `count` becomes
+/// the number of parts. Nearly O(nodes + elements).
 template <class Element>
 std::vector<std::int32_t> parts_of(std::size_t nodes, const std::vector<Element>& elements, std::int32_t& count) {
   std::vector<std::int32_t> parent(nodes);
@@ -102,8 +103,8 @@ std::vector<std::int32_t> parts_of(std::size_t nodes, const std::vector<Element>
 void check_moved(const surface::TriangleMesh& mesh, const std::vector<std::int32_t>& fixed,
                  const std::vector<MovedVertex>& moved) {
   Faults faults;
-  std::vector<std::int32_t> held(fixed);
-  std::sort(held.begin(), held.end());
+  std::vector<std::int32_t> sorted(fixed);
+  std::sort(sorted.begin(), sorted.end());
   std::map<std::int32_t, std::size_t> known;
   for (std::size_t i = 0; i < moved.size(); ++i) {
     const std::string where = "host/moved_vertices/" + std::to_string(i);
@@ -115,7 +116,7 @@ void check_moved(const surface::TriangleMesh& mesh, const std::vector<std::int32
     } else if (!known_before.second) {
       faults.add(where + "/vertex", "is " + std::to_string(vertex) + ", which host/moved_vertices/" +
                                         std::to_string(known_before.first->second) + " moves already");
-    } else if (std::binary_search(held.begin(), held.end(), vertex)) {
+    } else if (std::binary_search(sorted.begin(), sorted.end(), vertex)) {
       faults.add(where + "/vertex",
                  "is " + std::to_string(vertex) + ", which is one of the fixed vertices and stays where it is");
     }
@@ -147,9 +148,8 @@ void HostModel::make_shell(const surface::TriangleMesh& mesh, const ShellHost& s
   if (shell.bending) terms_.push_back(std::make_shared<ShellHinges>(mesh, shell));
   if (shell.volume_weight > 0) terms_.push_back(std::make_shared<ShellVolume>(mesh, shell));
   place_nodes(mesh.positions());
-  hold(shell.fixed_vertices);
-  hold(shell.moved_vertices);
-  support(mesh.faces(), false);
+  fix_vertices(shell.fixed_vertices, shell.moved_vertices);
+  constrain_parts(mesh.faces(), false);
   stiffness_ = shell.youngs_modulus * shell.thickness;
 }
 
@@ -165,9 +165,8 @@ void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& s
   terms_.push_back(std::make_shared<SolidElements>(tetrahedra_, solid));
   if (!solid.gravity.isZero(0)) terms_.push_back(std::make_shared<Gravity>(tetrahedra_, solid.gravity));
   place_nodes(tetrahedra_.nodes);
-  hold(solid.fixed_vertices);
-  hold(solid.moved_vertices);
-  support(tetrahedra_.tetrahedra, !solid.gravity.isZero(0));
+  fix_vertices(solid.fixed_vertices, solid.moved_vertices);
+  constrain_parts(tetrahedra_.tetrahedra, !solid.gravity.isZero(0));
   stiffness_ = solid.youngs_modulus;
   for (const SolidRegion& region : solid.regions) stiffness_ = std::max(stiffness_, region.youngs_modulus);
   stiffness_ *= mesh.mean_edge_length();
@@ -176,35 +175,28 @@ void HostModel::make_solid(const surface::TriangleMesh& mesh, const SolidHost& s
 void HostModel::place_nodes(std::span<const Vector3d> positions) {
   nodes_.resize(3 * static_cast<Eigen::Index>(positions.size()));
   for (std::size_t i = 0; i < positions.size(); ++i) nodes_.segment<3>(3 * static_cast<Eigen::Index>(i)) = positions[i];
-  held_.assign(static_cast<std::size_t>(nodes_.size()), false);
+  fixed_.assign(static_cast<std::size_t>(nodes_.size()), false);
 }
 
-void HostModel::hold(const std::vector<std::int32_t>& fixed) {
-  for (const std::int32_t vertex : fixed)
-    for (std::size_t k = 0; k < 3; ++k) held_[3 * static_cast<std::size_t>(vertex) + k] = true;
+void HostModel::fix(std::int32_t node) {
+  for (std::size_t k = 0; k < 3; ++k) fixed_[3 * static_cast<std::size_t>(node) + k] = true;
 }
 
-void HostModel::hold(const std::vector<MovedVertex>& moved) {
+void HostModel::fix_vertices(const std::vector<std::int32_t>& fixed, const std::vector<MovedVertex>& moved) {
+  for (const std::int32_t vertex : fixed) fix(vertex);
+  for (const MovedVertex& one : moved) fix(one.vertex);
   moved_ = moved;
-  for (const MovedVertex& one : moved) hold(std::vector<std::int32_t>{one.vertex});
 }
 
-// Three nodes that are not on a line, held to three, two and one directions, are what a body needs to stay where it is
-// and no more: they carry nothing where forces and moments sum to zero, as those of networks and hosts do.
 template <class Element>
-void HostModel::support(const std::vector<Element>& elements, bool loaded) {
+void HostModel::constrain_parts(const std::vector<Element>& elements, bool is_loaded) {
   const auto count = static_cast<std::size_t>(nodes_.size() / 3);
   std::int32_t parts = 0;
   const std::vector<std::int32_t> part = parts_of(count, elements, parts);
-  const auto place = [&](std::size_t node) -> Vector3d {
-    return nodes_.segment<3>(3 * static_cast<Eigen::Index>(node));
-  };
-  const auto fixed = [&](std::size_t node) { return held_[3 * node] && held_[3 * node + 1] && held_[3 * node + 2]; };
-  // What no element moves stays where it is.
   std::vector<std::vector<std::size_t>> nodes_of(static_cast<std::size_t>(parts));
   for (std::size_t i = 0; i < count; ++i) {
     if (part[i] < 0)
-      hold(std::vector<std::int32_t>{static_cast<std::int32_t>(i)});
+      fix(static_cast<std::int32_t>(i));
     else
       nodes_of[static_cast<std::size_t>(part[i])].push_back(i);
   }
@@ -212,60 +204,63 @@ void HostModel::support(const std::vector<Element>& elements, bool loaded) {
   for (const MovedVertex& one : moved_)
     if (const std::int32_t p = part[static_cast<std::size_t>(one.vertex)]; p >= 0)
       is_moved[static_cast<std::size_t>(p)] = true;
-  for (std::size_t p = 0; p < nodes_of.size(); ++p) {
-    const std::vector<std::size_t>& own = nodes_of[p];
-    // Fixed nodes go first wherever there are any.
-    const auto best = [&](const auto& worth) {
-      std::size_t chosen = own.front();
-      double most = -1;
-      for (const bool among_fixed : {true, false}) {
-        for (const std::size_t i : own) {
-          if (fixed(i) != among_fixed || !(worth(i) > most)) continue;
-          most = worth(i);
-          chosen = i;
-        }
-        if (most > 0) break;
+  for (std::size_t p = 0; p < nodes_of.size(); ++p) constrain_part(nodes_of[p], is_loaded, is_moved[p]);
+}
+
+// A body stays in its place if three nodes that are not on a line have three, two and one fixed coordinates. These
+// constraints take no force where forces and moments sum to zero, as those of networks and hosts do.
+void HostModel::constrain_part(const std::vector<std::size_t>& nodes, bool is_loaded, bool is_moved) {
+  // Fixed nodes are preferred to free ones.
+  const auto best = [&](const auto& score) {
+    std::size_t chosen = nodes.front();
+    double highest = -1;
+    for (const bool among_fixed : {true, false}) {
+      for (const std::size_t i : nodes) {
+        if (is_fixed(i) != among_fixed || !(score(i) > highest)) continue;
+        highest = score(i);
+        chosen = i;
       }
-      return chosen;
-    };
-    Vector3d low = place(own.front());
-    Vector3d high = low;
-    for (const std::size_t i : own) {
-      low = low.cwiseMin(place(i));
-      high = high.cwiseMax(place(i));
+      if (highest > 0) break;
     }
-    const double least = min_area_share * (high - low).squaredNorm();
-    const std::size_t first = best([&](std::size_t) { return 1.0; });
-    const std::size_t second = best([&](std::size_t i) {
-      return (place(i) - place(first)).squaredNorm() > least ? (place(i) - place(first)).norm() : 0;
-    });
-    const Vector3d axis = place(second) - place(first);
-    const std::size_t third = best([&](std::size_t i) {
-      const double area = axis.cross(place(i) - place(first)).norm();
-      return area > least ? area : 0;
-    });
-    const bool rests = fixed(first) && fixed(second) && fixed(third);
-    if (rests) continue;
-    if (loaded)
-      throw Error("host.unsupported",
-                  "A solid under gravity has to be held by at least three fixed vertices that are not on one line.",
-                  {{"host/fixed_vertices", "leave a part of the solid free to move as a whole"}});
-    // Their way would have to be that of the vertices which are moved, and is not known beforehand.
-    if (is_moved[p])
-      throw Error("host.unsupported",
-                  "A host of which vertices are moved has to be held by at least three vertices that are not on one "
-                  "line, fixed or moved.",
-                  {{"host/moved_vertices", "and fixed_vertices leave a part of the host free to move as a whole"}});
-    ++supports_;
-    if (!fixed(first)) hold(std::vector<std::int32_t>{static_cast<std::int32_t>(first)});
-    if (!fixed(second)) {
-      const auto along = static_cast<std::size_t>(largest_entry(axis));
-      for (std::size_t k = 0; k < 3; ++k)
-        if (k != along) held_[3 * second + k] = true;
-    }
-    const auto turns = static_cast<std::size_t>(largest_entry(axis.cross(place(third) - place(first))));
-    held_[3 * third + turns] = true;
+    return chosen;
+  };
+  Vector3d low = position(nodes.front());
+  Vector3d high = low;
+  for (const std::size_t i : nodes) {
+    low = low.cwiseMin(position(i));
+    high = high.cwiseMax(position(i));
   }
+  const double min_area = min_area_fraction * (high - low).squaredNorm();
+  const std::size_t first = best([&](std::size_t) { return 1.0; });
+  const std::size_t second = best([&](std::size_t i) {
+    const Vector3d apart = position(i) - position(first);
+    return apart.squaredNorm() > min_area ? apart.norm() : 0;
+  });
+  const Vector3d axis = position(second) - position(first);
+  const std::size_t third = best([&](std::size_t i) {
+    const double area = axis.cross(position(i) - position(first)).norm();
+    return area > min_area ? area : 0;
+  });
+  if (is_fixed(first) && is_fixed(second) && is_fixed(third)) return;
+  if (is_loaded)
+    throw Error("host.unsupported",
+                "A solid under gravity has to be held by at least three fixed vertices that are not on one line.",
+                {{"host/fixed_vertices", "leave a part of the solid free to move as a whole"}});
+  // The constrained nodes would have to follow the moved vertices, along a path that is not known beforehand.
+  if (is_moved)
+    throw Error("host.unsupported",
+                "A host of which vertices are moved has to be held by at least three vertices that are not on one "
+                "line, fixed or moved.",
+                {{"host/moved_vertices", "and fixed_vertices leave a part of the host free to move as a whole"}});
+  ++rigid_body_constraints_;
+  if (!is_fixed(first)) fix(static_cast<std::int32_t>(first));
+  if (!is_fixed(second)) {
+    const auto along = static_cast<std::size_t>(largest_entry(axis));
+    for (std::size_t k = 0; k < 3; ++k)
+      if (k != along) fixed_[3 * second + k] = true;
+  }
+  const auto normal = static_cast<std::size_t>(largest_entry(axis.cross(position(third) - position(first))));
+  fixed_[3 * third + normal] = true;
 }
 
 }  // namespace supple::embedded

@@ -11,20 +11,19 @@
 namespace supple::embedded {
 namespace {
 
-/// The share of a load step over which gradients are subtracted. Rounding and curvature spoil this difference about as
-/// much.
-constexpr double share_for_tangent = 1e-6;
-/// The smallest shift that the convex matrix gets where it cannot be factorized without one, in mean entries of its
-/// diagonal.
+/// Fraction of a load increment over which gradients are subtracted for the tangent. Rounding and curvature cause
+/// errors of about the same size there.
+constexpr double tangent_fraction = 1e-6;
+/// The first shift of a convex matrix that cannot be factorized without one, in mean entries of its diagonal.
 constexpr double min_shift = 1e-8;
-/// Supports go the way of one rigid body if they are off it by less than this, in diagonals of the host.
+/// Supports move as one rigid body if they deviate from its motion by at most this, in diagonals of the host.
 constexpr double rigid_rounding = 1e-12;
-/// A host that moved as a whole is at its equilibrium but for rounding if the gradient is at most so many tolerances.
-constexpr double tolerances_of_rounding = 100;
-/// The energy of another equilibrium is lower by more than this many times the predicted decrease,
-/// and by more than this share of the energy.
-constexpr double surprising_support_decrease = 10;
-constexpr double support_decrease_of_rounding = 1e-9;
+/// A host that moved as a whole is at its equilibrium but for rounding if the gradient is at most this many tolerances.
+constexpr double max_rigid_gradient = 100;
+/// An equilibrium is another one if its energy is lower than predicted by more than this many times the predicted
+/// decrease plus this fraction of the energy.
+constexpr double max_decrease_ratio = 10;
+constexpr double relative_energy_rounding = 1e-9;
 
 /// The positions of all nodes, then those of all points.
 Eigen::VectorXd positions_of(const NetworkState& state) {
@@ -39,29 +38,29 @@ Eigen::VectorXd positions_of(const NetworkState& state) {
 }  // namespace
 
 MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const HostModel& host, double gradient_tolerance)
-    : system_(system), gradient_tolerance_(gradient_tolerance), start_{system.state(), 0} {
+    : system_(system), host_(host), gradient_tolerance_(gradient_tolerance), start_{system.state(), 0} {
   const std::vector<MovedVertex>& moved = host.moved();
-  const std::vector<bool>& held = host.held();
-  bool partly = false;
-  for (std::size_t i = 0; i < held.size(); i += 3) {
-    const auto count = std::count(held.begin() + static_cast<std::ptrdiff_t>(i),
-                                  held.begin() + static_cast<std::ptrdiff_t>(i) + 3, true);
-    partly = partly || (count > 0 && count < 3);
+  const std::vector<bool>& fixed = host.fixed();
+  bool has_partly_fixed = false;
+  for (std::size_t i = 0; i < fixed.size(); i += 3) {
+    const auto count = std::count(fixed.begin() + static_cast<std::ptrdiff_t>(i),
+                                  fixed.begin() + static_cast<std::ptrdiff_t>(i) + 3, true);
+    has_partly_fixed = has_partly_fixed || (count > 0 && count < 3);
     if (count == 3) supports_.push_back(static_cast<std::int32_t>(i / 3));
   }
-  if (partly) supports_.clear();
-  std::size_t stops = 0;
+  if (has_partly_fixed) supports_.clear();
+  std::size_t count = 0;
   Eigen::VectorXd places(3 * static_cast<Eigen::Index>(moved.size()));
   for (std::size_t i = 0; i < moved.size(); ++i) {
     vertices_.push_back(moved[i].vertex);
     places.segment<3>(3 * static_cast<Eigen::Index>(i)) = system.state().node(moved[i].vertex);
-    stops = std::max(stops, moved[i].positions.size());
+    count = std::max(count, moved[i].positions.size());
   }
-  stops_.push_back(places);
-  for (std::size_t k = 0; k < stops; ++k) {
+  positions_.push_back(places);
+  for (std::size_t k = 0; k < count; ++k) {
     for (std::size_t i = 0; i < moved.size(); ++i)
       if (k < moved[i].positions.size()) places.segment<3>(3 * static_cast<Eigen::Index>(i)) = moved[i].positions[k];
-    stops_.push_back(places);
+    positions_.push_back(places);
   }
 }
 
@@ -71,27 +70,28 @@ void MovedSupports::set_state(const State& state) {
   load_ = state.load;
 }
 
-Eigen::VectorXd MovedSupports::way_of_supports(const NetworkState& from, double load) const {
-  const auto before = static_cast<std::size_t>(std::clamp(std::floor(load), 0.0, static_cast<double>(stops())));
-  const double share = load - static_cast<double>(before);
-  Eigen::VectorXd at = stops_[before];
-  if (share > 0) at += share * (stops_[before + 1] - at);
-  Eigen::VectorXd way = Eigen::VectorXd::Zero(from.dimension());
+Eigen::VectorXd MovedSupports::prescribed_change(const NetworkState& from, double load) const {
+  const auto before =
+      static_cast<std::size_t>(std::clamp(std::floor(load), 0.0, static_cast<double>(position_count())));
+  const double fraction = load - static_cast<double>(before);
+  Eigen::VectorXd at = positions_[before];
+  if (fraction > 0) at += fraction * (positions_[before + 1] - at);
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(from.dimension());
   for (std::size_t i = 0; i < vertices_.size(); ++i)
-    way.segment<3>(from.node_row(vertices_[i])) =
+    change.segment<3>(from.node_row(vertices_[i])) =
         at.segment<3>(3 * static_cast<Eigen::Index>(i)) - from.node(vertices_[i]);
-  return way;
+  return change;
 }
 
 std::optional<Eigen::VectorXd> MovedSupports::rigid_motion(const NetworkState& from, double load) const {
   if (supports_.empty()) return std::nullopt;
-  const Eigen::VectorXd way = way_of_supports(from, load);
+  const Eigen::VectorXd prescribed = prescribed_change(from, load);
   Eigen::Matrix3Xd before(3, static_cast<Eigen::Index>(supports_.size()));
   Eigen::Matrix3Xd after = before;
   for (Eigen::Index i = 0; i < before.cols(); ++i) {
     const std::int32_t node = supports_[static_cast<std::size_t>(i)];
     before.col(i) = from.node(node);
-    after.col(i) = before.col(i) + way.segment<3>(from.node_row(node));
+    after.col(i) = before.col(i) + prescribed.segment<3>(from.node_row(node));
   }
   const Eigen::Matrix4d motion = Eigen::umeyama(before, after, false);
   const auto moved = [&](const Eigen::Vector3d& at) -> Eigen::Vector3d {
@@ -99,7 +99,7 @@ std::optional<Eigen::VectorXd> MovedSupports::rigid_motion(const NetworkState& f
   };
   for (Eigen::Index i = 0; i < before.cols(); ++i)
     if (!((moved(before.col(i)) - after.col(i)).norm() <= rigid_rounding * from.mesh().diagonal())) return std::nullopt;
-  Eigen::VectorXd step = way;
+  Eigen::VectorXd step = prescribed;
   const auto nodes = static_cast<std::int32_t>(from.nodes().size() / 3);
   for (std::int32_t node = 0; node < nodes; ++node) {
     if (std::ranges::binary_search(supports_, node)) continue;
@@ -108,31 +108,39 @@ std::optional<Eigen::VectorXd> MovedSupports::rigid_motion(const NetworkState& f
   return step;
 }
 
-// With the energy's derivatives by unknowns u and the load t, an equilibrium stays one where H_uu du + H_ut dt = 0.
-// H_ut is the difference of gradients for unknowns that stay while the supports move a little: that is as good as its
-// derivative here, at the price of one gradient. Coordinates of points turn with the faces that they are on.
+bool MovedSupports::factorize_at_start(const numerics::Evaluation& here) {
+  if (!at_kink_ && cholesky_.factorize(here.hessian, 0)) return true;
+  const auto convex = system_.convex_hessian();
+  if (!convex) return false;
+  const double scale = numerics::matrix_scale(*convex);
+  for (double shift = 0; shift <= 1; shift = std::max(min_shift, 10 * shift))
+    if (cholesky_.factorize(*convex, shift * scale)) return true;
+  return false;
+}
+
+// Let u be the unknowns, t the load and H the energy's second derivatives. Along a path of equilibria
+// H_uu du + H_ut dt = 0. H_ut is the difference of two gradients, of which the second has the supports moved a little
+// and the same unknowns. That is accurate enough here and costs one gradient.
 void MovedSupports::begin_step() {
   start_ = state();
   const NetworkState& from = start_.network;
-  tangent_ = way_of_supports(from, announced_);
+  tangent_ = prescribed_change(from, target_);
   has_factors_ = false;
   if (system_.dimension() == 0) return;
   const numerics::Evaluation here = system_.evaluate(2);
-  has_factors_ = !at_kink_ && cholesky_.factorize(here.hessian, 0);
   Eigen::VectorXd unbalanced = -system_.full_gradient();
-  if (!has_factors_) {
-    if (const auto convex = system_.convex_hessian()) {
-      const double scale = numerics::matrix_scale(*convex);
-      for (double shift = 0; !has_factors_ && shift <= 1; shift = std::max(min_shift, 10 * shift))
-        has_factors_ = cholesky_.factorize(*convex, shift * scale);
-    }
-  }
+  has_factors_ = factorize_at_start(here);
   if (!has_factors_) return;
   NetworkState carried = from;
-  carried.move(share_for_tangent * tangent_);
-  if (carried.collapsed()) return;
+  carried.move(tangent_fraction * tangent_);
+  if (!carried.collapsed()) compute_tangent(carried, std::move(unbalanced));
+}
+
+void MovedSupports::compute_tangent(const NetworkState& carried, Eigen::VectorXd unbalanced) {
+  const NetworkState& from = start_.network;
   if (at_kink_) {
-    const Eigen::VectorXd response = -cholesky_.solve(system_.restrict(unbalanced_host(carried))) / share_for_tangent;
+    const Eigen::VectorXd response =
+        -cholesky_.solve(system_.restrict(host_gradient_change(carried))) / tangent_fraction;
     if (!response.allFinite()) return;
     tangent_ += system_.expand(response);
     tangent_.head(2 * static_cast<Eigen::Index>(from.points().size())).setZero();
@@ -140,31 +148,32 @@ void MovedSupports::begin_step() {
   }
   system_.set_state(carried);
   system_.look_around();
-  const Eigen::VectorXd moved = system_.full_gradient();
-  const bool finite = std::isfinite(system_.energy());
+  const Eigen::VectorXd gradient = system_.full_gradient();
+  const bool is_finite = std::isfinite(system_.energy());
   set_state(start_);
-  if (!finite) return;
-  unbalanced += moved;
+  if (!is_finite) return;
+  unbalanced += gradient;
   for (std::size_t i = 0; i < from.points().size(); ++i) {
     const auto row = 2 * static_cast<Eigen::Index>(i);
     if (carried.on_tip(i)) {
       unbalanced.segment<2>(row).setZero();
       continue;
     }
+    // The tangent coordinates of a point change with the face that carries it.
     const Eigen::Matrix2d change = tangent_change(from.mesh(), carried.mesh(), from.points()[i].face);
-    unbalanced.segment<2>(row) += (change.transpose() - Eigen::Matrix2d::Identity()) * moved.segment<2>(row);
+    unbalanced.segment<2>(row) += (change.transpose() - Eigen::Matrix2d::Identity()) * gradient.segment<2>(row);
   }
-  const Eigen::VectorXd answer = -cholesky_.solve(system_.restrict(unbalanced)) / share_for_tangent;
+  const Eigen::VectorXd answer = -cholesky_.solve(system_.restrict(unbalanced)) / tangent_fraction;
   if (!answer.allFinite()) return;
   tangent_ += system_.expand(answer);
-  // Points that hardly anything holds would run far: they stay in their places.
+  // Points with hardly any stiffness would move far: they keep their barycentric coordinates.
   for (std::size_t i = 0; i < from.points().size(); ++i) {
-    auto way = tangent_.segment<2>(2 * static_cast<Eigen::Index>(i));
-    if (!(way.norm() <= from.mesh().diagonal())) way.setZero();
+    auto step = tangent_.segment<2>(2 * static_cast<Eigen::Index>(i));
+    if (!(step.norm() <= from.mesh().diagonal())) step.setZero();
   }
 }
 
-bool MovedSupports::go(const State& from, const Eigen::VectorXd& step, double load) {
+bool MovedSupports::try_step(const State& from, const Eigen::VectorXd& step, double load) {
   for (const auto& term : system_.terms())
     if (term->largest_step(from.network, step) < 1) return false;
   NetworkState next = from.network;
@@ -174,85 +183,83 @@ bool MovedSupports::go(const State& from, const Eigen::VectorXd& step, double lo
   return std::isfinite(system_.evaluate(0).value);
 }
 
-bool MovedSupports::go_lower(const Eigen::VectorXd& step, double load) {
-  const bool valid = go(start_, step, load);
+bool MovedSupports::take_lower_step(const Eigen::VectorXd& step, double load) {
+  const bool valid = try_step(start_, step, load);
   const auto coordinates = 2 * static_cast<Eigen::Index>(start_.network.points().size());
   if (step.head(coordinates).isZero(0)) return valid;
   const double energy = valid ? system_.energy() : std::numeric_limits<double>::infinity();
   const State moved = state();
   Eigen::VectorXd carried = step;
   carried.head(coordinates).setZero();
-  if (go(start_, carried, load) && system_.energy() < energy) return true;
+  if (try_step(start_, carried, load) && system_.energy() < energy) return true;
   if (valid) set_state(moved);
   return valid;
 }
 
-Eigen::VectorXd MovedSupports::unbalanced_host(const NetworkState& carried) const {
+Eigen::VectorXd MovedSupports::host_gradient_change(const NetworkState& carried) const {
   numerics::EnergySum before;
   numerics::EnergySum after;
   before.clear(carried.dimension(), 1);
   after.clear(carried.dimension(), 1);
-  // The network is the last term, and the only one that has to search for its paths first.
-  for (std::size_t i = 0; i + 1 < system_.terms().size(); ++i) {
-    system_.terms()[i]->add(start_.network, 1, before);
-    system_.terms()[i]->add(carried, 1, after);
+  for (const auto& term : host_.terms()) {
+    term->add(start_.network, 1, before);
+    term->add(carried, 1, after);
   }
   return after.gradient - before.gradient;
 }
 
 bool MovedSupports::predict_rigid_motion() {
-  const auto step = rigid_motion(start_.network, announced_);
-  if (!step || !go(start_, *step, announced_)) return false;
-  return system_.evaluate(1).gradient.norm() <= tolerances_of_rounding * gradient_tolerance_;
+  const auto step = rigid_motion(start_.network, target_);
+  if (!step || !try_step(start_, *step, target_)) return false;
+  return system_.evaluate(1).gradient.norm() <= max_rigid_gradient * gradient_tolerance_;
 }
 
-bool MovedSupports::carry_rigidly() {
+bool MovedSupports::move_rigidly() {
   start_ = state();
   const double energy = system_.evaluate(0).value;
-  // The gradient says nothing here: which of two equally short paths it belongs to is up to rounding.
-  const auto step = rigid_motion(start_.network, announced_);
-  if (step && go(start_, *step, announced_) &&
-      std::abs(system_.evaluate(0).value - energy) <= support_decrease_of_rounding * std::abs(energy))
+  // The energy is compared and not the gradient: rounding decides which of two equally short paths that belongs to.
+  const auto step = rigid_motion(start_.network, target_);
+  if (step && try_step(start_, *step, target_) &&
+      std::abs(system_.evaluate(0).value - energy) <= relative_energy_rounding * std::abs(energy))
     return true;
   restart_step();
   return false;
 }
 
-void MovedSupports::note_prediction() {
+void MovedSupports::store_prediction() {
   prediction_ = positions_of(std::as_const(system_).state());
   const numerics::Evaluation there = system_.evaluate(2);
   predicted_energy_ = there.value;
   predicted_decrease_ = has_factors_ ? 0.5 * there.gradient.dot(cholesky_.solve(there.gradient)) : 0;
 }
 
-bool MovedSupports::predict(double share) {
-  // A whole way ends where it is to end, to the last digit.
-  const double load = share == 1 ? announced_ : start_.load + share * (announced_ - start_.load);
-  if (share == 1 && predict_rigid_motion()) {
-    note_prediction();
+bool MovedSupports::predict(double fraction) {
+  // A whole increment ends exactly at the target.
+  const double load = fraction == 1 ? target_ : start_.load + fraction * (target_ - start_.load);
+  if (fraction == 1 && predict_rigid_motion()) {
+    store_prediction();
     return true;
   }
-  Eigen::VectorXd step = share * tangent_;
-  const Eigen::VectorXd way = way_of_supports(start_.network, load);
+  Eigen::VectorXd step = fraction * tangent_;
+  const Eigen::VectorXd prescribed = prescribed_change(start_.network, load);
   for (const std::int32_t vertex : vertices_) {
     const std::int32_t row = start_.network.node_row(vertex);
-    step.segment<3>(row) = way.segment<3>(row);
+    step.segment<3>(row) = prescribed.segment<3>(row);
   }
-  if (!go_lower(step, load)) return false;
-  note_prediction();
+  if (!take_lower_step(step, load)) return false;
+  store_prediction();
   return true;
 }
 
 bool MovedSupports::has_jumped(double energy) const {
   const double decrease = predicted_energy_ - energy;
-  return decrease >
-         surprising_support_decrease * predicted_decrease_ + support_decrease_of_rounding * std::abs(predicted_energy_);
+  return decrease > max_decrease_ratio * predicted_decrease_ + relative_energy_rounding * std::abs(predicted_energy_);
 }
 
-double MovedSupports::missed_share() const {
-  const double way = (prediction_ - positions_of(start_.network)).norm();
-  const double missed = (positions_of(std::as_const(system_).state()) - prediction_).norm();
-  return missed > 0 ? missed / way : 0;
+double MovedSupports::prediction_error() const {
+  const double distance = (prediction_ - positions_of(start_.network)).norm();
+  const double error = (positions_of(std::as_const(system_).state()) - prediction_).norm();
+  return error > 0 ? error / distance : 0;
 }
 
 bool MovedSupports::finish(const numerics::MinimizerResult& result) {
@@ -267,7 +274,7 @@ Eigen::VectorXd MovedSupports::unit_mode(const Eigen::VectorXd& mode) const {
 }
 
 bool MovedSupports::move_along(const State& from, const Eigen::VectorXd& mode, double amount) {
-  return go(from, amount * mode, from.load);
+  return try_step(from, amount * mode, from.load);
 }
 
 }  // namespace supple::embedded

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <utility>
 #include <vector>
 
-#include "geodesic_elements.h"
+#include "elastic_network.h"
+#include "network_search.h"
 #include "network_state.h"
 #include "point_damping.h"
 #include "supple/embedded/host.h"
@@ -13,34 +15,33 @@
 
 namespace supple::embedded {
 
-/// A network on a surface that moves, as numerics::EquilibriumPath follows it. The load is where the surface is on its
-/// way: k at the k-th of its positions, 0 at the mesh.
+/// A network on a surface that moves, as a scene for numerics::EquilibriumPath. The load says how far the surface has
+/// moved: k at the k-th of its positions, 0 at the mesh.
 class MovingNetwork {
  public:
-  /// Where the points are and where the surface is.
   struct State {
     std::vector<surface::SurfacePoint> points;
     double load = 0;
     std::vector<CutLocus> cut_loci{};
   };
 
-  /// `solver` is that of the mesh; references outlive this. Throws "host.positions".
-  MovingNetwork(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> held_points,
-                std::shared_ptr<PointDamping> damping, GeodesicElementsOptions options, const MovingHost& host,
-                double gradient_tolerance, Execution execution);
+  /// `solver` is that of the mesh and outlives this; `start` has the load 0. Throws "host.positions".
+  MovingNetwork(const surface::GeodesicSolver& solver, std::shared_ptr<const ElasticNetwork> network,
+                std::shared_ptr<PointDamping> damping, PathCacheOptions options, const MovingHost& host,
+                const State& start, double gradient_tolerance, Execution execution);
 
-  /// Moves the surface to a load, the points with it.
+  /// Moves the surface to a load and puts the points at these barycentric coordinates.
   void place(double load, const std::vector<surface::SurfacePoint>& points, std::vector<CutLocus> cut_loci = {});
-  /// The load that steps go to from now on.
-  void announce(double load) { announced_ = load; }
+  /// Sets the load to which steps go from now on.
+  void set_target(double load) { target_ = load; }
   double load() const { return load_; }
-  const NetworkState& network_state() { return system_->state(); }
-  /// The surface as it is at the present load.
-  const std::shared_ptr<const surface::GeodesicSolver>& shared_solver() const { return solver_; }
+  /// The present state with its paths.
+  const NetworkState& prepared_state() { return system_->prepared_state(); }
+  /// The solver of the surface at the present load.
+  const std::shared_ptr<const surface::GeodesicSolver>& solver() const { return solver_; }
   numerics::System<NetworkState>& system() { return *system_; }
-  const std::shared_ptr<GeodesicElements>& elements() const { return elements_; }
 
-  // What numerics::PathScene asks for.
+  // The interface of numerics::PathScene:
   numerics::Objective& objective() { return *system_; }
   numerics::ShiftedCholesky& cholesky() { return cholesky_; }
   State state() const {
@@ -53,48 +54,51 @@ class MovingNetwork {
   bool finish(const numerics::MinimizerResult&) { return true; }
   bool finish_unstable() { return true; }
   void begin_step();
-  bool predict(double share);
+  bool predict(double fraction);
   void arrived(const numerics::Arrival&) {}
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const { return mode; }
   Eigen::VectorXd expand(const Eigen::VectorXd& mode) const { return system_->expand(mode); }
   bool move_along(const State&, const Eigen::VectorXd&, double) { return false; }
   void left_branch() {}
 
-  /// Whether the energy of the equilibrium that was found after the last prediction differs from what the Hessian at
-  /// the start of the load step predicts. If not, it is the same equilibrium.
+  /// Whether the energy of the equilibrium that was found from the last prediction differs from what the Hessian at the
+  /// start of the load increment predicts. Otherwise it is the continuation of the equilibrium at the start.
   bool is_doubtful(double energy) const;
-  /// Moves the surface back to where it was at the start of the load step and relaxes from the present equilibrium.
-  /// Returns the share of the energy by which the result differs from the equilibrium that was there. Where it differs,
-  /// an equilibrium was lost on the way. The present state stays. Costs a minimization.
-  double loss_on_way_back(const numerics::MinimizerOptions& options);
+  /// Moves the surface back to the start of the load increment and minimizes from the present equilibrium. Returns the
+  /// difference of the resulting energy from the one that was there, relative to it: if it is not zero, an equilibrium
+  /// was lost in the increment. The present state stays. Costs a minimization.
+  double loss_on_return(const numerics::MinimizerOptions& options);
 
  private:
   Eigen::VectorXd nodes_at(double load) const;
-  double energy_rounding() const;
   std::shared_ptr<const surface::GeodesicSolver> surface_at(double load) const;
+  /// Adds to `unbalanced` the gradient after this fraction of the load increment, in which points keep their
+  /// barycentric coordinates; `own_change` becomes what brought paths back to their cut loci. False where the energy is
+  /// not finite.
+  bool add_gradient_change(double fraction, Eigen::VectorXd& unbalanced, Eigen::VectorXd& own_change) const;
+  double energy_rounding() const;
 
-  const surface::GeodesicSolver& first_;
-  const Network& network_;
-  std::vector<bool> held_points_;
+  const surface::GeodesicSolver& first_solver_;
+  std::shared_ptr<const ElasticNetwork> network_;
   numerics::Unknowns unknowns_;
   std::shared_ptr<PointDamping> damping_;
-  GeodesicElementsOptions options_;
-  std::vector<Eigen::VectorXd> stops_;  ///< coordinates of the vertices: of the mesh, then of each position
+  PathCacheOptions options_;
+  std::vector<Eigen::VectorXd> positions_;  ///< coordinates of the vertices: of the mesh, then at each position
   double gradient_tolerance_;
   Execution execution_;
   double load_ = 0;
-  double announced_ = 0;
+  double target_ = 0;
   std::shared_ptr<const surface::GeodesicSolver> solver_;
-  std::shared_ptr<GeodesicElements> elements_;
+  std::shared_ptr<NetworkEnergy> energy_;
   std::shared_ptr<numerics::EnergySum> sums_;
   std::unique_ptr<numerics::System<NetworkState>> system_;
   numerics::ShiftedCholesky cholesky_;
-  State start_;               ///< of the load step
-  Eigen::VectorXd tangent_;   ///< of the points' coordinates there, for all of the announced change
-  bool has_factors_ = false;  ///< whether `cholesky_` has those of the Hessian there
+  State start_;               ///< start of the load increment
+  Eigen::VectorXd tangent_;   ///< change of the points' coordinates from there to the target, to first order
+  bool has_factors_ = false;  ///< whether `cholesky_` has the factors of the Hessian at the start
   double start_energy_ = 0;
-  double carried_energy_ = 0;      ///< where the load step ends, with the points carried along by the surface
-  double predicted_decrease_ = 0;  ///< of the energy from there, by the Hessian at the start
+  double carried_energy_ = 0;      ///< at the end of the increment, with points that keep their barycentric coordinates
+  double predicted_decrease_ = 0;  ///< decrease of the energy from there by a Newton step
 };
 
 }  // namespace supple::embedded

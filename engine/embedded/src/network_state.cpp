@@ -7,6 +7,17 @@
 
 namespace supple::embedded {
 
+LengthDerivatives FoundPaths::length_with_derivatives(std::size_t path, bool second) const {
+  if (!mollified.empty()) return mollified[path];
+  if (const EqualPaths* own = equal_to(path)) return own->length;
+  const surface::TangentGeodesic& geodesic = geodesics[path];
+  LengthDerivatives result;
+  result.length = geodesic.distance;
+  result.gradient << -geodesic.from_direction, geodesic.to_direction;
+  if (second) result.hessian = geodesic.hessian();
+  return result;
+}
+
 NetworkState::NetworkState(const surface::TriangleMesh& mesh, std::vector<surface::SurfacePoint> points)
     : mesh_(&mesh), points_(mesh, std::move(points)) {}
 

@@ -9,14 +9,14 @@
 
 namespace supple::embedded {
 
-/// A small stiffness of every point in Newton's matrix that the energy does not have, so that equilibria are the same
-/// with and without it. Where an equilibrium is followed, it keeps a network that can spin or drift freely in its
-/// place: in a direction without stiffness rounding alone would move it by half the host. In all other directions
-/// Newton's method converges by a factor of about a millionth in each step instead of quadratically (the proximal point
-/// method, Rockafellar 1976).
+/// A small stiffness of every point that is added to Newton's matrix and not to the energy, so that equilibria are the
+/// same with and without it. Without it, rounding would move a followed network that can spin or drift freely by half
+/// the host, because it has a direction without stiffness. In all other directions Newton's method converges linearly,
+/// by a factor of about a millionth in each step, instead of quadratically (the proximal point method,
+/// [Rockafellar1976]).
 class PointDamping : public numerics::Term<NetworkState> {
  public:
-  /// For each point the stiffness that its elements hold it with (ConstrainedPoints::stiffness).
+  /// Takes ConstrainedPoints::stiffness.
   explicit PointDamping(std::vector<double> stiffness) : stiffness_(std::move(stiffness)) {}
 
   std::string_view name() const override { return "point_damping"; }
@@ -26,14 +26,14 @@ class PointDamping : public numerics::Term<NetworkState> {
     for (std::size_t i = 0; i < stiffness_.size(); ++i)
       for (int k = 0; k < 2; ++k) {
         const auto row = static_cast<Eigen::Index>(2 * i) + k;
-        sum.hessian.add(row, row, damping * stiffness_[i]);
+        sum.hessian.add(row, row, damping_ratio * stiffness_[i]);
       }
   }
-  /// It takes no time to speak of and has no energy: the bill leaves it out.
+  /// The bill leaves it out, because it has no energy and takes next to no time.
   void bill(CostLedger&, double) const override {}
 
  private:
-  static constexpr double damping = 1e-6;  ///< share of each point's own stiffness
+  static constexpr double damping_ratio = 1e-6;  ///< damping over each point's own stiffness
 
   std::vector<double> stiffness_;
 };

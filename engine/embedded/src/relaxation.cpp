@@ -1,18 +1,21 @@
 #include "supple/embedded/relaxation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
 
-#include "relaxation_run.h"
+#include "relaxation_phases.h"
 #include "supple/base/error.h"
 #include "supple/base/part_of_execution.h"
 
 namespace supple::embedded {
 namespace {
 
-/// Progress fraction of the first equilibrium, before a host moves.
+using Termination = numerics::MinimizerStop;
+
+/// Fraction of the progress at the first equilibrium, before a host moves.
 constexpr double fraction_before_moving = 0.2;
 
 void check_options(const RelaxationOptions& options) {
@@ -41,58 +44,57 @@ void check_host(const RelaxationOptions& options, const Network& network) {
                 {{"effects/mollifier", "is \"on\", which only a rigid host has"}});
 }
 
+/// The equilibrium on the host at its first position.
+Equilibrium rest_on_host(const RelaxationContext& context, bool is_mollified, RelaxationHistory& history,
+                         const Execution& execution) {
+  const SearchSettings settings{.is_mollified = is_mollified, .max_iterations = context.options.max_iterations};
+  Equilibrium rest = find_equilibrium(context, start_of(context), settings, history, execution);
+  if (rest.termination != Termination::step_too_small) return rest;
+  return leave_jam(context, std::move(rest), settings, history, execution);
+}
+
+bool has_pinned_path(const NetworkState& state) {
+  return state.found() && std::ranges::any_of(state.found()->geodesics, &surface::TangentGeodesic::pinned);
+}
+
+/// Whether the automatic mollifier is called for: only where the search without it ended before it converged, with a
+/// path through a vertex.
+bool needs_mollifier(const RelaxationContext& context, const Equilibrium& end) {
+  return context.follows_geodesics() && context.is_rigid() && context.options.mollifier == Switch::automatic &&
+         end.termination != Termination::converged && end.iterations < context.options.max_iterations &&
+         has_pinned_path(end.state);
+}
+
+Relaxation run_phases(const RelaxationContext& context) {
+  bool is_mollified = context.follows_geodesics() && context.options.mollifier == Switch::on;
+  const auto* moving = std::get_if<MovingHost>(&context.options.host);
+  const bool moves = moving || !context.host.moved().empty();
+  RelaxationHistory history(context.options);
+  const PartOfExecution rest(context.execution, 0, moves ? fraction_before_moving : 1);
+  FollowedEquilibrium found{rest_on_host(context, is_mollified, history, rest.execution()), {}};
+  if (moves) {
+    const PartOfExecution motion(context.execution, fraction_before_moving, 1 - fraction_before_moving);
+    found = moving ? follow_surface(context, std::move(found.end), *moving, history, motion.execution())
+                   : follow_supports(context, std::move(found.end), history, motion.execution());
+  }
+  if (needs_mollifier(context, found.end)) {
+    is_mollified = true;
+    found.end = find_equilibrium(context, std::move(found.end),
+                                 {.is_mollified = true, .max_iterations = context.options.max_iterations}, history,
+                                 context.execution);
+  }
+  return describe_relaxation(context, found, is_mollified, std::move(history));
+}
+
 }  // namespace
-
-RelaxationRun::RelaxationRun(const surface::GeodesicSolver& solver, const Network& network,
-                             const RelaxationOptions& options, const Execution& execution)
-    : solver_(solver),
-      network_(network),
-      options_(options),
-      execution_(execution),
-      points_(constrained_points(network)),
-      host_(solver.mesh(), options.host, execution),
-      state_(first_state()),
-      iteration_limit_(options.max_iterations) {}
-
-bool RelaxationRun::keeps_shape() const { return std::holds_alternative<RigidHost>(options_.host); }
-
-const surface::GeodesicSolver& RelaxationRun::solver() const {
-  if (moved_) return *moved_;
-  return state_.surface() ? *state_.surface() : solver_;
-}
-
-Relaxation RelaxationRun::run() {
-  const bool mollified = is_geodesic() && options_.mollifier == Switch::on;
-  const auto* moving = std::get_if<MovingHost>(&options_.host);
-  Stop stop = Stop::converged;
-  {
-    const PartOfExecution part(execution_, 0, moving || !host_.moved().empty() ? fraction_before_moving : 1);
-    stop = minimize(mollified, part.execution());
-    if (stop == Stop::step_too_small) stop = leave_jam(mollified, part.execution());
-  }
-  {
-    const PartOfExecution part(execution_, fraction_before_moving, 1 - fraction_before_moving);
-    if (moving) stop = follow(*moving, part.execution());
-    if (!host_.moved().empty()) stop = move_supports(stop, part.execution());
-  }
-  if (is_geodesic() && keeps_shape() && options_.mollifier == Switch::automatic && stop != Stop::converged &&
-      may_go_on() && some_path_is_pinned()) {
-    result_.mollified = true;
-    stop = minimize(true, execution_);
-  }
-  result_.mollified = result_.mollified || mollified;
-  add_effects();
-  describe(stop);
-  return std::move(result_);
-}
 
 Relaxation relax(const surface::GeodesicSolver& solver, const Network& network, const RelaxationOptions& options,
                  const Execution& execution) {
   check_options(options);
   check_host(options, network);
-  const Network own = checked_network(solver.mesh(), network);
+  const Network checked = checked_network(solver.mesh(), network);
   execution.checkpoint(0, "search");
-  Relaxation result = RelaxationRun(solver, own, options, execution).run();
+  Relaxation result = run_phases(RelaxationContext(solver, checked, options, execution));
   execution.checkpoint(1, "step");
   return result;
 }

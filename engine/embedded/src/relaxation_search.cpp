@@ -1,28 +1,27 @@
+// The search for an equilibrium, which all phases use.
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <utility>
+#include <variant>
 
 #include "euclidean_springs.h"
-#include "geodesic_elements.h"
-#include "relaxation_run.h"
+#include "relaxation_phases.h"
 #include "supple/base/faults.h"
 
 namespace supple::embedded {
 namespace {
 
-/// Steps shorter than this share of the mesh diagonal do not move a point in double precision.
-constexpr double shortest_step = 1e-16;
+/// Steps shorter than this, in mesh diagonals, do not move a point in double precision.
+constexpr double min_step = 1e-16;
 constexpr int max_backtracks_of_a_step = 40;
-/// Directions of negative curvature are left by steps that are doubled up to this often, in length.
+/// Steps along directions of negative curvature are doubled up to this factor.
 constexpr double longest_expansion = 64;
-/// Forces of a host are known to this share of its stiffness times the mesh diagonal: where the network is that much
-/// weaker, the tolerance is this.
-constexpr double host_rounding = 1e-14;
-
-/// Energies of a host of small strains are known to this share.
+/// Rounding of a host's gradient, relative to its stiffness times the mesh diagonal. Where the network is so much
+/// weaker than its host, this is the tolerance.
+constexpr double host_gradient_rounding = 1e-14;
+/// Relative rounding of the energy of a host with small strains.
 constexpr double host_value_rounding = 1e-12;
-/// A step that lowers the energy by less than this share of what its slope promises goes to and fro across a kink.
+/// A step that lowers the energy by less than this fraction of what its slope promises goes to and fro across a kink.
 constexpr double creeping_share = 1e-3;
 
 numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
@@ -37,96 +36,104 @@ numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
   return numerics::MinimizerMethod::gradient_descent;
 }
 
-}  // namespace
-
-NetworkState RelaxationRun::first_state() const {
-  if (!host_.gives_way()) return {solver_.mesh(), network_.points};
-  // The solver is the caller's, who keeps it.
-  return {std::shared_ptr<const surface::GeodesicSolver>(std::shared_ptr<void>(), &solver_), network_.points,
-          host_.nodes()};
+void refuse_collapsed_triangles(const ElasticNetwork& elements, const NetworkState& state) {
+  Faults faults;
+  for (std::size_t t = 0; t < elements.triangles().size(); ++t)
+    if (!std::isfinite(elements.triangles()[t].energy.at(elements.side_lengths(*state.found(), t)).energy))
+      faults.add("triangles/" + std::to_string(t), "has no area where its corners are");
+  faults.throw_if_any("network.collapsed");
 }
 
-std::vector<bool> RelaxationRun::held(const std::vector<bool>& points) const {
-  std::vector<bool> coordinates = held_coordinates(points);
-  coordinates.insert(coordinates.end(), host_.held().begin(), host_.held().end());
+}  // namespace
+
+RelaxationContext::RelaxationContext(const surface::GeodesicSolver& mesh_solver, const Network& checked_network,
+                                     const RelaxationOptions& relaxation_options, const Execution& whole_execution)
+    : solver(mesh_solver),
+      network(checked_network),
+      options(relaxation_options),
+      execution(whole_execution),
+      points(constrained_points(network)),
+      elements(std::make_shared<const ElasticNetwork>(network, points.fixed)),
+      host(solver.mesh(), options.host, execution) {}
+
+bool RelaxationContext::is_rigid() const { return std::holds_alternative<RigidHost>(options.host); }
+
+NetworkSearch::Options RelaxationContext::search_options(bool is_mollified) const {
+  return {.paths = {.reuses_strips = reuses_strips(), .mollifier_length = is_mollified ? options.mollifier_length : 0}};
+}
+
+numerics::MinimizerOptions RelaxationContext::minimizer_options() const {
+  const double diagonal = solver.mesh().diagonal();
+  numerics::MinimizerOptions minimizer;
+  minimizer.method = minimizer_method(options.method);
+  minimizer.gradient_tolerance =
+      std::max(options.tolerance * largest_weight(network), host_gradient_rounding * host.stiffness()) * diagonal;
+  minimizer.step_tolerance = min_step * diagonal;
+  minimizer.max_backtracks = max_backtracks_of_a_step;
+  minimizer.longest_expansion = longest_expansion;
+  minimizer.creeping_share = creeping_share;
+  if (host.is_deformable()) minimizer.value_rounding = host_value_rounding;
+  // Without curvature the first step is that of a single point whose neighbours stay in place.
+  if (const double stiffness = std::max(points.max_stiffness, host.stiffness()); stiffness > 0)
+    minimizer.first_step = 1 / stiffness;
+  return minimizer;
+}
+
+std::vector<bool> RelaxationContext::fixed_degrees(const std::vector<bool>& fixed_points) const {
+  std::vector<bool> coordinates = fixed_coordinates(fixed_points);
+  coordinates.insert(coordinates.end(), host.fixed().begin(), host.fixed().end());
   return coordinates;
 }
 
-std::shared_ptr<numerics::Term<NetworkState>> RelaxationRun::make_term(bool mollified,
-                                                                       std::vector<bool> held_points) const {
-  if (!is_geodesic()) return std::make_shared<EuclideanSprings>(network_);
-  return std::make_shared<GeodesicElements>(
-      moved_ ? *moved_ : solver_, network_, std::move(held_points),
-      GeodesicElementsOptions{.kept_strips = keeps_strips(),
-                              .mollifier_length = mollified ? options_.mollifier_length : 0});
+void RelaxationHistory::record(const numerics::MinimizerStep& step, const NetworkState& state) {
+  steps_.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
+  if (options_.observer) options_.observer(steps_.back(), state.points(), state.mesh());
 }
 
-numerics::MinimizerOptions RelaxationRun::minimizer_options() const {
-  const double diagonal = solver_.mesh().diagonal();
-  numerics::MinimizerOptions options;
-  options.method = minimizer_method(options_.method);
-  options.gradient_tolerance =
-      std::max(options_.tolerance * largest_weight(network_), host_rounding * host_.stiffness()) * diagonal;
-  options.step_tolerance = shortest_step * diagonal;
-  options.max_backtracks = max_backtracks_of_a_step;
-  options.longest_expansion = longest_expansion;
-  options.creeping_share = creeping_share;
-  if (host_.gives_way()) options.value_rounding = host_value_rounding;
-  // The length of a first step without curvature: that of a point which all others leave alone.
-  if (const double stiffness = std::max(points_.largest_stiffness, host_.stiffness()); stiffness > 0)
-    options.first_step = 1 / stiffness;
-  return options;
+Equilibrium start_of(const RelaxationContext& context) {
+  if (!context.host.is_deformable()) return {.state = {context.solver.mesh(), context.network.points}};
+  // The solver belongs to the caller.
+  return {.state = {std::shared_ptr<const surface::GeodesicSolver>(std::shared_ptr<void>(), &context.solver),
+                    context.network.points, context.host.nodes()}};
 }
 
-void RelaxationRun::tell(const numerics::MinimizerStep& step, const NetworkState& state) {
-  result_.history.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
-  if (options_.observer) options_.observer(result_.history.back(), state.points(), state.mesh());
-}
-
-RelaxationRun::Stop RelaxationRun::minimize(bool mollified, const Execution& execution,
-                                            const std::vector<bool>& held_points) {
-  const bool again = !result_.history.empty();
-  NetworkState start = host_.gives_way() ? state_ : NetworkState(solver().mesh(), state_.points());
-  // The network last: where its paths lead over other faces, only its own places in the Hessian are new.
-  Terms terms = host_.terms();
-  terms.push_back(make_term(mollified, held_points));
-  numerics::System<NetworkState> system(std::move(start), terms, numerics::Unknowns(held(held_points)),
-                                        {.execution = execution_});
-  if (!network_.triangles.empty() && !std::isfinite(system.evaluate(0).value)) refuse_collapsed(system.state());
-  numerics::MinimizerOptions options = minimizer_options();
-  options.max_iterations = std::max(0, iteration_limit_ - result_.iterations - (again ? 1 : 0));
-  options.after_step = [&](const numerics::MinimizerStep& step) { tell(step, system.state()); };
-  const numerics::MinimizerResult found = numerics::minimize(system, options, execution);
-  result_.iterations += found.iterations + (again ? 1 : 0);
-  result_.energy = found.value;
-  result_.gradient_norm = found.gradient_norm;
-  result_.gradient_tolerance = options.gradient_tolerance;
-  system.evaluate(0);
-  state_ = system.state();
-  describe_energies(terms);
-  return found.stop;
-}
-
-void RelaxationRun::describe_energies(const Terms& terms) {
-  result_.host.terms.clear();
-  for (const auto& term : terms) {
-    numerics::EnergySum own;
-    term->add(state_, 0, own);
-    if (term == terms.back()) {
-      result_.network_energy = own.value;
-    } else {
-      result_.host.terms.push_back({std::string(term->name()), own.value});
-    }
+Equilibrium find_equilibrium(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
+                             RelaxationHistory& history, const Execution& execution) {
+  const surface::GeodesicSolver& solver = from.solver(context.solver);
+  // A later search counts its start as an iteration, because the history has an entry for it.
+  const int first_iteration = history.empty() ? 0 : 1;
+  const std::vector<bool>& fixed = settings.fixed_points ? *settings.fixed_points : context.points.fixed;
+  NetworkTerm term;
+  if (context.follows_geodesics()) {
+    const auto elements =
+        settings.fixed_points ? std::make_shared<const ElasticNetwork>(context.network, fixed) : context.elements;
+    term = network_term(from.moved_surface ? *from.moved_surface : context.solver, elements,
+                        context.search_options(settings.is_mollified));
   }
-}
-
-void RelaxationRun::refuse_collapsed(const NetworkState& state) const {
-  const GeodesicElements elements(solver_, network_, points_.held, {});
-  Faults faults;
-  for (std::size_t t = 0; t < network_.triangles.size(); ++t)
-    if (!std::isfinite(elements.energy_of(t).at(elements.lengths_of(*state.found(), t)).energy))
-      faults.add("triangles/" + std::to_string(t), "has no area where its corners are");
-  faults.throw_if_any("network.collapsed");
+  // The network comes last in the sum: where its paths lead over other faces, only its own entries of the Hessian are
+  // new.
+  numerics::System<NetworkState>::Terms terms = context.host.terms();
+  if (term.energy) {
+    terms.push_back(term.energy);
+  } else {
+    terms.push_back(std::make_shared<EuclideanSprings>(context.network));
+  }
+  NetworkState start = context.host.is_deformable() ? from.state : NetworkState(solver.mesh(), from.state.points());
+  numerics::System<NetworkState> system(std::move(start), std::move(terms),
+                                        numerics::Unknowns(context.fixed_degrees(fixed)),
+                                        {.execution = context.execution}, term.search);
+  if (!context.network.triangles.empty() && !std::isfinite(system.evaluate(0).value))
+    refuse_collapsed_triangles(*context.elements, system.state());
+  numerics::MinimizerOptions options = context.minimizer_options();
+  options.max_iterations = std::max(0, settings.max_iterations - from.iterations - first_iteration);
+  options.after_step = [&](const numerics::MinimizerStep& step) { history.record(step, system.state()); };
+  const numerics::MinimizerResult found = numerics::minimize(system, options, execution);
+  return {.state = system.prepared_state(),
+          .moved_surface = from.moved_surface,
+          .termination = found.stop,
+          .energy = found.value,
+          .gradient_norm = found.gradient_norm,
+          .iterations = from.iterations + found.iterations + first_iteration};
 }
 
 }  // namespace supple::embedded

@@ -9,10 +9,10 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "beyond_logarithm.h"
 #include "first_inversion.h"
 #include "supple/base/cost_ledger.h"
 #include "supple/numerics/element_loop.h"
+#include "x_minus_log1p.h"
 
 namespace supple::embedded {
 namespace {
@@ -80,7 +80,7 @@ struct NeoHookean {
       const double q = 2 * (trace * trace - square) + 8 * strain.determinant();
       const double growth = 2 * trace + q;
       log_j = 0.5 * std::log1p(growth);
-      value = 0.5 * mu * (beyond_logarithm(growth) - q);
+      value = 0.5 * mu * (x_minus_log1p(growth) - q);
     } else {
       log_j = std::log(j);
       value = mu * (trace - log_j);

@@ -8,7 +8,7 @@
 
 namespace supple::embedded {
 
-/// Two sides of a face in its tangent coordinates.
+/// The sides from corner 0 to corners 1 and 2 of a face, as columns in its tangent coordinates.
 inline Eigen::Matrix2d sides_of(const surface::TriangleMesh& mesh, FaceId face) {
   const auto& [a, b, c] = mesh.faces()[index(face)];
   Eigen::Matrix<double, 3, 2> sides;
@@ -16,7 +16,8 @@ inline Eigen::Matrix2d sides_of(const surface::TriangleMesh& mesh, FaceId face) 
   return surface::tangent_frame(mesh, face).transpose() * sides;
 }
 
-/// What becomes of tangent coordinates on a face whose corners move, for a vector that keeps its place in the material.
+/// The linear map of tangent coordinates on a face whose corners move, for vectors that keep their barycentric
+/// coordinates.
 inline Eigen::Matrix2d tangent_change(const surface::TriangleMesh& before, const surface::TriangleMesh& after,
                                       FaceId face) {
   return sides_of(after, face) * sides_of(before, face).inverse();

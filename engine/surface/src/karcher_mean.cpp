@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "anchor_distances.h"
+#include "karcher_vertex_search.h"
 #include "squared_distances.h"
 #include "supple/base/error.h"
 #include "supple/numerics/minimizer.h"
@@ -260,7 +261,8 @@ class Search {
       : mesh_(mesh),
         term_(std::make_shared<SquaredDistances>(mesh, distances, weights)),
         // All derivatives are computed with the distances.
-        system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .least_order = 2}),
+        system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .least_order = 2},
+                std::make_shared<KarcherVertexSearch>(mesh)),
         options_(minimizer_options(problem, mesh_.diagonal())),
         max_iterations_(problem.max_iterations),
         execution_(execution) {}

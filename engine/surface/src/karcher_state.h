@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,12 @@
 #include "supple/surface/retraction.h"
 
 namespace supple::surface {
+
+/// The vertex at which a point lies; -1 for a point at none.
+inline std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
+  const int corner = corner_of(point);
+  return corner < 0 ? -1 : mesh.faces()[index(point.face)][corner];
+}
 
 /// A point that moves on a surface, with its geodesics to the anchors.
 class KarcherState {

@@ -5,18 +5,6 @@
 #include <utility>
 
 namespace supple::surface {
-namespace {
-
-/// Points closer than this, relative to the mean edge, differ only by rounding.
-constexpr double point_rounding = 1e-13;
-
-std::int32_t vertex_of(const TriangleMesh& mesh, const SurfacePoint& point) {
-  const int corner = corner_of(point);
-  return corner < 0 ? -1 : mesh.faces()[index(point.face)][corner];
-}
-
-}  // namespace
-
 Eigen::VectorXd KarcherState::move(const Eigen::VectorXd& step) {
   const bool from_tip = on_tip_;
   const Retraction moved = retract(*mesh_, point_, step, cancellation_);
@@ -101,26 +89,6 @@ void SquaredDistances::add_on_tip(const KarcherState& state, numerics::EnergySum
     if (descent.slope < 0) sum.gradient += descent.slope * cone_coordinates(cone, descent.angle);
   }
   for (int i = 0; i < 2; ++i) sum.hessian.add(i, i, 1);
-}
-
-std::vector<SquaredDistances::Kink> SquaredDistances::kinks(const KarcherState& current,
-                                                            const std::vector<KarcherState>& tried,
-                                                            double reach) const {
-  const Eigen::Vector3d here = position(mesh_, current.point());
-  std::vector<Kink> kinks;
-  const auto add_kinks_of = [&](FaceId face) {
-    for (const std::int32_t vertex : mesh_.faces()[index(face)]) {
-      const double distance = (mesh_.positions()[vertex] - here).norm();
-      if (distance > reach || vertex == vertex_of(mesh_, current.point())) continue;
-      if (std::ranges::find(kinks, vertex, &Kink::id) != kinks.end()) continue;
-      if (!VertexCone(mesh_, vertex).bends_paths()) continue;
-      kinks.push_back({KarcherState(mesh_, vertex_point(mesh_, VertexId{vertex})), vertex, distance,
-                       distance <= point_rounding * mesh_.mean_edge_length()});
-    }
-  };
-  for (const KarcherState& state : tried) add_kinks_of(state.point().face);
-  add_kinks_of(current.point().face);
-  return kinks;
 }
 
 }  // namespace supple::surface

@@ -19,8 +19,8 @@ namespace supple::surface {
 /// - At a cut locus, and at a vertex with an angle below 2 pi, E is the minimum of several smooth pieces. Such a kink
 ///   is never a minimum. The Newton step of one piece decreases E at least as much as it decreases the piece.
 /// - At a saddle vertex, or a boundary vertex with an angle above pi, E is shaped like the tip of a cone. Its minimum
-///   may lie there, also after small changes of the anchors. A line search does not end at a tip by chance, so it is
-///   tried as a kink.
+///   may lie there, also after small changes of the anchors. A line search does not end at a tip by chance; see
+///   KarcherVertexSearch.
 /// At every vertex the derivative depends on the direction. There `add` uses as gradient the steepest descent direction
 /// times its slope (zero at a minimum), and as Hessian the identity, which is the Hessian of a flat piece.
 class SquaredDistances : public numerics::Term<KarcherState> {
@@ -31,9 +31,6 @@ class SquaredDistances : public numerics::Term<KarcherState> {
   std::string_view name() const override { return "squared_distances"; }
   void prepare(KarcherState& state, int order, const Execution& execution) override;
   void add(const KarcherState& state, int order, numerics::EnergySum& sum) const override;
-  bool has_kinks() const override { return true; }
-  std::vector<Kink> kinks(const KarcherState& current, const std::vector<KarcherState>& tried,
-                          double reach) const override;
   void bill(CostLedger& cost, double seconds) const override { cost.add_stage("derivatives", seconds); }
 
   /// E at any point. Takes one evaluation of all distances.

@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "geodesic_elements.h"
 #include "host_model.h"
+#include "network_search.h"
 #include "supple/base/random.h"
 #include "supple/embedded/network_builders.h"
 #include "supple/embedded/relaxation.h"
@@ -96,7 +96,7 @@ class HostCase {
     numerics::System<NetworkState>::Terms terms = model.terms();
     std::vector<bool> held_points(network.points.size(), false);
     for (const std::int32_t point : network.fixed_points) held_points[static_cast<std::size_t>(point)] = true;
-    terms.push_back(std::make_shared<GeodesicElements>(solver, network, held_points, GeodesicElementsOptions{}));
+    terms.push_back(network_term(solver, network, held_points).energy);
     numerics::System<NetworkState> system(state, terms, numerics::Unknowns(state.dimension()));
     const Eigen::VectorXd forces = system.full_gradient();
 

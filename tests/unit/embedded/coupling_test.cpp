@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "geodesic_elements.h"
+#include "network_search.h"
 #include "supple/base/random.h"
 #include "supple/embedded/network_builders.h"
 #include "supple/numerics/system.h"
@@ -30,13 +30,12 @@ Eigen::VectorXd nodes_of(const TriangleMesh& mesh) {
 /// A network on a host that gives way, with its one term.
 struct Coupled {
   std::shared_ptr<const GeodesicSolver> solver;
-  std::shared_ptr<GeodesicElements> elements;
+  std::shared_ptr<NetworkEnergy> elements;
   NetworkState state;
 
   Coupled(const TriangleMesh& mesh, const Network& network)
       : solver(std::make_shared<GeodesicSolver>(testing::share(mesh))),
-        elements(std::make_shared<GeodesicElements>(*solver, network, std::vector<bool>(network.points.size(), false),
-                                                    GeodesicElementsOptions{})),
+        elements(network_term(*solver, network, std::vector<bool>(network.points.size(), false)).energy),
         state(solver, network.points, nodes_of(mesh)) {}
 
   numerics::EnergySum sum(NetworkState& at, int order) const {
@@ -131,11 +130,12 @@ TEST(Coupling, HasThePointsDerivativesOfARigidHost) {
   Coupled coupled(mesh, network);
   const numerics::EnergySum on_host = coupled.sum(coupled.state, 2);
   NetworkState rigid(mesh, network.points);
-  GeodesicElements elements(*coupled.solver, network, std::vector<bool>(12, false), {});
-  elements.prepare(rigid, 2, {});
+  const std::shared_ptr<NetworkEnergy> elements =
+      network_term(*coupled.solver, network, std::vector<bool>(12, false)).energy;
+  elements->prepare(rigid, 2, {});
   numerics::EnergySum alone;
   alone.clear(rigid.dimension(), 2);
-  elements.add(rigid, 2, alone);
+  elements->add(rigid, 2, alone);
   EXPECT_DOUBLE_EQ(on_host.value, alone.value);
   EXPECT_LT((on_host.gradient.head(24) - alone.gradient).norm(), 1e-10 * alone.gradient.norm());
   numerics::EnergySum copy = on_host;

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "geodesic_elements.h"
+#include "network_search.h"
 #include "supple/embedded/network_builders.h"
 #include "supple/embedded/relaxation.h"
 #include "supple/numerics/system.h"
@@ -129,7 +129,7 @@ numerics::System<NetworkState> with_kept_path(const SquareTube& tube, Network& n
   state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
   const std::vector<bool> held{true, false, true};
   return {std::move(state),
-          {std::make_shared<GeodesicElements>(tube.solver, network, held, GeodesicElementsOptions{})},
+          {network_term(tube.solver, network, held).energy},
           numerics::Unknowns(std::vector<bool>{true, true, false, false, true, true})};
 }
 
@@ -173,7 +173,7 @@ TEST(CutLoci, KeepTheirPathsAndHaveTheDerivativesAlongThem) {
   // The two paths share the force as the hold pulls: 2 * 3 * 0.1 to the side against the difference of their pushes.
   const EqualPaths& equal = *system.state().found()->equal_to(0);
   const double length = std::hypot(2, z);
-  EXPECT_NEAR(std::abs(equal.shares[0] - equal.shares[1]), 0.6 / (2 * (4 - length) * 2 / length), 1e-9);
+  EXPECT_NEAR(std::abs(equal.fractions[0] - equal.fractions[1]), 0.6 / (2 * (4 - length) * 2 / length), 1e-9);
 }
 
 TEST(CutLoci, HaveTheGradientOfTheirEnergyByBothEnds) {
@@ -183,10 +183,11 @@ TEST(CutLoci, HaveTheGradientOfTheirEnergyByBothEnds) {
   network.springs = {{0, 1, 4, 1}, {1, 2, 0, 0.3}};
   NetworkState state(tube.mesh, network.points);
   state.set_cut_loci({of_first_path(tube.mesh, network.points[1])});
-  GeodesicElements elements(tube.solver, network, std::vector<bool>(3, false), {});
-  elements.prepare(state, 2, {});
+  const std::shared_ptr<NetworkEnergy> elements =
+      network_term(tube.solver, network, std::vector<bool>(3, false)).energy;
+  elements->prepare(state, 2, {});
   ASSERT_EQ(state.cut_loci().size(), 1U);
-  const auto check = numerics::check_derivatives(elements, state, {.step = 1e-5});
+  const auto check = numerics::check_derivatives(*elements, state, {.step = 1e-5});
   EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
 }
 

@@ -157,7 +157,7 @@ TEST(Hosts, AreHeldJustEnoughWhereNothingIsFixed) {
   const TriangleMesh mesh = testing::two_components();
   const auto held = [&](std::vector<std::int32_t> fixed) {
     const HostModel host(mesh, ShellHost{.fixed_vertices = std::move(fixed)}, {});
-    return std::pair(std::count(host.held().begin(), host.held().end(), true), host.supports());
+    return std::pair(std::count(host.fixed().begin(), host.fixed().end(), true), host.rigid_body_constraints());
   };
   EXPECT_EQ(held({}), std::pair(std::ptrdiff_t{12}, 2));
   EXPECT_EQ(held({0}), std::pair(std::ptrdiff_t{12}, 2)) << "one fixed vertex is the first of the three";

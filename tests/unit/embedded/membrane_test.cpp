@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "element_energies.h"
-#include "geodesic_elements.h"
+#include "network_search.h"
 #include "supple/base/cost_ledger.h"
 #include "supple/embedded/network_builders.h"
 #include "supple/embedded/relaxation.h"
@@ -112,10 +112,11 @@ TEST(Membranes, HaveTheDerivativesOfTheirEnergy) {
     // A spring along a side, the other way round: one path for both.
     const auto& corners = network.triangles.front().corners;
     network.springs = {{corners[1], corners[0], 0.2, 0.7}, {network.triangles.back().corners[0], corners[2], 0.1, 1}};
-    GeodesicElements elements(solver, network, std::vector<bool>(network.points.size(), false), {});
+    const std::shared_ptr<NetworkEnergy> elements =
+        network_term(solver, network, std::vector<bool>(network.points.size(), false)).energy;
     numerics::DerivativeCheckOptions options;
     options.step = 1e-4 * mesh.diagonal();
-    const auto check = numerics::check_derivatives(elements, NetworkState(mesh, network.points), options);
+    const auto check = numerics::check_derivatives(*elements, NetworkState(mesh, network.points), options);
     EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-5) << check.summary();
   }
@@ -227,15 +228,13 @@ TEST(Membranes, ComeToRestWithPointsAtVertices) {
     const Relaxation relaxed = relax(solver, network, {.tolerance = 1e-10});
     EXPECT_EQ(relaxed.stopped, "converged") << seed;
     // No direction is lower.
-    GeodesicElements elements(solver, network, {false, true, true, true}, {});
+    const std::shared_ptr<NetworkEnergy> elements = network_term(solver, network, {false, true, true, true}).energy;
     const auto energy_at = [&](const SurfacePoint& at) {
       auto points = relaxed.points;
       points[0] = at;
       numerics::System<NetworkState> system(
           NetworkState(mesh, points),
-          {std::make_shared<GeodesicElements>(solver, network, std::vector<bool>{false, true, true, true},
-                                              GeodesicElementsOptions{})},
-          numerics::Unknowns(8));
+          {network_term(solver, network, std::vector<bool>{false, true, true, true}).energy}, numerics::Unknowns(8));
       return system.evaluate(0).value;
     };
     const double here = energy_at(relaxed.points[0]);

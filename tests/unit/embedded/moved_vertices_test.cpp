@@ -7,9 +7,9 @@
 #include <memory>
 #include <numbers>
 
-#include "geodesic_elements.h"
 #include "host_model.h"
 #include "moved_supports.h"
+#include "network_search.h"
 #include "supple/base/cost_ledger.h"
 #include "supple/base/threads.h"
 #include "supple/embedded/network_builders.h"
@@ -173,14 +173,13 @@ TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
       std::make_shared<GeodesicSolver>(testing::share(bar.mesh->with_positions(rest.host.vertices))), rest.points,
       nodes);
   numerics::System<NetworkState>::Terms terms = model.terms();
-  terms.push_back(std::make_shared<GeodesicElements>(
-      *bar.solver, bar.network, std::vector<bool>(bar.network.points.size(), false), GeodesicElementsOptions{}));
+  terms.push_back(network_term(*bar.solver, bar.network, std::vector<bool>(bar.network.points.size(), false)).energy);
   std::vector<bool> held(2 * bar.network.points.size(), false);
-  held.insert(held.end(), model.held().begin(), model.held().end());
+  held.insert(held.end(), model.fixed().begin(), model.fixed().end());
   numerics::System<NetworkState> system(state, terms, numerics::Unknowns(held));
   ASSERT_LT(system.evaluate(1).gradient.norm(), 1e-10);
   MovedSupports scene(system, model, 1e-9);
-  scene.announce(1);
+  scene.set_target(1);
   scene.begin_step();
   // What is out of balance after a step along the tangent is of second order.
   double last = 0;
@@ -222,7 +221,7 @@ TEST(MovedVertices, TakeABranchThatIsStable) {
   host.fixed_vertices = bar.left();
   host.moved_vertices = bar.right(1, lifted);
   const HostModel model(*bar.mesh, host, {});
-  std::vector<bool> held(model.held());
+  std::vector<bool> held(model.fixed());
   const auto stable_at = [&](double share) {
     Eigen::VectorXd nodes = model.nodes();
     for (Eigen::Index i = 0; i < nodes.size(); i += 3) nodes[i] *= 1 - share;

@@ -291,9 +291,9 @@ TEST(Shell, IsInflatedToWhereThePressureAndTheStretchAgree) {
   const ShellHost shell{
       .thickness = 0.01, .youngs_modulus = 100, .poisson_ratio = 0.48, .volume_weight = 20, .volume_scale = 1.5};
   const HostModel host(mesh, shell, {});
-  EXPECT_EQ(host.supports(), 1);
+  EXPECT_EQ(host.rigid_body_constraints(), 1);
   const NetworkState rest(std::make_shared<GeodesicSolver>(testing::share(mesh)), {}, host.nodes());
-  numerics::System<NetworkState> system(rest, host.terms(), numerics::Unknowns(host.held()));
+  numerics::System<NetworkState> system(rest, host.terms(), numerics::Unknowns(host.fixed()));
   const numerics::MinimizerResult found = numerics::minimize(system, {.gradient_tolerance = 1e-10});
   EXPECT_EQ(found.stop, numerics::MinimizerStop::converged);
   EXPECT_LE(found.iterations, 8);

@@ -6,7 +6,7 @@
 
 #include "element_energies.h"
 #include "euclidean_springs.h"
-#include "geodesic_elements.h"
+#include "network_search.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
 
@@ -41,8 +41,8 @@ TEST(GeodesicSprings, HaveTheDerivativesOfTheirEnergy) {
     const TriangleMesh mesh = testing::torus(16, 8);
     const GeodesicSolver solver(testing::share(mesh));
     const Network network = random_chain(mesh, 6, rest_length, 1);
-    GeodesicElements springs(solver, network, none_held(network), {});
-    const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-4));
+    const std::shared_ptr<NetworkEnergy> springs = network_term(solver, network, none_held(network)).energy;
+    const auto check = numerics::check_derivatives(*springs, NetworkState(mesh, network.points), small_steps(1e-4));
     EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-6) << check.summary();
   }
@@ -52,9 +52,10 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const TriangleMesh mesh = testing::saddle(6);
   const GeodesicSolver solver(testing::share(mesh));
   const Network network = random_chain(mesh, 4, 0.2, 2);
-  GeodesicElements springs(solver, network, none_held(network), {.kept_strips = true, .mollifier_length = 0.1});
+  const std::shared_ptr<NetworkEnergy> springs =
+      network_term(solver, network, none_held(network), {.paths = {.mollifier_length = 0.1}}).energy;
   NetworkState state(mesh, network.points);
-  const auto check = numerics::check_derivatives(springs, state, small_steps(1e-5));
+  const auto check = numerics::check_derivatives(*springs, state, small_steps(1e-5));
   EXPECT_LT(check.gradient.error, 1e-6) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-4) << check.summary();
 
@@ -62,9 +63,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const auto energy = [&](double mollifier_length) {
     numerics::System<NetworkState> system(
         state,
-        {std::make_shared<GeodesicElements>(
-            solver, network, none_held(network),
-            GeodesicElementsOptions{.kept_strips = true, .mollifier_length = mollifier_length})},
+        {network_term(solver, network, none_held(network), {.paths = {.mollifier_length = mollifier_length}}).energy},
         numerics::Unknowns(state.dimension()));
     return system.evaluate(0).value;
   };
@@ -85,8 +84,8 @@ TEST(GeodesicSprings, ASquaredDistanceIsATermThatExistsAtZeroLength) {
   same.barycentric[(across + 1) % 3] = 0.25;
   network.points.push_back(same);
   network.springs = {{0, 1, 0, 1.5}, {2, 3, 0, 0.5}};
-  GeodesicElements springs(solver, network, none_held(network), {});
-  const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-3));
+  const std::shared_ptr<NetworkEnergy> springs = network_term(solver, network, none_held(network)).energy;
+  const auto check = numerics::check_derivatives(*springs, NetworkState(mesh, network.points), small_steps(1e-3));
   EXPECT_LT(check.gradient.error, 1e-9) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
 }
@@ -107,7 +106,7 @@ TEST(EuclideanSprings, HaveTheDerivativesOfTheirEnergyWithinFaces) {
   for (const double rest_length : {0.0, 0.4}) {
     const Network network = random_chain(mesh, 6, rest_length, 3);
     EuclideanSprings springs(network);
-    const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-4));
+    const auto check = numerics::check_derivatives(*springs, NetworkState(mesh, network.points), small_steps(1e-4));
     EXPECT_LT(check.gradient.error, 1e-8) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
   }
@@ -178,9 +177,7 @@ TEST(GeodesicSprings, PullAPointOffAVertexTheSteepestWay) {
   for (const double angle : {5.0, 7.5}) {
     const AtVertex scene(testing::cone(8, angle));
     ASSERT_TRUE(NetworkState(scene.mesh, scene.network.points).on_tip(0));
-    expect_steepest_way_down(scene,
-                             std::make_shared<GeodesicElements>(scene.solver, scene.network, none_held(scene.network),
-                                                                GeodesicElementsOptions{}));
+    expect_steepest_way_down(scene, network_term(scene.solver, scene.network, none_held(scene.network)).energy);
   }
 }
 
@@ -196,10 +193,9 @@ TEST(GeodesicSprings, BillHowEachPathWasFound) {
   const GeodesicSolver solver(testing::share(mesh));
   const Network network = random_chain(mesh, 6, 0, 1);
   CostLedger cost;
-  numerics::System<NetworkState> system(
-      NetworkState(mesh, network.points),
-      {std::make_shared<GeodesicElements>(solver, network, none_held(network), GeodesicElementsOptions{})},
-      numerics::Unknowns(12), {.execution = {.cost = &cost}});
+  numerics::System<NetworkState> system(NetworkState(mesh, network.points),
+                                        {network_term(solver, network, none_held(network)).energy},
+                                        numerics::Unknowns(12), {.execution = {.cost = &cost}});
   system.evaluate(0);
   double found = 0;
   int kinds = 0;

@@ -43,12 +43,12 @@ class Crease : public Objective {
   void reject() override { trial_ = x_; }
   std::optional<double> try_nonsmooth_candidates() override {
     if (trial_[0] == 0) return std::nullopt;
-    ++snaps;
+    ++candidates_taken;
     trial_[0] = 0;
     return (trial_ - x_).norm();
   }
   const Eigen::Vector2d& x() const { return x_; }
-  int snaps = 0;
+  int candidates_taken = 0;
 
  private:
   Eigen::Vector2d x_;
@@ -304,7 +304,7 @@ TEST(Minimizer, SnapsToAKinkThatItsLineSearchCannotReach) {
   const MinimizerResult result = minimize(crease);
   EXPECT_EQ(result.stop, MinimizerStop::converged);
   EXPECT_EQ(crease.x(), Eigen::Vector2d(0, 0));
-  EXPECT_GE(crease.snaps, 1);
+  EXPECT_GE(crease.candidates_taken, 1);
 }
 
 /// Promises a decrease of 1 in each step, which the line search does not find; a kink gives a little of it.

@@ -233,7 +233,7 @@ struct CircleState {
   }
 };
 
-/// |angle - 1|, with kinks that it knows of.
+/// |angle - 1|.
 class Bend : public Term<CircleState> {
  public:
   std::string_view name() const override { return "bend"; }
@@ -244,22 +244,25 @@ class Bend : public Term<CircleState> {
     }
     sum.value += std::abs(state.angle - 1);
   }
-  bool has_kinks() const override { return true; }
-  std::vector<Kink> kinks(const CircleState& current, const std::vector<CircleState>& tried,
-                          double reach) const override {
-    ++asked;
-    seen = tried.size();
-    for (const CircleState& state : tried) seen_angles.push_back(state.angle);
-    seen_reach = reach;
-    std::vector<Kink> kinks;
+};
+
+/// Three places, of which one is the minimum of |angle - 1|.
+class ThreePlaces : public NonsmoothSearch<CircleState> {
+ public:
+  std::vector<NonsmoothCandidate<CircleState>> candidates(const CircleState& current,
+                                                          const std::vector<CircleState>& trials,
+                                                          double reach) const override {
+    trial_count = trials.size();
+    for (const CircleState& state : trials) trial_angles.push_back(state.angle);
+    last_reach = reach;
+    std::vector<NonsmoothCandidate<CircleState>> candidates;
     for (const double at : {0.3, 1.0, 5.0})
-      kinks.push_back({{at, 0, true}, std::lround(10 * at), std::abs(at - current.angle), false});
-    return kinks;
+      candidates.push_back({{at, 0, true}, std::lround(10 * at), std::abs(at - current.angle), false});
+    return candidates;
   }
-  mutable int asked = 0;
-  mutable std::size_t seen = 0;
-  mutable std::vector<double> seen_angles;
-  mutable double seen_reach = 0;
+  mutable std::size_t trial_count = 0;
+  mutable std::vector<double> trial_angles;
+  mutable double last_reach = 0;
 };
 
 TEST(System, TakesTheFrameOfAStateBeforeItsDerivatives) {
@@ -291,9 +294,9 @@ TEST(System, MovesAStateThatCannotGoBackAgainByLess) {
   EXPECT_EQ(system.state().angle, 0.5);
 }
 
-TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
-  const auto bend = std::make_shared<Bend>();
-  System<CircleState> system({0, 0, true}, {bend}, Unknowns(1));
+TEST(System, TakesTheLowestCandidateOfItsSearchAndTriesEachOnce) {
+  const auto search = std::make_shared<ThreePlaces>();
+  System<CircleState> system({0, 0, true}, {std::make_shared<Bend>()}, Unknowns(1), {}, search);
   system.evaluate(1);
   system.move(Eigen::VectorXd::Constant(1, 0.5));
   system.evaluate(0);
@@ -303,9 +306,9 @@ TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
   const std::optional<double> distance = system.try_nonsmooth_candidates();
   ASSERT_TRUE(distance);
   EXPECT_EQ(*distance, 1);
-  EXPECT_EQ(bend->seen, 2U);
-  EXPECT_EQ(bend->seen_reach, 0.5);
-  EXPECT_EQ(bend->seen_angles, (std::vector<double>{0.5, 0.2})) << "in the order of the trials";
+  EXPECT_EQ(search->trial_count, 2U);
+  EXPECT_EQ(search->last_reach, 0.5);
+  EXPECT_EQ(search->trial_angles, (std::vector<double>{0.5, 0.2})) << "in the order of the trials";
   EXPECT_EQ(system.evaluate(0).value, 0);
   system.reject();
   EXPECT_FALSE(system.try_nonsmooth_candidates()) << "all of them were tried from this state";
@@ -313,14 +316,22 @@ TEST(System, SnapsToTheLowestKinkThatATermKnowsOfAndTriesEachOnce) {
   system.move(Eigen::VectorXd::Constant(1, 0.2));
   system.accept();
   EXPECT_TRUE(system.try_nonsmooth_candidates()) << "from another state they may be tried again";
-  EXPECT_EQ(bend->seen, 0U);
+  EXPECT_EQ(search->trial_count, 0U);
 }
 
-TEST(System, DoesNotSnapToAKinkThatLiesHigherUnlessItIsTheSamePlace) {
-  class Here : public Bend {
+TEST(System, TriesNoCandidatesWithoutASearch) {
+  System<CircleState> system({0, 0, true}, {std::make_shared<Bend>()}, Unknowns(1));
+  system.evaluate(1);
+  EXPECT_FALSE(system.try_nonsmooth_candidates());
+  EXPECT_EQ(system.evaluate(0).value, 1);
+}
+
+TEST(System, TakesNoCandidateThatLiesHigherUnlessItIsTheSamePlace) {
+  class Here : public NonsmoothSearch<CircleState> {
    public:
     explicit Here(bool same) : same_(same) {}
-    std::vector<Kink> kinks(const CircleState&, const std::vector<CircleState>&, double) const override {
+    std::vector<NonsmoothCandidate<CircleState>> candidates(const CircleState&, const std::vector<CircleState>&,
+                                                            double) const override {
       return {{{0.5 - 1e-15, 0, true}, 1, 1e-15, same_}};
     }
 
@@ -328,7 +339,8 @@ TEST(System, DoesNotSnapToAKinkThatLiesHigherUnlessItIsTheSamePlace) {
     bool same_;
   };
   for (const bool same : {false, true}) {
-    System<CircleState> system({0.5, 0, true}, {std::make_shared<Here>(same)}, Unknowns(1));
+    System<CircleState> system({0.5, 0, true}, {std::make_shared<Bend>()}, Unknowns(1), {},
+                               std::make_shared<Here>(same));
     system.evaluate(1);
     EXPECT_EQ(system.try_nonsmooth_candidates().has_value(), same);
   }

@@ -17,25 +17,26 @@ struct BorderedMatrix {
   SparseMatrix core;         ///< n x n, the lower triangle only
   Eigen::MatrixXd border;    ///< n x m
   Eigen::MatrixXd corner;    ///< m x m, both triangles; m is small and may be 0
-  Eigen::MatrixXd low_rank;  ///< (n + m) x k; k is small, and an empty matrix stands for k = 0
+  Eigen::MatrixXd low_rank;  ///< (n + m) x k; k is small, and empty stands for 0
 };
 
 /// A symmetric matrix of second derivatives: none, dense or sparse with both triangles filled, or bordered. A bordered
-/// one is shared with the objective and is valid until its next evaluation of order 2.
+/// one is shared with the objective and valid until its next evaluation of order 2.
 using Hessian = std::variant<std::monostate, Eigen::MatrixXd, SparseMatrix, std::shared_ptr<const BorderedMatrix>>;
 
-/// A function's value and derivatives at one state. Members above the order that was asked for are empty.
+/// A function's value and derivatives at one state. Entries above the order that was asked for are empty.
 struct Evaluation {
   double value = 0;
   Eigen::VectorXd gradient;
   Hessian hessian;
 };
 
-/// A function on a manifold, which the minimizer minimizes from a current state.
+/// A function on a manifold with a state that can be moved. The minimizer minimizes such a function.
 ///
-/// Between `move` and `accept` or `reject` there is also a trial state. Tangent vectors have `dimension()` coordinates
-/// in an orthonormal frame that belongs to the state. In a vector space the frame is always the same and `transport`
-/// has nothing to do. `evaluate` may choose the frame of the trial state, so `transport` is called after it.
+/// There is a current state and, between `move` and `accept` or `reject`, a trial state. Tangent vectors have
+/// `dimension()` coordinates in an orthonormal frame that belongs to the state; in a vector space the frame is always
+/// the same and `transport` has nothing to do. The frame of the trial state may be chosen by `evaluate`, so `transport`
+/// is called after it.
 class Objective {
  public:
   virtual ~Objective() = default;
@@ -45,31 +46,31 @@ class Objective {
   /// Value (order 0), gradient (1) and Hessian (2) at the trial state if there is one, otherwise at the current state.
   /// A value that is not finite marks a trial state as invalid. The minimizer first asks for the value at a trial state
   /// and, if it accepts the state, for the derivatives. An objective whose value costs nearly as much as its
-  /// derivatives should store what it has computed.
+  /// derivatives should keep what it has computed.
   virtual Evaluation evaluate(int order) = 0;
 
-  /// Makes the trial state by moving the current one along `step`, with the retraction of the manifold. Returns the
-  /// part of `step` that was travelled. It is all of `step` unless a boundary stopped parts of the motion.
+  /// Makes the trial state: the current one moved along `step` by the retraction of the manifold. Returns the part of
+  /// `step` that was travelled: all of it unless something (a boundary) stopped parts of the motion.
   virtual Eigen::VectorXd move(const Eigen::VectorXd& step) = 0;
 
   virtual void accept() = 0;  ///< the trial state becomes the current one
-  virtual void reject() = 0;  ///< the trial state is discarded
+  virtual void reject() = 0;  ///< the trial state is forgotten
 
-  /// A positive semidefinite matrix near the Hessian at the current state, if the objective has one. It is asked for
-  /// after the Hessian was evaluated. Newton's method uses it if the Hessian itself is not positive definite.
+  /// A positive semidefinite matrix near the Hessian at the current state, after this was evaluated, if the objective
+  /// knows one. Newton's method uses it if the Hessian itself is not positive definite.
   virtual std::optional<Hessian> convex_hessian() { return std::nullopt; }
 
-  /// The largest t > 0 such that the state stays valid along t * step (no inverted element, no penetrated contact).
+  /// The largest t > 0 such that t * step keeps the state valid (no inverted element, no contact passed through).
   virtual double largest_step(const Eigen::VectorXd& /*step*/) const { return std::numeric_limits<double>::infinity(); }
 
   /// Carries a tangent vector of the current state to the trial state, by an isometry. Returns false if no transport
-  /// makes sense, as across a kink. The solver then discards what it has learned about the curvature.
+  /// makes sense (across a kink). What was learned about the curvature is then forgotten.
   virtual bool transport(Eigen::VectorXd& /*tangent*/) const { return true; }
 
-  /// Tries states that a line search does not find. It is called when a step had to be shortened, which is a sign of a
-  /// kink nearby. An objective that knows its kinks may replace the trial state (or make one, if there is none) by a
-  /// state of lower value than the current and the trial state. It then returns the distance of that state from the
-  /// current one.
+  /// Called when a step had to be shortened, which is a sign of a place nearby where the function is not
+  /// differentiable. An objective that knows such places may replace the trial state (or make one, if there is none) by
+  /// one of them whose value is lower than those of the current and the trial state. It then returns the distance of
+  /// that state from the current one.
   virtual std::optional<double> try_nonsmooth_candidates() { return std::nullopt; }
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <type_traits>
@@ -11,6 +12,7 @@
 
 #include "supple/base/execution.h"
 #include "supple/numerics/derivative_check.h"
+#include "supple/numerics/nonsmooth_search.h"
 #include "supple/numerics/objective.h"
 #include "supple/numerics/state.h"
 #include "supple/numerics/term.h"
@@ -36,19 +38,28 @@ class System : public Objective {
  public:
   using Terms = std::vector<std::shared_ptr<Term<S>>>;
 
-  System(S state, Terms terms, Unknowns unknowns, SystemOptions options = {})
+  using Search = std::shared_ptr<const NonsmoothSearch<S>>;
+
+  /// `search` is null where the energy is differentiable, or where nothing is known of the places where it is not.
+  System(S state, Terms terms, Unknowns unknowns, SystemOptions options = {}, Search search = nullptr)
       : state_(std::move(state)),
         terms_(std::move(terms)),
         unknowns_(std::move(unknowns)),
         options_(std::move(options)),
+        search_(std::move(search)),
         sums_(options_.sums ? options_.sums : std::make_shared<EnergySum>()) {
     if constexpr (Stoppable<S>) state_.stop_with(options_.execution.cancellation);
     if (!options_.sums) sums_->hessian = HessianEntries(unknowns_.numbering());
-    records_trials_ = std::ranges::any_of(terms_, [](const auto& term) { return term->has_kinks(); });
   }
 
   /// The current state.
   const S& state() const { return state_; }
+  /// The current state after every term has prepared it for its value. There must be no trial state.
+  const S& prepared_state() {
+    for (const auto& term : terms_)
+      if (term->active()) term->prepare(state_, 0, options_.execution);
+    return state_;
+  }
   /// Makes another state the current one and discards the trial state. If the terms have not looked ahead to it,
   /// `look_ahead` has to be called next.
   void set_state(S state) {
@@ -127,7 +138,7 @@ class System : public Objective {
         travelled = unknowns_.restrict(trial_->move(unknowns_.expand(travelled)));
       }
     }
-    if (records_trials_) longest_step_ = std::max(longest_step_, travelled.norm());
+    if (search_) longest_step_ = std::max(longest_step_, travelled.norm());
     return travelled;
   }
 
@@ -140,8 +151,8 @@ class System : public Objective {
   }
 
   void reject() override {
-    // The terms may use the trial state, with everything that was computed at it, to find kinks.
-    if (records_trials_ && trial_) trials_.push_back(std::move(*trial_));
+    // The search may use the trial state with everything that was computed at it.
+    if (search_ && trial_) trials_.push_back(std::move(*trial_));
     trial_.reset();
     forget();
   }
@@ -161,29 +172,28 @@ class System : public Objective {
     return true;
   }
 
-  /// Tries the terms' kinks near the current state and the trial states. Each is tried once for a current state.
+  /// Tries the candidates of the search. Each is tried once for a current state.
   std::optional<double> try_nonsmooth_candidates() override {
-    if (!records_trials_) return std::nullopt;
+    if (!search_) return std::nullopt;
     double best = trial_ ? std::min(value_, trial_value_) : value_;
     std::optional<S> found;
     if (trial_) trials_.push_back(*trial_);
     std::optional<S> before = std::exchange(trial_, std::nullopt);
     double distance = 0;
-    for (const auto& term : terms_) {
-      for (auto& kink : term->kinks(state_, trials_, longest_step_)) {
-        if (std::ranges::find(tried_kinks_, kink.id) != tried_kinks_.end()) continue;
-        tried_kinks_.push_back(kink.id);
-        set_trial(std::move(kink.state));
-        const double value = evaluate(0).value;
-        // A kink from which only rounding separates the state has the state's value, or one below it by rounding. It is
-        // still taken if trial states close to it are lower by hardly more than rounding.
-        const bool is_worse =
-            value > value_ + value_tolerance * std::abs(value_) || value > best + min_decrease * std::abs(best);
-        if (kink.coincides ? is_worse : !(value < best)) continue;
-        best = value;
-        distance = kink.distance;
-        found = std::move(trial_);
-      }
+    for (auto& candidate : search_->candidates(state_, trials_, longest_step_)) {
+      if (std::ranges::find(tried_candidates_, candidate.id) != tried_candidates_.end()) continue;
+      tried_candidates_.push_back(candidate.id);
+      set_trial(std::move(candidate.state));
+      if constexpr (Stoppable<S>) trial_->stop_with(options_.execution.cancellation);
+      const double value = evaluate(0).value;
+      // A candidate from which only rounding separates the state has the state's value, or one below it by rounding. It
+      // is still taken if trial states close to it are lower by hardly more than rounding.
+      const bool is_worse =
+          value > value_ + value_tolerance * std::abs(value_) || value > best + min_decrease * std::abs(best);
+      if (candidate.coincides ? is_worse : !(value < best)) continue;
+      best = value;
+      distance = candidate.distance;
+      found = std::move(trial_);
     }
     const bool improved = found.has_value();
     trial_ = improved ? std::move(found) : std::move(before);
@@ -220,7 +230,7 @@ class System : public Objective {
 
   void forget_trials() {
     trials_.clear();
-    tried_kinks_.clear();
+    tried_candidates_.clear();
     longest_step_ = 0;
   }
 
@@ -272,6 +282,7 @@ class System : public Objective {
   Terms terms_;
   Unknowns unknowns_;
   SystemOptions options_;
+  Search search_;
 
   std::shared_ptr<EnergySum> sums_;
   /// Order of derivatives that the sums hold for the trial state, or else for the current one; -1 for none.
@@ -283,10 +294,9 @@ class System : public Objective {
   Eigen::MatrixXd border_;
   Eigen::MatrixXd corner_;
 
-  // Recorded since the last change of the current state, if a term has kinks:
-  bool records_trials_ = false;
+  // Recorded for the search since the last change of the current state:
   std::vector<S> trials_;  ///< trial states
-  std::vector<std::int64_t> tried_kinks_;
+  std::vector<std::int64_t> tried_candidates_;
   double longest_step_ = 0;  ///< longest step that was travelled
 };
 

@@ -108,21 +108,6 @@ class Term {
   /// the fraction of the step, in [0, 1], that may be taken.
   virtual double look_ahead(const S& /*from*/, const S& /*to*/, CostLedger* /*cost*/) { return 1; }
 
-  /// A state that a line search does not find. It is either a state at which the term has a kink that may be a minimum,
-  /// or a trial state in which only the parts close to a kink were moved less than the others.
-  struct Kink {
-    S state;
-    std::int64_t id = 0;     ///< identifies the kink, so that it is tried once
-    double distance = 0;     ///< distance of `state` from the current state
-    bool coincides = false;  ///< whether the current state differs from `state` by rounding only
-  };
-  /// The kinks near the current state and near the trial states that were made from it, in the order of the trials.
-  /// They are at most `reach` from the current state.
-  virtual std::vector<Kink> kinks(const S& /*current*/, const std::vector<S>& /*tried*/, double /*reach*/) const {
-    return {};
-  }
-  virtual bool has_kinks() const { return false; }
-
   /// Writes one evaluation, which took `seconds`, to the ledger.
   virtual void bill(CostLedger& cost, double seconds) const {
     cost.add_effect(name(), true, "a term of the energy", 1, seconds);

@@ -5,7 +5,7 @@
 namespace supple::embedded {
 
 /// x - log(1 + x) with all digits where x is small, x > -1.
-inline double beyond_logarithm(double x) {
+inline double x_minus_log1p(double x) {
   if (std::abs(x) > 0.25) return x - std::log1p(x);
   // log(1 + x) = 2 artanh(r), and x - 2 r = r x.
   const double r = x / (2 + x);

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "constrained_points.h"
+#include "elastic_network.h"
+#include "host_model.h"
+#include "network_search.h"
+#include "network_state.h"
+#include "supple/embedded/relaxation.h"
+#include "supple/numerics/minimizer.h"
+#include "supple/numerics/system.h"
+
+namespace supple::embedded {
+
+/// What all phases of a relaxation read.
+struct RelaxationContext {
+  /// The network is a checked one. All arguments outlive this.
+  RelaxationContext(const surface::GeodesicSolver& mesh_solver, const Network& checked_network,
+                    const RelaxationOptions& relaxation_options, const Execution& whole_execution);
+
+  bool follows_geodesics() const { return options.spring_length == SpringLength::geodesic; }
+  bool reuses_strips() const { return options.kept_strips != Switch::off; }
+  /// Whether the host neither deforms nor moves.
+  bool is_rigid() const;
+  NetworkSearch::Options search_options(bool is_mollified) const;
+  /// The options of every search. Its iterations are limited separately.
+  numerics::MinimizerOptions minimizer_options() const;
+  /// For each degree of freedom whether it is fixed, with these fixed points.
+  std::vector<bool> fixed_degrees(const std::vector<bool>& fixed_points) const;
+
+  const surface::GeodesicSolver& solver;  ///< of the mesh
+  const Network& network;
+  const RelaxationOptions& options;
+  const Execution& execution;
+  ConstrainedPoints points;
+  std::shared_ptr<const ElasticNetwork> elements;
+  HostModel host;
+};
+
+/// The steps of all phases so far, which an observer is told of.
+class RelaxationHistory {
+ public:
+  explicit RelaxationHistory(const RelaxationOptions& options) : options_(options) {}
+
+  void record(const numerics::MinimizerStep& step, const NetworkState& state);
+  bool empty() const { return steps_.empty(); }
+  std::vector<RelaxationStep> take() { return std::move(steps_); }
+
+ private:
+  const RelaxationOptions& options_;
+  std::vector<RelaxationStep> steps_;
+};
+
+/// Where a phase ended and the next one begins.
+struct Equilibrium {
+  NetworkState state;
+  std::shared_ptr<const surface::GeodesicSolver> moved_surface{};  ///< null where the surface is at its first position
+  numerics::MinimizerStop termination = numerics::MinimizerStop::converged;
+  double energy = 0;
+  double gradient_norm = 0;
+  int iterations = 0;  ///< of all phases so far
+
+  /// The solver on the present surface; `mesh_solver` is that of the mesh.
+  const surface::GeodesicSolver& solver(const surface::GeodesicSolver& mesh_solver) const {
+    if (moved_surface) return *moved_surface;
+    return state.surface() ? *state.surface() : mesh_solver;
+  }
+};
+
+/// The first phase's start: the network's points on the host at rest.
+Equilibrium start_of(const RelaxationContext& context);
+
+struct SearchSettings {
+  bool is_mollified = false;
+  int max_iterations = 0;  ///< of all phases together
+  /// Points that are fixed; null for those of the context.
+  const std::vector<bool>* fixed_points = nullptr;
+};
+
+/// Minimizes the energy from a state. Throws "network.collapsed" if triangles have no area there.
+Equilibrium find_equilibrium(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
+                             RelaxationHistory& history, const Execution& execution);
+
+/// Continues where a search could not lower the energy although a gradient is left, because paths under compression are
+/// at their cut loci (`relaxation_jams.cpp` says how). Returns the state where it ended, with the termination
+/// `step_too_small` where it could not leave the jam.
+Equilibrium leave_jam(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
+                      RelaxationHistory& history, const Execution& execution);
+
+/// An equilibrium at the last position of a host, and how all positions were reached.
+struct FollowedEquilibrium {
+  Equilibrium end;
+  std::vector<FollowedStop> stops;
+};
+
+/// Follows the equilibrium on the mesh to those on all positions of a moving surface.
+FollowedEquilibrium follow_surface(const RelaxationContext& context, Equilibrium start, const MovingHost& host,
+                                   RelaxationHistory& history, const Execution& execution);
+
+/// Follows the equilibrium at rest to those with the moved vertices of a host at all of their positions.
+FollowedEquilibrium follow_supports(const RelaxationContext& context, Equilibrium start, RelaxationHistory& history,
+                                    const Execution& execution);
+
+/// Describes the end of all phases: lengths, energies, warnings. Adds the effects to the bill.
+Relaxation describe_relaxation(const RelaxationContext& context, const FollowedEquilibrium& found, bool is_mollified,
+                               RelaxationHistory history);
+
+}  // namespace supple::embedded
