@@ -168,7 +168,7 @@ void study_activations(const NeuralSettings& settings) {
         options.shape.form = form;
         options.shape.activation = activation;
         options.epochs = settings.brief ? 4 : 200;
-        options.largest_input_scale = 4;
+        options.max_input_scale = 4;
         options.tangent_weight = 0;  // second derivatives are nobody's target, as in the thesis
         options.error_floor = 0.002;
         options.seed = seed;

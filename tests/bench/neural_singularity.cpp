@@ -32,10 +32,10 @@ lab::DatasetOptions data_options(bool brief) {
   options.loads.tension_paths = brief ? 1 : 3;
   options.loads.compression_paths = brief ? 1 : 2;
   options.loads.biaxial_paths = brief ? 1 : 2;
-  options.loads.largest_stretch = 1.1;
-  options.loads.smallest_stretch = 0.92;
-  options.loads.largest_biaxial_stretch = 1.06;
-  options.loads.smallest_biaxial_stretch = 0.96;
+  options.loads.max_stretch = 1.1;
+  options.loads.min_stretch = 0.92;
+  options.loads.max_biaxial_stretch = 1.06;
+  options.loads.min_biaxial_stretch = 0.96;
   if (brief) options.simulation.mesh.mesh_size = 1;
   return options;
 }

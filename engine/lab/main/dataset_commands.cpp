@@ -41,7 +41,7 @@ const std::map<std::string, Law> laws{{"neo_hookean", Law::neo_hookean},
 const std::map<std::string, PlanKind> plans{
     {"sequence", PlanKind::sequence}, {"grid", PlanKind::grid}, {"rest", PlanKind::rest}};
 
-/// An option with a name for each value.
+/// Adds an option whose values have names.
 template <class T>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, T& value, const std::map<std::string, T>& choices,
                         const std::string& about) {
@@ -57,10 +57,10 @@ struct MakeArguments {
   std::filesystem::path out;
   int threads = 0;
   bool quiet = false;
-  const CLI::Option* designs = nullptr;  ///< tells whether their number was given
+  const CLI::Option* designs = nullptr;  ///< the option of their number, to see whether it was given
 };
 
-/// "k/n" with 0 <= k < n.
+/// Reads a shard k/n, where 0 <= k < n.
 void read_shard(const std::string& text, DatasetOptions& options) {
   const char* end = text.data() + text.size();
   const auto first = std::from_chars(text.data(), end, options.shard);
@@ -114,10 +114,10 @@ void add_load_options(CLI::App& command, LoadPlanOptions& loads) {
   load("--tension-states", loads.tension_states, "States of a tension path");
   load("--compression-states", loads.compression_states, "States of a compression path");
   load("--biaxial-states", loads.biaxial_states, "States of a biaxial path");
-  load("--largest-stretch", loads.largest_stretch, "End of tension paths");
-  load("--smallest-stretch", loads.smallest_stretch, "End of compression paths");
-  load("--largest-biaxial-stretch", loads.largest_biaxial_stretch, "Upper end of biaxial stretches");
-  load("--smallest-biaxial-stretch", loads.smallest_biaxial_stretch, "Lower end of biaxial stretches");
+  load("--largest-stretch", loads.max_stretch, "End of tension paths");
+  load("--smallest-stretch", loads.min_stretch, "End of compression paths");
+  load("--largest-biaxial-stretch", loads.max_biaxial_stretch, "Upper end of biaxial stretches");
+  load("--smallest-biaxial-stretch", loads.min_biaxial_stretch, "Lower end of biaxial stretches");
   load("--first-strain", loads.first_strain, "No state is nearer to rest than this");
 }
 
@@ -266,11 +266,11 @@ void add_dataset_commands(CLI::App& program, const StopSignals& signals, bool& i
   info->callback([=] { fmt::print("{}", describe(dataset::read_finished_or_partial(*info_file))); });
 
   const auto report_file = std::make_shared<std::filesystem::path>();
-  const auto most = std::make_shared<int>(50);
+  const auto max_failures = std::make_shared<int>(50);
   CLI::App* reporter = group->add_subcommand("report", "What came of it: rows, failures, cost; unfinished ones too");
   reporter->add_option("file", *report_file, "Data set")->required();
-  reporter->add_option("--failures", *most, "Failures listed one by one, of each kind")->capture_default_str();
-  reporter->callback([=] { fmt::print("{}", report(dataset::read_finished_or_partial(*report_file), *most)); });
+  reporter->add_option("--failures", *max_failures, "Failures listed one by one, of each kind")->capture_default_str();
+  reporter->callback([=] { fmt::print("{}", report(dataset::read_finished_or_partial(*report_file), *max_failures)); });
 }
 
 }  // namespace supple::lab

@@ -6,8 +6,8 @@
 
 namespace supple::lab {
 
-/// Adds "dataset" with make, renew, rest, merge, info and report; their callbacks do the work. `interrupted` tells
-/// afterwards whether a signal ended the making. The references must outlive the parsing.
+/// Adds "dataset" with make, renew, rest, merge, info and report. Parsing the command line runs them. `interrupted` is
+/// set if a signal ended one. The references must outlive the parsing.
 void add_dataset_commands(CLI::App& program, const StopSignals& signals, bool& interrupted);
 
 }  // namespace supple::lab

@@ -23,7 +23,7 @@
 namespace supple::lab {
 namespace {
 
-/// Where a model's data are.
+/// Files of a model's data (training::ModelData).
 struct DataArguments {
   std::vector<std::filesystem::path> files;
   std::vector<std::filesystem::path> more;
@@ -104,8 +104,8 @@ void print_stiffness(const training::StiffnessReport& r, int steps) {
              r.step, steps, r.designs, 100 * r.trained_mean, 100 * r.trained_median, unseen, r.seconds);
 }
 
-/// Each step of a training allocates and frees the same tensors: without these the allocator gives pages back to the
-/// system and takes them anew, a fifth of the time.
+/// Makes the allocator keep freed memory. Each step of a training allocates and frees the same tensors. Without this,
+/// the allocator returns their pages to the system and requests them anew, which takes a fifth of the time.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
@@ -212,56 +212,58 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
       return command.add_option(name, value, about)->capture_default_str()->group(group);
     };
   };
-  const auto network = group_of("Network");
-  network("--width", shape.width, "Neurons of each layer, a multiple of 16");
-  network("--strain-layers", shape.strain_layers, "Of the branch that reads the strain");
-  network("--parameter-layers", shape.parameter_layers, "Of the branch that reads the parameters");
-  network("--trunk-layers", shape.trunk_layers, "After both branches meet");
-  network("--residuals", shape.residuals, "Terms of the sum of squares");
-  network("--stiffness-width", shape.stiffness_width, "Neurons of each hidden layer of the stiffness branch");
-  network("--stiffness-layers", shape.stiffness_layers, "Hidden layers of the stiffness branch");
-  network("--activation", arguments.activation, "swish, tanh or sine");
-  network("--form", arguments.form, "sum_of_squares or softplus");
-  network("--rest", arguments.rest_form,
-          "exact: the stiffness at rest is the stiffness branch's alone; free: learned by all")
+  const auto network_option = group_of("Network");
+  network_option("--width", shape.width, "Neurons of each layer, a multiple of 16");
+  network_option("--strain-layers", shape.strain_layers, "Of the branch that reads the strain");
+  network_option("--parameter-layers", shape.parameter_layers, "Of the branch that reads the parameters");
+  network_option("--trunk-layers", shape.trunk_layers, "After both branches meet");
+  network_option("--residuals", shape.residuals, "Terms of the sum of squares");
+  network_option("--stiffness-width", shape.stiffness_width, "Neurons of each hidden layer of the stiffness branch");
+  network_option("--stiffness-layers", shape.stiffness_layers, "Hidden layers of the stiffness branch");
+  network_option("--activation", arguments.activation, "swish, tanh or sine");
+  network_option("--form", arguments.form, "sum_of_squares or softplus");
+  network_option("--rest", arguments.rest_form,
+                 "exact: the stiffness at rest is the stiffness branch's alone; free: learned by all")
       ->check(CLI::IsMember({"exact", "free"}));
-  network("--features", arguments.features,
-          "geometric: lengths, gaps, angles and density of the tile are inputs; or none")
+  network_option("--features", arguments.features,
+                 "geometric: lengths, gaps, angles and density of the tile are inputs; or none")
       ->check(CLI::IsMember({"geometric", "none"}));
-  const auto rule = group_of("Training");
-  rule("--epochs", training.epochs, "Passes over the training rows");
-  rule("--chunk-rows", training.chunk_rows, "Rows of one design that go together");
-  rule("--batch-chunks", training.batch_chunks, "Chunks of one step");
-  rule("--learning-rate", training.learning_rate, "At its highest");
-  rule("--last-learning-rate", training.last_learning_rate, "At the end");
-  rule("--largest-gradient", training.largest_gradient, "Longer ones are shortened");
-  rule("--weight-decay", training.weight_decay, "Times the learning rate: the share by which weights shrink in a step");
-  rule("--loss", arguments.loss,
-       "Of a relative error x: robust, log(1 + sqrt(x^2 + floor^2)), or squared, x^2 (the thesis's 4.8)")
+  const auto training_option = group_of("Training");
+  training_option("--epochs", training.epochs, "Passes over the training rows");
+  training_option("--chunk-rows", training.chunk_rows, "Rows of one design that go together");
+  training_option("--batch-chunks", training.batch_chunks, "Chunks of one step");
+  training_option("--learning-rate", training.learning_rate, "At its highest");
+  training_option("--last-learning-rate", training.final_learning_rate, "At the end");
+  training_option("--largest-gradient", training.max_gradient_norm, "Longer ones are shortened");
+  training_option("--weight-decay", training.weight_decay,
+                  "Times the learning rate: the share by which weights shrink in a step");
+  training_option("--loss", arguments.loss,
+                  "Of a relative error x: robust, log(1 + sqrt(x^2 + floor^2)), or squared, x^2 (the thesis's 4.8)")
       ->check(CLI::IsMember({"robust", "squared"}));
-  rule("--energy-weight", training.energy_weight, "Of the energy's error");
-  rule("--stress-weight", training.stress_weight, "Of the stress's error");
-  rule("--tangent-weight", training.tangent_weight, "Of the tangent's error");
-  rule("--tangent-begin", training.tangent_begin, "Share of the epochs after which the tangent counts");
-  rule("--error-floor", training.error_floor, "Of the robust loss: relative error below which errors count less");
-  rule("--optimizer", arguments.optimizer, "soap or adam")->check(CLI::IsMember({"soap", "adam"}));
-  rule("--smallest-input-scale", training.smallest_input_scale, "Of strains at the first layer");
-  rule("--largest-input-scale", training.largest_input_scale, "Of strains at the first layer");
-  rule("--stiffness-steps", training.stiffness_steps, "That fit the stiffness branch before all else");
-  rule("--stiffness-batch", training.stiffness_batch, "Designs of one of these steps");
+  training_option("--energy-weight", training.energy_weight, "Of the energy's error");
+  training_option("--stress-weight", training.stress_weight, "Of the stress's error");
+  training_option("--tangent-weight", training.tangent_weight, "Of the tangent's error");
+  training_option("--tangent-begin", training.tangent_begin, "Share of the epochs after which the tangent counts");
+  training_option("--error-floor", training.error_floor,
+                  "Of the robust loss: relative error below which errors count less");
+  training_option("--optimizer", arguments.optimizer, "soap or adam")->check(CLI::IsMember({"soap", "adam"}));
+  training_option("--smallest-input-scale", training.min_input_scale, "Of strains at the first layer");
+  training_option("--largest-input-scale", training.max_input_scale, "Of strains at the first layer");
+  training_option("--stiffness-steps", training.stiffness_steps, "That fit the stiffness branch before all else");
+  training_option("--stiffness-batch", training.stiffness_batch, "Designs of one of these steps");
   command.add_flag("--freeze-stiffness", training.freeze_stiffness, "Leave the stiffness branch as it was fitted")
       ->group("Training");
-  rule("--patience", training.patience, "Epochs without a better validation that end training; 0: never");
-  rule("--validation-interval", training.validation_interval, "Epochs between validations");
-  rule("--seed", training.seed, "Of the weights and the order of rows");
-  rule("--symmetry", options.use_symmetry, "See each chunk through the family's symmetries (1 or 0)");
-  const auto split = group_of("Samples");
-  split("--least-energy", options.samples.least_energy, "MPa; rows below are left out");
-  split("--largest-energy", options.samples.largest_energy, "MPa; rows above are left out");
-  split("--validation-share", options.split.validation, "Of the designs");
-  split("--test-share", options.split.test, "Of the designs");
-  split("--row-test-share", options.split.row_test, "Of the rows of the other designs");
-  split("--split-seed", options.split.seed, "Which designs and rows these are");
+  training_option("--patience", training.patience, "Epochs without a better validation that end training; 0: never");
+  training_option("--validation-interval", training.validation_interval, "Epochs between validations");
+  training_option("--seed", training.seed, "Of the weights and the order of rows");
+  training_option("--symmetry", options.use_symmetry, "See each chunk through the family's symmetries (1 or 0)");
+  const auto sample_option = group_of("Samples");
+  sample_option("--least-energy", options.samples.min_energy, "MPa; rows below are left out");
+  sample_option("--largest-energy", options.samples.max_energy, "MPa; rows above are left out");
+  sample_option("--validation-share", options.split.validation, "Of the designs");
+  sample_option("--test-share", options.split.test, "Of the designs");
+  sample_option("--row-test-share", options.split.row_test, "Of the rows of the other designs");
+  sample_option("--split-seed", options.split.seed, "Which designs and rows these are");
 }
 
 struct CardArguments {
@@ -322,9 +324,9 @@ void correct_mesh(const CorrectArguments& arguments) {
     fmt::print(
         "{}: Young's moduli at rest are {:+.2f} % off in the mean; half are off by more than {:.2f} %, a tenth "
         "by more than {:.2f} %\n",
-        what, 100 * errors.mean, 100 * errors.median, 100 * errors.quantile90);
+        what, 100 * errors.mean, 100 * errors.median, 100 * errors.percentile_90);
   };
-  print("the mesh", report.mesh);
+  print("the mesh", report.uncorrected);
   print("corrected", report.corrected);
 }
 
@@ -366,7 +368,7 @@ void print_judged(neural::Quantity quantity, const neural::JudgedBars& judged) {
 
 void calibrate(const CalibrateArguments& arguments, const StopSignals& signals) {
   set_thread_count(arguments.threads);
-  training::References references;
+  training::ReferenceData references;
   for (const auto& file : arguments.drawn) references.drawn.push_back(dataset::read_finished_or_partial(file));
   for (const auto& file : arguments.searched) references.searched.push_back(dataset::read_finished_or_partial(file));
   const auto result = training::calibrate(neural::read_model(arguments.model), read_data(arguments.data),
@@ -405,7 +407,7 @@ void add_calibrate_command(CLI::App& program, const StopSignals& signals) {
   command->callback([=, &signals] { calibrate(*arguments, signals); });
 }
 
-/// A command that makes another model of one and the data that it was trained on.
+/// Adds a command that changes a model with the data on which it was trained, and writes the result.
 void add_change_command(CLI::App& program, const char* name, const char* about, const char* out,
                         void (*change)(const ChangeArguments&)) {
   const auto arguments = std::make_shared<ChangeArguments>();

@@ -29,13 +29,14 @@ ProgressLine::~ProgressLine() {
   if (drawn_) fmt::print(stderr, "\n");
 }
 
-void ProgressLine::started(std::int64_t designs, std::int64_t found, std::int64_t states_per_design) {
+void ProgressLine::started(std::int64_t designs, std::int64_t already_finished, std::int64_t states_per_design) {
   const std::lock_guard lock(mutex_);
   designs_ = designs;
-  found_ = found;
+  already_finished_ = already_finished;
   states_per_design_ = states_per_design;
   start_ = Clock::now();
-  if (found > 0 && !quiet_) fmt::print(stderr, "going on: {} of {} designs are done\n", found, designs);
+  if (already_finished > 0 && !quiet_)
+    fmt::print(stderr, "going on: {} of {} designs are done\n", already_finished, designs);
 }
 
 void ProgressLine::state_reached() {
@@ -52,23 +53,23 @@ void ProgressLine::design_done(const dataset::Design& design) {
     if (path.stopped != "converged") ++stopped_paths_;
   const auto rows = static_cast<std::int64_t>(design.rows.size());
   rows_ += rows;
-  settled_states_ += states_per_design_;
+  finished_states_ += states_per_design_;
   pending_states_ = std::max<std::int64_t>(0, pending_states_ - rows);
-  show(done_ + found_ == designs_);
+  show(done_ + already_finished_ == designs_);
 }
 
-void ProgressLine::show(bool at_once) {
+void ProgressLine::show(bool force) {
   const auto now = Clock::now();
   const auto interval = terminal_ ? Clock::duration(terminal_interval) : Clock::duration(log_interval);
-  if (quiet_ || (!at_once && now - shown_ < interval)) return;
+  if (quiet_ || (!force && now - shown_ < interval)) return;
   shown_ = now;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double states = static_cast<double>(settled_states_ + pending_states_);
-  const double all = static_cast<double>((designs_ - found_) * states_per_design_);
+  const double states = static_cast<double>(finished_states_ + pending_states_);
+  const double all = static_cast<double>((designs_ - already_finished_) * states_per_design_);
   const std::string remaining =
       states > 0 ? duration(std::max(0.0, all - states) * seconds / states) + " to go" : "just begun";
   fmt::print(stderr, "{}{}/{} designs, {} rows, {:.2f} rows/s, {} rejected, {} paths stopped early, {}, {}{}",
-             terminal_ ? "\r\033[K" : "", done_ + found_, designs_, rows_ + pending_states_,
+             terminal_ ? "\r\033[K" : "", done_ + already_finished_, designs_, rows_ + pending_states_,
              static_cast<double>(rows_ + pending_states_) / std::max(seconds, 1e-3), rejected_, stopped_paths_,
              duration(seconds), remaining, terminal_ ? "" : "\n");
   std::fflush(stderr);

@@ -9,21 +9,21 @@
 
 namespace supple::lab {
 
-/// Says on stderr how far a data set has come, how fast it is and when it will be done: one line that is drawn anew on
-/// a terminal, a line every minute elsewhere.
+/// Shows on stderr the progress of a data set, the rows per second and the remaining time. On a terminal it is one line
+/// that is redrawn. Otherwise a line is written every minute.
 class ProgressLine : public MakeListener {
  public:
   explicit ProgressLine(bool quiet);
   ~ProgressLine() override;
 
-  void started(std::int64_t designs, std::int64_t found, std::int64_t states_per_design) override;
+  void started(std::int64_t designs, std::int64_t already_finished, std::int64_t states_per_design) override;
   void state_reached() override;
   void design_done(const dataset::Design& design) override;
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Prints unless it has just done so.
-  void show(bool at_once);
+  /// Prints the line. Does nothing if the last line is too recent, unless `force`.
+  void show(bool force);
 
   const bool quiet_;
   const bool terminal_;
@@ -31,15 +31,15 @@ class ProgressLine : public MakeListener {
   Clock::time_point start_;
   Clock::time_point shown_;
   std::int64_t designs_ = 0;
-  std::int64_t found_ = 0;
+  std::int64_t already_finished_ = 0;
   std::int64_t states_per_design_ = 0;
   std::int64_t done_ = 0;
   std::int64_t rejected_ = 0;
   std::int64_t stopped_paths_ = 0;
   std::int64_t rows_ = 0;
-  std::int64_t settled_states_ = 0;  ///< of designs that are done, reached or not
-  std::int64_t pending_states_ = 0;  ///< reached in designs at work
-  bool drawn_ = false;
+  std::int64_t finished_states_ = 0;  ///< states of finished designs, including those that were not reached
+  std::int64_t pending_states_ = 0;   ///< states that were reached in unfinished designs
+  bool drawn_ = false;                ///< whether a line on the terminal has to be ended
 };
 
 }  // namespace supple::lab

@@ -4,8 +4,8 @@
 
 namespace supple::lab {
 
-/// Turns the first SIGINT or SIGTERM into a request to stop; a second one ends the process at once, which loses nothing
-/// but the designs at work. To be made before any thread, so that all of them leave the signals to it.
+/// Turns the first SIGINT or SIGTERM into a stop request. A second one ends the process at once, which loses unfinished
+/// designs only. It must be created before any thread, because threads inherit that these signals are blocked.
 class StopSignals {
  public:
   StopSignals();

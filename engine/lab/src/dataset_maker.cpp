@@ -21,7 +21,7 @@ namespace {
 
 using dataset::Dataset;
 
-/// Throws where the finished file at `path` is another data set.
+/// Throws "dataset.different_recipe" if the finished file at `path` is another data set.
 void check_finished(const std::filesystem::path& path, const Dataset& found, const Dataset& wanted) {
   std::vector<Error::Detail> details;
   for (auto& difference : dataset::differences(found.recipe, wanted.recipe))
@@ -35,10 +35,10 @@ void check_finished(const std::filesystem::path& path, const Dataset& found, con
                 details);
 }
 
-/// Gives the design of an index.
+/// Computes the design with this index.
 using DesignSource = std::function<dataset::Design(std::int64_t index)>;
 
-/// The designs of one run, computed by several threads in the order of their indices.
+/// Computes designs on several threads, which take them in the order of their indices.
 class Run {
  public:
   Run(DesignSource design_of, dataset::Journal& journal, std::vector<std::int64_t> indices,
@@ -49,10 +49,11 @@ class Run {
         cancellation_(cancellation),
         listener_(listener) {}
 
-  /// The designs that were finished; fewer than asked for where a stop was requested.
+  /// Returns the designs that were finished: all, or fewer if a stop was requested.
   std::vector<dataset::Design> run() {
     const int workers = std::max(1, std::min(thread_count(), static_cast<int>(indices_.size())));
-    // Not one task for each design: the order of designs, and thus what an interrupted run holds, would be arbitrary.
+    // There is one task for each thread instead of one for each design. With the latter the order of the designs, and
+    // so the content of an interrupted data set, would be arbitrary.
     parallel_for(workers, [this](int) { work(); });
     return std::move(done_);
   }
@@ -98,14 +99,15 @@ std::vector<dataset::Design>::const_iterator find_design(const Dataset& data, st
                       [index](const dataset::Design& design) { return design.index == index; });
 }
 
-/// Gives the data set at `path` the designs of the indices in `missing`, through the journal beside it.
+/// Computes the designs with the indices in `missing` that are not in the journal beside `path`, and adds them to it.
+/// If no stop is requested, writes the data set to `path` and removes the journal.
 MakeResult complete(Dataset data, std::vector<std::int64_t> missing, const std::filesystem::path& path,
                     const DesignSource& design_of, std::int64_t states_per_design,
                     const CancellationToken& cancellation, MakeListener* listener) {
   dataset::Journal journal(dataset::journal_path(path), data.recipe, data.selection);
   data.designs = journal.content().data.designs;
   std::erase_if(missing, [&](std::int64_t index) { return find_design(data, index) != data.designs.end(); });
-  const std::size_t asked = missing.size();
+  const std::size_t missing_count = missing.size();
   if (listener) {
     listener->started(static_cast<std::int64_t>(missing.size() + data.designs.size()),
                       static_cast<std::int64_t>(data.designs.size()), missing.empty() ? 0 : states_per_design);
@@ -117,7 +119,7 @@ MakeResult complete(Dataset data, std::vector<std::int64_t> missing, const std::
   std::sort(data.designs.begin(), data.designs.end(),
             [](const dataset::Design& a, const dataset::Design& b) { return a.index < b.index; });
   result.designs = static_cast<std::int64_t>(data.designs.size());
-  result.finished = result.computed == static_cast<std::int64_t>(asked);
+  result.finished = result.computed == static_cast<std::int64_t>(missing_count);
   if (result.finished) {
     dataset::write_dataset(path, data);
     journal.remove();
@@ -125,34 +127,34 @@ MakeResult complete(Dataset data, std::vector<std::int64_t> missing, const std::
   return result;
 }
 
-std::int64_t states_of(const DatasetOptions& options, std::int64_t index) {
+std::int64_t planned_states(const DatasetOptions& options, std::int64_t index) {
   std::int64_t states = 0;
   for (const PlannedPath& planned : planned_design(options, index).paths) states += planned.path.planned;
   return states;
 }
 
-/// Whether the design's first states next to rest are still what the engine computes.
+/// Whether the engine still computes the same stress for the first state of the first path of each kind of load.
 bool is_current(const DatasetOptions& options, const dataset::Design& design, double tolerance,
                 const CancellationToken& cancellation) {
-  PlannedDesign probe = planned_design(options, design.index);
+  PlannedDesign planned = planned_design(options, design.index);
   std::vector<std::size_t> paths;
-  for (std::size_t k = 0; k < probe.paths.size(); ++k) {
-    const auto& kind = probe.paths[k].path;
+  for (std::size_t k = 0; k < planned.paths.size(); ++k) {
+    const auto& kind = planned.paths[k].path;
     const bool tension = kind.end_stretch > 1;
-    const bool seen = std::any_of(paths.begin(), paths.end(), [&](std::size_t other) {
-      const auto& before = probe.paths[other].path;
+    const bool is_covered = std::any_of(paths.begin(), paths.end(), [&](std::size_t other) {
+      const auto& before = planned.paths[other].path;
       return before.kind == kind.kind && (before.end_stretch > 1) == tension;
     });
-    if (!seen) paths.push_back(k);
+    if (!is_covered) paths.push_back(k);
   }
-  PlannedDesign few = probe;
-  few.paths.clear();
+  PlannedDesign probe = planned;
+  probe.paths.clear();
   for (const std::size_t k : paths) {
-    few.paths.push_back(probe.paths[k]);
-    few.paths.back().stretches.resize(1);
-    few.paths.back().path.planned = 1;
+    probe.paths.push_back(planned.paths[k]);
+    probe.paths.back().stretches.resize(1);
+    probe.paths.back().path.planned = 1;
   }
-  const dataset::Design now = simulate_design(options, few, cancellation);
+  const dataset::Design now = simulate_design(options, probe, cancellation);
   if (now.rejected()) return false;
   for (std::size_t k = 0; k < paths.size(); ++k) {
     const auto find = [](const dataset::Design& in, std::size_t path) {
@@ -167,7 +169,7 @@ bool is_current(const DatasetOptions& options, const dataset::Design& design, do
       difference += std::pow(after->stress[i] - before->stress[i], 2);
       size += std::pow(after->stress[i], 2);
     }
-    // Negated, so that a NaN is a change.
+    // The negated condition makes NaN a change.
     if (!(difference <= tolerance * tolerance * size)) return false;
   }
   return true;
@@ -191,14 +193,14 @@ MakeResult make_dataset(const DatasetOptions& options, const std::filesystem::pa
   if (std::filesystem::exists(path)) {
     const Dataset found = dataset::read_dataset(path);
     check_finished(path, found, data);
-    // A run that ended between the file's appearance and the journal's end.
+    // A journal remains if a run was killed after it had written the file.
     std::filesystem::remove(dataset::journal_path(path));
     return {static_cast<std::int64_t>(found.designs.size()), 0, true};
   }
   const auto simulate = [&](std::int64_t index) {
     return simulate_design(options, planned_design(options, index), cancellation, listener);
   };
-  const std::int64_t states = options.designs > 0 ? states_of(options, options.first) : 0;
+  const std::int64_t states = options.designs > 0 ? planned_states(options, options.first) : 0;
   std::vector<std::int64_t> indices = data.selection.indices();
   return complete(std::move(data), std::move(indices), path, simulate, states, cancellation, listener);
 }
@@ -233,7 +235,7 @@ RenewResult renew_dataset(const Dataset& old, const RenewOptions& renew, const s
     ++renewed;
     return simulate_design(options, planned_design(options, index), cancellation, listener);
   };
-  const std::int64_t states = options.designs > 0 ? states_of(options, options.first) : 0;
+  const std::int64_t states = options.designs > 0 ? planned_states(options, options.first) : 0;
   std::vector<std::int64_t> indices;
   for (const dataset::Design& design : old.designs) indices.push_back(design.index);
   const MakeResult made = complete(std::move(data), std::move(indices), path, source, states, cancellation, listener);

@@ -68,8 +68,8 @@ struct RecipeWriter {
   }
 };
 
-/// Takes each setting from a recipe.
-struct RecipeTaker {
+/// Reads each setting from a recipe.
+struct RecipeReader {
   const dataset::Recipe& recipe;
 
   void field(const char* name, int& value, const char* = "") const { value = static_cast<int>(recipe.integer(name)); }
@@ -84,7 +84,8 @@ struct RecipeTaker {
   }
 };
 
-/// One description of the settings for both directions.
+/// Visits the settings of a recipe, for a RecipeWriter or a RecipeReader. Their names are those in the files of data
+/// sets, and differ from those of some options.
 template <class Visitor, class Options>
 void visit_settings(Visitor& visit, Options& options) {
   visit.field("family", options.family);
@@ -100,10 +101,10 @@ void visit_settings(Visitor& visit, Options& options) {
   visit.field("tension_states", loads.tension_states);
   visit.field("compression_states", loads.compression_states);
   visit.field("biaxial_states", loads.biaxial_states);
-  visit.field("largest_stretch", loads.largest_stretch, "1");
-  visit.field("smallest_stretch", loads.smallest_stretch, "1");
-  visit.field("largest_biaxial_stretch", loads.largest_biaxial_stretch, "1");
-  visit.field("smallest_biaxial_stretch", loads.smallest_biaxial_stretch, "1");
+  visit.field("largest_stretch", loads.max_stretch, "1");
+  visit.field("smallest_stretch", loads.min_stretch, "1");
+  visit.field("largest_biaxial_stretch", loads.max_biaxial_stretch, "1");
+  visit.field("smallest_biaxial_stretch", loads.min_biaxial_stretch, "1");
   visit.field("first_strain", loads.first_strain, "1");
   auto& simulation = options.simulation;
   visit.field("law", simulation.material.law, law_names);
@@ -122,7 +123,7 @@ void visit_settings(Visitor& visit, Options& options) {
   visit.field("tangents", simulation.tangents);
 }
 
-/// The box that the sequence of designs covers, as the option names it.
+/// Checks the part of the box that the sequence of designs covers.
 void check_part(const DatasetOptions& options, const tiling::Family& family, std::vector<Error::Detail>& details) {
   const std::size_t count = family.parameters.size();
   if (options.part_lower.empty() && options.part_upper.empty()) return;
@@ -137,9 +138,9 @@ void check_part(const DatasetOptions& options, const tiling::Family& family, std
     const double margin = options.box_margin * (upper - lower);
     const double from = options.part_lower[k];
     const double to = options.part_upper[k];
-    // Ends that are written as decimals may lie a rounding error outside.
-    const double slack = 1e-9 * (upper - lower);
-    if (!(from >= lower - margin - slack && from < to && to <= upper + margin + slack))
+    // Bounds that are written as decimals may exceed the limits by a rounding error.
+    const double tolerance = 1e-9 * (upper - lower);
+    if (!(from >= lower - margin - tolerance && from < to && to <= upper + margin + tolerance))
       details.push_back({"part_lower[" + std::to_string(k) + "]",
                          "must be below part_upper, both within [" + std::to_string(lower - margin) + ", " +
                              std::to_string(upper + margin) + "], got " + std::to_string(from) + " and " +
@@ -171,15 +172,15 @@ void check_list(const DatasetOptions& options, const tiling::Family& family, std
     details.push_back({"list", "designs are either listed, or one, or those of a part"});
 }
 
-/// The index of a point of the sequence has 32 bits. Designs beyond this number are refused.
+/// The index of a point of the sequence has 32 bits. Indices and numbers of designs above this limit are refused.
 constexpr std::int64_t max_designs = 1'000'000'000;
 
 }  // namespace
 
 void check(const DatasetOptions& options) {
   std::vector<Error::Detail> details;
-  const auto require = [&details](bool good, const char* where, std::string message) {
-    if (!good) details.push_back({where, std::move(message)});
+  const auto require = [&details](bool is_met, const char* where, std::string message) {
+    if (!is_met) details.push_back({where, std::move(message)});
   };
   const auto& family = tiling::family(options.family);
   require(options.seed <= static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max()), "seed",
@@ -217,7 +218,7 @@ dataset::Recipe recipe_of(const DatasetOptions& options) {
   if (!options.directions.empty()) writer.recipe.set("directions", options.directions, "rad");
   if (options.simulation.refinement != Refinement::off)
     writer.field("refinement", options.simulation.refinement, refinement_names);
-  // What follows from the family: should its table change, data made before and after are not of one recipe.
+  // These settings follow from the family. If they change with a version, older data have another recipe.
   const auto& family = tiling::family(options.family);
   std::vector<double> lower;
   std::vector<double> upper;
@@ -234,15 +235,15 @@ dataset::Recipe recipe_of(const DatasetOptions& options) {
 
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection) {
   DatasetOptions options;
-  const RecipeTaker taker{recipe};
-  visit_settings(taker, options);
+  const RecipeReader reader{recipe};
+  visit_settings(reader, options);
   if (recipe.has("part_lower")) {
-    taker.field("part_lower", options.part_lower);
-    taker.field("part_upper", options.part_upper);
+    reader.field("part_lower", options.part_lower);
+    reader.field("part_upper", options.part_upper);
   }
-  if (recipe.has("list")) taker.field("list", options.list);
-  if (recipe.has("directions")) taker.field("directions", options.directions);
-  if (recipe.has("refinement")) taker.field("refinement", options.simulation.refinement, refinement_names);
+  if (recipe.has("list")) reader.field("list", options.list);
+  if (recipe.has("directions")) reader.field("directions", options.directions);
+  if (recipe.has("refinement")) reader.field("refinement", options.simulation.refinement, refinement_names);
   options.first = selection.first;
   options.designs = selection.count;
   options.shard = selection.shard;
@@ -253,7 +254,7 @@ DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selectio
 DatasetOptions rest_options() {
   DatasetOptions options;
   options.loads.kind = PlanKind::rest;
-  // Unloaded structures neither buckle nor touch themselves.
+  // Without a load, structures neither buckle nor touch themselves.
   options.simulation.contact = Switch::off;
   options.simulation.patch = Switch::off;
   options.simulation.buckling = Switch::off;

@@ -16,9 +16,9 @@ using dataset::Dataset;
 using dataset::Design;
 
 template <class Count>
-std::int64_t rows_where(const Dataset& data, Count&& holds) {
+std::int64_t rows_where(const Dataset& data, Count&& predicate) {
   std::int64_t count = 0;
-  for (const Design& design : data.designs) count += std::count_if(design.rows.begin(), design.rows.end(), holds);
+  for (const Design& design : data.designs) count += std::count_if(design.rows.begin(), design.rows.end(), predicate);
   return count;
 }
 
@@ -64,21 +64,21 @@ void add_rows(const Dataset& data, Text& text) {
       worst = std::max(worst, row.residual);
     }
   }
-  const auto share = [&](const char* what, std::int64_t count) {
+  const auto add_count = [&](const char* what, std::int64_t count) {
     text.line("  {:<34}{:>9}  {:5.1f} %", what, count, percent(static_cast<double>(count), static_cast<double>(rows)));
   };
   text.line("rows: {} of {} planned", rows, planned);
-  share("with contact", rows_where(data, [](const auto& row) { return row.contacts > 0; }));
-  share("of two-by-two patches", rows_where(data, [](const auto& row) { return row.cells > 1; }));
-  share("after leaving an unstable branch", rows_where(data, [](const auto& row) { return row.branch > 0; }));
-  share("unstable", rows_where(data, [](const auto& row) { return !row.stable; }));
-  share("without a tangent (singular)",
-        rows_where(data, [](const auto& row) { return !(row.tangent[0] == row.tangent[0]); }));
+  add_count("with contact", rows_where(data, [](const auto& row) { return row.contacts > 0; }));
+  add_count("of two-by-two patches", rows_where(data, [](const auto& row) { return row.cells > 1; }));
+  add_count("after leaving an unstable branch", rows_where(data, [](const auto& row) { return row.branch > 0; }));
+  add_count("unstable", rows_where(data, [](const auto& row) { return !row.stable; }));
+  add_count("without a tangent (singular)",
+            rows_where(data, [](const auto& row) { return !(row.tangent[0] == row.tangent[0]); }));
   text.line("  residual: median {:.1e}, largest {:.1e}; Newton iterations of a row: median {:.0f}",
             median(std::move(residuals)), worst, median(std::move(iterations)));
 }
 
-void add_rejected(const Dataset& data, int most, Text& text) {
+void add_rejected(const Dataset& data, int max_listed, Text& text) {
   std::map<std::string, std::int64_t> codes;
   for (const Design& design : data.designs)
     if (design.rejected()) ++codes[design.error_code];
@@ -88,11 +88,11 @@ void add_rejected(const Dataset& data, int most, Text& text) {
   for (const auto& [code, times] : codes) text.line("  {:<40}{:>6}", code, times);
   int listed = 0;
   for (const Design& design : data.designs)
-    if (design.rejected() && listed++ < most)
+    if (design.rejected() && listed++ < max_listed)
       text.line("  design {} ({}): {}", design.index, numbers(design.parameters), design.error_message);
 }
 
-void add_stopped_paths(const Dataset& data, int most, Text& text) {
+void add_stopped_paths(const Dataset& data, int max_listed, Text& text) {
   std::int64_t paths = 0;
   std::map<std::string, std::int64_t> reasons;
   for (const Design& design : data.designs) {
@@ -108,7 +108,7 @@ void add_stopped_paths(const Dataset& data, int most, Text& text) {
   for (const Design& design : data.designs) {
     for (std::size_t p = 0; p < design.paths.size(); ++p) {
       const auto& path = design.paths[p];
-      if (path.stopped == "converged" || listed++ >= most) continue;
+      if (path.stopped == "converged" || listed++ >= max_listed) continue;
       text.line("  design {} ({}), path {}: {} to {:.4g}{} along {:.4f} rad, {} of {} states: {}", design.index,
                 numbers(design.parameters), p, path.kind == dataset::LoadKind::uniaxial ? "uniaxial" : "biaxial",
                 path.end_stretch,
@@ -142,7 +142,7 @@ void add_costs(const Dataset& data, Text& text) {
   text.line("  {:<34}{:9.1f} s  {:5.1f} %", "other", rest, percent(rest, total));
 }
 
-/// The options of the command line whose name is not the setting's with hyphens.
+/// Options of the command line for settings, if the name is not that of the setting with hyphens.
 const std::map<std::string, std::string> option_names{{"box_margin", "margin"}, {"parameters", "parameters"}};
 
 }  // namespace
@@ -167,12 +167,12 @@ std::string describe(const Dataset& data) {
   return text.take();
 }
 
-std::string report(const Dataset& data, int most_failures) {
+std::string report(const Dataset& data, int max_failures) {
   Text text;
   text.line("family {}: {} designs, {} rows", data.recipe.text("family"), data.designs.size(), row_count(data));
   add_rows(data, text);
-  add_rejected(data, most_failures, text);
-  add_stopped_paths(data, most_failures, text);
+  add_rejected(data, max_failures, text);
+  add_stopped_paths(data, max_failures, text);
   add_costs(data, text);
   return text.take();
 }
@@ -186,13 +186,14 @@ std::string command_line(const Dataset& data) {
     command += " --shard " + std::to_string(selection.shard) + "/" + std::to_string(selection.shards);
   DatasetOptions defaults;
   defaults.family = data.recipe.text("family");
-  const dataset::Recipe usual = recipe_of(defaults);
+  const dataset::Recipe default_recipe = recipe_of(defaults);
   for (const auto& setting : data.recipe.settings()) {
-    const auto& others = usual.settings();
+    const auto& others = default_recipe.settings();
     if (setting.name == "seed" || std::find(others.begin(), others.end(), setting) == others.end()) {
       std::string name = setting.name;
       std::replace(name.begin(), name.end(), '_', '-');
-      if (const auto known = option_names.find(setting.name); known != option_names.end()) name = known->second;
+      if (const auto other_name = option_names.find(setting.name); other_name != option_names.end())
+        name = other_name->second;
       command += " --" + name + " " + dataset::to_string(setting.value);
     }
   }

@@ -11,21 +11,22 @@
 namespace supple::lab {
 namespace {
 
-constexpr std::size_t load_turns = 4;
-static_assert(load_turns < SobolSequence::max_dimensions);
+constexpr std::size_t load_coordinate_count = 4;
+static_assert(load_coordinate_count < SobolSequence::max_dimensions);
 
-std::array<double, load_turns> turns_of(const std::array<double, SobolSequence::max_dimensions>& point) {
-  std::array<double, load_turns> turns{};
-  std::copy(point.end() - load_turns, point.end(), turns.begin());
-  return turns;
+std::array<double, load_coordinate_count> load_coordinates_of(
+    const std::array<double, SobolSequence::max_dimensions>& point) {
+  std::array<double, load_coordinate_count> load_coordinates{};
+  std::copy(point.end() - load_coordinate_count, point.end(), load_coordinates.begin());
+  return load_coordinates;
 }
 
 std::uint64_t design_seed(std::uint64_t seed, std::int64_t index) {
   return RandomStream("lab.design", seed).next() + static_cast<std::uint64_t>(index);
 }
 
-/// Of parameter `i`, in the part or in the family's own box. A part that `check` lets end beyond the widened box, by
-/// rounding, ends at its border, where structures do.
+/// Range of parameter `i` in the part of the box, or in the family's box. `check` allows a part to end outside of the
+/// widened box by a rounding error. Such a part is clamped to the widened box, because no structures exist outside.
 std::pair<double, double> range_of(const DatasetOptions& options, const tiling::Parameter& bounds, std::size_t i) {
   const auto& [lower, upper, preset] = bounds;
   if (options.part_lower.empty()) return {lower, upper};
@@ -45,22 +46,22 @@ PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index) 
   const bool chosen = !design.parameters.empty();
   const std::int64_t corners = options.corners && !chosen ? std::int64_t{1} << bounds.size() : 0;
   const bool corner = index < corners;
-  // Corners have a sequence of their own for their loads, so that the other designs are the whole sequence.
+  // The loads of the corners are from a separate sequence, so that the other designs use each point of the main one.
   const SobolSequence sequence(corner ? "lab.corners" : "lab.designs", options.seed);
   const auto point = sequence.point(static_cast<std::uint32_t>(corner ? index : index - corners));
   if (!chosen) {
     for (std::size_t i = 0; i < bounds.size(); ++i) {
       const auto [lower, upper] = range_of(options, bounds[i], i);
-      // A part ends where it says; the family's box is widened, except for its corners.
+      // A part is not widened. The family's box is widened, except for its corners.
       const double margin = options.part_lower.empty() ? options.box_margin * (upper - lower) : 0;
       design.parameters.push_back(corner ? ((index >> i) & 1) != 0 ? upper : lower
                                          : lower - margin + point[i] * (upper - lower + 2 * margin));
     }
   }
-  auto turns = turns_of(point);
+  auto load_coordinates = load_coordinates_of(point);
   if (!options.directions.empty())
-    std::fill_n(turns.begin(), 3, options.directions[static_cast<std::size_t>(index)] / std::numbers::pi);
-  design.paths = plan_loads(options.loads, turns, design_seed(options.seed, index));
+    std::fill_n(load_coordinates.begin(), 3, options.directions[static_cast<std::size_t>(index)] / std::numbers::pi);
+  design.paths = plan_loads(options.loads, load_coordinates, design_seed(options.seed, index));
   return design;
 }
 

@@ -20,7 +20,7 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
 }
 
-/// Notes when each state of a path begins, which the simulation reports.
+/// Records when the simulation begins each state of a path, from its progress reports.
 class StateTimes : public ProgressSink {
  public:
   explicit StateTimes(StateListener* listener) : listener_(listener) {}
@@ -30,7 +30,7 @@ class StateTimes : public ProgressSink {
     if (listener_ && !begins_.empty()) listener_->state_reached();
     begins_.push_back(Clock::now());
   }
-  /// Core time of state i; the last one ends now.
+  /// Seconds that state i took. The last state ends at `now`.
   double seconds(std::size_t i, Clock::time_point now) const {
     if (i >= begins_.size()) return 0;
     return seconds_between(begins_[i], i + 1 < begins_.size() ? begins_[i + 1] : now);
@@ -58,13 +58,13 @@ dataset::Row row_of(const microscale::State& state) {
   return row;
 }
 
-/// Whether an exception tells of the run as a whole rather than of one design.
+/// Whether an error concerns the run as a whole rather than one design.
 bool concerns_the_run(const Error& error) { return error.code().starts_with("job."); }
 
 std::vector<dataset::StageCost> costs_of(const CostLedger& ledger) {
   std::vector<dataset::StageCost> costs;
   for (const auto& stage : ledger.stages()) costs.push_back({stage.name, stage.seconds, stage.count});
-  // What an effect costs is no part of a stage.
+  // The times of stages do not include those of effects.
   for (const auto& effect : ledger.effects())
     if (effect.seconds > 0) costs.push_back({effect.name, effect.seconds, effect.count});
   return costs;
@@ -107,9 +107,9 @@ void add_failed_path(const PlannedPath& planned, const std::string& code, const 
   design.paths.push_back(std::move(path));
 }
 
-/// Calls `work`; what it throws about the design goes to `failed` as code and sentence.
+/// Calls `work`. If it throws an error that concerns the design, calls `failed` with its code and message.
 template <class Work, class Failed>
-void guarded(Work&& work, Failed&& failed) {
+void run_catching_failures(Work&& work, Failed&& failed) {
   try {
     work();
   } catch (const Error& error) {
@@ -118,7 +118,7 @@ void guarded(Work&& work, Failed&& failed) {
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {
-    // A mistake of ours. It is kept with the design that shows it rather than ending hours of work.
+    // This is a bug. It is recorded with the design, because ending the run would lose hours of work.
     failed("dataset.unexpected_failure", error.what());
   }
 }
@@ -134,7 +134,7 @@ dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesi
   design.engine = engine_version();
   CostLedger ledger;
   const Execution execution{cancellation, nullptr, &ledger};
-  guarded(
+  run_catching_failures(
       [&] {
         const auto structure =
             tiling::make_structure(tiling::family(options.family), planned.parameters, options.box_margin);
@@ -143,11 +143,11 @@ dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesi
         for (const PlannedPath& path : planned.paths) {
           cancellation.throw_if_requested();
           const std::size_t rows = design.rows.size();
-          guarded([&] { simulate_path(simulator, path, execution, listener, design); },
-                  [&](const std::string& code, const std::string& message) {
-                    design.rows.resize(rows);
-                    add_failed_path(path, code, message, design);
-                  });
+          run_catching_failures([&] { simulate_path(simulator, path, execution, listener, design); },
+                                [&](const std::string& code, const std::string& message) {
+                                  design.rows.resize(rows);
+                                  add_failed_path(path, code, message, design);
+                                });
         }
       },
       [&](const std::string& code, const std::string& message) {

@@ -12,11 +12,11 @@ namespace {
 
 using Stretches = std::vector<std::array<double, 2>>;
 
-double fraction(double x) { return x - std::floor(x); }
+double fractional_part(double x) { return x - std::floor(x); }
 
-/// Shares (0, 1] of the way to the end, ever denser towards rest: ((k + u) / (n - 1 + u))^2 for k = 0 .. n - 1. The
-/// last one is the end itself; the offset u in (0, 1] moves all others.
-std::vector<double> shares(int n, double offset) {
+/// Fractions in (0, 1] of the range of a path, which are denser towards rest: ((k + u) / (n - 1 + u))^2 for k = 0 .. n
+/// - 1 with the offset u in (0, 1]. The last one is 1.
+std::vector<double> range_fractions(int n, double offset) {
   std::vector<double> result;
   for (int k = 0; k < n; ++k) {
     const double t = (k + offset) / (n - 1 + offset);
@@ -36,13 +36,13 @@ PlannedPath planned(dataset::LoadKind kind, double direction, Stretches stretche
   return result;
 }
 
-/// States from rest to `end`, none nearer to it than `first`.
+/// A path of states from the change of stretch `first` to the stretch `end`.
 PlannedPath uniaxial(double direction, double end, int states, double offset, double first) {
   const double range = std::abs(end - 1);
   const double sign = end < 1 ? -1 : 1;
   Stretches stretches;
-  for (const double share : shares(states, offset))
-    stretches.push_back({1 + sign * (first + (range - first) * share), 0});
+  for (const double fraction : range_fractions(states, offset))
+    stretches.push_back({1 + sign * (first + (range - first) * fraction), 0});
   stretches.back()[0] = end;
   return planned(dataset::LoadKind::uniaxial, direction, std::move(stretches));
 }
@@ -51,50 +51,50 @@ PlannedPath biaxial(double direction, const std::array<double, 2>& end, int stat
   const std::array<double, 2> change{end[0] - 1, end[1] - 1};
   const double range = std::max(std::abs(change[0]), std::abs(change[1]));
   Stretches stretches;
-  for (const double share : shares(states, offset)) {
-    const double part = (first + (range - first) * share) / range;
-    stretches.push_back({1 + part * change[0], 1 + part * change[1]});
+  for (const double fraction : range_fractions(states, offset)) {
+    const double scale = (first + (range - first) * fraction) / range;
+    stretches.push_back({1 + scale * change[0], 1 + scale * change[1]});
   }
   stretches.back() = end;
   return planned(dataset::LoadKind::biaxial, direction, std::move(stretches));
 }
 
-/// The point at the share t in [0, 1) of the way around the square [low, high]^2.
-std::array<double, 2> on_border(double low, double high, double t) {
+/// The point at the fraction t in [0, 1) of the boundary of the square [low, high]^2.
+std::array<double, 2> boundary_point(double low, double high, double t) {
   const double along = 4 * t;
-  const double part = low + (high - low) * fraction(along);
+  const double coordinate = low + (high - low) * fractional_part(along);
   switch (static_cast<int>(along)) {
     case 0:
-      return {part, low};
+      return {coordinate, low};
     case 1:
-      return {high, part};
+      return {high, coordinate};
     case 2:
-      return {high + low - part, high};
+      return {high + low - coordinate, high};
     default:
-      return {low, high + low - part};
+      return {low, high + low - coordinate};
   }
 }
 
-std::vector<PlannedPath> sequence_plan(const LoadPlanOptions& options, const std::array<double, 4>& turns,
+std::vector<PlannedPath> sequence_plan(const LoadPlanOptions& options, const std::array<double, 4>& load_coordinates,
                                        std::uint64_t seed) {
   RandomStream offsets("lab.load_plan", seed);
-  const auto direction = [](double turn, int i, int n) {
-    return std::numbers::pi * fraction(turn + static_cast<double>(i) / n);
+  const auto direction = [](double offset, int i, int n) {
+    return std::numbers::pi * fractional_part(offset + static_cast<double>(i) / n);
   };
   std::vector<PlannedPath> plan;
   const int paths = options.tension_paths + options.compression_paths + options.biaxial_paths;
   plan.reserve(static_cast<std::size_t>(paths));
   for (int i = 0; i < options.tension_paths; ++i)
-    plan.push_back(uniaxial(direction(turns[0], i, options.tension_paths), options.largest_stretch,
+    plan.push_back(uniaxial(direction(load_coordinates[0], i, options.tension_paths), options.max_stretch,
                             options.tension_states, 1 - offsets.uniform(), options.first_strain));
   for (int i = 0; i < options.compression_paths; ++i)
-    plan.push_back(uniaxial(direction(turns[1], i, options.compression_paths), options.smallest_stretch,
+    plan.push_back(uniaxial(direction(load_coordinates[1], i, options.compression_paths), options.min_stretch,
                             options.compression_states, 1 - offsets.uniform(), options.first_strain));
   for (int i = 0; i < options.biaxial_paths; ++i) {
-    // The golden ratio, so that places on the border do not go with directions.
-    const double place = fraction(turns[3] + i * (std::numbers::phi - 1));
-    const auto end = on_border(options.smallest_biaxial_stretch, options.largest_biaxial_stretch, place);
-    plan.push_back(biaxial(direction(turns[2], i, options.biaxial_paths), end, options.biaxial_states,
+    // Multiples of the golden ratio are spread evenly, and are not correlated with the directions.
+    const double boundary_position = fractional_part(load_coordinates[3] + i * (std::numbers::phi - 1));
+    const auto end = boundary_point(options.min_biaxial_stretch, options.max_biaxial_stretch, boundary_position);
+    plan.push_back(biaxial(direction(load_coordinates[2], i, options.biaxial_paths), end, options.biaxial_states,
                            1 - offsets.uniform(), options.first_strain));
   }
   return plan;
@@ -122,10 +122,10 @@ std::vector<PlannedPath> grid_plan() {
 
 void check(const LoadPlanOptions& options) {
   std::vector<Error::Detail> details;
-  const auto count = [&](const char* where, int value, int lowest) {
-    if (value < lowest || value > 1000)
+  const auto count = [&](const char* where, int value, int min_value) {
+    if (value < min_value || value > 1000)
       details.push_back(
-          {where, "must lie within [" + std::to_string(lowest) + ", 1000], got " + std::to_string(value)});
+          {where, "must lie within [" + std::to_string(min_value) + ", 1000], got " + std::to_string(value)});
   };
   const auto within = [&](const char* where, double value, double low, double high) {
     if (!(value >= low && value <= high))
@@ -138,10 +138,10 @@ void check(const LoadPlanOptions& options) {
   count("tension_states", options.tension_states, 1);
   count("compression_states", options.compression_states, 1);
   count("biaxial_states", options.biaxial_states, 1);
-  within("largest_stretch", options.largest_stretch, 1.01, 4);
-  within("smallest_stretch", options.smallest_stretch, 0.2, 0.99);
-  within("largest_biaxial_stretch", options.largest_biaxial_stretch, 1.01, 4);
-  within("smallest_biaxial_stretch", options.smallest_biaxial_stretch, 0.2, 0.99);
+  within("largest_stretch", options.max_stretch, 1.01, 4);
+  within("smallest_stretch", options.min_stretch, 0.2, 0.99);
+  within("largest_biaxial_stretch", options.max_biaxial_stretch, 1.01, 4);
+  within("smallest_biaxial_stretch", options.min_biaxial_stretch, 0.2, 0.99);
   within("first_strain", options.first_strain, 1e-6, 5e-3);
   if (options.tension_paths + options.compression_paths + options.biaxial_paths == 0)
     details.push_back({"tension_paths", "a design needs at least one load path of any kind"});
@@ -160,7 +160,7 @@ microscale::Load PlannedPath::load() const {
   return biaxial;
 }
 
-std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& turns,
+std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& load_coordinates,
                                     std::uint64_t seed) {
   switch (options.kind) {
     case PlanKind::grid:
@@ -168,7 +168,7 @@ std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::a
     case PlanKind::rest:
       return {planned(dataset::LoadKind::biaxial, 0, {{1, 1}})};
     default:
-      return sequence_plan(options, turns, seed);
+      return sequence_plan(options, load_coordinates, seed);
   }
 }
 

@@ -1,7 +1,8 @@
-"""Jets of the swish function f(z) = z sigmoid(z), with a gradient of their own: one pass forward and one backward.
+"""Jets of the swish function f(z) = z sigmoid(z), with their gradient.
 
-On a GPU each pass is one kernel, written in Triton. Elsewhere, and where there is no Triton, PyTorch's operations do the
-same. Channels are the value, three derivatives and, if there are five, the second derivative along a direction.
+A jet is a value with derivatives with respect to the strain. Its channels are the value, three first derivatives and, if
+there are five, the second derivative along a direction. On a GPU the forward pass and the backward pass are one kernel
+each, written in Triton. On a CPU, or without Triton, PyTorch's operations compute the same.
 """
 
 from __future__ import annotations
@@ -17,15 +18,15 @@ try:
 except ImportError:
     triton = None
 
-# Whether GPUs use the kernels; a trainer that finds them wrong switches them off.
+# Whether GPUs use the kernels. The trainer switches them off if kernels_agree returns False.
 use_kernels = triton is not None
 BLOCK = 1024
 
 
 def jets(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int) -> Tensor:
-    """The jets of f(z + addend): z is channels x rows x width, directions are rows x 3.
+    """Computes the jets of f(z + addend), where z is channels x rows x width and directions are rows x 3.
 
-    Each row of `addend` is added to the values of the next `rows_of_addend` rows.
+    The first row of `addend` is added to the values of the first `rows_of_addend` rows, and so on.
     """
     return Jets.apply(z, addend, directions, rows_of_addend)
 
@@ -42,11 +43,11 @@ class Jets(torch.autograd.Function):
         return forward_plain(z, addend, directions, rows_of_addend)
 
     @staticmethod
-    def backward(context: Any, g: Tensor) -> tuple[Tensor | None, ...]:
+    def backward(context: Any, grad_y: Tensor) -> tuple[Tensor | None, ...]:
         z, addend, directions = context.saved_tensors
-        pass_back = backward_by_kernel if z.is_cuda and use_kernels else backward_plain
-        by_z = pass_back(z.contiguous(), addend.contiguous(), directions, context.rows_of_addend, g.contiguous())
-        return by_z, by_z[0].reshape(addend.shape[0], -1, addend.shape[1]).sum(1), None, None
+        backward_function = backward_by_kernel if z.is_cuda and use_kernels else backward_plain
+        grad_z = backward_function(z.contiguous(), addend.contiguous(), directions, context.rows_of_addend, grad_y.contiguous())
+        return grad_z, grad_z[0].reshape(addend.shape[0], -1, addend.shape[1]).sum(1), None, None
 
 
 def values_of(z: Tensor, addend: Tensor, rows_of_addend: int) -> Tensor:
@@ -66,23 +67,23 @@ def forward_plain(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend:
     return torch.cat(channels, 0)
 
 
-def backward_plain(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int, g: Tensor) -> Tensor:
+def backward_plain(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int, grad_y: Tensor) -> Tensor:
     value = values_of(z, addend, rows_of_addend)
     s = torch.sigmoid(value)
     q = s * (1 - s)
     h = 1 - 2 * s
     slope = s + value * q
     curvature = q * (2 + value * h)
-    by_value = g[0] * slope + curvature * (g[1:4] * z[1:4]).sum(0)
-    by_first = g[1:4] * slope
+    grad_value = grad_y[0] * slope + curvature * (grad_y[1:4] * z[1:4]).sum(0)
+    grad_first = grad_y[1:4] * slope
     if z.shape[0] == 4:
-        return torch.cat([by_value.unsqueeze(0), by_first], 0)
+        return torch.cat([grad_value.unsqueeze(0), grad_first], 0)
     third = q * (3 * h + value * (h * h - 2 * q))
     v = directions.t().unsqueeze(2)
     along = (z[1:4] * v).sum(0)
-    by_value = by_value + g[4] * (curvature * z[4] + third * along.square())
-    by_first = by_first + (2 * g[4] * curvature * along) * v
-    return torch.cat([by_value.unsqueeze(0), by_first, (g[4] * slope).unsqueeze(0)], 0)
+    grad_value = grad_value + grad_y[4] * (curvature * z[4] + third * along.square())
+    grad_first = grad_first + (2 * grad_y[4] * curvature * along) * v
+    return torch.cat([grad_value.unsqueeze(0), grad_first, (grad_y[4] * slope).unsqueeze(0)], 0)
 
 
 if triton is not None:
@@ -90,69 +91,69 @@ if triton is not None:
     @triton.jit
     def forward_kernel(z, addend, directions, y, size, width, rows_of_addend, second: tl.constexpr, block: tl.constexpr):
         i = tl.program_id(0) * block + tl.arange(0, block)
-        inside = i < size
+        in_range = i < size
         row = i // width
-        value = tl.load(z + i, mask=inside, other=0.0)
-        value += tl.load(addend + (row // rows_of_addend) * width + i % width, mask=inside, other=0.0)
-        z1 = tl.load(z + size + i, mask=inside, other=0.0)
-        z2 = tl.load(z + 2 * size + i, mask=inside, other=0.0)
-        z3 = tl.load(z + 3 * size + i, mask=inside, other=0.0)
+        value = tl.load(z + i, mask=in_range, other=0.0)
+        value += tl.load(addend + (row // rows_of_addend) * width + i % width, mask=in_range, other=0.0)
+        z1 = tl.load(z + size + i, mask=in_range, other=0.0)
+        z2 = tl.load(z + 2 * size + i, mask=in_range, other=0.0)
+        z3 = tl.load(z + 3 * size + i, mask=in_range, other=0.0)
         s = 1 / (1 + tl.exp(-value))
         q = s * (1 - s)
         slope = s + value * q
-        tl.store(y + i, value * s, mask=inside)
-        tl.store(y + size + i, slope * z1, mask=inside)
-        tl.store(y + 2 * size + i, slope * z2, mask=inside)
-        tl.store(y + 3 * size + i, slope * z3, mask=inside)
+        tl.store(y + i, value * s, mask=in_range)
+        tl.store(y + size + i, slope * z1, mask=in_range)
+        tl.store(y + 2 * size + i, slope * z2, mask=in_range)
+        tl.store(y + 3 * size + i, slope * z3, mask=in_range)
         if second:
-            z4 = tl.load(z + 4 * size + i, mask=inside, other=0.0)
-            along = z1 * tl.load(directions + 3 * row, mask=inside, other=0.0)
-            along += z2 * tl.load(directions + 3 * row + 1, mask=inside, other=0.0)
-            along += z3 * tl.load(directions + 3 * row + 2, mask=inside, other=0.0)
+            z4 = tl.load(z + 4 * size + i, mask=in_range, other=0.0)
+            along = z1 * tl.load(directions + 3 * row, mask=in_range, other=0.0)
+            along += z2 * tl.load(directions + 3 * row + 1, mask=in_range, other=0.0)
+            along += z3 * tl.load(directions + 3 * row + 2, mask=in_range, other=0.0)
             curvature = q * (2 + value * (1 - 2 * s))
-            tl.store(y + 4 * size + i, slope * z4 + curvature * along * along, mask=inside)
+            tl.store(y + 4 * size + i, slope * z4 + curvature * along * along, mask=in_range)
 
     @triton.jit
-    def backward_kernel(z, addend, directions, g, by, size, width, rows_of_addend, second: tl.constexpr, block: tl.constexpr):
+    def backward_kernel(z, addend, directions, grad_y, grad_z, size, width, rows_of_addend, second: tl.constexpr, block: tl.constexpr):
         i = tl.program_id(0) * block + tl.arange(0, block)
-        inside = i < size
+        in_range = i < size
         row = i // width
-        value = tl.load(z + i, mask=inside, other=0.0)
-        value += tl.load(addend + (row // rows_of_addend) * width + i % width, mask=inside, other=0.0)
-        z1 = tl.load(z + size + i, mask=inside, other=0.0)
-        z2 = tl.load(z + 2 * size + i, mask=inside, other=0.0)
-        z3 = tl.load(z + 3 * size + i, mask=inside, other=0.0)
-        g0 = tl.load(g + i, mask=inside, other=0.0)
-        g1 = tl.load(g + size + i, mask=inside, other=0.0)
-        g2 = tl.load(g + 2 * size + i, mask=inside, other=0.0)
-        g3 = tl.load(g + 3 * size + i, mask=inside, other=0.0)
+        value = tl.load(z + i, mask=in_range, other=0.0)
+        value += tl.load(addend + (row // rows_of_addend) * width + i % width, mask=in_range, other=0.0)
+        z1 = tl.load(z + size + i, mask=in_range, other=0.0)
+        z2 = tl.load(z + 2 * size + i, mask=in_range, other=0.0)
+        z3 = tl.load(z + 3 * size + i, mask=in_range, other=0.0)
+        g0 = tl.load(grad_y + i, mask=in_range, other=0.0)
+        g1 = tl.load(grad_y + size + i, mask=in_range, other=0.0)
+        g2 = tl.load(grad_y + 2 * size + i, mask=in_range, other=0.0)
+        g3 = tl.load(grad_y + 3 * size + i, mask=in_range, other=0.0)
         s = 1 / (1 + tl.exp(-value))
         q = s * (1 - s)
         h = 1 - 2 * s
         slope = s + value * q
         curvature = q * (2 + value * h)
-        by0 = g0 * slope + curvature * (g1 * z1 + g2 * z2 + g3 * z3)
-        by1 = g1 * slope
-        by2 = g2 * slope
-        by3 = g3 * slope
+        grad0 = g0 * slope + curvature * (g1 * z1 + g2 * z2 + g3 * z3)
+        grad1 = g1 * slope
+        grad2 = g2 * slope
+        grad3 = g3 * slope
         if second:
-            z4 = tl.load(z + 4 * size + i, mask=inside, other=0.0)
-            g4 = tl.load(g + 4 * size + i, mask=inside, other=0.0)
-            v1 = tl.load(directions + 3 * row, mask=inside, other=0.0)
-            v2 = tl.load(directions + 3 * row + 1, mask=inside, other=0.0)
-            v3 = tl.load(directions + 3 * row + 2, mask=inside, other=0.0)
+            z4 = tl.load(z + 4 * size + i, mask=in_range, other=0.0)
+            g4 = tl.load(grad_y + 4 * size + i, mask=in_range, other=0.0)
+            v1 = tl.load(directions + 3 * row, mask=in_range, other=0.0)
+            v2 = tl.load(directions + 3 * row + 1, mask=in_range, other=0.0)
+            v3 = tl.load(directions + 3 * row + 2, mask=in_range, other=0.0)
             along = z1 * v1 + z2 * v2 + z3 * v3
             third = q * (3 * h + value * (h * h - 2 * q))
-            by0 += g4 * (curvature * z4 + third * along * along)
-            bend = 2 * g4 * curvature * along
-            by1 += bend * v1
-            by2 += bend * v2
-            by3 += bend * v3
-            tl.store(by + 4 * size + i, g4 * slope, mask=inside)
-        tl.store(by + i, by0, mask=inside)
-        tl.store(by + size + i, by1, mask=inside)
-        tl.store(by + 2 * size + i, by2, mask=inside)
-        tl.store(by + 3 * size + i, by3, mask=inside)
+            grad0 += g4 * (curvature * z4 + third * along * along)
+            directional_term = 2 * g4 * curvature * along
+            grad1 += directional_term * v1
+            grad2 += directional_term * v2
+            grad3 += directional_term * v3
+            tl.store(grad_z + 4 * size + i, g4 * slope, mask=in_range)
+        tl.store(grad_z + i, grad0, mask=in_range)
+        tl.store(grad_z + size + i, grad1, mask=in_range)
+        tl.store(grad_z + 2 * size + i, grad2, mask=in_range)
+        tl.store(grad_z + 3 * size + i, grad3, mask=in_range)
 
     def forward_by_kernel(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int) -> Tensor:
         y = torch.empty_like(z)
@@ -161,40 +162,40 @@ if triton is not None:
         forward_kernel[grid](z, addend, directions, y, size, z.shape[2], rows_of_addend, z.shape[0] > 4, BLOCK)
         return y
 
-    def backward_by_kernel(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int, g: Tensor) -> Tensor:
-        by = torch.empty_like(z)
+    def backward_by_kernel(z: Tensor, addend: Tensor, directions: Tensor, rows_of_addend: int, grad_y: Tensor) -> Tensor:
+        grad_z = torch.empty_like(z)
         size = z[0].numel()
         grid = (triton.cdiv(size, BLOCK),)
-        backward_kernel[grid](z, addend, directions, g, by, size, z.shape[2], rows_of_addend, z.shape[0] > 4, BLOCK)
-        return by
+        backward_kernel[grid](z, addend, directions, grad_y, grad_z, size, z.shape[2], rows_of_addend, z.shape[0] > 4, BLOCK)
+        return grad_z
 
 else:
     forward_by_kernel, backward_by_kernel = forward_plain, backward_plain
 
 
 def kernels_agree(device: torch.device) -> bool:
-    """Whether the kernels can be built and give what PyTorch's operations give, on drawn numbers."""
+    """Whether the kernels can be built and agree with PyTorch's operations on random numbers."""
     if not use_kernels:
         return False
     try:
-        return largest_difference(device) < 1e-5
-    except Exception as error:  # of many kinds: no compiler, an unknown device, another version of Triton
+        return max_relative_difference(device) < 1e-5
+    except Exception as error:  # many kinds are possible: no compiler, an unknown device, another version of Triton
         print(f"Triton's kernels cannot be built: {error}")
         return False
 
 
-def largest_difference(device: torch.device) -> float:
-    """Of a kernel's number from PyTorch's, as a share of the largest number."""
+def max_relative_difference(device: torch.device) -> float:
+    """The largest difference between the kernels' and PyTorch's numbers, relative to the largest number."""
     differences = []
     with torch.random.fork_rng(devices=[device]):
         for channels in (4, 5):
             z = 2 * torch.randn(channels, 21, 48, device=device)
-            g = torch.randn_like(z)
+            grad_y = torch.randn_like(z)
             addend = torch.randn(3, 48, device=device)
             v = torch.randn(21, 3, device=device)
             pairs = [
                 (forward_by_kernel(z, addend, v, 7), forward_plain(z, addend, v, 7)),
-                (backward_by_kernel(z, addend, v, 7, g), backward_plain(z, addend, v, 7, g)),
+                (backward_by_kernel(z, addend, v, 7, grad_y), backward_plain(z, addend, v, 7, grad_y)),
             ]
             differences += [float((a - b).abs().max() / b.abs().max()) for a, b in pairs]
     return max(differences)

@@ -1,7 +1,7 @@
-"""The network of engine/training/src/torch_network.h, in PyTorch: energies, stresses and tangents by jets.
+"""The network of engine/training/src/torch_network.h in PyTorch. It computes energies, stresses and tangents by jets.
 
-A jet carries a value, its three derivatives with respect to the strain e = (E_xx, E_yy, 2 E_xy) and, along one direction
-v for each row, the second derivative: five channels that go forward through the layers together.
+A jet is a value with its three derivatives with respect to the strain e = (E_xx, E_yy, 2 E_xy) and, if there is a
+direction v for each row, the second derivative along v. The layers propagate these four or five channels together.
 """
 
 from __future__ import annotations
@@ -14,13 +14,14 @@ from torch import Tensor
 
 import activation
 
-# The evaluator bounds exponents in the same way, so that a stiffness stays a finite number far from the data.
-LARGEST_LOG_FACTOR = 20.0
+# Logarithms of factors are clamped to this size, as in the evaluator. The stiffness is therefore finite for designs far
+# from the training data.
+MAX_LOG_FACTOR = 20.0
 
 
 @dataclass(frozen=True)
 class Shape:
-    """Sizes of a network, by the names that supple-lab gives them."""
+    """Sizes of a network. Their names are those of the options of supple-lab train."""
 
     width: int
     strain_layers: int
@@ -33,7 +34,7 @@ class Shape:
 
     @staticmethod
     def of(options: Mapping[str, str]) -> Shape:
-        """The shape that options name. Raises ValueError for what this trainer does not have."""
+        """Reads the shape from the options. Raises ValueError for forms, activations, losses and optimizers that are not implemented here."""
         for name, only in (("form", "sum_of_squares"), ("activation", "swish"), ("loss", "robust"), ("optimizer", "soap")):
             if options[name] != only:
                 raise ValueError(f"{name} is {options[name]}; this trainer has {only} alone.")
@@ -42,26 +43,26 @@ class Shape:
 
     @property
     def trunk(self) -> int:
-        """Where the trunk's layers begin among the parameters: weights and bias of each layer follow each other."""
+        """The index of the trunk's first tensor. Each layer has two tensors: weights, then bias."""
         return 2 * (self.strain_layers + self.parameter_layers)
 
     @property
     def stiffness(self) -> int:
-        """Where the stiffness branch begins; it goes on to the end of the parameters."""
+        """The index of the stiffness branch's first tensor. It is the last branch."""
         return self.trunk + 2 * (self.trunk_layers + 1)
 
 
 @dataclass
 class Response:
-    """Energy density (designs x rows, MPa), stress (designs x rows x 3, MPa) and v^T C v (designs x rows) of the tangent C."""
+    """What the network predicts, in MPa."""
 
-    energy: Tensor
-    stress: Tensor
-    along: Tensor | None
+    energy: Tensor  # energy density, designs x rows
+    stress: Tensor  # designs x rows x 3
+    along: Tensor | None  # stiffness v^T C v along the direction v of each row, with the tangent C; designs x rows
 
 
 def stiffness_factor(branch: Sequence[Tensor], inputs: Tensor) -> Tensor:
-    """L of each design, designs x 3 x 3: lower triangular, in sqrt(MPa)."""
+    """The Cholesky factor L of each design's stiffness at rest, designs x 3 x 3: lower triangular, in sqrt(MPa)."""
     q = inputs
     for layer in range(0, len(branch), 2):
         q = torch.addmm(branch[layer + 1], q, branch[layer].t())
@@ -71,17 +72,17 @@ def stiffness_factor(branch: Sequence[Tensor], inputs: Tensor) -> Tensor:
 
 
 def factor_of_outputs(q: Tensor) -> Tensor:
-    """L of the six outputs (log L11, log L22, log L33, L21 / L11, L31 / L11, L32 / L22)."""
-    a, b, c = torch.exp(q[:, :3].clamp(-LARGEST_LOG_FACTOR, LARGEST_LOG_FACTOR)).unbind(1)
+    """The Cholesky factor L from the six outputs (log L11, log L22, log L33, L21 / L11, L31 / L11, L32 / L22)."""
+    a, b, c = torch.exp(q[:, :3].clamp(-MAX_LOG_FACTOR, MAX_LOG_FACTOR)).unbind(1)
     zero = torch.zeros_like(a)
     entries = [a, zero, zero, q[:, 3] * a, b, zero, q[:, 4] * a, q[:, 5] * b, c]
     return torch.stack(entries, 1).reshape(-1, 3, 3)
 
 
 def response(shape: Shape, parameters: Sequence[Tensor], inputs: Tensor, strain: Tensor, directions: Tensor | None) -> Response:
-    """What the network answers for `strain` (designs x rows x 3) of designs (designs x inputs).
+    """Evaluates the network at `strain` (designs x rows x 3) of designs, which are given by `inputs` (designs x inputs).
 
-    `directions` (designs x rows x 3) are the v of v^T C v; without them four channels go forward instead of five.
+    `directions` (designs x rows x 3) are the v of v^T C v. Without them jets have four channels instead of five.
     """
     designs, rows, _ = strain.shape
     w = shape.width
@@ -91,13 +92,13 @@ def response(shape: Shape, parameters: Sequence[Tensor], inputs: Tensor, strain:
 
     h = inputs
     for layer in range(shape.parameter_layers):
-        at = 2 * (shape.strain_layers + layer)
-        z = torch.addmm(parameters[at + 1], h, parameters[at].t())
+        index = 2 * (shape.strain_layers + layer)
+        z = torch.addmm(parameters[index + 1], h, parameters[index].t())
         h = z * torch.sigmoid(z)
-    meeting_weights = parameters[shape.trunk]
-    meeting = torch.addmm(parameters[shape.trunk + 1], h, meeting_weights[:, w:].t())
+    first_trunk_weights = parameters[shape.trunk]
+    design_addend = torch.addmm(parameters[shape.trunk + 1], h, first_trunk_weights[:, w:].t())
 
-    # Each design has one more row, the last: its structure at rest.
+    # Each design gets one more row, the last, with zero strain.
     with_rest = torch.nn.functional.pad(strain, (0, 0, 0, 1))
     x = inputs_of_strains(scaled, with_rest, directions is not None)
     channels = x.shape[0]
@@ -112,10 +113,10 @@ def response(shape: Shape, parameters: Sequence[Tensor], inputs: Tensor, strain:
 
     for layer in range(shape.strain_layers):
         x = layer_of(x, parameters[2 * layer], parameters[2 * layer + 1].unsqueeze(0), n)
-    x = layer_of(x, meeting_weights[:, :w], meeting, rows + 1)
+    x = layer_of(x, first_trunk_weights[:, :w], design_addend, rows + 1)
     for layer in range(1, shape.trunk_layers):
-        at = shape.trunk + 2 * layer
-        x = layer_of(x, parameters[at], parameters[at + 1].unsqueeze(0), n)
+        index = shape.trunk + 2 * layer
+        x = layer_of(x, parameters[index], parameters[index + 1].unsqueeze(0), n)
     last = parameters[shape.trunk + 2 * shape.trunk_layers]
     outputs = torch.mm(x.reshape(channels * n, w), last.t()).reshape(channels, designs, rows + 1, shape.residuals)
     at_rest = outputs[:, :, rows:]
@@ -131,13 +132,13 @@ def response(shape: Shape, parameters: Sequence[Tensor], inputs: Tensor, strain:
     stress = (s.unsqueeze(0) * (value.unsqueeze(0) * slopes).sum(3)).permute(1, 2, 0)
     along = None
     if directions is not None:
-        turned = (slopes * directions.permute(2, 0, 1).unsqueeze(3)).sum(0)
-        along = s * (turned.square().sum(2) + (value * outputs[4, :, :rows]).sum(2))
+        directional_slopes = (slopes * directions.permute(2, 0, 1).unsqueeze(3)).sum(0)
+        along = s * (directional_slopes.square().sum(2) + (value * outputs[4, :, :rows]).sum(2))
     return Response(energy, stress, along)
 
 
 def inputs_of_strains(scaled: Tensor, strain: Tensor, second: bool) -> Tensor:
-    """Jets of what the strain branch reads, (y, e): channels x designs x rows x 6."""
+    """Jets of the strain branch's inputs (y, e) with y = scaled e: channels x designs x rows x 6."""
     designs, rows, _ = strain.shape
     values = torch.cat([torch.matmul(strain, scaled.transpose(1, 2)), strain], 2)
     unit = torch.eye(3, dtype=strain.dtype, device=strain.device).expand(designs, 3, 3)

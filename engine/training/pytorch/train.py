@@ -16,7 +16,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-# Eigenvectors are found by many threads with one matrix each.
+# Many threads compute eigenvectors, each of one matrix. Threads of the BLAS library would compete with them.
 for variable in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
@@ -34,13 +34,13 @@ def device_of(name: str) -> torch.device:
 
 
 def train_all(trainings: dict[str, Training], out_folder: Path, interval: float) -> list[str]:
-    """Runs trainings by name beside each other; returns what failed."""
+    """Runs trainings, which are given by name, in parallel. Returns a message for each that failed."""
     failures: list[str] = []
 
     def run(name: str, training: Training) -> None:
         try:
             training.run(out_folder / name, lambda line: print(f"{name}: {line}", flush=True), interval)
-        except Exception as error:  # the others go on
+        except Exception as error:  # the other trainings continue
             failures.append(f"{name}: {error}")
             print(failures[-1], flush=True)
 

@@ -1,4 +1,4 @@
-"""One training on a device: steps of the optimizer as a captured graph, a rate that falls with the time, validation."""
+"""A training on one device. Steps of the optimizer are captured as a CUDA graph, and the learning rate falls with time."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from soap import STATISTICS_INTERVAL, Soap
 from training_set import ROW_TEST, VALIDATION, TrainingSet
 
 WARM_UP_STEPS = 100
-# Steps between renewals of the bases; the first ones change quickly.
+# Steps between updates of the bases. At first they change quickly, and are also updated after FIRST_BASIS_UPDATES steps.
 BASIS_INTERVAL = 100
-FIRST_RENEWALS = (4, 20, 52)
-# Rows of less energy (MPa) are no measure of errors.
-LEAST_JUDGED_ENERGY = 1e-5
-JUDGED_AT_ONCE = 4096
+FIRST_BASIS_UPDATES = (4, 20, 52)
+# Least energy density (MPa) of the rows on which errors are measured.
+MIN_EVALUATED_ENERGY = 1e-5
+EVALUATION_BATCH = 4096
 
 
 @dataclass
 class Errors:
-    """Mean relative errors of the stress and the energy, and the median of the former."""
+    """Mean relative errors of the stress and the energy, and the median of those of the stress."""
 
     stress: float
     energy: float
@@ -42,20 +42,20 @@ class Errors:
 
 
 def row_losses(batch: Batch, energy: Tensor, stress: Tensor, along: Tensor, weights: Sequence[Tensor | float], floor: float) -> Tensor:
-    """The robust loss of each row, chunks x rows; `weights` are those of the energy, the stress and the tangent."""
+    """The robust loss of each row, chunks x rows. `weights` are those of the energy, the stress and the tangent."""
 
-    def of_square(square: Tensor) -> Tensor:
+    def loss_of_square(square: Tensor) -> Tensor:
         return torch.log1p((square + floor * floor).sqrt())
 
     rows = batch.rows
-    by_energy = of_square((energy / rows[..., ENERGY] - 1).square())
-    by_stress = of_square((stress - rows[..., STRESS]).square().sum(2) * rows[..., INVERSE_SQUARE])
-    by_tangent = of_square((along - batch.along).square())
-    return weights[0] * by_energy + weights[1] * by_stress + weights[2] * by_tangent
+    energy_losses = loss_of_square((energy / rows[..., ENERGY] - 1).square())
+    stress_losses = loss_of_square((stress - rows[..., STRESS]).square().sum(2) * rows[..., INVERSE_SQUARE])
+    tangent_losses = loss_of_square((along - batch.along).square())
+    return weights[0] * energy_losses + weights[1] * stress_losses + weights[2] * tangent_losses
 
 
 class Training:
-    """Trains the network of a set. `prepare` one after the other; then each may `run` in a thread of its own."""
+    """Trains the network of a training set. Call `prepare` for one training after the other. Then each may `run` in its own thread."""
 
     def __init__(self, data: TrainingSet, device: torch.device, seconds: float, workers: Executor) -> None:
         options = data.options
@@ -74,8 +74,8 @@ class Training:
         numbers = [torch.from_numpy(tensor).to(device) for tensor in data.network]
         frozen = options["freeze_stiffness"] == "1"
         self.frozen = numbers[self.shape.stiffness :] if frozen else []
-        self.learning = numbers[: self.shape.stiffness] if frozen else numbers
-        matrices, others = self.parted(self.learning)
+        self.trainable = numbers[: self.shape.stiffness] if frozen else numbers
+        matrices, others = self.split_by_bases(self.trainable)
         self.optimizer = Soap(matrices, others, float(options["weight_decay"]), float(options["largest_gradient"]))
         self.tangent_weight = torch.zeros((), device=device)
         self.loss_sum = torch.zeros((), device=device)
@@ -83,36 +83,40 @@ class Training:
         self.shuffles = 0
         self.graph: torch.cuda.CUDAGraph | None = None
 
-    def is_matrix(self, place: int, tensor: Tensor) -> bool:
-        return tensor.dim() == 2 and place < self.shape.stiffness
+    def is_matrix(self, index: int, tensor: Tensor) -> bool:
+        return tensor.dim() == 2 and index < self.shape.stiffness
 
-    def parted(self, numbers: Sequence[Tensor]) -> tuple[list[Tensor], list[Tensor]]:
-        """The matrices that have bases, and all else. The one where the branches meet is two: bases of its whole would cost more."""
+    def split_by_bases(self, numbers: Sequence[Tensor]) -> tuple[list[Tensor], list[Tensor]]:
+        """Splits the tensors into matrices that have bases, and all others.
+
+        The first trunk layer's weights are split into the columns of the strain branch and those of the parameter
+        branch, because bases of the whole matrix would cost more.
+        """
         matrices: list[Tensor] = []
         others: list[Tensor] = []
-        for place, tensor in enumerate(numbers):
-            if place == self.shape.trunk:
+        for index, tensor in enumerate(numbers):
+            if index == self.shape.trunk:
                 matrices += [tensor[:, : self.shape.width], tensor[:, self.shape.width :]]
             else:
-                (matrices if self.is_matrix(place, tensor) else others).append(tensor)
+                (matrices if self.is_matrix(index, tensor) else others).append(tensor)
         return matrices, others
 
     def parameters(self) -> list[Tensor]:
-        """The network's tensors in their order, from the optimizer's leaves."""
+        """The network's tensors in their order, made of the optimizer's leaves and the frozen tensors."""
         matrices, others = iter(self.optimizer.matrix_leaves), iter(self.optimizer.other_leaves)
-        made = []
-        for place, tensor in enumerate(self.learning):
-            if place == self.shape.trunk:
-                made.append(torch.cat([next(matrices), next(matrices)], 1))
+        tensors = []
+        for index, tensor in enumerate(self.trainable):
+            if index == self.shape.trunk:
+                tensors.append(torch.cat([next(matrices), next(matrices)], 1))
             else:
-                made.append(next(matrices) if self.is_matrix(place, tensor) else next(others))
-        return made + list(self.frozen)
+                tensors.append(next(matrices) if self.is_matrix(index, tensor) else next(others))
+        return tensors + list(self.frozen)
 
     def network(self) -> list[np.ndarray]:
         return [tensor.detach().cpu().numpy() for tensor in self.parameters()]
 
     def loss_and_gradients(self, batch: Batch) -> tuple[Tensor, list[Tensor]]:
-        """Mean loss of the batch's rows, and its gradient by the optimizer's leaves."""
+        """Mean loss of the batch's rows, and its gradients with respect to the optimizer's leaves."""
         strain, directions = batch.rows[..., STRAIN], batch.directions
         answer = response(self.shape, self.parameters(), batch.inputs, strain, directions)
         assert answer.along is not None
@@ -123,15 +127,15 @@ class Training:
         gradients = torch.autograd.grad(loss, leaves, allow_unused=True)
         return loss.detach(), [torch.zeros_like(leaf) if g is None else g for g, leaf in zip(gradients, leaves)]
 
-    def some_steps(self) -> None:
-        """As many steps as the statistics wait between their updates. All that a graph repeats."""
+    def run_graph_steps(self) -> None:
+        """Makes STATISTICS_INTERVAL steps, and updates the statistics in the first. A graph captures these steps."""
         for i in range(STATISTICS_INTERVAL):
             loss, gradients = self.loss_and_gradients(self.batches.batch())
             self.loss_sum += loss
             self.optimizer.step(gradients, with_statistics=i == 0)
 
     def prepare(self) -> None:
-        """On a GPU, captures the steps; they need kernels that earlier steps have loaded, and these count as well."""
+        """Captures a graph of steps on a GPU. Steps before it load the kernels that it needs; they train the network as well."""
         if self.stream is None:
             return
         self.stream.wait_stream(torch.cuda.current_stream(self.device))
@@ -140,32 +144,32 @@ class Training:
                 self.begin_steps(0)
                 if self.shuffles == 0 or self.steps % (self.batches.steps) == 0:
                     self.shuffle()
-                self.some_steps()
+                self.run_graph_steps()
                 self.end_steps()
             self.stream.synchronize()
             self.graph = torch.cuda.CUDAGraph()
             with torch.cuda.graph(self.graph, stream=self.stream):
-                self.some_steps()
+                self.run_graph_steps()
             self.stream.synchronize()
 
     def shuffle(self) -> None:
         self.batches.shuffle()
         self.shuffles += 1
 
-    def begin_steps(self, share: float) -> None:
-        """Sets what depends on the share of the time that is over."""
-        highest, last = self.rates
-        rate = last + (highest - last) * 0.5 * (1 + math.cos(math.pi * min(share, 1)))
+    def begin_steps(self, fraction: float) -> None:
+        """Sets the learning rate and the weight of the tangent for the elapsed fraction of the time."""
+        max_rate, final_rate = self.rates
+        rate = final_rate + (max_rate - final_rate) * 0.5 * (1 + math.cos(math.pi * min(fraction, 1)))
         self.optimizer.rate.fill_(rate * min(1, (self.steps + 1) / WARM_UP_STEPS))
-        self.tangent_weight.fill_(self.full_tangent_weight if share >= self.tangent_begin else 0)
+        self.tangent_weight.fill_(self.full_tangent_weight if fraction >= self.tangent_begin else 0)
 
     def end_steps(self) -> None:
         self.steps += STATISTICS_INTERVAL
-        if self.steps in FIRST_RENEWALS:
-            self.optimizer.renew_bases(self.workers)
-            self.optimizer.renew_bases(self.workers, wait=True)
+        if self.steps in FIRST_BASIS_UPDATES:
+            self.optimizer.update_bases(self.workers)
+            self.optimizer.update_bases(self.workers, wait=True)
         elif self.steps % BASIS_INTERVAL == 0:
-            self.optimizer.renew_bases(self.workers)
+            self.optimizer.update_bases(self.workers)
 
     @property
     def epochs(self) -> float:
@@ -173,20 +177,20 @@ class Training:
 
     @torch.no_grad()
     def errors(self, part: int) -> Errors:
-        """Over the rows of a part that are a measure."""
-        rows = np.flatnonzero((self.data.part_of_row == part) & (self.data.energy[:, 0] >= LEAST_JUDGED_ENERGY))
+        """Errors over the rows of a part of the split (VALIDATION, TEST, ...) with at least MIN_EVALUATED_ENERGY."""
+        rows = np.flatnonzero((self.data.part_of_row == part) & (self.data.energy[:, 0] >= MIN_EVALUATED_ENERGY))
         designs = torch.from_numpy(self.data.design_of_row[rows].astype(np.int64)).to(self.device)
         index = torch.from_numpy(rows).to(self.device)
         parameters = self.parameters()
-        by_stress, by_energy = [], []
-        for begin in range(0, len(rows), JUDGED_AT_ONCE):
-            some = slice(begin, begin + JUDGED_AT_ONCE)
-            exact = self.batches.table[index[some]]
-            answer = response(self.shape, parameters, self.batches.inputs[designs[some]], exact[:, None, STRAIN], None)
-            away = (answer.stress[:, 0] - exact[:, STRESS]).norm(dim=1)
-            by_stress.append(away / exact[:, STRESS].norm(dim=1))
-            by_energy.append((answer.energy[:, 0] / exact[:, ENERGY] - 1).abs())
-        stress, energy = torch.cat(by_stress).cpu().numpy(), torch.cat(by_energy).cpu().numpy()
+        stress_errors, energy_errors = [], []
+        for begin in range(0, len(rows), EVALUATION_BATCH):
+            block = slice(begin, begin + EVALUATION_BATCH)
+            exact = self.batches.table[index[block]]
+            answer = response(self.shape, parameters, self.batches.inputs[designs[block]], exact[:, None, STRAIN], None)
+            distance = (answer.stress[:, 0] - exact[:, STRESS]).norm(dim=1)
+            stress_errors.append(distance / exact[:, STRESS].norm(dim=1))
+            energy_errors.append((answer.energy[:, 0] / exact[:, ENERGY] - 1).abs())
+        stress, energy = torch.cat(stress_errors).cpu().numpy(), torch.cat(energy_errors).cpu().numpy()
         return Errors(float(stress.mean()), float(energy.mean()), float(np.median(stress)))
 
     def save(self, out: Path, seconds: float) -> None:
@@ -204,7 +208,7 @@ class Training:
         training_set.write_trained(out, self.data, self.network(), training, seconds)
 
     def run(self, out: Path, report: Callable[[str], None], interval: float = 30) -> None:
-        """Trains until the time is over; writes `out` and reports at every interval (seconds) and at the end."""
+        """Trains for `seconds`. Writes the network to `out` and reports at every interval (in seconds) and at the end."""
         if self.stream is None:
             self.run_on_stream(out, report, interval)
             return
@@ -216,7 +220,7 @@ class Training:
         reported = begin
         steps_before = self.steps
         self.loss_sum.zero_()
-        # The processor may be two shuffles ahead of the device.
+        # The CPU waits for the device when it is more than two shuffles ahead of it.
         ahead: deque[torch.cuda.Event] = deque()
         while (elapsed := time.monotonic() - begin) < self.seconds:
             self.shuffle()
@@ -225,7 +229,7 @@ class Training:
                 if self.graph is not None:
                     self.graph.replay()
                 else:
-                    self.some_steps()
+                    self.run_graph_steps()
                 self.end_steps()
                 if self.stream is None and time.monotonic() - begin > self.seconds:
                     break

@@ -1,7 +1,7 @@
-"""The file by which supple-lab hands a training to another trainer, and the file that it takes back.
+"""Files that supple-lab exchanges with another trainer: the training set and the trained network (docs/models.md).
 
-`supple-lab train ... --export SET` writes the first, `supple-lab train ... --import TRAINED` reads the second, with the
-same further options (docs/models.md).
+`supple-lab train ... --export SET` writes the training set. `supple-lab train ... --import TRAINED` reads the trained
+network, and must have the same other options.
 """
 
 from __future__ import annotations
@@ -19,25 +19,28 @@ TRAINING, VALIDATION, TEST, ROW_TEST = range(4)
 
 @dataclass
 class TrainingSet:
-    """Rows are sorted by design; strains are (E_xx, E_yy, 2 E_xy), energies, stresses and tangents are in MPa."""
+    """Simulated states of designs, called rows and sorted by design, and the initial network.
 
-    options: dict[str, str]  # of supple-lab train, and marks of the rows
-    parameters: int  # of the family
+    Strains are (E_xx, E_yy, 2 E_xy). Energies, stresses and tangents are in MPa.
+    """
+
+    options: dict[str, str]  # options of supple-lab train, and numbers that identify the rows
+    parameters: int  # number of parameters of the family
     network: list[np.ndarray]  # weights and bias of each layer: strain branch, parameter branch, trunk, stiffness branch
     part_of_row: np.ndarray  # TRAINING, VALIDATION, TEST or ROW_TEST
     design_of_row: np.ndarray
-    inputs: np.ndarray  # designs as they are, under the first symmetry, ... x inputs of the network
-    usable: np.ndarray  # designs x symmetries: where 1, the design may be seen through it
+    inputs: np.ndarray  # images of the designs under each symmetry, one symmetry after the other; x inputs of the network
+    usable: np.ndarray  # designs x symmetries: 1 where the symmetry may be applied to the design
     strain: np.ndarray
     stress: np.ndarray
     energy: np.ndarray  # rows x 1
     tangent: np.ndarray  # rows x 6: 11, 12, 13, 22, 23, 33
     whitening: np.ndarray  # rows x 6: maps unit vectors to strains v with v^T C v = 1
-    strain_maps: np.ndarray  # symmetries x 9: how strains are seen through each
+    strain_maps: np.ndarray  # symmetries x 9: matrix by which each symmetry transforms strains; the first is the identity
 
 
 def read(path: Path) -> TrainingSet:
-    """Raises ValueError if the file is no training set."""
+    """Reads a training set. Raises ValueError if the file is none."""
     with h5py.File(path, "r") as file:
         if file.attrs.get("layout") != "supple training set" or file.attrs.get("version") != 1:
             raise ValueError(f"{path} is no training set, or one of another version")
@@ -51,7 +54,7 @@ def read(path: Path) -> TrainingSet:
 
 
 def write_trained(path: Path, of: TrainingSet, network: Sequence[np.ndarray], training: Mapping[str, str], seconds: float) -> None:
-    """Writes a network of the set, and how it was trained; the file appears whole or not at all."""
+    """Writes the trained network of a set, and how it was trained. The file appears completely or not at all."""
     unfinished = path.with_name(path.name + ".writing")
     text = h5py.string_dtype()
     with h5py.File(unfinished, "w", track_order=True) as file:
@@ -69,7 +72,7 @@ def write_trained(path: Path, of: TrainingSet, network: Sequence[np.ndarray], tr
 
 
 def read_trained(path: Path) -> list[np.ndarray]:
-    """The network of such a file."""
+    """Reads the network of a file that `write_trained` wrote."""
     with h5py.File(path, "r") as file:
         return read_tensors(file["network"])
 

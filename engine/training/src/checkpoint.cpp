@@ -14,7 +14,7 @@ namespace {
 constexpr const char* checkpoint_layout = "supple training checkpoint";
 constexpr std::int64_t checkpoint_version = 2;
 
-/// The reports as a table.
+/// Columns of the table of epoch reports.
 constexpr int report_columns = 7;
 
 std::vector<double> table_of(const std::vector<EpochReport>& history) {

@@ -7,50 +7,53 @@
 
 namespace supple::training {
 
-/// Errors of one quantity at states, a row of `features` for each.
+/// Errors of one quantity at simulated states.
 struct ObservedErrors {
-  Eigen::MatrixXd features;
-  Eigen::VectorXd error;    ///< as in neural::Quantity
-  std::vector<int> fold;    ///< of the design, from 0; -1 where the network was trained on it
-  std::vector<int> design;  ///< any number that is the design's own
+  Eigen::MatrixXd features;  ///< a row for each state
+  Eigen::VectorXd error;     ///< as in neural::Quantity
+  std::vector<int> fold;     ///< fold of the state's design, from 0; -1 if the network was trained on the design
+  std::vector<int> design;   ///< a number that identifies the state's design
 };
 
-/// log(error + floor) as a quadratic polynomial of features, fitted with any folds left out: what is summed over the
-/// states of a fold is kept, so that a fit is one solution of a linear system. For n features that has m = n^2/2 + 5n/2
-/// + 2 unknowns: O(m^2) for each state, O(m^3) for each fit.
+/// Regression of log(error + floor) by a quadratic polynomial of features, with any one or two folds left out. The
+/// normal equations of each fold are stored, so that a fit solves one linear system. With n features it has m = n^2/2 +
+/// 5n/2 + 2 unknowns. The constructor costs O(m^2) for each state, and a fit O(m^3).
 class ErrorRegression {
  public:
-  /// `scale` receives limits, means and deviations of the features.
+  /// `scale` receives limits, means and standard deviations of the features.
   ErrorRegression(const ObservedErrors& observed, int folds, double floor, neural::ErrorScale& scale);
 
-  /// Coefficients of neural::quadratic_terms, of states that the network was not trained on; folds a and b are left
-  /// out (negative: none).
-  Eigen::VectorXd fit(int a, int b) const;
+  /// Fits the polynomial without two folds (negative: without none) and returns the coefficients of
+  /// neural::quadratic_terms. States on which the network was trained have additional terms, whose coefficients are not
+  /// returned.
+  Eigen::VectorXd fit(int first_fold, int second_fold) const;
   /// Values of the polynomial at the states of a fold, in their order.
   Eigen::VectorXd rate(const Eigen::VectorXd& coefficients, int fold) const;
-  /// log(error + floor) there.
-  const Eigen::VectorXd& logarithms(int fold) const { return held_[static_cast<std::size_t>(fold)].target; }
-  int folds() const { return static_cast<int>(held_.size()); }
+  /// log(error + floor) of the same states.
+  const Eigen::VectorXd& log_errors(int fold) const { return held_out_[static_cast<std::size_t>(fold)].target; }
+  int folds() const { return static_cast<int>(held_out_.size()); }
 
  private:
+  /// The normal equations of the states of a fold, or of those on which the network was trained.
   struct Group {
-    Eigen::MatrixXd terms;  ///< of held-out states, a column for each
-    Eigen::VectorXd target;
-    Eigen::MatrixXd gram;
-    Eigen::VectorXd right;
-    double weight = 0;
+    Eigen::MatrixXd terms;   ///< quadratic terms, a column for each state; only of folds
+    Eigen::VectorXd target;  ///< log(error + floor) of each state; only of folds
+    Eigen::MatrixXd gram;    ///< Gram matrix of all terms, its lower triangle
+    Eigen::VectorXd right_hand_side;
+    double weight = 0;  ///< sum of the weights of the states
   };
   static void add(Group& group, const Eigen::MatrixXd& columns, const Eigen::VectorXd& target, double weight);
 
-  Eigen::Index quadratic_ = 0;  ///< number of terms
-  Eigen::Index all_ = 0;        ///< with those of designs that were trained on
+  Eigen::Index quadratic_terms_ = 0;  ///< number of neural::quadratic_terms
+  Eigen::Index all_terms_ = 0;        ///< the same, and the additional terms of designs that were trained on
   Group trained_;
-  std::vector<Group> held_;
+  std::vector<Group> held_out_;  ///< one for each fold
 };
 
-/// Knots and offsets such that of states like these a share of `level` has log error <= rating + offset: quantiles in
-/// `groups` groups of equal size by rating.
-neural::BarOffsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& logarithms, double level,
+/// Offsets of error bars by split conformal prediction [Vovk2005]. States are sorted by rating and divided into
+/// `groups` groups of equal size. The offset of a group is the quantile of log error minus rating at the fraction
+/// `level`, and its knot is the median rating.
+neural::BarOffsets conformal_offsets(const Eigen::VectorXd& ratings, const Eigen::VectorXd& log_errors, double level,
                                      int groups);
 
 }  // namespace supple::training

@@ -16,19 +16,19 @@ using torch::autograd::AutogradContext;
 using torch::autograd::Function;
 using torch::autograd::tensor_list;
 
-/// Channels and rows together.
+/// Merges the dimensions of channels and rows.
 Tensor flat(const Tensor& x) { return x.reshape({-1, x.size(2)}); }
 
 JetSizes sizes_of(const Tensor& z) {
   return {static_cast<int>(z.size(0)), static_cast<int>(z.size(1)), static_cast<int>(z.size(2))};
 }
 
-/// The derivatives by x and by the weights, of those by z = x weights^T.
-tensor_list product_backward(const Tensor& by_z, const Tensor& x, const Tensor& weights, bool by_x_wanted) {
-  const auto flat_by_z = flat(by_z);
-  Tensor by_x;
-  if (by_x_wanted) by_x = product(flat_by_z, false, weights, false).reshape(x.sizes());
-  return {by_x, product(flat_by_z, true, flat(x), false)};
+/// The gradients with respect to x (undefined unless it is needed) and to the weights, from that of z = x weights^T.
+tensor_list product_gradients(const Tensor& grad_z, const Tensor& x, const Tensor& weights, bool needs_grad_x) {
+  const auto flat_grad_z = flat(grad_z);
+  Tensor grad_x;
+  if (needs_grad_x) grad_x = product(flat_grad_z, false, weights, false).reshape(x.sizes());
+  return {grad_x, product(flat_grad_z, true, flat(x), false)};
 }
 
 struct JetLayer : Function<JetLayer> {
@@ -44,17 +44,17 @@ struct JetLayer : Function<JetLayer> {
     return y;
   }
 
-  static tensor_list backward(AutogradContext* context, tensor_list by_y) {
+  static tensor_list backward(AutogradContext* context, tensor_list grad_outputs) {
     const auto saved = context->get_saved_variables();
     const auto& [x, weights, bias, directions, z] = std::tie(saved[0], saved[1], saved[2], saved[3], saved[4]);
-    const auto g = by_y[0].contiguous();
-    auto by_z = torch::empty_like(z);
-    auto by_bias = torch::empty_like(bias);
+    const auto grad_y = grad_outputs[0].contiguous();
+    auto grad_z = torch::empty_like(z);
+    auto grad_bias = torch::empty_like(bias);
     jet_backward(static_cast<neural::Activation>(context->saved_data["activation"].toInt()), sizes_of(z),
-                 directions.data_ptr<float>(), bias.data_ptr<float>(), z.data_ptr<float>(), g.data_ptr<float>(),
-                 by_z.data_ptr<float>(), by_bias.data_ptr<float>());
-    const auto by = product_backward(by_z, x, weights, context->saved_data["by_x"].toBool());
-    return {by[0], by[1], by_bias, Tensor(), Tensor()};
+                 directions.data_ptr<float>(), bias.data_ptr<float>(), z.data_ptr<float>(), grad_y.data_ptr<float>(),
+                 grad_z.data_ptr<float>(), grad_bias.data_ptr<float>());
+    const auto grad = product_gradients(grad_z, x, weights, context->saved_data["by_x"].toBool());
+    return {grad[0], grad[1], grad_bias, Tensor(), Tensor()};
   }
 };
 
@@ -71,18 +71,18 @@ struct JetActivation : Function<JetActivation> {
     return y;
   }
 
-  static tensor_list backward(AutogradContext* context, tensor_list by_y) {
+  static tensor_list backward(AutogradContext* context, tensor_list grad_outputs) {
     const auto saved = context->get_saved_variables();
     const auto& directions = saved[0];
     const auto& z = saved[1];
-    const auto g = by_y[0].contiguous();
-    auto by_z = torch::empty_like(z);
+    const auto grad_y = grad_outputs[0].contiguous();
+    auto grad_z = torch::empty_like(z);
     const auto no_bias = torch::zeros({z.size(2)}, z.options());
-    auto ignored = torch::empty_like(no_bias);
+    auto unused_grad_bias = torch::empty_like(no_bias);
     jet_backward(static_cast<neural::Activation>(context->saved_data["activation"].toInt()), sizes_of(z),
-                 directions.data_ptr<float>(), no_bias.data_ptr<float>(), z.data_ptr<float>(), g.data_ptr<float>(),
-                 by_z.data_ptr<float>(), ignored.data_ptr<float>());
-    return {by_z, Tensor(), Tensor()};
+                 directions.data_ptr<float>(), no_bias.data_ptr<float>(), z.data_ptr<float>(), grad_y.data_ptr<float>(),
+                 grad_z.data_ptr<float>(), unused_grad_bias.data_ptr<float>());
+    return {grad_z, Tensor(), Tensor()};
   }
 };
 
@@ -93,13 +93,13 @@ struct LinearLayer : Function<LinearLayer> {
     return product(flat(x), false, weights, true).reshape({x.size(0), x.size(1), weights.size(0)});
   }
 
-  static tensor_list backward(AutogradContext* context, tensor_list by_y) {
+  static tensor_list backward(AutogradContext* context, tensor_list grad_outputs) {
     const auto saved = context->get_saved_variables();
-    return product_backward(by_y[0], saved[0], saved[1], context->saved_data["by_x"].toBool());
+    return product_gradients(grad_outputs[0], saved[0], saved[1], context->saved_data["by_x"].toBool());
   }
 };
 
-/// The jets of f, from LibTorch's operations.
+/// The jets of f(z), computed by LibTorch's operations.
 Tensor plain_activation(neural::Activation activation, const Tensor& z, const Tensor& directions) {
   const auto value = z.slice(0, 0, 1);
   std::vector<Tensor> channels{activated(activation, value)};
@@ -158,7 +158,7 @@ Tensor activation_curvature(neural::Activation activation, const Tensor& z) {
 
 Tensor jet_layer(neural::Activation activation, const Tensor& x, const Tensor& weights, const Tensor& bias,
                  const Tensor& directions) {
-  if (!for_our_kernels(x)) {
+  if (!supported_by_kernels(x)) {
     const auto z = linear_layer(x, weights);
     return plain_activation(activation, torch::cat({z.slice(0, 0, 1) + bias, z.slice(0, 1)}, 0), directions);
   }
@@ -166,12 +166,12 @@ Tensor jet_layer(neural::Activation activation, const Tensor& x, const Tensor& w
 }
 
 Tensor jet_activation(neural::Activation activation, const Tensor& z, const Tensor& directions) {
-  if (!for_our_kernels(z)) return plain_activation(activation, z, directions);
+  if (!supported_by_kernels(z)) return plain_activation(activation, z, directions);
   return JetActivation::apply(z, directions, static_cast<std::int64_t>(activation));
 }
 
 Tensor linear_layer(const Tensor& x, const Tensor& weights) {
-  return for_our_kernels(x) ? LinearLayer::apply(x, weights) : torch::matmul(x, weights.t());
+  return supported_by_kernels(x) ? LinearLayer::apply(x, weights) : torch::matmul(x, weights.t());
 }
 
 }  // namespace supple::training

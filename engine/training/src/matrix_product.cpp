@@ -6,18 +6,19 @@
 
 namespace supple::training {
 
-bool for_our_kernels(const torch::Tensor& tensor) {
+bool supported_by_kernels(const torch::Tensor& tensor) {
   return tensor.device().is_cpu() && tensor.scalar_type() == torch::kFloat;
 }
 
 torch::Tensor product(const torch::Tensor& a, bool transpose_a, const torch::Tensor& b, bool transpose_b) {
-  if (!for_our_kernels(a) || !for_our_kernels(b)) return torch::mm(transpose_a ? a.t() : a, transpose_b ? b.t() : b);
+  if (!supported_by_kernels(a) || !supported_by_kernels(b))
+    return torch::mm(transpose_a ? a.t() : a, transpose_b ? b.t() : b);
   const auto left = a.contiguous();
   const auto right = b.contiguous();
   const auto rows = transpose_a ? left.size(1) : left.size(0);
   const auto depth = transpose_a ? left.size(0) : left.size(1);
   const auto columns = transpose_b ? right.size(0) : right.size(1);
-  // The kernel writes columns; rows of the result are columns of its transpose, right^T left^T.
+  // The kernel stores its result by columns. It computes right^T left^T, whose columns are the rows of the product.
   neural::PackedMatrix<float> packed;
   const int stride = static_cast<int>(right.size(1));
   packed.assign(right.data_ptr<float>(), static_cast<int>(columns), static_cast<int>(depth), stride, transpose_b);

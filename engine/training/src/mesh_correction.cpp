@@ -19,52 +19,53 @@
 namespace supple::training {
 namespace {
 
-constexpr int directions = 12;
-constexpr int folds = 10;
-constexpr int designs_of_a_coefficient = 4;
+constexpr int direction_count = 12;
+constexpr int fold_count = 10;
+constexpr int designs_per_coefficient = 4;
 
-StiffnessOutputs outputs_of_stiffness(const Eigen::Matrix3d& stiffness) {
+StiffnessOutputs stiffness_to_outputs(const Eigen::Matrix3d& stiffness) {
   return outputs_of(Eigen::LLT<Eigen::Matrix3d>(stiffness).matrixL());
 }
 
-/// A design at rest on both meshes.
-struct Pair {
-  Eigen::VectorXd terms;  ///< of its mapped parameters
+/// The stiffness of an undeformed design on both meshes, as outputs of the stiffness branch.
+struct DesignPair {
+  Eigen::VectorXd terms;  ///< neural::quadratic_terms of its mapped parameters
   StiffnessOutputs mesh;
   StiffnessOutputs reference;
 };
 
-std::vector<Pair> pairs_of(const neural::Network& network, const std::vector<RestStiffness>& mesh,
-                           const std::vector<RestStiffness>& reference) {
+std::vector<DesignPair> pairs_of(const neural::Network& network, const std::vector<RestStiffness>& mesh,
+                                 const std::vector<RestStiffness>& reference) {
   std::map<std::vector<double>, const Eigen::Matrix3d*> by_parameters;
   for (const auto& design : reference) by_parameters[design.parameters] = &design.tangent;
-  std::vector<Pair> pairs;
+  std::vector<DesignPair> pairs;
   for (const auto& design : mesh) {
     const auto found = by_parameters.find(design.parameters);
     if (found == by_parameters.end()) continue;
     pairs.push_back({neural::quadratic_terms(neural::mapped(network, design.parameters)),
-                     outputs_of_stiffness(design.tangent), outputs_of_stiffness(*found->second)});
+                     stiffness_to_outputs(design.tangent), stiffness_to_outputs(*found->second)});
   }
   return pairs;
 }
 
-/// The correction by all pairs but those of a fold (negative: by all).
-Eigen::MatrixXd fitted(const std::vector<Pair>& pairs, int without) {
-  std::vector<const Pair*> used;
+/// The coefficients of the correction, 6 x terms, fitted to all pairs but those of the excluded fold (negative: to
+/// all).
+Eigen::MatrixXd fitted(const std::vector<DesignPair>& pairs, int excluded_fold) {
+  std::vector<const DesignPair*> fitted_pairs;
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (static_cast<int>(i % folds) != without) used.push_back(&pairs[i]);
-  const auto n = static_cast<long>(used.size());
+    if (static_cast<int>(i % fold_count) != excluded_fold) fitted_pairs.push_back(&pairs[i]);
+  const auto n = static_cast<long>(fitted_pairs.size());
   Eigen::MatrixXd terms(n, pairs.front().terms.size());
   Eigen::MatrixXd differences(n, 6);
   for (long i = 0; i < n; ++i) {
-    const Pair& pair = *used[static_cast<std::size_t>(i)];
+    const DesignPair& pair = *fitted_pairs[static_cast<std::size_t>(i)];
     terms.row(i) = pair.terms.transpose();
     differences.row(i) = (pair.reference - pair.mesh).transpose();
   }
   return terms.colPivHouseholderQr().solve(differences).transpose();
 }
 
-/// Young's modulus along a direction of the material.
+/// Young's modulus along a direction (radians) in the material.
 double modulus(const Eigen::Matrix3d& compliance, double direction) {
   const double c = std::cos(direction);
   const double s = std::sin(direction);
@@ -79,16 +80,16 @@ void add_errors(const StiffnessOutputs& outputs, const StiffnessOutputs& referen
   };
   const Eigen::Matrix3d compliance = compliance_of(outputs);
   const Eigen::Matrix3d exact = compliance_of(reference);
-  for (int k = 0; k < directions; ++k) {
-    const double direction = k * std::numbers::pi / directions;
+  for (int k = 0; k < direction_count; ++k) {
+    const double direction = k * std::numbers::pi / direction_count;
     errors.push_back(modulus(compliance, direction) / modulus(exact, direction) - 1);
   }
 }
 
 ModulusErrors summary(const std::vector<double>& errors) {
   const Eigen::Map<const Eigen::VectorXd> all(errors.data(), static_cast<long>(errors.size()));
-  const Eigen::VectorXd sizes = all.cwiseAbs();
-  return {all.mean(), quantile(sizes, 0.5), quantile(sizes, 0.9)};
+  const Eigen::VectorXd magnitudes = all.cwiseAbs();
+  return {all.mean(), quantile(magnitudes, 0.5), quantile(magnitudes, 0.9)};
 }
 
 }  // namespace
@@ -98,17 +99,17 @@ neural::Model with_mesh_correction(neural::Model model, const ModelData& data, c
   check_same_solid(data, reference);
   const auto pairs = pairs_of(model.network, read_rest(data), rest_stiffnesses(reference));
   const auto terms = 1 + model.network.lower.size() * (model.network.lower.size() + 3) / 2;
-  const auto needed = designs_of_a_coefficient * terms;
-  if (static_cast<long>(pairs.size()) < needed)
+  const auto min_designs = designs_per_coefficient * terms;
+  if (static_cast<long>(pairs.size()) < min_designs)
     throw Error("training.no_samples",
-                fmt::format("A correction of the mesh needs {} designs at rest on both meshes; there are {}.", needed,
-                            pairs.size()));
+                fmt::format("A correction of the mesh needs {} designs at rest on both meshes; there are {}.",
+                            min_designs, pairs.size()));
   std::vector<double> before;
   std::vector<double> after;
-  for (int fold = 0; fold < folds; ++fold) {
+  for (int fold = 0; fold < fold_count; ++fold) {
     const Eigen::MatrixXd correction = fitted(pairs, fold);
-    for (std::size_t i = static_cast<std::size_t>(fold); i < pairs.size(); i += folds) {
-      const Pair& pair = pairs[i];
+    for (std::size_t i = static_cast<std::size_t>(fold); i < pairs.size(); i += fold_count) {
+      const DesignPair& pair = pairs[i];
       add_errors(pair.mesh, pair.reference, before);
       add_errors(pair.mesh + correction * pair.terms, pair.reference, after);
     }

@@ -17,12 +17,12 @@
 namespace supple::training {
 namespace {
 
-/// A kind of states is worth a warning where its mean error is so many times that of all.
-constexpr double conspicuous = 2;
-constexpr std::size_t worst_designs = 5;
+/// The page warns of a kind of states if its mean error is more than this multiple of that of all states.
+constexpr double warning_ratio = 2;
+constexpr std::size_t listed_worst_designs = 5;
 
-/// A held-out sample with its errors.
-struct Judged {
+/// A sample of a test design with its relative errors.
+struct EvaluatedSample {
   const dataset::Design* design = nullptr;
   const dataset::Row* row = nullptr;
   double energy_error = 0;
@@ -32,46 +32,51 @@ struct Judged {
   const dataset::Path& path() const { return design->paths[static_cast<std::size_t>(row->path)]; }
 };
 
-std::vector<Judged> judge(const neural::Model& model, const ModelData& data) {
-  const auto [samples, parts, chosen] = samples_of(model, data);
+std::vector<EvaluatedSample> evaluate_test_samples(const neural::Model& model, const ModelData& data) {
+  const auto [samples, parts, options] = samples_of(model, data);
   const auto errors = row_errors(model.network, samples, parts.test);
-  std::vector<Judged> judged;
+  std::vector<EvaluatedSample> evaluated;
   for (std::size_t i = 0; i < errors.rows.size(); ++i) {
     const auto& source = samples.source[static_cast<std::size_t>(errors.rows[i])];
-    // No further data are held out.
+    // Test designs are all of `data.data`, because ModelData::more is for training alone.
     const auto& design = data.data.designs[static_cast<std::size_t>(source.design)];
-    judged.push_back({&design, &design.rows[static_cast<std::size_t>(source.row)], errors.energy[static_cast<long>(i)],
-                      errors.gradient[static_cast<long>(i)], errors.stiffness[static_cast<long>(i)]});
+    evaluated.push_back({&design, &design.rows[static_cast<std::size_t>(source.row)],
+                         errors.energy[static_cast<long>(i)], errors.gradient[static_cast<long>(i)],
+                         errors.stiffness[static_cast<long>(i)]});
   }
-  return judged;
+  return evaluated;
 }
 
-struct Kind {
+struct StateKind {
   std::string name;
-  std::function<bool(const Judged&)> belongs;
+  std::function<bool(const EvaluatedSample&)> belongs;
 };
 
-const std::vector<Kind>& kinds() {
+const std::vector<StateKind>& kinds() {
   using dataset::LoadKind;
   const auto energy = [](double low, double high) {
-    return [=](const Judged& j) { return j.row->energy_density >= low && j.row->energy_density < high; };
+    return [=](const EvaluatedSample& sample) {
+      return sample.row->energy_density >= low && sample.row->energy_density < high;
+    };
   };
-  static const std::vector<Kind> all{
-      {"uniaxial tension", [](const auto& j) { return j.path().kind == LoadKind::uniaxial && j.row->stretch > 1; }},
-      {"uniaxial compression", [](const auto& j) { return j.path().kind == LoadKind::uniaxial && j.row->stretch < 1; }},
-      {"biaxial", [](const auto& j) { return j.path().kind == LoadKind::biaxial; }},
-      {"before buckling", [](const auto& j) { return j.row->branch == 0; }},
-      {"after buckling", [](const auto& j) { return j.row->branch > 0; }},
-      {"beams in contact", [](const auto& j) { return j.row->contacts > 0; }},
+  static const std::vector<StateKind> all{
+      {"uniaxial tension",
+       [](const auto& sample) { return sample.path().kind == LoadKind::uniaxial && sample.row->stretch > 1; }},
+      {"uniaxial compression",
+       [](const auto& sample) { return sample.path().kind == LoadKind::uniaxial && sample.row->stretch < 1; }},
+      {"biaxial", [](const auto& sample) { return sample.path().kind == LoadKind::biaxial; }},
+      {"before buckling", [](const auto& sample) { return sample.row->branch == 0; }},
+      {"after buckling", [](const auto& sample) { return sample.row->branch > 0; }},
+      {"beams in contact", [](const auto& sample) { return sample.row->contacts > 0; }},
       {"energy below 0.001 MPa", energy(0, 1e-3)},
       {"energy 0.001 to 0.1 MPa", energy(1e-3, 0.1)},
       {"energy above 0.1 MPa", energy(0.1, 1e300)}};
   return all;
 }
 
-Eigen::VectorXd errors_of(const std::vector<Judged>& judged, double Judged::*error) {
-  Eigen::VectorXd errors(static_cast<long>(judged.size()));
-  for (std::size_t i = 0; i < judged.size(); ++i) errors[static_cast<long>(i)] = judged[i].*error;
+Eigen::VectorXd errors_of(const std::vector<EvaluatedSample>& evaluated, double EvaluatedSample::*error) {
+  Eigen::VectorXd errors(static_cast<long>(evaluated.size()));
+  for (std::size_t i = 0; i < evaluated.size(); ++i) errors[static_cast<long>(i)] = evaluated[i].*error;
   return errors;
 }
 
@@ -87,8 +92,8 @@ constexpr const char* statistics_head =
     "| | Samples | Gradient: mean | RMS | Median | 99th percentile | Energy: mean | RMS | Median | 99th percentile |\n"
     "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
 
-std::string stiffness_row(const std::string& name, const std::vector<Judged>& judged) {
-  const auto errors = errors_of(judged, &Judged::stiffness_error);
+std::string stiffness_row(const std::string& name, const std::vector<EvaluatedSample>& evaluated) {
+  const auto errors = errors_of(evaluated, &EvaluatedSample::stiffness_error);
   return fmt::format("| {} | {:.2f} | {:.1f} | {:.1f} |\n", name, 100 * quantile(errors, 0.5),
                      100 * quantile(errors, 0.75), 100 * quantile(errors, 0.9));
 }
@@ -128,42 +133,43 @@ std::string error_section(const neural::Model& model) {
   return text;
 }
 
-std::string where_section(const std::vector<Judged>& judged) {
+std::string error_kinds_section(const std::vector<EvaluatedSample>& evaluated) {
   std::string text = "\n## Where they are\n\nOn designs that training has not seen.\n\n";
   text += statistics_head;
   std::string stiffness;
   for (const auto& kind : kinds()) {
-    std::vector<Judged> some;
-    std::copy_if(judged.begin(), judged.end(), std::back_inserter(some), kind.belongs);
-    if (some.empty()) continue;
-    text += statistics_row(kind.name, statistics(errors_of(some, &Judged::gradient_error)),
-                           statistics(errors_of(some, &Judged::energy_error)), static_cast<std::int64_t>(some.size()));
-    stiffness += stiffness_row(kind.name, some);
+    std::vector<EvaluatedSample> matching;
+    std::copy_if(evaluated.begin(), evaluated.end(), std::back_inserter(matching), kind.belongs);
+    if (matching.empty()) continue;
+    text += statistics_row(kind.name, statistics(errors_of(matching, &EvaluatedSample::gradient_error)),
+                           statistics(errors_of(matching, &EvaluatedSample::energy_error)),
+                           static_cast<std::int64_t>(matching.size()));
+    stiffness += stiffness_row(kind.name, matching);
   }
   text +=
       "\nOf the tangent stiffness against more of the state's own load, |v^T (C - C*) v| / |v^T C* v| with v = C*^-1 "
       "S*. "
       "Where a structure buckles it jumps or vanishes, so that shares of the states say more than means.\n\n"
       "| | Median | Of three quarters at most | Of nine tenths at most |\n|---|---:|---:|---:|\n";
-  return text + stiffness_row("all", judged) + stiffness;
+  return text + stiffness_row("all", evaluated) + stiffness;
 }
 
-std::string trust_section(const neural::Model& model, const std::vector<Judged>& judged) {
+std::string trust_section(const neural::Model& model, const std::vector<EvaluatedSample>& evaluated) {
   std::string text = "\n## Where not to trust it\n\n";
-  const double all = errors_of(judged, &Judged::gradient_error).mean();
+  const double all = errors_of(evaluated, &EvaluatedSample::gradient_error).mean();
   for (const auto& kind : kinds()) {
-    std::vector<Judged> some;
-    std::copy_if(judged.begin(), judged.end(), std::back_inserter(some), kind.belongs);
-    if (some.empty()) continue;
-    const double mean = errors_of(some, &Judged::gradient_error).mean();
-    if (mean > conspicuous * all)
+    std::vector<EvaluatedSample> matching;
+    std::copy_if(evaluated.begin(), evaluated.end(), std::back_inserter(matching), kind.belongs);
+    if (matching.empty()) continue;
+    const double mean = errors_of(matching, &EvaluatedSample::gradient_error).mean();
+    if (mean > warning_ratio * all)
       text += fmt::format("- States {}: the mean error of the stress is {:.1f} times that of all states.\n", kind.name,
                           mean / all);
   }
   std::map<const dataset::Design*, std::pair<double, int>> by_design;
-  for (const auto& j : judged) {
-    auto& [sum, count] = by_design[j.design];
-    sum += j.gradient_error;
+  for (const auto& sample : evaluated) {
+    auto& [sum, count] = by_design[sample.design];
+    sum += sample.gradient_error;
     ++count;
   }
   std::vector<std::pair<double, const dataset::Design*>> worst;
@@ -173,7 +179,7 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
     return a.first != b.first ? a.first > b.first : a.second->index < b.second->index;
   });
   text += fmt::format("- The worst of the {} designs:", worst.size());
-  for (std::size_t i = 0; i < std::min(worst_designs, worst.size()); ++i)
+  for (std::size_t i = 0; i < std::min(listed_worst_designs, worst.size()); ++i)
     text += fmt::format("{} ({:.4g}): {:.1f} %", i == 0 ? "" : ",", fmt::join(worst[i].second->parameters, ", "),
                         100 * worst[i].first);
   text += ".\n";
@@ -188,15 +194,15 @@ std::string trust_section(const neural::Model& model, const std::vector<Judged>&
   return text;
 }
 
-/// The value of an option that the model was trained with; empty where it does not say it.
-std::string option_of(const neural::Model& model, const char* wanted) {
+/// The value of an option of the model's training; empty if the model does not record it.
+std::string option_value(const neural::Model& model, const char* option_name) {
   for (const auto& [name, value] : model.provenance.options)
-    if (name == wanted) return value;
+    if (name == option_name) return value;
   return {};
 }
 
-/// How the stiffness at rest and the designs are seen by the network, and what its training began with, as sentences.
-std::string choices_of(const neural::Model& model) {
+/// Sentences about the network's inputs, its stiffness branch and the network with which its training began.
+std::string training_choices(const neural::Model& model) {
   const auto& shape = model.network.shape;
   std::string text;
   if (shape.features > 0)
@@ -204,30 +210,30 @@ std::string choices_of(const neural::Model& model) {
         fmt::format(" Designs are read by {} features of their tile beside the parameters (`--features geometric`).",
                     shape.features);
   if (shape.form == neural::EnergyForm::sum_of_squares) {
-    const auto rest = option_of(model, "rest_designs");
+    const auto rest = option_value(model, "rest_designs");
     text += fmt::format(
         " The stiffness branch has {} hidden layer{} of {}{}{}; the stiffness at rest is {} (`--rest {}`).",
         shape.stiffness_layers, shape.stiffness_layers == 1 ? "" : "s", shape.stiffness_width,
         rest.empty() ? ""
                      : fmt::format(", was fitted to the stiffness at rest of {} designs first (`--rest-data`)", rest),
-        option_of(model, "freeze_stiffness") == "1" ? " and then stayed as it was (`--freeze-stiffness`)" : "",
+        option_value(model, "freeze_stiffness") == "1" ? " and then stayed as it was (`--freeze-stiffness`)" : "",
         shape.rest == neural::RestForm::exact ? "its own alone" : "learned by all branches", to_string(shape.rest));
   }
-  if (const auto start = option_of(model, "start_model"); !start.empty())
+  if (const auto start = option_value(model, "start_model"); !start.empty())
     text += fmt::format(" Training began with the model {} of other data, {} (`--start-foreign`).", start,
-                        option_of(model, "start_data"));
+                        option_value(model, "start_data"));
   return text;
 }
 
-std::string bars_row(const std::string& name, neural::Quantity quantity, const neural::JudgedBars& judged) {
-  const bool plain = quantity == neural::Quantity::poisson;
+std::string bars_row(const std::string& name, neural::Quantity quantity, const neural::JudgedBars& bars) {
+  const bool is_absolute = quantity == neural::Quantity::poisson;
   const auto size = [&](double error) {
-    return plain ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
+    return is_absolute ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
   };
-  return fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name, judged.designs,
-                     judged.states, 100 * judged.share, size(judged.median_bar), size(neural::trusted_error(quantity)),
-                     judged.beyond, judged.beyond_in_box, judged.beyond_in_range, judged.within,
-                     judged.within - judged.within_in_range);
+  return fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name, bars.designs,
+                     bars.states, 100 * bars.share, size(bars.median_bar), size(neural::trusted_error(quantity)),
+                     bars.beyond, bars.beyond_in_box, bars.beyond_in_range, bars.within,
+                     bars.within - bars.within_in_range);
 }
 
 std::string calibration_section(const neural::Model& model) {
@@ -257,19 +263,19 @@ std::string calibration_section(const neural::Model& model) {
 std::string origin_section(const neural::Model& model) {
   const auto& p = model.provenance;
   const auto& shape = model.network.shape;
-  const auto turns = model.network.symmetries.size() + 1;
-  const auto mean = turns == 1 ? std::string()
-                               : fmt::format(
-                                     " The energy is the mean over {} orientations of a strain, from which the "
-                                     "tiling looks the same (`supple-lab symmetrize`).",
-                                     turns);
+  const auto orientations = model.network.symmetries.size() + 1;
+  const auto mean = orientations == 1 ? std::string()
+                                      : fmt::format(
+                                            " The energy is the mean over {} orientations of a strain, from which the "
+                                            "tiling looks the same (`supple-lab symmetrize`).",
+                                            orientations);
   std::string text = "\n## Where it comes from\n\n";
   text += fmt::format(
       "{} weights in {} + {} + {} layers of {} neurons, {}, {}.{}{} Trained on {} states of {} designs ({}; simulated "
       "by "
       "{}) of a solid with Young's modulus {} MPa and Poisson's ratio {}, in {:.0f} s, by {}. Options:\n\n",
       model.network.weights(), shape.strain_layers, shape.parameter_layers, shape.trunk_layers, shape.width,
-      to_string(shape.activation), to_string(shape.form), mean, choices_of(model), p.rows, p.designs, p.data_set,
+      to_string(shape.activation), to_string(shape.form), mean, training_choices(model), p.rows, p.designs, p.data_set,
       p.data_engine, p.youngs_modulus, p.poisson_ratio, p.training_seconds, p.engine);
   for (const auto& [name, value] : p.options) text += fmt::format("`{} {}` ", name, value);
   text.back() = '\n';
@@ -288,7 +294,7 @@ std::optional<PublishedErrors> published_errors(const std::string& family) {
 }
 
 std::string model_card(const neural::Model& model, const ModelData& data, const std::string& image) {
-  const auto judged = judge(model, data);
+  const auto evaluated = evaluate_test_samples(model, data);
   std::string text =
       fmt::format("# {}: energy density of the family {}\n\nThis page is generated by `supple-lab card`.\n\n", model.id,
                   model.family);
@@ -297,22 +303,23 @@ std::string model_card(const neural::Model& model, const ModelData& data, const 
       "parameters and Green strain.\n\n| Parameter | from | to |\n|---|---:|---:|\n";
   for (long k = 0; k < model.network.lower.size(); ++k)
     text += fmt::format("| {} | {:.4g} | {:.4g} |\n", k + 1, model.network.lower[k], model.network.upper[k]);
-  text += "\n" + error_section(model) + where_section(judged);
+  text += "\n" + error_section(model) + error_kinds_section(evaluated);
   text += fmt::format("\n![Relative errors against strain]({})\n", image);
-  return text + calibration_section(model) + trust_section(model, judged) + origin_section(model);
+  return text + calibration_section(model) + trust_section(model, evaluated) + origin_section(model);
 }
 
 void write_row_errors(const std::filesystem::path& path, const neural::Model& model, const ModelData& data) {
   std::ofstream file(path);
   file << "design,load,direction,stretch,lateral_stretch,strain_norm,energy_density,branch,contacts,gradient_error,"
           "energy_error,stiffness_error\n";
-  for (const auto& j : judge(model, data)) {
-    const auto& e = j.row->green_strain;
+  for (const auto& sample : evaluate_test_samples(model, data)) {
+    const auto& e = sample.row->green_strain;
     const double norm = std::sqrt(e[0] * e[0] + e[1] * e[1] + 2 * e[2] * e[2]);
-    file << fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g},{:.6g}\n", j.design->index,
-                        j.path().kind == dataset::LoadKind::uniaxial ? "uniaxial" : "biaxial", j.path().direction,
-                        j.row->stretch, j.row->lateral_stretch, norm, j.row->energy_density, j.row->branch,
-                        j.row->contacts, j.gradient_error, j.energy_error, j.stiffness_error);
+    file << fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{:.6g},{:.6g},{:.6g}\n", sample.design->index,
+                        sample.path().kind == dataset::LoadKind::uniaxial ? "uniaxial" : "biaxial",
+                        sample.path().direction, sample.row->stretch, sample.row->lateral_stretch, norm,
+                        sample.row->energy_density, sample.row->branch, sample.row->contacts, sample.gradient_error,
+                        sample.energy_error, sample.stiffness_error);
   }
   if (!file) throw Error("file.write_failed", "Cannot write " + path.string() + ".");
 }

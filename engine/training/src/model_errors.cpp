@@ -12,7 +12,7 @@
 namespace supple::training {
 namespace {
 
-/// Rows of one design among those asked for, as positions in `rows`.
+/// The requested rows of one design, as positions in the list of requested rows.
 struct DesignRows {
   const SampledDesign* design = nullptr;
   std::vector<int> positions;
@@ -20,7 +20,7 @@ struct DesignRows {
 
 std::vector<DesignRows> by_design(const Samples& samples, const std::vector<int>& rows) {
   std::vector<DesignRows> groups;
-  // Rows of a design are neighbours, so that sorted positions meet each design once.
+  // The rows of a design are consecutive in Samples. Once sorted, they form one group for each design.
   std::vector<int> positions(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) positions[i] = static_cast<int>(i);
   const auto row = [&](int position) { return rows[static_cast<std::size_t>(position)]; };
@@ -34,8 +34,8 @@ std::vector<DesignRows> by_design(const Samples& samples, const std::vector<int>
   return groups;
 }
 
-double quantile_of_sorted(const std::vector<double>& sorted, double share) {
-  const double position = share * static_cast<double>(sorted.size() - 1);
+double quantile_of_sorted(const std::vector<double>& sorted, double fraction) {
+  const double position = fraction * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(position);
   const auto above = std::min(below + 1, sorted.size() - 1);
   return sorted[below] + (position - static_cast<double>(below)) * (sorted[above] - sorted[below]);
@@ -46,7 +46,7 @@ double quantile_of_sorted(const std::vector<double>& sorted, double share) {
 RowErrors row_errors(const neural::Network& network, const Samples& samples, const std::vector<int>& rows) {
   RowErrors errors;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(errors.rows),
-               [&](int row) { return samples.energy[row] >= least_judged_energy; });
+               [&](int row) { return samples.energy[row] >= min_evaluated_energy; });
   const auto n = static_cast<long>(errors.rows.size());
   errors.energy.resize(n);
   errors.gradient.resize(n);
@@ -58,26 +58,26 @@ RowErrors row_errors(const neural::Network& network, const Samples& samples, con
     Eigen::Matrix3Xd strains(3, static_cast<long>(positions.size()));
     for (std::size_t j = 0; j < positions.size(); ++j)
       strains.col(static_cast<long>(j)) = samples.strain.col(errors.rows[static_cast<std::size_t>(positions[j])]);
-    const auto answer = evaluator.evaluate(evaluator.design(sampled->parameters), strains, neural::Order::tangent);
+    const auto prediction = evaluator.evaluate(evaluator.design(sampled->parameters), strains, neural::Order::tangent);
     for (std::size_t j = 0; j < positions.size(); ++j) {
       const auto column = static_cast<long>(j);
       const int row = errors.rows[static_cast<std::size_t>(positions[j])];
-      const Eigen::Vector3d exact = samples.stress.col(row);
-      errors.energy[positions[j]] = std::abs(answer.energy_density[column] / samples.energy[row] - 1);
-      errors.gradient[positions[j]] = (answer.stress.col(column) - exact).norm() / exact.norm();
+      const Eigen::Vector3d simulated = samples.stress.col(row);
+      errors.energy[positions[j]] = std::abs(prediction.energy_density[column] / samples.energy[row] - 1);
+      errors.gradient[positions[j]] = (prediction.stress.col(column) - simulated).norm() / simulated.norm();
       const Eigen::Matrix3d tangent = neural::symmetric_matrix(samples.tangent.col(row));
-      const Eigen::Vector3d v = tangent.fullPivLu().solve(exact);
+      const Eigen::Vector3d v = tangent.fullPivLu().solve(simulated);
       errors.stiffness[positions[j]] =
-          std::abs(v.dot(neural::symmetric_matrix(answer.tangent.col(column)) * v) / v.dot(tangent * v) - 1);
+          std::abs(v.dot(neural::symmetric_matrix(prediction.tangent.col(column)) * v) / v.dot(tangent * v) - 1);
     }
   });
   return errors;
 }
 
-double quantile(const Eigen::VectorXd& errors, double share) {
+double quantile(const Eigen::VectorXd& errors, double fraction) {
   std::vector<double> sorted(errors.begin(), errors.end());
   std::sort(sorted.begin(), sorted.end());
-  return quantile_of_sorted(sorted, share);
+  return quantile_of_sorted(sorted, fraction);
 }
 
 neural::ErrorStatistics statistics(const Eigen::VectorXd& errors) {

@@ -18,8 +18,8 @@
 namespace supple::training {
 namespace {
 
-/// What a rotation or reflection R makes of strains: E -> R E R^T.
-Eigen::Matrix3d strain_map(const Eigen::Matrix2d& r) {
+/// The matrix by which a rotation or reflection R transforms strains (E_xx, E_yy, 2 E_xy): E -> R E R^T.
+Eigen::Matrix3d strain_transformation(const Eigen::Matrix2d& r) {
   Eigen::Matrix3d map;
   for (int k = 0; k < 3; ++k) {
     Eigen::Matrix2d unit = Eigen::Matrix2d::Zero();
@@ -44,8 +44,8 @@ std::string engines_of(const ModelData& data) {
   return text;
 }
 
-/// The coefficients of a polynomial of degree 2 (neural::Network::mesh_correction) in x, where the given ones are those
-/// of the same polynomial in factor * x + shift.
+/// Substitutes factor * x + shift for the argument of a polynomial of degree 2 (neural::Network::mesh_correction), and
+/// returns its coefficients in x.
 Eigen::MatrixXd with_shifted_argument(const Eigen::MatrixXd& given, const Eigen::ArrayXd& factor,
                                       const Eigen::ArrayXd& shift) {
   if (given.size() == 0) return given;
@@ -66,7 +66,8 @@ Eigen::MatrixXd with_shifted_argument(const Eigen::MatrixXd& given, const Eigen:
   return coefficients;
 }
 
-/// The same function of the parameters with other bounds: mapped parameters are affine functions of each other.
+/// The network with other parameter bounds, as the same function of the parameters. The first layers absorb the change,
+/// because mapped parameters for different bounds are affine functions of each other.
 neural::Network with_bounds(neural::Network network, const std::vector<double>& lower,
                             const std::vector<double>& upper) {
   const auto n = static_cast<long>(lower.size());
@@ -88,52 +89,53 @@ neural::Network with_bounds(neural::Network network, const std::vector<double>& 
   return network;
 }
 
-/// Of the widths: designs are drawn, so that data which end so near to a bound cover it.
-constexpr double covered_share = 0.02;
+/// Data cover a bound if they reach to within this fraction of the width of the box. Designs are sampled, so that the
+/// outermost one lies a little within the bound.
+constexpr double covered_fraction = 0.02;
 
 neural::Network narrowed(neural::Network network, const Samples& samples) {
   std::vector<double> lower, upper;
   for (long k = 0; k < network.lower.size(); ++k) {
-    const auto of = [k](const SampledDesign& design) { return design.parameters[static_cast<std::size_t>(k)]; };
-    const double least = of(*std::ranges::min_element(samples.designs, {}, of));
-    const double greatest = of(*std::ranges::max_element(samples.designs, {}, of));
-    const double near = covered_share * (network.upper[k] - network.lower[k]);
-    lower.push_back(least > network.lower[k] + near ? least : network.lower[k]);
-    upper.push_back(greatest < network.upper[k] - near ? greatest : network.upper[k]);
+    const auto parameter = [k](const SampledDesign& design) { return design.parameters[static_cast<std::size_t>(k)]; };
+    const double data_min = parameter(*std::ranges::min_element(samples.designs, {}, parameter));
+    const double data_max = parameter(*std::ranges::max_element(samples.designs, {}, parameter));
+    const double margin = covered_fraction * (network.upper[k] - network.lower[k]);
+    lower.push_back(data_min > network.lower[k] + margin ? data_min : network.lower[k]);
+    upper.push_back(data_max < network.upper[k] - margin ? data_max : network.upper[k]);
   }
   if (std::ranges::equal(lower, network.lower) && std::ranges::equal(upper, network.upper)) return network;
   return with_bounds(std::move(network), lower, upper);
 }
 
-/// Goes on with a model of the family: one whose own test and validation designs are those of the new training, or one
-/// that is declared foreign.
-void start_from(const ModelOptions& given, const ModelData& data, const std::string& family, const Samples& samples,
-                const Split& parts, TrainingOptions& options) {
-  const auto& start = *given.start;
-  const auto require = [&](bool fine, const char* limit) {
-    if (fine) return;
+/// Sets the network with which training begins to that of another model of the family. Its test and validation designs
+/// must be those of the new training unless it is declared foreign.
+void start_from(const ModelOptions& model_options, const ModelData& data, const std::string& family,
+                const Samples& samples, const Split& parts, TrainingOptions& options) {
+  const auto& start = *model_options.start;
+  const auto require = [&](bool is_met, const char* requirement) {
+    if (is_met) return;
     throw Error("training.different_data",
                 fmt::format("The model {} of {} was trained with other designs held out than {} would be now.",
                             start.id, start.family, family),
-                {{"start", limit}});
+                {{"start", requirement}});
   };
   require(start.family == family, "a model of the same family");
   options.start = start.network;
-  // A finished model is narrowed, and a foreign one may be of another range.
+  // The bounds differ if the model was narrowed, or if it is foreign.
   if (!std::ranges::equal(start.network.lower, samples.lower) ||
       !std::ranges::equal(start.network.upper, samples.upper))
     options.start = with_bounds(start.network, samples.lower, samples.upper);
-  if (!given.start_is_foreign) {
-    const auto theirs = samples_of(start, data).split;
-    require(theirs.test == parts.test && theirs.validation == parts.validation,
+  if (!model_options.start_is_foreign) {
+    const auto start_split = samples_of(start, data).split;
+    require(start_split.test == parts.test && start_split.validation == parts.validation,
             "the same data and shares of the split, or --start-foreign");
   }
   options.shape = start.network.shape;
   options.geometry = start.network.geometry;
 }
 
-/// What the data make of a model's options.
-struct Prepared {
+/// The input of a training, made from the data and the options of a model.
+struct PreparedTraining {
   const tiling::Family& family;
   Samples samples;
   Split parts;
@@ -141,51 +143,51 @@ struct Prepared {
   std::vector<RestStiffness> rest;
 };
 
-Prepared prepared(const ModelData& data, const ModelOptions& options) {
+PreparedTraining prepare(const ModelData& data, const ModelOptions& options) {
   const auto& family = tiling::family(data.data.recipe.text("family"));
-  Prepared made{family, read_samples(data, options.samples), {}, options.training, {}};
-  made.parts = split(made.samples, options.split);
-  auto& training = made.training;
-  training.shape.parameters = static_cast<int>(made.samples.lower.size());
+  PreparedTraining prepared{family, read_samples(data, options.samples), {}, options.training, {}};
+  prepared.parts = split(prepared.samples, options.split);
+  auto& training = prepared.training;
+  training.shape.parameters = static_cast<int>(prepared.samples.lower.size());
   if (options.start) {
-    start_from(options, data, family.id, made.samples, made.parts, training);
+    start_from(options, data, family.id, prepared.samples, prepared.parts, training);
   } else if (options.use_features) {
     training.geometry = tile_geometry(family);
     training.shape.features = static_cast<int>(training.geometry.features.size());
   }
   if (options.use_symmetry) training.symmetries = energy_symmetries(family);
-  made.rest = read_rest(data);
-  return made;
+  prepared.rest = read_rest(data);
+  return prepared;
 }
 
-/// The model of a trained network without the provenance of its training: its id, bounds and measured errors.
-neural::Model model_of(const Prepared& from, const ModelOptions& options, const neural::Network& network) {
+/// The model of a trained network with its id, bounds and measured errors, but without its provenance.
+neural::Model model_of(const PreparedTraining& prepared, const ModelOptions& options, const neural::Network& network) {
   neural::Model model;
   model.id = options.id;
   if (model.id.empty())
-    std::transform(from.family.id.begin(), from.family.id.end(), std::back_inserter(model.id),
+    std::transform(prepared.family.id.begin(), prepared.family.id.end(), std::back_inserter(model.id),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  model.family = from.family.id;
-  model.network = narrowed(network, from.samples);
-  model.strain_range = strain_range(model.network, from.samples, from.parts.training);
-  model.design_split = split_errors(model.network, from.samples, from.parts.test);
-  model.row_split = split_errors(model.network, from.samples, from.parts.row_test);
+  model.family = prepared.family.id;
+  model.network = narrowed(network, prepared.samples);
+  model.strain_range = strain_range(model.network, prepared.samples, prepared.parts.training);
+  model.design_split = split_errors(model.network, prepared.samples, prepared.parts.test);
+  model.row_split = split_errors(model.network, prepared.samples, prepared.parts.row_test);
   return model;
 }
 
-/// Says where a finished model comes from.
-void describe_origin(neural::Provenance& provenance, const Prepared& from, const ModelOptions& options,
+/// Fills in the provenance of a finished model except `data_set`, `engine` and `designs`.
+void describe_origin(neural::Provenance& provenance, const PreparedTraining& prepared, const ModelOptions& options,
                      const ModelData& data, double seconds) {
   provenance.data_engine = engines_of(data);
-  provenance.rows = static_cast<std::int64_t>(from.parts.training.size());
-  provenance.seed = from.training.seed;
+  provenance.rows = static_cast<std::int64_t>(prepared.parts.training.size());
+  provenance.seed = prepared.training.seed;
   auto described = options;
-  described.training = from.training;
+  described.training = prepared.training;
   provenance.options = describe(described);
   provenance.training_seconds = seconds;
   if (const auto& start = options.start) {
     provenance.training_seconds += start->provenance.training_seconds;
-    int epochs = 0;  // of all trainings before this one
+    int epochs = 0;  // sum over all trainings before this one
     for (const auto& [name, value] : start->provenance.options)
       if (name == "epochs" || name == "start_epochs") epochs += std::atoi(value.c_str());
     provenance.options.emplace_back("start_epochs", std::to_string(epochs));
@@ -194,7 +196,7 @@ void describe_origin(neural::Provenance& provenance, const Prepared& from, const
       provenance.options.emplace_back("start_data", start->provenance.data_set);
     }
   }
-  if (!from.rest.empty()) provenance.options.emplace_back("rest_designs", std::to_string(from.rest.size()));
+  if (!prepared.rest.empty()) provenance.options.emplace_back("rest_designs", std::to_string(prepared.rest.size()));
   provenance.youngs_modulus = data.data.recipe.number("youngs_modulus");
   provenance.poisson_ratio = data.data.recipe.number("poisson_ratio");
 }
@@ -203,15 +205,16 @@ void describe_origin(neural::Provenance& provenance, const Prepared& from, const
 
 std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
   std::vector<EnergySymmetry> distinct;
-  for (const auto& of_tilings : tiling::symmetries(family)) {
-    const EnergySymmetry symmetry{strain_map(of_tilings.operation), of_tilings.linear, of_tilings.constant};
-    if (std::none_of(distinct.begin(), distinct.end(), [&](const EnergySymmetry& known) {
-          return known.strain.isApprox(symmetry.strain, 1e-9) && known.linear.isApprox(symmetry.linear, 1e-6) &&
-                 (known.constant - symmetry.constant).norm() < 1e-6;
+  for (const auto& tiling_symmetry : tiling::symmetries(family)) {
+    const EnergySymmetry symmetry{strain_transformation(tiling_symmetry.operation), tiling_symmetry.linear,
+                                  tiling_symmetry.constant};
+    if (std::none_of(distinct.begin(), distinct.end(), [&](const EnergySymmetry& other) {
+          return other.strain.isApprox(symmetry.strain, 1e-9) && other.linear.isApprox(symmetry.linear, 1e-6) &&
+                 (other.constant - symmetry.constant).norm() < 1e-6;
         }))
       distinct.push_back(symmetry);
   }
-  // The identity, which comes first.
+  // The first one is the identity.
   distinct.erase(distinct.begin());
   return distinct;
 }
@@ -219,8 +222,8 @@ std::vector<EnergySymmetry> energy_symmetries(const tiling::Family& family) {
 std::vector<std::pair<std::string, std::string>> describe(const ModelOptions& options) {
   auto all = describe(options.training);
   const auto add = [&](const char* name, const auto& value) { all.emplace_back(name, fmt::format("{}", value)); };
-  add("least_energy", options.samples.least_energy);
-  add("largest_energy", options.samples.largest_energy);
+  add("least_energy", options.samples.min_energy);
+  add("largest_energy", options.samples.max_energy);
   add("validation_share", options.split.validation);
   add("test_share", options.split.test);
   add("row_test_share", options.split.row_test);
@@ -235,25 +238,25 @@ ModelSamples samples_of(const neural::Model& model, const ModelData& data) {
     throw Error("file.unreadable", fmt::format("The model {} does not say its {}.", model.id, name));
   };
   const SampleOptions options{number("least_energy"), number("largest_energy")};
-  const SplitOptions shares{number("validation_share"), number("test_share"), number("row_test_share"),
-                            static_cast<std::int64_t>(number("split_seed"))};
-  ModelSamples made{read_samples(data, options), {}, options};
-  made.split = split(made.samples, shares);
-  // Other designs would be split in another way: some that the model was trained on would then judge it.
-  if (static_cast<std::int64_t>(made.split.training.size()) != model.provenance.rows)
+  const SplitOptions split_options{number("validation_share"), number("test_share"), number("row_test_share"),
+                                   static_cast<std::int64_t>(number("split_seed"))};
+  ModelSamples result{read_samples(data, options), {}, options};
+  result.split = split(result.samples, split_options);
+  // Other data would be split in another way. The model would then be tested on designs on which it was trained.
+  if (static_cast<std::int64_t>(result.split.training.size()) != model.provenance.rows)
     throw Error("training.different_data",
                 fmt::format("The model {} was trained on {} states; of this data, its split trains on {}.", model.id,
-                            model.provenance.rows, made.split.training.size()),
+                            model.provenance.rows, result.split.training.size()),
                 {{"data", model.provenance.data_set}});
-  return made;
+  return result;
 }
 
 neural::Model symmetrized(neural::Model model, const ModelData& data) {
   const auto& family = tiling::family(model.family);
-  const auto [samples, parts, chosen] = samples_of(model, data);
+  const auto [samples, parts, options] = samples_of(model, data);
   auto& symmetries = model.network.symmetries;
   symmetries.clear();
-  // Another network's errors are not this one's.
+  // The error bars belong to the network without the symmetries.
   model.calibration.reset();
   for (const auto& [strain, linear, constant] : energy_symmetries(family))
     if (strain.determinant() > 0 && linear.isIdentity(1e-6) && constant.norm() < 1e-6) symmetries.push_back(strain);
@@ -277,21 +280,21 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
                         const ModelOptions& options, const std::filesystem::path& checkpoint,
                         const CancellationToken& cancellation, const std::function<void(const EpochReport&)>& report,
                         const std::function<void(const StiffnessReport&)>& stiffness_report) {
-  const auto from = prepared(data, options);
-  const auto trained =
-      train(from.samples, from.parts, from.training, checkpoint, cancellation, report, from.rest, stiffness_report);
+  const auto prepared = prepare(data, options);
+  const auto trained = train(prepared.samples, prepared.parts, prepared.training, checkpoint, cancellation, report,
+                             prepared.rest, stiffness_report);
   ModelResult result;
   result.history = trained.history;
   result.stiffness = trained.stiffness;
   result.best_epoch = trained.best_epoch;
   result.finished = trained.finished;
   if (!trained.finished) return result;
-  result.model = model_of(from, options, trained.network);
+  result.model = model_of(prepared, options, trained.network);
   auto& provenance = result.model.provenance;
   provenance.data_set = data_name;
   provenance.engine = engine;
-  provenance.designs = static_cast<std::int64_t>(from.samples.designs.size()) - result.model.design_split->designs;
-  describe_origin(provenance, from, options, data, trained.history.empty() ? 0 : trained.history.back().seconds);
+  provenance.designs = static_cast<std::int64_t>(prepared.samples.designs.size()) - result.model.design_split->designs;
+  describe_origin(provenance, prepared, options, data, trained.history.empty() ? 0 : trained.history.back().seconds);
   provenance.options.emplace_back("device", to_string(trained.device));
   return result;
 }
@@ -299,23 +302,24 @@ ModelResult train_model(const ModelData& data, const std::string& data_name, con
 bool export_model_training(const ModelData& data, const ModelOptions& options, const std::filesystem::path& path,
                            const CancellationToken& cancellation,
                            const std::function<void(const StiffnessReport&)>& stiffness_report) {
-  const auto from = prepared(data, options);
-  return export_training(path, from.samples, from.parts, from.training, from.rest, cancellation, stiffness_report);
+  const auto prepared = prepare(data, options);
+  return export_training(path, prepared.samples, prepared.parts, prepared.training, prepared.rest, cancellation,
+                         stiffness_report);
 }
 
 ModelResult import_model_training(const ModelData& data, const std::string& data_name, const std::string& engine,
                                   const ModelOptions& options, const std::filesystem::path& path) {
-  const auto from = prepared(data, options);
-  check(from.training, from.samples);
-  const auto trained = read_trained(path, from.samples, from.parts, from.training, from.rest);
+  const auto prepared = prepare(data, options);
+  check(prepared.training, prepared.samples);
+  const auto trained = read_trained(path, prepared.samples, prepared.parts, prepared.training, prepared.rest);
   ModelResult result;
   result.finished = true;
-  result.model = model_of(from, options, trained.network);
+  result.model = model_of(prepared, options, trained.network);
   auto& provenance = result.model.provenance;
   provenance.data_set = data_name;
   provenance.engine = engine;
-  provenance.designs = static_cast<std::int64_t>(from.samples.designs.size()) - result.model.design_split->designs;
-  describe_origin(provenance, from, options, data, trained.seconds);
+  provenance.designs = static_cast<std::int64_t>(prepared.samples.designs.size()) - result.model.design_split->designs;
+  describe_origin(provenance, prepared, options, data, trained.seconds);
   for (const auto& [name, value] : trained.options) {
     const auto same = std::ranges::find(provenance.options, name, &std::pair<std::string, std::string>::first);
     if (same == provenance.options.end())

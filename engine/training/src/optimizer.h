@@ -10,44 +10,47 @@
 
 namespace supple::training {
 
-/// Adam, and Adam in the eigenbases of each weight matrix's gradient statistics (SOAP; Vyas et al. 2024).
+/// Adam, or Adam in the eigenbases of each weight matrix's gradient statistics (SOAP) [Vyas2024].
 ///
-/// For a matrix W with gradients G, L and R are running means of G G^T and G^T G with eigenvectors Q_L and Q_R; Adam's
-/// moments are those of Q_L^T G Q_R. The bases are renewed every `basis_interval` steps, and both moments go along:
-/// the first as a matrix, the second as the variances of what it was (T o T v for the change of basis T), so that no
-/// direction meets moments of another. Matrices with many columns are split in parts of their own.
+/// For a matrix W with gradients G, L and R are running means of G G^T and G^T G with the eigenvectors Q_L and Q_R.
+/// Adam's moments are those of Q_L^T G Q_R. The bases are updated every 50 steps, and both moments are transformed to
+/// the new bases. With T the change of a basis, the first moment transforms as a matrix. The second moment, which holds
+/// variances, is multiplied by the squared entries of T. Matrices with many columns are split into blocks of columns,
+/// each with its own bases.
 class Optimizer {
  public:
-  /// Steps change `parameters` in place. Matrices among the first `preconditioned` of them have bases, if the kind has
-  /// any, and shrink by learning rate * `weight_decay` in each step (decoupled; Loshchilov and Hutter 2019).
+  /// Steps change `parameters` in place. The matrices among the first `preconditioned` parameters have bases if the
+  /// kind is SOAP. With either kind they have decoupled weight decay: they shrink in each step by the fraction learning
+  /// rate
+  /// * `weight_decay` [Loshchilov2019].
   Optimizer(OptimizerKind kind, Parameters& parameters, std::size_t preconditioned, double weight_decay = 0);
 
   void step(const std::vector<torch::Tensor>& gradients, double learning_rate);
 
-  /// All that the next step depends on, with names.
+  /// All tensors on which the next step depends, with names.
   std::vector<std::pair<std::string, torch::Tensor>> state() const;
-  /// Takes over what `state` gave. Throws "file.unreadable" if a part is missing or has another shape.
+  /// Restores the tensors that `state` returned. Throws "file.unreadable" if one is missing or has another shape.
   void restore(const std::vector<std::pair<std::string, torch::Tensor>>& state, std::int64_t steps);
   std::int64_t steps() const { return steps_; }
 
  private:
-  /// A matrix, a part of one's columns, or a vector.
+  /// A vector, or some columns of a matrix.
   struct Block {
-    std::size_t parameter = 0;
-    std::int64_t column = 0;
+    std::size_t parameter = 0;  ///< index of the vector or matrix in `parameters`
+    std::int64_t column = 0;    ///< first column
     std::int64_t columns = 0;
     bool has_bases = false;
-    bool decays = false;
-    torch::Tensor first;   ///< moment, in the bases
-    torch::Tensor second;  ///< moment
-    torch::Tensor left_statistics;
-    torch::Tensor right_statistics;
+    bool has_weight_decay = false;
+    torch::Tensor first_moment;  ///< both moments are in the bases
+    torch::Tensor second_moment;
+    torch::Tensor left_statistics;   ///< L
+    torch::Tensor right_statistics;  ///< R
     torch::Tensor left_basis;
     torch::Tensor right_basis;
   };
-  static torch::Tensor part(const Block& block, const torch::Tensor& whole);
+  static torch::Tensor block_view(const Block& block, const torch::Tensor& tensor);
   void step(Block& block, const torch::Tensor& gradient, double learning_rate) const;
-  void renew_bases(Block& block) const;
+  void update_bases(Block& block) const;
 
   OptimizerKind kind_;
   Parameters& parameters_;

@@ -8,10 +8,10 @@
 
 namespace supple::training {
 
-/// What each row adds to the loss (see LossKind), from what the network answers and what the simulation says: the
-/// weighted terms of energy, stress and, where there are `directions` (rows x 3), of the tangent along them. The
-/// stiffness along a direction is to be 1 MPa or of that order: its error is not divided by it. Differentiable by the
-/// answer.
+/// The loss of each row (see TrainingOptions), from the network's answer and the simulated values. It is the weighted
+/// sum of the terms of the energy, the stress and, if there are `directions` v (rows x 3), the stiffness v^T C v. The
+/// error of the latter is not divided by its value. Therefore directions must be such that it is about 1 MPa. The loss
+/// is differentiable with respect to the answer.
 torch::Tensor row_losses(const TrainingOptions& options, const Response& answer, const LabelledBatch& rows,
                          const torch::Tensor& directions);
 

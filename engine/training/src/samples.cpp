@@ -15,8 +15,8 @@
 namespace supple::training {
 namespace {
 
-bool usable(const dataset::Row& row, const SampleOptions& options) {
-  return row.stable && row.energy_density >= options.least_energy && row.energy_density <= options.largest_energy &&
+bool is_usable(const dataset::Row& row, const SampleOptions& options) {
+  return row.stable && row.energy_density >= options.min_energy && row.energy_density <= options.max_energy &&
          std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
 }
 
@@ -30,43 +30,43 @@ std::vector<int> shuffled(int n, const char* name, std::int64_t seed) {
   return order;
 }
 
-/// Settings that choose designs and loads, and the bounds that the family had then. All others decide what is
-/// simulated.
-constexpr std::array<std::string_view, 22> choosing{"seed",
-                                                    "lower_bounds",
-                                                    "upper_bounds",
-                                                    "box_margin",
-                                                    "corners",
-                                                    "parameters",
-                                                    "list",
-                                                    "directions",
-                                                    "part_lower",
-                                                    "part_upper",
-                                                    "plan",
-                                                    "tension_paths",
-                                                    "compression_paths",
-                                                    "biaxial_paths",
-                                                    "tension_states",
-                                                    "compression_states",
-                                                    "biaxial_states",
-                                                    "largest_stretch",
-                                                    "smallest_stretch",
-                                                    "largest_biaxial_stretch",
-                                                    "smallest_biaxial_stretch",
-                                                    "first_strain"};
+/// Settings that select designs and loads, and the family's bounds when the data were made. Data sets that differ in
+/// these settings alone are simulated in the same way.
+constexpr std::array<std::string_view, 22> design_settings{"seed",
+                                                           "lower_bounds",
+                                                           "upper_bounds",
+                                                           "box_margin",
+                                                           "corners",
+                                                           "parameters",
+                                                           "list",
+                                                           "directions",
+                                                           "part_lower",
+                                                           "part_upper",
+                                                           "plan",
+                                                           "tension_paths",
+                                                           "compression_paths",
+                                                           "biaxial_paths",
+                                                           "tension_states",
+                                                           "compression_states",
+                                                           "biaxial_states",
+                                                           "largest_stretch",
+                                                           "smallest_stretch",
+                                                           "largest_biaxial_stretch",
+                                                           "smallest_biaxial_stretch",
+                                                           "first_strain"};
 
-dataset::Recipe without_choices(const dataset::Recipe& recipe) {
-  dataset::Recipe kept;
+dataset::Recipe without_design_settings(const dataset::Recipe& recipe) {
+  dataset::Recipe result;
   for (const auto& setting : recipe.settings())
-    if (std::find(choosing.begin(), choosing.end(), setting.name) == choosing.end())
-      kept.set(setting.name, setting.value, setting.unit);
-  return kept;
+    if (std::find(design_settings.begin(), design_settings.end(), setting.name) == design_settings.end())
+      result.set(setting.name, setting.value, setting.unit);
+  return result;
 }
 
-void check_further(const ModelData& data) {
-  const auto wanted = without_choices(data.data.recipe);
+void check_training_only_data(const ModelData& data) {
+  const auto data_recipe = without_design_settings(data.data.recipe);
   for (std::size_t i = 0; i < data.more.size(); ++i) {
-    const auto differing = dataset::differences(wanted, without_choices(data.more[i].recipe));
+    const auto differing = dataset::differences(data_recipe, without_design_settings(data.more[i].recipe));
     if (differing.empty()) continue;
     std::vector<Error::Detail> details;
     details.reserve(differing.size());
@@ -77,28 +77,29 @@ void check_further(const ModelData& data) {
   }
 }
 
-/// Settings on which the stiffness at rest depends.
-constexpr std::array<std::string_view, 9> ruling_rest{"family",        "law",        "youngs_modulus",
-                                                      "poisson_ratio", "mesh_size",  "corner_size",
-                                                      "mesh_region",   "refinement", "beam_width"};
+/// Settings on which the stiffness of an undeformed design depends.
+constexpr std::array<std::string_view, 9> rest_stiffness_settings{"family",        "law",        "youngs_modulus",
+                                                                  "poisson_ratio", "mesh_size",  "corner_size",
+                                                                  "mesh_region",   "refinement", "beam_width"};
 
-/// Those of them that choose the mesh.
-constexpr std::array<std::string_view, 4> meshing{"mesh_size", "corner_size", "mesh_region", "refinement"};
+/// Those settings that determine the mesh.
+constexpr std::array<std::string_view, 4> mesh_settings{"mesh_size", "corner_size", "mesh_region", "refinement"};
 
-dataset::Recipe ruling(const dataset::Recipe& recipe, bool with_mesh = true) {
+dataset::Recipe rest_stiffness_recipe(const dataset::Recipe& recipe, bool with_mesh = true) {
   const auto is_among = [](const auto& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  dataset::Recipe kept;
+  dataset::Recipe result;
   for (const auto& setting : recipe.settings())
-    if (is_among(ruling_rest, setting.name) && (with_mesh || !is_among(meshing, setting.name)))
-      kept.set(setting.name, setting.value, setting.unit);
-  return kept;
+    if (is_among(rest_stiffness_settings, setting.name) && (with_mesh || !is_among(mesh_settings, setting.name)))
+      result.set(setting.name, setting.value, setting.unit);
+  return result;
 }
 
 void check_rest(const ModelData& data) {
   for (std::size_t i = 0; i < data.rest.size(); ++i) {
-    const auto differing = dataset::differences(ruling(data.data.recipe), ruling(data.rest[i].recipe));
+    const auto differing =
+        dataset::differences(rest_stiffness_recipe(data.data.recipe), rest_stiffness_recipe(data.rest[i].recipe));
     if (differing.empty()) continue;
     std::vector<Error::Detail> details;
     details.reserve(differing.size());
@@ -118,24 +119,24 @@ bool within_bounds(const std::vector<double>& parameters, const Samples& samples
 }  // namespace
 
 Samples read_samples(const ModelData& data, const SampleOptions& options) {
-  check_further(data);
+  check_training_only_data(data);
   Samples samples;
   samples.lower = data.data.recipe.numbers("lower_bounds");
   samples.upper = data.data.recipe.numbers("upper_bounds");
   std::vector<const dataset::Row*> rows;
-  int position = 0;
-  const auto add = [&](const dataset::Dataset& set, bool further) {
+  int design_index = 0;
+  const auto add = [&](const dataset::Dataset& set, bool is_training_only) {
     for (const auto& design : set.designs) {
       SampledDesign sampled{design.index, design.parameters, static_cast<int>(rows.size()), 0,
-                            further || !within_bounds(design.parameters, samples)};
+                            is_training_only || !within_bounds(design.parameters, samples)};
       for (std::size_t i = 0; i < design.rows.size(); ++i) {
-        if (!usable(design.rows[i], options)) continue;
+        if (!is_usable(design.rows[i], options)) continue;
         rows.push_back(&design.rows[i]);
-        samples.source.push_back({position, static_cast<int>(i)});
+        samples.source.push_back({design_index, static_cast<int>(i)});
       }
       sampled.count = static_cast<int>(rows.size()) - sampled.first;
       if (sampled.count > 0) samples.designs.push_back(std::move(sampled));
-      ++position;
+      ++design_index;
     }
   };
   add(data.data, false);
@@ -158,7 +159,8 @@ Samples read_samples(const ModelData& data, const SampleOptions& options) {
 }
 
 void check_same_solid(const ModelData& data, const dataset::Dataset& other) {
-  const auto differing = dataset::differences(ruling(data.data.recipe, false), ruling(other.recipe, false));
+  const auto differing =
+      dataset::differences(rest_stiffness_recipe(data.data.recipe, false), rest_stiffness_recipe(other.recipe, false));
   if (!differing.empty())
     throw Error("dataset.different_recipe", "The reference is of another structure: " + differing.front() + ".",
                 {{"reference", differing.front()}});
@@ -167,17 +169,18 @@ void check_same_solid(const ModelData& data, const dataset::Dataset& other) {
 std::vector<RestStiffness> rest_stiffnesses(const dataset::Dataset& data) {
   std::vector<RestStiffness> rest;
   for (const auto& design : data.designs) {
-    const dataset::Row* nearest = nullptr;
-    const auto size = [](const dataset::Row& row) {
+    const dataset::Row* smallest_strain_row = nullptr;
+    const auto strain_norm = [](const dataset::Row& row) {
       return Eigen::Map<const Eigen::Vector3d>(row.green_strain.data()).norm();
     };
     for (const auto& row : design.rows) {
       const bool finite =
           std::all_of(row.tangent.begin(), row.tangent.end(), [](double c) { return std::isfinite(c); });
-      if (finite && (!nearest || size(row) < size(*nearest))) nearest = &row;
+      if (finite && (!smallest_strain_row || strain_norm(row) < strain_norm(*smallest_strain_row)))
+        smallest_strain_row = &row;
     }
-    if (!nearest) continue;
-    const auto& c = nearest->tangent;
+    if (!smallest_strain_row) continue;
+    const auto& c = smallest_strain_row->tangent;
     Eigen::Matrix3d tangent;
     tangent << c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5];
     if (Eigen::LLT<Eigen::Matrix3d>(tangent).info() == Eigen::Success) rest.push_back({design.parameters, tangent});
@@ -200,23 +203,23 @@ Split split(const Samples& samples, const SplitOptions& options) {
   const auto add = [](std::vector<int>& rows, const SampledDesign& design) {
     for (int i = 0; i < design.count; ++i) rows.push_back(design.first + i);
   };
-  std::vector<const SampledDesign*> judges;
+  std::vector<const SampledDesign*> candidates;
   for (const auto& design : samples.designs) {
     if (design.trains_only)
       add(parts.training, design);
     else
-      judges.push_back(&design);
+      candidates.push_back(&design);
   }
-  const auto n = static_cast<int>(judges.size());
-  const int tests = static_cast<int>(std::ceil(options.test * n));
-  const int judged = tests + static_cast<int>(std::ceil(options.validation * n));
+  const auto n = static_cast<int>(candidates.size());
+  const int test_count = static_cast<int>(std::ceil(options.test * n));
+  const int held_out_count = test_count + static_cast<int>(std::ceil(options.validation * n));
   const auto order = shuffled(n, "split of designs", options.seed);
   RandomStream rows("split of rows", static_cast<std::uint64_t>(options.seed));
   for (int i = 0; i < n; ++i) {
-    const auto& design = *judges[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
-    if (i < tests)
+    const auto& design = *candidates[static_cast<std::size_t>(order[static_cast<std::size_t>(i)])];
+    if (i < test_count)
       add(parts.test, design);
-    else if (i < judged)
+    else if (i < held_out_count)
       add(parts.validation, design);
     else
       for (int j = 0; j < design.count; ++j)

@@ -13,8 +13,8 @@
 
 namespace supple::training {
 
-/// What a stiffness branch learns: designs as the network reads them, and the Cholesky factors L* of their stiffness at
-/// rest.
+/// Training data of a stiffness branch: designs as inputs of the network, and the Cholesky factors L* of their
+/// stiffness at rest.
 struct StiffnessTargets {
   Eigen::MatrixXd inputs;                ///< (parameters + features) x designs
   std::vector<Eigen::Matrix3d> factors;  ///< lower triangular, sqrt(MPa)
@@ -22,19 +22,20 @@ struct StiffnessTargets {
   long designs() const { return inputs.cols(); }
 };
 
-/// Designs with the stiffness that they and their images under the options' symmetries have at rest, as far as images
-/// lie where data do (see `usable_image`). Those that lie on a design of `held_out` (indices into the samples') are
-/// left out: nothing of what judges is learned.
+/// The targets of designs and of their images under the options' symmetries. Images are left out unless they lie in the
+/// range of the data (see `usable_image`). `held_out` has indices of designs of the samples. Designs and images that
+/// coincide with one of these are left out, so that the network is not trained on test data.
 StiffnessTargets stiffness_targets(const Samples& samples, const std::vector<RestStiffness>& rest,
                                    const std::vector<int>& held_out, const TrainingOptions& options);
 
-/// Fits a stiffness branch in place, steps of `options.stiffness_batch` designs, by SOAP; `draw_mean` puts the targets'
-/// mean into the last bias first. A design adds log(1 + |L*^-1 L - 1|), the relative error of the energy along all
-/// directions, and a tenth of that of the six outputs, which leads from afar. Of 200 designs and more a twentieth is
-/// kept apart to measure on. Returns nothing if it was cancelled. Steps of 512 designs take 15 ms for three layers of
-/// 128.
+/// Fits a stiffness branch in place by SOAP, with steps of `options.stiffness_batch` designs. With `set_mean_bias` the
+/// mean of the targets becomes the last bias first. The loss of a design is log(1 + |L*^-1 L - I|), where the
+/// Frobenius norm measures the relative error of the energy over all strains, plus a tenth of the mean error of the six
+/// outputs. The latter makes the fit converge from far away. If there are 200 designs or more, a twentieth is held out
+/// to measure errors. Returns nothing if it was cancelled. Steps of 512 designs take 15 ms for three layers of 128
+/// neurons.
 std::optional<StiffnessReport> fit_stiffness(Parameters& branch, const StiffnessTargets& targets,
-                                             const TrainingOptions& options, bool draw_mean,
+                                             const TrainingOptions& options, bool set_mean_bias,
                                              const CancellationToken& cancellation,
                                              const std::function<void(const StiffnessReport&)>& report);
 

@@ -4,12 +4,12 @@
 
 namespace supple::training {
 
-/// The outputs of a stiffness branch, see neural::NetworkShape.
+/// The outputs of a stiffness branch (see neural::Network).
 using StiffnessOutputs = Eigen::Matrix<double, 6, 1>;
 
-/// The outputs that stand for the Cholesky factor L of a stiffness L L^T.
+/// The outputs that represent the Cholesky factor L of a stiffness L L^T.
 StiffnessOutputs outputs_of(const Eigen::Matrix3d& factor);
-/// The reverse.
+/// The Cholesky factor L that the outputs represent.
 Eigen::Matrix3d factor_of(const StiffnessOutputs& outputs);
 
 }  // namespace supple::training

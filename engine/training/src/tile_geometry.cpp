@@ -15,15 +15,16 @@ namespace {
 using neural::FeatureKind;
 using neural::TileGeometry;
 
+/// Fraction of its width by which the parameter box is widened on either side.
 constexpr double box_margin = 0.05;
-/// Designs of the widened box over which features are compared and normalized.
+/// Number of designs in the widened box over which features are compared and normalized.
 constexpr int compared_designs = 512;
-/// Features whose correlation is closer to one are linear functions of each other.
-constexpr double same_feature = 1e-9;
-/// Of a feature over the box: below, it is constant but for rounding.
-constexpr double smallest_spread = 1e-9;
-/// In tiling units.
-constexpr double same_place = 1e-9;
+/// Features are linear functions of each other if their absolute correlation differs from 1 by less than this.
+constexpr double correlation_tolerance = 1e-9;
+/// A feature is constant but for rounding if its standard deviation over the box is not above this.
+constexpr double min_deviation = 1e-9;
+/// Largest distance, in tiling units, of a vertex that is affine in the parameters from its affine prediction.
+constexpr double position_tolerance = 1e-9;
 
 Eigen::Matrix2Xd points_of(const tiling::Tiling& tiling) {
   Eigen::Matrix2Xd points(2, static_cast<long>(tiling.tiles.front().size()) + 2);
@@ -41,42 +42,44 @@ Eigen::Matrix2Xd points_of(const tiling::Tiling& tiling) {
       {{"features", "none for this family"}});
 }
 
-/// Vertices and translations as affine functions, from differences, which are compared with two other designs.
+/// Vertices and translations as affine functions of the parameters, computed from finite differences. Throws unless two
+/// other designs agree with them.
 TileGeometry without_features(const tiling::Family& family) {
   const auto n = family.parameters.size();
   std::vector<double> lower(n);
   std::vector<double> upper(n);
-  std::vector<double> between(n);
+  std::vector<double> interior(n);
   for (std::size_t k = 0; k < n; ++k) {
     lower[k] = family.parameters[k].lower;
     upper[k] = family.parameters[k].upper;
-    between[k] = lower[k] + (0.3 + 0.1 * static_cast<double>(k)) * (upper[k] - lower[k]);
+    interior[k] = lower[k] + (0.3 + 0.1 * static_cast<double>(k)) * (upper[k] - lower[k]);
   }
   const auto tiling = family.shape(lower);
   if (tiling.tiles.size() != 1) throw_not_affine(family);
   const auto points_at = [&](const std::vector<double>& parameters) {
-    const auto there = family.shape(parameters);
-    if (there.tiles.size() != 1 || there.tiles.front().size() != tiling.tiles.front().size()) throw_not_affine(family);
-    return points_of(there);
+    const auto other_tiling = family.shape(parameters);
+    if (other_tiling.tiles.size() != 1 || other_tiling.tiles.front().size() != tiling.tiles.front().size())
+      throw_not_affine(family);
+    return points_of(other_tiling);
   };
   Eigen::Matrix2Xd constant = points_of(tiling);
   const auto at_lower = constant;
-  std::vector<Eigen::Matrix2Xd> by;
+  std::vector<Eigen::Matrix2Xd> derivatives;
   for (std::size_t k = 0; k < n; ++k) {
-    auto moved = lower;
-    moved[k] = upper[k];
-    by.emplace_back((points_at(moved) - at_lower) / (upper[k] - lower[k]));
-    constant -= by.back() * lower[k];
+    auto shifted = lower;
+    shifted[k] = upper[k];
+    derivatives.emplace_back((points_at(shifted) - at_lower) / (upper[k] - lower[k]));
+    constant -= derivatives.back() * lower[k];
   }
-  for (const auto& other : {between, upper}) {
+  for (const auto& other : {interior, upper}) {
     Eigen::Matrix2Xd expected = constant;
-    for (std::size_t k = 0; k < n; ++k) expected += by[k] * other[k];
-    if ((points_at(other) - expected).cwiseAbs().maxCoeff() > same_place) throw_not_affine(family);
+    for (std::size_t k = 0; k < n; ++k) expected += derivatives[k] * other[k];
+    if ((points_at(other) - expected).cwiseAbs().maxCoeff() > position_tolerance) throw_not_affine(family);
   }
   const auto affine = [&](long point) {
     Eigen::Matrix2Xd columns(2, 1 + static_cast<long>(n));
     columns.col(0) = constant.col(point);
-    for (std::size_t k = 0; k < n; ++k) columns.col(1 + static_cast<long>(k)) = by[k].col(point);
+    for (std::size_t k = 0; k < n; ++k) columns.col(1 + static_cast<long>(k)) = derivatives[k].col(point);
     return columns;
   };
   TileGeometry geometry;
@@ -122,22 +125,24 @@ TileGeometry tile_geometry(const tiling::Family& family) {
     }
     values.col(d) = evaluate_features(geometry, parameters, false);
   }
-  std::vector<neural::TileFeature> kept;
-  std::vector<Eigen::VectorXd> shapes;  // of the kept ones, without mean, of length 1
+  std::vector<neural::TileFeature> retained;
+  std::vector<Eigen::VectorXd>
+      retained_profiles;  // values of the retained features, centred and normalized to length 1
   for (long i = 0; i < values.rows(); ++i) {
     auto feature = geometry.features[static_cast<std::size_t>(i)];
     feature.mean = values.row(i).mean();
     const Eigen::VectorXd differences = values.row(i).array() - feature.mean;
     feature.scale = differences.norm() / std::sqrt(static_cast<double>(compared_designs));
-    if (!(feature.scale > smallest_spread)) continue;
-    const Eigen::VectorXd shape = differences.normalized();
-    bool known = false;
-    for (const auto& other : shapes) known = known || 1 - std::abs(shape.dot(other)) < same_feature;
-    if (known) continue;
-    kept.push_back(feature);
-    shapes.push_back(shape);
+    if (!(feature.scale > min_deviation)) continue;
+    const Eigen::VectorXd profile = differences.normalized();
+    bool is_redundant = false;
+    for (const auto& other : retained_profiles)
+      is_redundant = is_redundant || 1 - std::abs(profile.dot(other)) < correlation_tolerance;
+    if (is_redundant) continue;
+    retained.push_back(feature);
+    retained_profiles.push_back(profile);
   }
-  geometry.features = std::move(kept);
+  geometry.features = std::move(retained);
   return geometry;
 }
 

@@ -33,12 +33,13 @@ namespace {
 
 using torch::Tensor;
 
-/// Parts of a batch that are worked on at once. A constant, so that results do not depend on the number of threads.
-constexpr std::size_t shards = 2;
+/// Parts into which each batch is divided, to compute them in parallel. It is a constant, so that results do not depend
+/// on the number of threads.
+constexpr std::size_t shard_count = 2;
 constexpr double warm_up_steps = 100;
 constexpr double checkpoint_seconds = 30;
-/// Share by which a validation must be better than the best to replace it.
-constexpr double least_improvement = 1e-4;
+/// Fraction by which the validation error must fall below the least one before an epoch counts as the best.
+constexpr double min_improvement = 1e-4;
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -60,12 +61,12 @@ class Training {
       network_ = neural::as_trained(*options.start);
       network_.symmetries.clear();
     } else {
-      network_ = draw_network(options.shape, lower, upper, {options.smallest_input_scale, options.largest_input_scale},
-                              options.seed);
+      network_ =
+          draw_network(options.shape, lower, upper, {options.min_input_scale, options.max_input_scale}, options.seed);
       network_.geometry = options.geometry;
     }
     parameters_ = to_parameters(network_, torch::kFloat, device_);
-    best_ = copies(parameters_);
+    best_ = clones(parameters_);
     std::size_t trunk_end = 2 * static_cast<std::size_t>(options.shape.strain_layers + options.shape.parameter_layers +
                                                          options.shape.trunk_layers + 1);
     optimizer_.emplace(options.optimizer, parameters_, trunk_end, options.weight_decay);
@@ -87,14 +88,14 @@ class Training {
     } else {
       const double begin = now();
       if (!fit_stiffness(cancellation, stiffness_report)) return result(false);
-      best_ = copies(parameters_);
+      best_ = clones(parameters_);
       seconds_ = now() - begin;
-      // The fit may take longer than many epochs.
+      // The fit may take as long as many epochs, and is saved before the first one.
       if (!file.empty() && seconds_ > checkpoint_seconds) write_checkpoint(file, checkpoint());
     }
     double begin = now();
     double saved = begin;
-    while (epochs_ < options_.epochs && !patience_lost()) {
+    while (epochs_ < options_.epochs && !patience_exhausted()) {
       const auto interrupted = !run_epoch(cancellation);
       const double time = now();
       seconds_ += time - begin;
@@ -110,22 +111,22 @@ class Training {
     return result(true);
   }
 
-  /// The network with which training begins; empty if it was cancelled.
-  std::optional<neural::Network> first(const CancellationToken& cancellation,
-                                       const std::function<void(const StiffnessReport&)>& report) {
+  /// The network with which training begins. Empty if the fit of the stiffness branch was cancelled.
+  std::optional<neural::Network> initial_network(const CancellationToken& cancellation,
+                                                 const std::function<void(const StiffnessReport&)>& report) {
     if (!fit_stiffness(cancellation, report)) return std::nullopt;
     assign(network_, parameters_);
     return network_;
   }
 
  private:
-  static Parameters copies(const Parameters& parameters) {
-    Parameters made;
-    for (const auto& tensor : parameters) made.push_back(tensor.detach().clone());
-    return made;
+  static Parameters clones(const Parameters& parameters) {
+    Parameters tensors;
+    for (const auto& tensor : parameters) tensors.push_back(tensor.detach().clone());
+    return tensors;
   }
 
-  /// Designs that choosing and judging know.
+  /// Designs of the validation and the test.
   static std::vector<int> held_out(const Samples& samples, const Split& split) {
     std::vector<int> designs;
     for (const auto* rows : {&split.validation, &split.test})
@@ -133,23 +134,23 @@ class Training {
     return designs;
   }
 
-  bool patience_lost() const { return options_.patience > 0 && epochs_ - best_epoch_ >= options_.patience; }
+  bool patience_exhausted() const { return options_.patience > 0 && epochs_ - best_epoch_ >= options_.patience; }
 
-  /// False if it was cancelled.
+  /// Fits the stiffness branch unless it has to stay as it is. Returns false if it was cancelled.
   bool fit_stiffness(const CancellationToken& cancellation, const std::function<void(const StiffnessReport&)>& report) {
     if (options_.shape.form == neural::EnergyForm::softplus || options_.stiffness_steps == 0) return true;
     if (options_.start && rest_.empty()) return true;
     const auto targets =
-        stiffness_targets(samples_, rest_.empty() ? next_to_rest() : rest_, held_out(samples_, split_), options_);
+        stiffness_targets(samples_, rest_.empty() ? tangents_near_rest() : rest_, held_out(samples_, split_), options_);
     if (targets.designs() == 0) return true;
-    const auto first = static_cast<std::ptrdiff_t>(stiffness_begin(options_.shape));
-    Parameters branch(parameters_.begin() + first, parameters_.end());
+    const auto stiffness_offset = static_cast<std::ptrdiff_t>(stiffness_begin(options_.shape));
+    Parameters branch(parameters_.begin() + stiffness_offset, parameters_.end());
     stiffness_ = training::fit_stiffness(branch, targets, options_, !options_.start, cancellation, report);
     return stiffness_.has_value();
   }
 
-  /// The training's tangents next to rest.
-  std::vector<RestStiffness> next_to_rest() const {
+  /// The tangent of each training design at its smallest strain where the tangent is positive definite.
+  std::vector<RestStiffness> tangents_near_rest() const {
     std::vector<RestStiffness> rest;
     for (const auto& design : designs_) {
       int nearest = -1;
@@ -164,9 +165,9 @@ class Training {
   }
 
   static std::vector<Tensor> gradients(const Parameters& leaves) {
-    std::vector<Tensor> made;
-    for (const auto& leaf : leaves) made.push_back(leaf.grad().defined() ? leaf.grad() : torch::zeros_like(leaf));
-    return made;
+    std::vector<Tensor> tensors;
+    for (const auto& leaf : leaves) tensors.push_back(leaf.grad().defined() ? leaf.grad() : torch::zeros_like(leaf));
+    return tensors;
   }
 
   Eigen::Matrix3d tangent_of(int row) const { return neural::symmetric_matrix(samples_.tangent.col(row)); }
@@ -175,13 +176,15 @@ class Training {
   }
 
   double learning_rate(std::int64_t step) const {
-    const double share = static_cast<double>(step) / static_cast<double>(steps_per_epoch() * options_.epochs);
-    const double fall = 0.5 * (1 + std::cos(M_PI * std::min(share, 1.0)));
-    const double rate = options_.last_learning_rate + (options_.learning_rate - options_.last_learning_rate) * fall;
+    const double fraction = static_cast<double>(step) / static_cast<double>(steps_per_epoch() * options_.epochs);
+    const double cosine_factor = 0.5 * (1 + std::cos(M_PI * std::min(fraction, 1.0)));
+    const double rate =
+        options_.final_learning_rate + (options_.learning_rate - options_.final_learning_rate) * cosine_factor;
     return rate * std::min(1.0, static_cast<double>(step) / warm_up_steps);
   }
 
-  /// False if it was interrupted; then nothing of the epoch counts.
+  /// Trains for one epoch. Returns false if it was interrupted; the parameters then contain a part of an epoch and must
+  /// not be saved.
   bool run_epoch(const CancellationToken& cancellation) {
     RandomStream stream(fmt::format("epoch {}", epochs_ + 1), static_cast<std::uint64_t>(options_.seed));
     const auto chunks = shuffled_chunks(designs_, options_.chunk_rows, stream);
@@ -208,7 +211,7 @@ class Training {
   void validate(EpochReport& report) {
     assign(network_, parameters_);
     if (split_.validation.empty()) {
-      best_ = copies(parameters_);
+      best_ = clones(parameters_);
       best_epoch_ = epochs_;
       return;
     }
@@ -217,28 +220,28 @@ class Training {
     report.validation_energy = errors.energy.mean();
     report.validation_stiffness = statistics(errors.stiffness).median;
     if (const double error = report.validation_gradient + report.validation_energy;
-        error < best_error_ * (1 - least_improvement)) {
+        error < best_error_ * (1 - min_improvement)) {
       best_error_ = error;
       best_epoch_ = epochs_;
-      best_ = copies(parameters_);
+      best_ = clones(parameters_);
     }
   }
 
-  /// One step of the optimizer; returns the sum of the rows' losses.
+  /// Makes one step of the optimizer. Returns the sum of the losses of the rows.
   double step(std::span<const Chunk> chunks, bool with_tangents, RandomStream& stream) {
     struct Shard {
       std::span<const Chunk> chunks;
-      std::vector<int> symmetry;  ///< of each chunk
+      std::vector<int> symmetry;  ///< number of the symmetry that is applied to each chunk
       Tensor directions;          ///< unit vectors, rows x 3; undefined without tangents
       std::vector<Tensor> gradients;
       double loss = 0;
     };
-    std::array<Shard, shards> parts;
+    std::array<Shard, shard_count> parts;
     double rows = 0;
     for (const auto& chunk : chunks) rows += static_cast<double>(chunk.rows.size());
-    for (std::size_t s = 0; s < shards; ++s) {
-      const auto begin = s * chunks.size() / shards;
-      parts[s].chunks = chunks.subspan(begin, (s + 1) * chunks.size() / shards - begin);
+    for (std::size_t s = 0; s < shard_count; ++s) {
+      const auto begin = s * chunks.size() / shard_count;
+      parts[s].chunks = chunks.subspan(begin, (s + 1) * chunks.size() / shard_count - begin);
       for (const auto& chunk : parts[s].chunks) {
         const auto& symmetries = data_.symmetries_of(chunk.design);
         parts[s].symmetry.push_back(
@@ -247,13 +250,13 @@ class Training {
       if (!with_tangents || parts[s].chunks.empty()) continue;
       parts[s].directions = unit_vectors(stream, parts[s].chunks).to(data_.tensor_options());
     }
-    parallel_for(static_cast<int>(shards), [&](int s) {
+    parallel_for(static_cast<int>(shard_count), [&](int s) {
       auto& part = parts[static_cast<std::size_t>(s)];
       if (part.chunks.empty()) return;
-      auto leaves = copies(parameters_);
-      // Without gradients frozen parameters rest: their steps are zero.
-      const auto learning = options_.freeze_stiffness ? stiffness_begin(options_.shape) : leaves.size();
-      for (std::size_t i = 0; i < learning; ++i) leaves[i].set_requires_grad(true);
+      auto leaves = clones(parameters_);
+      // Frozen parameters have no gradient. The optimizer gets zeros for them, and its steps are then zero.
+      const auto trainable_count = options_.freeze_stiffness ? stiffness_begin(options_.shape) : leaves.size();
+      for (std::size_t i = 0; i < trainable_count; ++i) leaves[i].set_requires_grad(true);
       const auto loss = loss_of_chunks(leaves, part.chunks, part.symmetry, part.directions);
       (loss / rows).backward();
       part.gradients = gradients(leaves);
@@ -269,18 +272,18 @@ class Training {
       else
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += part.gradients[i];
     }
-    // One transfer from a GPU instead of one for each.
+    // All norms are transferred from a GPU at once.
     std::vector<Tensor> squares;
     squares.reserve(sum.size());
     for (const auto& gradient : sum) squares.push_back(gradient.square().sum());
-    const auto of_gradients = torch::stack(squares).to(torch::kCPU, torch::kDouble);
-    double square = 0;
-    for (std::int64_t i = 0; i < of_gradients.size(0); ++i) square += of_gradients.data_ptr<double>()[i];
-    if (!std::isfinite(square))
+    const auto squared_norms = torch::stack(squares).to(torch::kCPU, torch::kDouble);
+    double squared_norm = 0;
+    for (std::int64_t i = 0; i < squared_norms.size(0); ++i) squared_norm += squared_norms.data_ptr<double>()[i];
+    if (!std::isfinite(squared_norm))
       throw Error("training.diverged",
                   fmt::format("The loss of epoch {} is not finite; a smaller learning rate may help.", epochs_ + 1));
-    if (const double norm = std::sqrt(square); norm > options_.largest_gradient)
-      for (auto& gradient : sum) gradient *= options_.largest_gradient / norm;
+    if (const double norm = std::sqrt(squared_norm); norm > options_.max_gradient_norm)
+      for (auto& gradient : sum) gradient *= options_.max_gradient_norm / norm;
     optimizer_->step(sum, learning_rate(optimizer_->steps() + 1));
     return loss;
   }
@@ -295,7 +298,7 @@ class Training {
     return torch::tensor(numbers, torch::kDouble).reshape({-1, 3});
   }
 
-  /// Sum of the losses of the chunks' rows; of tangents only where there are directions.
+  /// Sum of the losses of the chunks' rows. Tangents are included if `unit_vectors` is defined.
   Tensor loss_of_chunks(const Parameters& parameters, std::span<const Chunk> chunks, std::span<const int> symmetry,
                         const Tensor& unit_vectors) const {
     const auto rows = data_.labelled(chunks, symmetry);
@@ -304,7 +307,7 @@ class Training {
     return row_losses(options_, response(options_.shape, parameters, rows.batch, directions), rows, directions).sum();
   }
 
-  /// What must agree for a checkpoint to be taken up: the options and the rows.
+  /// The identity of this training, which must be that of a checkpoint from which it continues.
   std::vector<std::pair<std::string, std::string>> identity() const {
     return training::identity(samples_, split_, options_, rest_);
   }
@@ -383,7 +386,7 @@ TrainingResult train(const Samples& samples, const Split& split, const TrainingO
                      const std::function<void(const EpochReport&)>& report, const std::vector<RestStiffness>& rest,
                      const std::function<void(const StiffnessReport&)>& stiffness_report) {
   check(options, samples);
-  // LibTorch's own threads would compete with ours.
+  // Threads of LibTorch would compete with those of parallel_for.
   at::set_num_threads(1);
   return Training(samples, split, options, rest).run(checkpoint, cancellation, report, stiffness_report);
 }
@@ -394,9 +397,9 @@ bool export_training(const std::filesystem::path& path, const Samples& samples, 
                      const std::function<void(const StiffnessReport&)>& stiffness_report) {
   check(options, samples);
   at::set_num_threads(1);
-  const auto first = Training(samples, split, options, rest).first(cancellation, stiffness_report);
-  if (first) write_training_set(path, samples, split, options, rest, *first);
-  return first.has_value();
+  const auto initial_network = Training(samples, split, options, rest).initial_network(cancellation, stiffness_report);
+  if (initial_network) write_training_set(path, samples, split, options, rest, *initial_network);
+  return initial_network.has_value();
 }
 
 }  // namespace supple::training

@@ -10,7 +10,7 @@
 namespace supple::training {
 namespace {
 
-/// Tells networks apart.
+/// A number that differs between networks: a weighted sum of their weights and biases.
 double fingerprint(const neural::Network& network) {
   double sum = 0;
   double factor = 1;
@@ -69,8 +69,8 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("chunk_rows", options.chunk_rows);
   add("batch_chunks", options.batch_chunks);
   add("learning_rate", options.learning_rate);
-  add("last_learning_rate", options.last_learning_rate);
-  add("largest_gradient", options.largest_gradient);
+  add("last_learning_rate", options.final_learning_rate);
+  add("largest_gradient", options.max_gradient_norm);
   add("weight_decay", options.weight_decay);
   add("loss", to_string(options.loss));
   add("energy_weight", options.energy_weight);
@@ -79,8 +79,8 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
   add("tangent_begin", options.tangent_begin);
   add("error_floor", options.error_floor);
   add("optimizer", to_string(options.optimizer));
-  add("smallest_input_scale", options.smallest_input_scale);
-  add("largest_input_scale", options.largest_input_scale);
+  add("smallest_input_scale", options.min_input_scale);
+  add("largest_input_scale", options.max_input_scale);
   if (options.start) add("start", fingerprint(*options.start));
   add("stiffness_steps", options.stiffness_steps);
   add("stiffness_batch", options.stiffness_batch);
@@ -93,8 +93,8 @@ std::vector<std::pair<std::string, std::string>> describe(const TrainingOptions&
 }
 
 void check(const TrainingOptions& options, const Samples& samples) {
-  const auto require = [](bool fine, const char* name, const std::string& range) {
-    if (!fine) throw Error("training.invalid_option", fmt::format("{} must be {}.", name, range), {{name, range}});
+  const auto require = [](bool is_met, const char* name, const std::string& range) {
+    if (!is_met) throw Error("training.invalid_option", fmt::format("{} must be {}.", name, range), {{name, range}});
   };
   require(options.shape.parameters == static_cast<int>(samples.lower.size()), "parameters", "the data set's number");
   require(options.shape.width >= 16 && options.shape.width % 16 == 0, "width", "a multiple of 16");
@@ -114,16 +114,16 @@ void check(const TrainingOptions& options, const Samples& samples) {
   require(options.chunk_rows >= 1, "chunk_rows", "at least 1");
   require(options.batch_chunks >= 1, "batch_chunks", "at least 1");
   require(options.learning_rate > 0, "learning_rate", "positive");
-  require(options.last_learning_rate >= 0 && options.last_learning_rate <= options.learning_rate, "last_learning_rate",
-          "from 0 to learning_rate");
-  require(options.largest_gradient > 0, "largest_gradient", "positive");
+  require(options.final_learning_rate >= 0 && options.final_learning_rate <= options.learning_rate,
+          "last_learning_rate", "from 0 to learning_rate");
+  require(options.max_gradient_norm > 0, "largest_gradient", "positive");
   require(options.weight_decay >= 0, "weight_decay", "not negative");
   require(options.energy_weight >= 0 && options.stress_weight >= 0 && options.energy_weight + options.stress_weight > 0,
           "energy_weight", "not negative, nor zero together with stress_weight");
   require(options.tangent_weight >= 0, "tangent_weight", "not negative");
   require(options.error_floor > 0, "error_floor", "positive");
-  require(options.smallest_input_scale > 0 && options.largest_input_scale >= options.smallest_input_scale,
-          "largest_input_scale", "at least smallest_input_scale, both positive");
+  require(options.min_input_scale > 0 && options.max_input_scale >= options.min_input_scale, "largest_input_scale",
+          "at least smallest_input_scale, both positive");
   require(options.validation_interval >= 1, "validation_interval", "at least 1");
   require(options.patience >= 0, "patience", "not negative");
 }

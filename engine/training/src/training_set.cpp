@@ -15,14 +15,14 @@
 namespace supple::training {
 namespace {
 
-using Named = std::vector<std::pair<std::string, std::string>>;
+using NamedValues = std::vector<std::pair<std::string, std::string>>;
 
 constexpr const char* set_layout = "supple training set";
 constexpr const char* trained_layout = "supple trained network";
 constexpr std::int64_t set_version = 1;
 
-/// Numbers that tell the parts of the split in the file.
-enum Part : std::int64_t { training_part, validation_part, test_part, row_test_part };
+/// Numbers that represent the parts of the split in the file.
+enum SplitPart : std::int64_t { training_part, validation_part, test_part, row_test_part };
 
 std::vector<int> held_out(const Samples& samples, const Split& split) {
   std::vector<int> designs;
@@ -31,8 +31,8 @@ std::vector<int> held_out(const Samples& samples, const Split& split) {
   return designs;
 }
 
-Named named_texts(const files::Hdf5Reader& file, const std::string& column) {
-  Named named;
+NamedValues named_texts(const files::Hdf5Reader& file, const std::string& column) {
+  NamedValues named;
   for (const auto& line : file.text_column(column)) {
     const auto equals = line.find('=');
     if (equals == std::string::npos)
@@ -44,8 +44,8 @@ Named named_texts(const files::Hdf5Reader& file, const std::string& column) {
 
 }  // namespace
 
-Named identity(const Samples& samples, const Split& split, const TrainingOptions& options,
-               const std::vector<RestStiffness>& rest) {
+NamedValues identity(const Samples& samples, const Split& split, const TrainingOptions& options,
+                     const std::vector<RestStiffness>& rest) {
   auto all = describe(options);
   const auto number = [](double value) { return fmt::format("{}", value); };
   double sum = 0;
@@ -59,21 +59,21 @@ Named identity(const Samples& samples, const Split& split, const TrainingOptions
   return all;
 }
 
-void require_same(const Named& mine, const Named& theirs, const std::filesystem::path& file) {
-  for (std::size_t i = 0; i < mine.size(); ++i)
-    if (i >= theirs.size() || theirs[i] != mine[i])
+void require_same(const NamedValues& expected, const NamedValues& found, const std::filesystem::path& file) {
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    if (i >= found.size() || found[i] != expected[i])
       throw Error("training.different_options",
-                  fmt::format("{} was begun with {} = {}, not {}.", file.string(), mine[i].first,
-                              i < theirs.size() ? theirs[i].second : "nothing", mine[i].second),
-                  {{mine[i].first, "as in that file, or another file"}});
+                  fmt::format("{} was begun with {} = {}, not {}.", file.string(), expected[i].first,
+                              i < found.size() ? found[i].second : "nothing", expected[i].second),
+                  {{expected[i].first, "as in that file, or another file"}});
 }
 
 void write_training_set(const std::filesystem::path& path, const Samples& samples, const Split& split,
                         const TrainingOptions& options, const std::vector<RestStiffness>& rest,
-                        const neural::Network& first) {
+                        const neural::Network& initial_network) {
   const TrainingData data(samples, options.symmetries, held_out(samples, split), options.geometry, torch::kCPU);
   std::vector<std::int64_t> parts(static_cast<std::size_t>(samples.rows()), training_part);
-  const auto mark = [&](const std::vector<int>& rows, Part part) {
+  const auto mark = [&](const std::vector<int>& rows, SplitPart part) {
     for (const int row : rows) parts[static_cast<std::size_t>(row)] = part;
   };
   mark(split.validation, validation_part);
@@ -94,7 +94,7 @@ void write_training_set(const std::filesystem::path& path, const Samples& sample
     file.column("options", lines);
     file.value("parameters", static_cast<std::int64_t>(samples.lower.size()));
     Checkpoint::Tensors tensors;
-    for (const auto& tensor : to_parameters(first, torch::kFloat, torch::kCPU))
+    for (const auto& tensor : to_parameters(initial_network, torch::kFloat, torch::kCPU))
       tensors.emplace_back(std::to_string(tensors.size()), tensor);
     write_tensors(file, "network", tensors);
     file.column("part_of_row", parts, 0, {.single_precision = false, .compressed = true});
@@ -110,24 +110,25 @@ void write_training_set(const std::filesystem::path& path, const Samples& sample
   files::move_into_place(unfinished, path);
 }
 
-TrainedElsewhere read_trained(const std::filesystem::path& path, const Samples& samples, const Split& split,
-                              const TrainingOptions& options, const std::vector<RestStiffness>& rest) {
+ImportedNetwork read_trained(const std::filesystem::path& path, const Samples& samples, const Split& split,
+                             const TrainingOptions& options, const std::vector<RestStiffness>& rest) {
   const files::Hdf5Reader file(path);
   if (file.text_attribute("/", "layout") != trained_layout || file.integer_attribute("/", "version") != set_version)
     throw Error("file.unreadable", path.string() + ": it is no trained network, or one of another version.");
   require_same(identity(samples, split, options, rest), named_texts(file, "options"), path);
-  TrainedElsewhere trained;
+  ImportedNetwork trained;
   trained.options = named_texts(file, "training");
   trained.seconds = file.real("seconds");
   const Eigen::Map<const Eigen::VectorXd> lower(samples.lower.data(), static_cast<long>(samples.lower.size()));
   const Eigen::Map<const Eigen::VectorXd> upper(samples.upper.data(), static_cast<long>(samples.upper.size()));
   trained.network = draw_network(options.shape, lower, upper, {}, options.seed);
   trained.network.geometry = options.geometry;
-  const auto shapes = to_parameters(trained.network, torch::kFloat, torch::kCPU);
+  const auto expected_tensors = to_parameters(trained.network, torch::kFloat, torch::kCPU);
   Parameters parameters;
   for (const auto& [name, tensor] : read_tensors(file, "network")) parameters.push_back(tensor);
-  bool fits = parameters.size() == shapes.size();
-  for (std::size_t i = 0; fits && i < shapes.size(); ++i) fits = parameters[i].sizes() == shapes[i].sizes();
+  bool fits = parameters.size() == expected_tensors.size();
+  for (std::size_t i = 0; fits && i < expected_tensors.size(); ++i)
+    fits = parameters[i].sizes() == expected_tensors[i].sizes();
   if (!fits) throw Error("file.unreadable", path.string() + ": its network has another shape.");
   assign(trained.network, parameters);
   neural::validate(trained.network);

@@ -23,7 +23,7 @@ namespace {
 using dataset::Dataset;
 using testing::TemporaryFolder;
 
-/// Small loads on the coarsest mesh: a design takes about a tenth of a second.
+/// Options with small loads on the coarsest mesh. A design takes about a tenth of a second.
 DatasetOptions quick(std::int64_t designs) {
   DatasetOptions options;
   options.family = "IH01";
@@ -32,14 +32,14 @@ DatasetOptions quick(std::int64_t designs) {
   options.simulation.mesh.mesh_size = 1;
   options.loads.tension_paths = options.loads.compression_paths = options.loads.biaxial_paths = 1;
   options.loads.tension_states = options.loads.compression_states = options.loads.biaxial_states = 2;
-  options.loads.largest_stretch = 1.02;
-  options.loads.smallest_stretch = 0.98;
-  options.loads.largest_biaxial_stretch = 1.02;
-  options.loads.smallest_biaxial_stretch = 0.98;
+  options.loads.max_stretch = 1.02;
+  options.loads.min_stretch = 0.98;
+  options.loads.max_biaxial_stretch = 1.02;
+  options.loads.min_biaxial_stretch = 0.98;
   return options;
 }
 
-/// Compares everything but times, which no two runs share.
+/// Compares everything except times, which differ from run to run.
 void expect_same(const Dataset& a, const Dataset& b) {
   const auto timeless = [](dataset::Design design) {
     design.seconds = 0;
@@ -131,7 +131,7 @@ TEST_F(DatasetMaker, GoesOnWhereItWasStopped) {
 TEST_F(DatasetMaker, LeavesAFinishedFileAsItIs) {
   make_dataset(quick(1), folder / "data.h5");
   const auto written = std::filesystem::last_write_time(folder / "data.h5");
-  // A run that was killed between the file's appearance and the end of its journal.
+  // A journal remains if a run is killed after it wrote the file and before it removed its journal.
   { const dataset::Journal journal(dataset::journal_path(folder / "data.h5"), recipe_of(quick(1)), {0, 1, 0, 1}); }
   const auto again = make_dataset(quick(1), folder / "data.h5");
   EXPECT_TRUE(again.finished);
@@ -164,7 +164,7 @@ TEST_F(DatasetMaker, RecordsADesignThatTheEngineRefuses) {
   EXPECT_TRUE(data.designs[0].rows.empty());
 }
 
-/// A data set of an older engine, of which only some designs are still what the present one computes.
+/// Data sets of an older engine, of which the present one computes some designs differently.
 class RenewedDataset : public DatasetMaker {
  protected:
   void SetUp() override {
@@ -194,11 +194,11 @@ TEST_F(RenewedDataset, KeepsWhatTheEngineStillComputes) {
 
 TEST_F(RenewedDataset, SimulatesAnewWhereStressNextToRestHasChanged) {
   for (dataset::Row& row : old.designs[1].rows) row.stress[0] *= 1.01;
-  // Of one kind of load alone: the last path's first state.
+  // For one kind of load alone: the first state of the last path has changed.
   for (dataset::Row& row : old.designs[3].rows) {
     if (row.path == 2 && row.position == 0) row.stress[1] += 0.01 * std::abs(row.stress[1]) + 1e-6;
   }
-  // Less than the tolerance.
+  // This change is less than the tolerance.
   for (dataset::Row& row : old.designs[4].rows) row.stress[0] *= 1.0001;
   const RenewResult result = renew_dataset(old, {}, folder / "new.h5");
   EXPECT_EQ(result.designs, 5);

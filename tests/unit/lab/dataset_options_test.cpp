@@ -26,7 +26,7 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   options.shards = 3;
   options.corners = false;
   options.loads.kind = PlanKind::grid;
-  options.loads.largest_stretch = 1.3;
+  options.loads.max_stretch = 1.3;
   options.simulation.mesh.mesh_size = 0.77;
   options.simulation.contact = microscale::Switch::off;
   options.simulation.material.law = microscale::Law::incompressible_plane_stress;
@@ -37,7 +37,7 @@ TEST(DatasetOptions, ComeBackFromTheRecipeTheyBecame) {
   const DatasetOptions back = options_of(recipe, selection_of(options));
   EXPECT_EQ(recipe_of(back), recipe);
   EXPECT_EQ(selection_of(back), selection_of(options));
-  EXPECT_EQ(back.loads.largest_stretch, 1.3);
+  EXPECT_EQ(back.loads.max_stretch, 1.3);
   EXPECT_EQ(back.simulation.contact, microscale::Switch::off);
   EXPECT_EQ(back.simulation.material.law, microscale::Law::incompressible_plane_stress);
   EXPECT_FALSE(back.simulation.tangents);

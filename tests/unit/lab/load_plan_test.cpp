@@ -159,7 +159,7 @@ TEST(LoadPlan, GivesTheEngineTheSameStretches) {
 TEST(LoadPlan, RefusesOptionsOutOfRangeAndNamesEach) {
   LoadPlanOptions options;
   options.tension_states = 0;
-  options.smallest_stretch = 1.1;
+  options.min_stretch = 1.1;
   try {
     check(options);
     FAIL() << "accepted";

@@ -32,7 +32,7 @@ def main() -> int:
         batches = training.batches
         symmetry = torch.from_numpy(file["symmetry"][:])
         batches.input_of[0] = symmetry * batches.designs + batches.chunk_design
-        batches.row_of[0] = batches.rows[batches.positions] + symmetry.unsqueeze(1) * batches.all_rows
+        batches.row_of[0] = batches.rows[batches.positions] + symmetry.unsqueeze(1) * batches.row_count
         batches.mask_of[0] = batches.masks
         batches.unit_of[0] = torch.from_numpy(file["unit"][:].astype(np.float32)).reshape(batches.unit_of[0].shape)
         batches.next.zero_()

@@ -1,5 +1,5 @@
-// A step of the training where tensors have shapes and a device but no numbers: LibTorch refuses operations between
-// devices, so that one tensor that is made in the wrong place is found without a GPU.
+// A training step with tensors that have shapes and a device but no data. LibTorch refuses operations between devices.
+// The test therefore finds, without a GPU, any tensor that is created on the wrong device.
 #include <gtest/gtest.h>
 #include <torch/library.h>
 #include <torch/torch.h>
@@ -17,7 +17,7 @@
 namespace supple::training {
 namespace {
 
-// LibTorch 1.13 lacks these operations on tensors without numbers; later versions have their own.
+// LibTorch 1.13 lacks these operations for tensors without data. Later versions have them.
 #if TORCH_VERSION_MAJOR < 2
 torch::Tensor select_without_numbers(const torch::Tensor& from, std::int64_t dimension, const torch::Tensor& index) {
   TORCH_CHECK(from.device() == index.device(), "index_select: tensors on two devices");

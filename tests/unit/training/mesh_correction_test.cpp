@@ -16,7 +16,7 @@ namespace {
 
 constexpr int parameters = 2;
 
-/// A network whose stiffness at rest is that of its stiffness branch.
+/// A network whose stiffness at zero strain is that of its stiffness branch alone.
 neural::Model exact_model() {
   neural::NetworkShape shape;
   shape.width = 16;
@@ -33,7 +33,7 @@ neural::Model exact_model() {
   return model;
 }
 
-/// Small, and other for each output: a mesh errs by some per cent.
+/// A correction that differs for each output, and changes stiffnesses by some per cent, as the error of a mesh does.
 Eigen::MatrixXd small_correction() {
   RandomStream random("correction", 3);
   Eigen::MatrixXd correction(6, 6);
@@ -47,7 +47,7 @@ Eigen::Matrix3d tangent_at_rest(const neural::Network& network, const std::vecto
   return neural::symmetric_matrix(rest.tangent.col(0));
 }
 
-/// The network's stiffness of random designs at rest, as if it was simulated.
+/// A data set of random designs at rest, with the network's stiffness in place of a simulated one.
 dataset::Dataset designs_at_rest(const neural::Network& network, int designs, const char* family = "IH21") {
   dataset::Dataset data;
   data.recipe.set("family", std::string(family));
@@ -83,8 +83,8 @@ TEST_F(MeshCorrection, GivesTheStiffnessOfTheReferenceAtRest) {
   EXPECT_LT((corrected.network.mesh_correction - finer.mesh_correction).norm(), 1e-10);
   EXPECT_FALSE(corrected.calibration.has_value()) << "its bars were those of the network as it was trained";
   EXPECT_EQ(report.designs, 60);
-  EXPECT_GT(report.mesh.median, 1e-4);
-  EXPECT_LT(report.corrected.quantile90, 1e-10);
+  EXPECT_GT(report.uncorrected.median, 1e-4);
+  EXPECT_LT(report.corrected.percentile_90, 1e-10);
   const std::vector<double> other{0.35, 2.6};
   const Eigen::Matrix3d wanted = tangent_at_rest(finer, other);
   EXPECT_LT((tangent_at_rest(corrected.network, other) - wanted).norm(), 1e-10 * wanted.norm());
@@ -102,7 +102,8 @@ TEST_F(MeshCorrection, PairsDesignsByTheirParametersAndPassesOverOthers) {
 }
 
 TEST_F(MeshCorrection, IsJudgedByDesignsThatHadNoPartInIt) {
-  // Scatter that no polynomial of the parameters explains is left over, and about as much for any number of designs.
+  // The scatter is not a polynomial of the parameters. It remains as an error that hardly depends on the number of
+  // designs.
   auto reference = designs_at_rest(finer, 60);
   RandomStream random("scatter", 9);
   for (auto& design : reference.designs) {

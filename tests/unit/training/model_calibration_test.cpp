@@ -20,8 +20,8 @@
 namespace supple::training {
 namespace {
 
-/// Standard deviation of the relative errors of the stress that the data below are made with: ten times larger in one
-/// half of the box.
+/// Standard deviation of the relative errors of the stress in the data below. It is ten times larger in one half of the
+/// box.
 double spread_at(const std::vector<double>& parameters) { return parameters[0] < 0 ? 0.004 : 0.04; }
 
 neural::Model bent_model() {
@@ -40,8 +40,8 @@ neural::Model bent_model() {
   return model;
 }
 
-/// Uniaxial states of the network as if simulated, but for errors of known size, `times` those above: what calibration
-/// is to find.
+/// Uniaxial states of the network with random errors, in place of simulated ones. The calibration has to find the
+/// standard deviation of the errors, which is `times` spread_at.
 dataset::Dataset data_with_errors(const neural::Model& model, int designs, std::uint64_t seed = 1, double times = 1) {
   dataset::Dataset data;
   data.recipe.set("family", std::string("IH21"));
@@ -61,7 +61,7 @@ dataset::Dataset data_with_errors(const neural::Model& model, int designs, std::
       const auto states = neural::uniaxial_path(evaluator, prepared, p == 0 ? direction : -direction, strains);
       for (std::int32_t k = 0; k < 5; ++k) {
         const auto& state = states[static_cast<std::size_t>(k)];
-        // The error is relative to what the network says.
+        // The error is relative to the network's value.
         const double factor = 1 + times * spread_at(design.parameters) * random.normal();
         dataset::Row row;
         row.path = p;
@@ -101,7 +101,7 @@ TEST_F(Calibrate, BarsAreAsLongAsTheErrorsAndHoldOnDesignsThatTheyHaveNotSeen) {
   EXPECT_EQ(judged.states, 1000);
   EXPECT_NEAR(judged.share, 0.9, 0.03);
   for (const double share : judged.observed) EXPECT_NEAR(share, 0.9, 0.1);
-  // 90 % of normal errors are within 1.645 deviations.
+  // 90 % of normally distributed errors are within 1.645 standard deviations.
   const neural::Evaluator evaluator(model.network);
   RandomStream random("other designs", 1);
   std::vector<double> narrow;
@@ -136,7 +136,7 @@ TEST_F(Calibrate, BarsAreAsLongAsTheErrorsAndHoldOnDesignsThatTheyHaveNotSeen) {
   EXPECT_NEAR(median(wide), 1.645 * 0.04, 0.5 * 1.645 * 0.04);
 }
 
-/// The bar of the stress at a state of a design.
+/// The error bar of the stress of a design at a uniaxial strain of 0.05.
 double stress_bar(const neural::Model& model, const std::vector<double>& parameters, neural::Origin origin) {
   const neural::Evaluator evaluator(model.network);
   const auto design = evaluator.design(parameters);
@@ -150,17 +150,18 @@ double stress_bar(const neural::Model& model, const std::vector<double>& paramet
 }
 
 TEST_F(Calibrate, ReferencesJudgeTheCorrectedNetworkAndTheDataTheOneThatTheyTaught) {
-  // The mesh of the data makes energies a tenth too large.
+  // The model's correction assumes that the mesh of the data makes energies a tenth too large.
   auto corrected = model;
   corrected.network.mesh_correction.setZero(6, 6);
   corrected.network.mesh_correction.col(0).head<3>().setConstant(0.5 * std::log(0.9));
-  References references;
+  ReferenceData references;
   for (const std::uint64_t seed : {7, 8}) references.drawn.push_back(data_with_errors(corrected, 60, seed, 2));
   const auto result = calibrate(corrected, data, {}, references).model;
   const auto& judged = result.calibration->of(neural::Quantity::stress).given.judged;
   EXPECT_EQ(judged.designs, 120);
   EXPECT_NEAR(judged.share, 0.9, 0.03);
-  // Twice the spread of the data's own errors, and nothing of the tenth.
+  // The bars show twice the spread of the data's errors, which the references have. The error of the mesh is not in
+  // them.
   EXPECT_NEAR(stress_bar(result, {-0.5, 0}, neural::Origin::given), 1.645 * 0.008, 0.4 * 1.645 * 0.008);
   EXPECT_NEAR(stress_bar(result, {0.5, 0}, neural::Origin::given), 1.645 * 0.08, 0.4 * 1.645 * 0.08);
   EXPECT_EQ(stress_bar(result, {0.5, 0}, neural::Origin::searched),
@@ -168,7 +169,7 @@ TEST_F(Calibrate, ReferencesJudgeTheCorrectedNetworkAndTheDataTheOneThatTheyTaug
 }
 
 TEST_F(Calibrate, DesignsThatSearchesHaveFoundHaveBarsOfTheirOwn) {
-  References references{{data_with_errors(model, 120, 7)}, {data_with_errors(model, 100, 9, 3)}};
+  ReferenceData references{{data_with_errors(model, 120, 7)}, {data_with_errors(model, 100, 9, 3)}};
   const auto result = calibrate(model, data, {}, references).model;
   const auto& scale = result.calibration->of(neural::Quantity::stress);
   EXPECT_EQ(scale.searched.judged.designs, 100);
@@ -181,7 +182,7 @@ TEST_F(Calibrate, DesignsThatSearchesHaveFoundHaveBarsOfTheirOwn) {
 }
 
 TEST_F(Calibrate, ReferencesOfAnotherStructureAreRefused) {
-  References references{{data_with_errors(model, 20, 7)}, {}};
+  ReferenceData references{{data_with_errors(model, 20, 7)}, {}};
   references.drawn.front().recipe = {};
   references.drawn.front().recipe.set("family", std::string("IH22"));
   testing::expect_error("dataset.different_recipe", [&] { (void)calibrate(model, data, {}, references); });
@@ -225,7 +226,7 @@ TEST_F(Calibrate, ThePictureHasACurveOfEachQuantityInBothCharts) {
 }
 
 TEST(ConformalOffsets, AreQuantilesOfGroupsOfLikeRatings) {
-  // Ratings 0 ... 9; the log errors are above them by 1 ... 5 in the lower half and by 10 ... 50 in the upper one.
+  // The ratings are 0 ... 9. The log errors exceed them by 1 ... 5 in the lower half and by 10 ... 50 in the upper one.
   Eigen::VectorXd ratings(10);
   Eigen::VectorXd logarithms(10);
   for (int i = 0; i < 10; ++i) {
@@ -253,7 +254,7 @@ TEST(ErrorRegression, AFitDoesNotKnowTheFoldsThatAreLeftOut) {
   const ErrorRegression all(observed, 4, 0, scale);
   const auto without = all.fit(1, 2);
   const auto ratings = all.rate(without, 1);
-  for (Eigen::Index i = 0; i < ratings.size(); ++i) EXPECT_NEAR(ratings[i], all.logarithms(1)[i], 0.25);
+  for (Eigen::Index i = 0; i < ratings.size(); ++i) EXPECT_NEAR(ratings[i], all.log_errors(1)[i], 0.25);
   for (int i = 0; i < 400; ++i)
     if (i % 4 == 1 || i % 4 == 2) observed.error[i] = 1;
   const ErrorRegression other(observed, 4, 0, scale);

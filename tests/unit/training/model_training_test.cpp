@@ -17,7 +17,7 @@
 namespace supple::training {
 namespace {
 
-/// Rest stiffness of a structure, simulated.
+/// The simulated tangent stiffness of an undeformed structure, MPa.
 Eigen::Matrix3d rest_stiffness(const tiling::Family& family, const Eigen::VectorXd& p) {
   microscale::SimulationOptions options;
   options.mesh.mesh_size = 0.5;
@@ -56,7 +56,7 @@ TEST(EnergySymmetries, AreAsManyAsTheFamilysDistinctOrientations) {
   EXPECT_EQ(count("IH67"), 1U) << "a mirror of each tile";
 }
 
-/// Designs that are samples of nothing, but enough to be split.
+/// Designs with invented rows, as many as a split needs.
 dataset::Dataset drawn_data(int designs) {
   dataset::Dataset data;
   data.recipe.set("lower_bounds", std::vector<double>{-1, -1});
@@ -96,7 +96,7 @@ TEST(Narrowed, AModelEndsWhereItsDataEndAndHasTheSameValues) {
   ModelData data{drawn_data(60), {}};
   data.data.designs[0].parameters = {0.97, -1};
   data.data.designs[1].parameters = {0.5, 0.98};
-  // Structures of small first parameters could not be simulated.
+  // Structures whose first parameter is small have no rows, as if they could not be simulated.
   double least = 1;
   for (auto& design : data.data.designs) {
     if (design.parameters[0] < -0.5) design.rows.clear();
@@ -168,7 +168,7 @@ TEST(ReadSamples, FurtherDataTrainAndLeaveTheHeldOutDesignsAsTheyAre) {
   auto further = drawn_data(25);
   further.recipe.set("seed", std::int64_t{2});
   further.recipe.set("part_lower", std::vector<double>{0, 0});
-  // The family has got wider bounds since.
+  // The further data were made later, when the family had wider bounds.
   further.recipe.set("upper_bounds", std::vector<double>{2, 1});
   const ModelData both{drawn_data(60), {further, drawn_data(5)}};
   const auto few = read_samples(alone);

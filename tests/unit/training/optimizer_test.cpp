@@ -20,7 +20,8 @@ Tensor random_matrix(long rows, long columns, std::uint64_t seed) {
   return torch::tensor(numbers).reshape({rows, columns});
 }
 
-/// |A (W - W*) B|^2 with badly scaled A and B that mix all entries: Adam's axes do not fit it.
+/// The function |A (W - W*) B|^2 with ill-conditioned A and B. Its principal axes are not those of the entries of W, so
+/// that Adam's scaling of entries does not help.
 struct Bowl {
   Tensor a = scaled(random_matrix(32, 32, 1));
   Tensor b = scaled(random_matrix(16, 16, 2));

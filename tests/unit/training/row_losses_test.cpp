@@ -15,7 +15,8 @@ Tensor numbers(const std::vector<double>& values, at::IntArrayRef shape) {
   return torch::tensor(values, torch::kDouble).reshape(shape);
 }
 
-/// Two rows: the first errs by 1/4 in energy, 3/5 in stress and 1/2 along its direction, the second by 2, 1 and 0.
+/// Two rows. The relative errors of energy and stress are 1/4 and 3/5 for the first, 2 and 1 for the second. The errors
+/// of the stiffness along a direction are 1/2 and 0.
 struct TwoRows {
   LabelledBatch truth{{},
                       numbers({4, 1}, {2}),
@@ -47,7 +48,7 @@ TEST(RowLosses, TheSquaredOneIsTheThesisesSumOfSquares) {
   losses = row_losses(options, rows.answer, rows.truth, rows.directions);
   EXPECT_NEAR(at(losses, 0), 2 * 0.0625 + 3 * 0.36 + 0.5 * 0.25, 1e-14);
   EXPECT_NEAR(at(losses, 1), 11, 1e-14);
-  // The floor is the robust loss's.
+  // Only the robust loss depends on the floor.
   options.error_floor = 7;
   EXPECT_TRUE(torch::equal(row_losses(options, rows.answer, rows.truth, rows.directions), losses));
 }
@@ -57,7 +58,7 @@ TEST(RowLosses, TheRobustOneIsALogarithmAboveTheFloor) {
   const auto losses = row_losses(options_of(LossKind::robust), rows.answer, rows.truth, rows.directions);
   const auto term = [](double error) { return std::log(1 + std::sqrt(error * error + 0.75 * 0.75)); };
   EXPECT_NEAR(at(losses, 0), 2 * term(0.25) + 3 * term(0.6) + 0.5 * term(0.5), 1e-14);
-  // sqrt(1 + 0.5625) = 1.25 and log(1 + 0.75) at no error.
+  // sqrt(1 + 0.5625) = 1.25 for the stress, and log(1 + 0.75) for the stiffness without error.
   EXPECT_NEAR(at(losses, 1), 2 * term(2) + 3 * std::log(2.25) + 0.5 * std::log(1.75), 1e-14);
 }
 

@@ -1,4 +1,4 @@
-// LibTorch's automatic differentiation is the oracle of the evaluator and of the kernels that train.
+// Compares the evaluator and the kernels of the training with LibTorch's automatic differentiation.
 #include "torch_network.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ Tensor column_tensor(const Eigen::VectorXd& values) {
 
 double largest(const Tensor& tensor) { return tensor.abs().max().item<double>(); }
 
-/// All derivatives of one strain's energy by autograd in double precision.
+/// All derivatives of the energy at one strain agree with those of automatic differentiation in double precision.
 TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
   const auto parameters = to_parameters(network, torch::kDouble, torch::kCPU);
   const neural::Evaluator evaluator(network);
@@ -65,7 +65,7 @@ TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
     auto strain = column_tensor(e).set_requires_grad(true);
     auto inputs = 2 * (raw - lower) / (upper - lower) - 1;
     if (network.shape.features > 0) {
-      // Features as their tangent plane: what LibTorch sees of them are their values and derivatives here.
+      // LibTorch gets the features linearized at p, which have the right values and first derivatives there.
       const auto features = evaluate_features(network.geometry, at, true);
       const Eigen::MatrixXd slopes = features.rightCols(3);
       inputs = torch::cat({inputs, column_tensor(features.col(0))});
@@ -96,7 +96,7 @@ TEST_P(TorchNetwork, EvaluatorAgreesWithAutogradInDoublePrecision) {
         for (int k = 0; k < 3; ++k)
           EXPECT_NEAR(answer.tangent_by_parameters(3 * pair[i][j] + k, 0), third[1][k].item<double>(),
                       tolerance * largest(third[1]));
-        // Third derivatives 1jk: the others are among them by symmetry, or follow from the same channels.
+        // Third derivatives 1jk are enough. The others equal them by symmetry, or are computed by the same channels.
         for (int k = j; i == 0 && k < 3; ++k)
           EXPECT_NEAR(answer.third(pair[j][k], 0), third[0][k].item<double>(), tolerance * largest(third[0]));
       }
@@ -115,7 +115,7 @@ Batch random_batch(torch::Dtype type, int inputs) {
 TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
   const auto batch = random_batch(torch::kFloat, network.shape.design_inputs());
   const auto exact_batch = random_batch(torch::kDouble, network.shape.design_inputs());
-  // Of each row its own.
+  // Each row has its own direction.
   const auto directions = torch::rand({40, 3}, torch::kDouble) - 0.4;
   auto ours = to_parameters(network, torch::kFloat, torch::kCPU);
   auto exact = to_parameters(network, torch::kDouble, torch::kCPU);
@@ -129,7 +129,7 @@ TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
   close(a.energy, b.energy, 2e-5, "energy");
   close(a.stress, b.stress, 2e-5, "stress");
   close(a.stiffness, b.stiffness, 2e-4, "stiffness");
-  // One scalar that mixes all answers with fixed weights.
+  // The gradients of a scalar are compared that depends on all answers, with fixed weights.
   const auto weights = torch::linspace(-1, 1, 40, torch::kDouble);
   const auto mix = [&](const Response& r) {
     const auto w = weights.to(r.energy.scalar_type());
@@ -143,7 +143,7 @@ TEST_P(TorchNetwork, TrainingKernelsAgreeWithAutograd) {
   }
 }
 
-/// What a GPU trains with: the same jets without our kernels.
+/// A GPU computes jets without our kernels.
 TEST_P(TorchNetwork, JetsWithoutOurKernelsAgreeWithAutograd) {
   const auto batch = random_batch(torch::kDouble, network.shape.design_inputs());
   const auto directions = torch::rand({40, 3}, torch::kDouble) - 0.4;

@@ -21,7 +21,7 @@ TrainingOptions small_options(int epochs) {
   options.shape.parameters = 1;
   options.shape.stiffness_width = 16;
   options.epochs = epochs;
-  options.largest_input_scale = 4;
+  options.max_input_scale = 4;
   options.validation_interval = 2;
   return options;
 }
@@ -139,7 +139,7 @@ TEST(Training, ACheckpointOfOtherOptionsIsRefusedByName) {
 
 TEST(Training, EndsEarlyWhereValidationNoLongerFalls) {
   auto options = small_options(400);
-  options.learning_rate = options.last_learning_rate = 1e-12;
+  options.learning_rate = options.final_learning_rate = 1e-12;
   options.patience = 6;
   const auto result = train(samples(), parts(), options, {}, {}, ignore);
   EXPECT_TRUE(result.finished);
@@ -175,7 +175,8 @@ TEST(Training, TheSquaredLossLearnsTooAndIsAnotherTraining) {
 
 TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
   const auto result = train(samples(), parts(), small_options(2), {}, {}, ignore);
-  // Data that the network itself made, energies, stresses and tangents then raised by one, two and three percent.
+  // The data are made so that the network's energies, stresses and tangents are too large by one, two and three per
+  // cent.
   auto made = samples();
   const neural::Evaluator evaluator(result.network);
   for (const auto& design : made.designs) {
@@ -185,7 +186,7 @@ TEST(ModelErrors, AreThoseOfTheRowsThatCount) {
     made.stress.middleCols(design.first, design.count) = answer.stress / 1.02;
     made.tangent.middleCols(design.first, design.count) = answer.tangent / 1.03;
   }
-  made.energy[3] = 0.5 * least_judged_energy;
+  made.energy[3] = 0.5 * min_evaluated_energy;
   const auto errors = row_errors(result.network, made, {0, 3, 25, 700});
   EXPECT_EQ(errors.rows, (std::vector{0, 25, 700}));
   for (long i = 0; i < 3; ++i) {

@@ -10,13 +10,13 @@
 namespace supple::training {
 namespace {
 
-/// Shears to the other side, of the parameter mirrored in the middle of its box.
+/// A symmetry that changes the sign of the shear strain and reflects the parameter in the middle of its box.
 EnergySymmetry mirror(const Samples& samples) {
   return {Eigen::Vector3d(1, 1, -1).asDiagonal(), -Eigen::MatrixXd::Identity(1, 1),
           Eigen::VectorXd::Constant(1, samples.lower[0] + samples.upper[0])};
 }
 
-/// Mapped to [-1, 1].
+/// Sets the parameter of a design, which is given mapped to [-1, 1].
 void place(Samples& samples, std::size_t design, double mapped) {
   samples.designs[design].parameters[0] = samples.lower[0] + 0.5 * (mapped + 1) * (samples.upper[0] - samples.lower[0]);
 }
@@ -39,7 +39,7 @@ TEST(TrainingData, SeesAChunkThroughASymmetryOfStrainAndParameters) {
   EXPECT_TRUE(torch::allclose(seen.tangent, plain.tangent * signs.unsqueeze(0) * signs.unsqueeze(1)));
 }
 
-/// v^T C v of C's image of each unit vector under the whitening.
+/// v^T C v of the image v of each unit vector under the whitening.
 torch::Tensor costs(const LabelledBatch& seen, const torch::Tensor& unit_vectors) {
   const auto v = (seen.whitening * unit_vectors.unsqueeze(1)).sum(2);
   return (seen.tangent * v.unsqueeze(1)).sum(2).mul(v).sum(1);
@@ -47,7 +47,8 @@ torch::Tensor costs(const LabelledBatch& seen, const torch::Tensor& unit_vectors
 
 TEST(TrainingData, WhitensDirectionsThroughAnySymmetry) {
   auto samples = law_samples(3, 6, 1);
-  // Soft along one strain, stiff along another; and past buckling, where one eigenvalue is negative.
+  // The first tangent is soft along one strain and stiff along another. The second has a negative eigenvalue, as after
+  // buckling.
   samples.tangent.col(0) << 100, 99, 0, 100, 0, 1e-1;
   samples.tangent.col(1) << 5, 0, 0, 2, 0, -1;
   const TrainingData data(samples, {mirror(samples)}, {}, {}, torch::kCPU);

@@ -1,5 +1,5 @@
-// What another trainer is handed and hands back. Where Python has PyTorch and h5py, the PyTorch trainer is compared
-// with ours: its answers, its loss, its gradient, and the file that it writes.
+// Files that are exchanged with another trainer. If Python has PyTorch and h5py, the PyTorch trainer is compared with
+// ours: its answers, its loss, its gradient, and the file that it writes.
 #include "training_set.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ TrainingOptions options_of(neural::RestForm rest, const Samples& samples) {
   return options;
 }
 
-/// What the trainer in Python would write, in its file's layout.
+/// Writes a network in the layout of a file of the PyTorch trainer.
 void write_as_trained(const std::filesystem::path& path, const Samples& samples, const TrainingOptions& options,
                       const neural::Network& network) {
   files::Hdf5Writer file(path);

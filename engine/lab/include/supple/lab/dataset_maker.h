@@ -10,12 +10,13 @@
 
 namespace supple::lab {
 
-/// Is told how far a data set has come, by the threads that compute it. Calls of `design_done` come one at a time.
+/// Listens to the progress of a data set. It is called by the threads that compute it; calls of `design_done` never
+/// overlap.
 class MakeListener : public StateListener {
  public:
-  /// Called once, before the first design: how many designs are asked for, how many an earlier run has finished, and
-  /// how many states each of the others has.
-  virtual void started(std::int64_t designs, std::int64_t found, std::int64_t states_per_design) = 0;
+  /// Called once, before the first design, with the number of requested designs, the number of those that an earlier
+  /// run has finished, and the number of states of each of the others.
+  virtual void started(std::int64_t designs, std::int64_t already_finished, std::int64_t states_per_design) = 0;
   virtual void design_done(const dataset::Design& design) = 0;
 };
 
@@ -25,34 +26,35 @@ struct MakeResult {
   bool finished = false;      ///< whether `path` is complete
 };
 
-/// Makes the data set `path` on all counted threads. Each thread computes one design at a time.
+/// Makes the data set `path` on thread_count() threads. Each thread computes one design at a time.
 ///
-/// Finished designs are kept in a journal beside `path` (see dataset::Journal) and survive a kill at any moment. The
-/// same call goes on from there. When all designs are finished, `path` appears at once and the journal is deleted. A
-/// stop request drops the unfinished designs and returns. A `path` that is complete already is left as it is. The rows
-/// do not depend on the number of threads, on the shard, or on interruptions. Throws what `check` throws, and the
-/// errors of Journal and write_dataset.
+/// Finished designs are stored in a journal beside `path` (see dataset::Journal) and survive a kill at any moment. The
+/// same call then continues. When all designs are finished, `path` is written atomically and the journal is deleted. A
+/// stop request drops the unfinished designs and returns. A `path` that is complete already is not changed. The rows do
+/// not depend on the number of threads, on the shard, or on interruptions. Throws what `check` throws, and the errors
+/// of Journal and write_dataset.
 MakeResult make_dataset(const DatasetOptions& options, const std::filesystem::path& path,
                         const CancellationToken& cancellation = {}, MakeListener* listener = nullptr);
 
 struct RenewOptions {
-  /// A design is simulated anew if one of its probes deviates by more than this share of the stress. Another mesh of
-  /// the same size changes the stress by 0.3 % in the mean.
+  /// A design is simulated anew if the stress of one of the states that are computed for comparison has changed by more
+  /// than this fraction. For comparison, another mesh of the same size changes the stress by 0.3 % in the mean.
   double tolerance = 2e-3;
-  /// Whether designs with states in contact are simulated anew in any case, because the probes are next to rest.
+  /// Whether designs with states in contact are simulated anew in any case. The states that are compared have small
+  /// strains, where beams do not touch yet.
   bool contacts = false;
 };
 
 struct RenewResult {
   std::int64_t designs = 0;  ///< number of designs that the file or journal holds now
-  std::int64_t renewed = 0;  ///< number of them that this run simulated anew; the others are as they were
+  std::int64_t renewed = 0;  ///< number of them that this run simulated anew; the others are copied
   bool finished = false;     ///< whether `path` is complete
 };
 
-/// Makes the data set `path` from the finished one `old`, for the engine as it is now. It has the same recipe and
-/// designs. Designs whose response has changed are simulated anew. The first state of the first path of each kind of
-/// load decides whether it has changed. Designs that the engine had refused, or with paths that failed, are always
-/// simulated anew. Each design keeps the version of the engine that computed it.
+/// Updates the finished data set `old` to the present engine, and writes it to `path`. It has the same recipe and
+/// designs. For each design the first state of the first path of each kind of load is computed and compared. The design
+/// is simulated anew if one has changed. Designs that the engine had rejected, or with paths that failed, are always
+/// simulated anew. Each design records the version of the engine that computed it.
 ///
 /// Interruptions, journal and threads are as in `make_dataset`. Throws "dataset.invalid_option",
 /// "dataset.different_recipe" if the engine's family has other bounds or another beam width than the recipe, and what

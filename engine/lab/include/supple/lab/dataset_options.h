@@ -14,36 +14,37 @@ namespace supple::lab {
 struct DatasetOptions {
   std::string family;      ///< e.g. "IH21"
   std::uint64_t seed = 1;  ///< below 2^63
-  /// Designs are points of a sequence that does not depend on how many are asked for. With `first` a data set goes on
-  /// where an earlier one ended.
+  /// Index of the first design in the sequence of designs. The sequence does not depend on the number of designs, so
+  /// that a data set can continue where an earlier one ended.
   std::int64_t first = 0;
   std::int64_t designs = 100;
-  std::int64_t shard = 0;  ///< the part to be made: designs with index mod shards = shard
+  std::int64_t shard = 0;  ///< only designs with index mod shards = shard are made
   std::int64_t shards = 1;
-  /// The share, in [0, 0.5], of its width by which the family's box of parameters is widened on either side, because a
-  /// network that is used up to the border needs data beyond it.
+  /// The family's box of parameters is widened on either side by this fraction, in [0, 0.5], of its width. A network
+  /// that is used up to the bounds needs data beyond them.
   double box_margin = 0.05;
-  /// If not empty, the sequence covers only this part of the widened box. It serves to make more designs where a
-  /// response changes fast with the parameters.
+  /// If not empty, the sequence covers only this part of the widened box. More designs are useful where the response
+  /// changes fast with the parameters.
   std::vector<double> part_lower;
   std::vector<double> part_upper;
-  /// Whether the sequence begins with the 2^k corners (for k parameters) of the family's own box or of the part, where
-  /// errors are largest.
+  /// Whether the sequence begins with the 2^k corners (for k parameters) of the family's box, which is not widened, or
+  /// of the part. Networks err most there.
   bool corners = true;
   /// If not empty, the parameters of one design that is made instead of a sequence.
   std::vector<double> parameters;
-  /// If not empty, designs that are made instead of a sequence: the parameters of one after another. Design i has the
-  /// loads of place i of the sequence. It serves for designs that something else has chosen, such as a search.
+  /// If not empty, the designs that are made instead of a sequence, for example those that a search has found. It has
+  /// the parameters of the first design, then those of the second, and so on. Design i has the loads of index i of the
+  /// sequence.
   std::vector<double> list;
-  /// If not empty, the direction of the first path of each kind of each listed design, in radians. It serves where what
-  /// has chosen a design looked at it along one direction.
+  /// If not empty, the direction of the first path of each kind of load, in radians, for each listed design. It is for
+  /// designs that were found for a load along one direction.
   std::vector<double> directions;
   LoadPlanOptions loads{};
   microscale::SimulationOptions simulation{};
 };
 
-/// The options of a data set of stiffnesses at rest: 20,000 designs of a family that has yet to be named, with one
-/// state each and without the effects that matter only under a load.
+/// The options of a data set of stiffnesses at rest: 20,000 designs with one state each, which is undeformed. Contact,
+/// patches and buckling are off, because they matter under a load only. The caller sets the family.
 DatasetOptions rest_options();
 
 /// Throws "dataset.invalid_option", which names each option with its limits, and what tiling::family throws.
@@ -52,7 +53,8 @@ void check(const DatasetOptions& options);
 /// All settings that decide the content, with their units. A part, a list and a refinement are included only if the
 /// options have them, so that data sets from before these options existed have the same recipe.
 dataset::Recipe recipe_of(const DatasetOptions& options);
-/// The reverse of recipe_of. Throws "file.unreadable" if a setting is missing or has an unknown value.
+/// The options that have this recipe and selection: the inverse of recipe_of and selection_of. Throws "file.unreadable"
+/// if a setting is missing or has an unknown value.
 DatasetOptions options_of(const dataset::Recipe& recipe, const dataset::Selection& selection);
 
 dataset::Selection selection_of(const DatasetOptions& options);

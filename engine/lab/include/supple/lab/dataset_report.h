@@ -10,11 +10,11 @@ namespace supple::lab {
 /// computed it, and the command that makes it again.
 std::string describe(const dataset::Dataset& data);
 
-/// Reports what the simulations gave: the numbers of rows with contact, with patches of two cells, after a branch was
-/// left and without stability; every rejected design and every path that stopped early, with reasons; the rows per
-/// core-second, and the shares of their cost. At most `most_failures` of either kind are listed one by one, and all are
-/// counted.
-std::string report(const dataset::Dataset& data, int most_failures = 50);
+/// Reports the results of the simulations. These are the numbers of rows with contact, with patches of two by two
+/// cells, after an unstable branch was left, and without stability; rejected designs and paths that stopped early, with
+/// reasons; the rows per core-second, and the time of each stage. At most `max_failures` rejected designs, and as many
+/// paths, are listed one by one, and all are counted.
+std::string report(const dataset::Dataset& data, int max_failures = 50);
 
 /// The complete command line that makes the data set's designs again, with every setting that is not the default.
 std::string command_line(const dataset::Dataset& data);

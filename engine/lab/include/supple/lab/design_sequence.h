@@ -16,10 +16,10 @@ struct PlannedDesign {
   std::vector<PlannedPath> paths;
 };
 
-/// Design `index` of the options' sequence: a corner of the family's box, or a point of a scrambled Sobol sequence. The
-/// first coordinates of the point are the parameters in the widened box or its part, and the last four turn the loads,
-/// so that parameters and loads together are spread evenly. The design depends only on the recipe and the index.
-/// `options` must have passed `check`.
+/// Design `index` of the options' sequence: a corner of the family's box, or a point of a scrambled Sobol sequence
+/// [Owen1995]. The first coordinates of the point are the parameters in the widened box or its part. The last four are
+/// the coordinates of plan_loads, so that parameters and loads together are spread evenly. The design depends only on
+/// the recipe and the index. `options` must have passed `check`.
 PlannedDesign planned_design(const DatasetOptions& options, std::int64_t index);
 
 }  // namespace supple::lab

@@ -7,7 +7,7 @@
 
 namespace supple::lab {
 
-/// Is told about each state that was reached or given up, by the thread that computed it.
+/// Listens to each state that was reached or given up. It is called by the thread that computed the state.
 class StateListener {
  public:
   virtual ~StateListener() = default;
@@ -16,9 +16,9 @@ class StateListener {
 
 /// Simulates all paths of one design on the calling thread.
 ///
-/// A design that the engine refuses, for example because of its shape, is returned as rejected with the code and
-/// sentence of the error. A path that stops early says why, and the other paths go on. Throws only "job.cancelled" if a
-/// stop is requested, and std::bad_alloc, because neither says anything about the design.
+/// A design that the engine refuses, for example because of its shape, is returned as rejected, with the code and
+/// message of the error. A path that stops early records the reason, and the other paths are computed. Throws only
+/// "job.cancelled" if a stop is requested, and std::bad_alloc, because neither depends on the design alone.
 dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesign& planned,
                                 const CancellationToken& cancellation = {}, StateListener* listener = nullptr);
 

@@ -9,29 +9,32 @@
 
 namespace supple::lab {
 
-// Which loads a design is put under.
+// The loads of a design in a data set.
 //
-// A network learns the energy of a family from the states that a budget of simulations allows. Designs teach more than
-// strains of one design, so that each design gets few load paths, and all designs together cover directions and
+// The number of simulated states is limited by their cost. A network learns more from a new design than from more
+// strains of the same design. Therefore each design has few load paths, and all designs together cover directions and
 // magnitudes evenly:
 //
-// - Paths start at rest and every path ends at the limit of its range. A state far from rest costs the load steps up to
-//   it in any case; on a path they are shared, and the branch is the one that a slow test would follow.
-// - Uniaxial tension and compression have paths of their own, since uniaxial states are a surface in the space of
-//   strains that biaxial ones do not come near.
-// - Directions are continuous in [0, pi), not a grid: every design sees others. The paths of a kind are evenly turned
-//   against each other within the design, and the turn as a whole comes from the design's low-discrepancy point.
-// - Biaxial paths are rays from (s, s0) = (1, 1) to a point on the border of the square [lowest, highest]^2 of
-//   stretches, evenly spread along the border.
-// - States become denser towards rest, with the square of their number: errors count relative to stress, which the
-//   initial stiffness rules. A random offset for each path keeps states of different designs apart.
+// - A path starts at rest (zero strain) and ends at the limit of its range. A state far from rest needs load steps up
+// to
+//   it in any case. The states of a path share these steps, and are on the branch that a slow test would follow.
+// - Uniaxial tension and compression have paths of their own, because uniaxial states are a surface in the space of
+//   strains that biaxial states do not come near.
+// - Directions are any number in [0, pi), so that each design has other ones. The directions of a design's paths of one
+//   kind are evenly spaced, and an offset for all of them is a coordinate of the design's low-discrepancy point.
+// - Biaxial paths are rays from (s, s0) = (1, 1) to a point on the boundary of the square of stretches
+//   [min_biaxial_stretch, max_biaxial_stretch]^2. These points are evenly spread along the boundary.
+// - Strains grow with the square of the number of the state, so that states are denser towards rest. The reason is that
+//   errors are relative to the stress, which at small strains depends on the initial stiffness. A random offset for
+//   each path makes the strains of different designs differ.
 
 enum class PlanKind {
   sequence,  ///< a few paths for each design, as above
-  /// Every direction k pi/15 with uniaxial stretches 1.001 + 0.016 k up to 1.5 and 0.999 - 0.016 k down to 0.7, and
-  /// biaxial ones in steps of 0.03 from 0.9 to 1.17, each from rest: the grid of published data sets.
+  /// The grid of published data sets [LiCoros2023]. It has each direction k pi/15, with uniaxial stretches 1.001 +
+  /// 0.016 k up to 1.5 and 0.999 - 0.016 k down to 0.7, and biaxial stretches from 0.9 to 1.17 in steps of 0.03, each
+  /// of which is a path of its own.
   grid,
-  /// The state of rest alone, for its tangent: one linear solve.
+  /// The undeformed state alone, for its tangent. It costs one linear solve.
   rest
 };
 
@@ -43,11 +46,11 @@ struct LoadPlanOptions {
   int tension_states = 6;  ///< states of one path, likewise below
   int compression_states = 6;
   int biaxial_states = 5;
-  double largest_stretch = 1.5;           ///< end of uniaxial tension
-  double smallest_stretch = 0.7;          ///< end of uniaxial compression
-  double largest_biaxial_stretch = 1.2;   ///< upper limit of both stretches
-  double smallest_biaxial_stretch = 0.9;  ///< lower limit of both stretches
-  double first_strain = 1e-3;             ///< no state is nearer to rest than this change of stretch
+  double max_stretch = 1.5;          ///< end of uniaxial tension
+  double min_stretch = 0.7;          ///< end of uniaxial compression
+  double max_biaxial_stretch = 1.2;  ///< upper limit of both stretches
+  double min_biaxial_stretch = 0.9;  ///< lower limit of both stretches
+  double first_strain = 1e-3;        ///< least change of stretch of a state
 };
 
 /// Throws "dataset.invalid_option", which names each option with its limits.
@@ -59,10 +62,10 @@ struct PlannedPath {
   microscale::Load load() const;
 };
 
-/// Plans the paths of a design. `turns` are its low-discrepancy coordinates in (0, 1). They determine the directions of
-/// tension, compression and biaxial paths, and the place on the border of the biaxial square. `seed` determines the
-/// offsets. Equal input gives equal paths. `options` must have passed `check`.
-std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& turns,
+/// Plans the paths of a design. `load_coordinates` are low-discrepancy coordinates in (0, 1). The first three determine
+/// the directions of tension, compression and biaxial paths, and the last one the points on the boundary of the biaxial
+/// square. `seed` determines the random offsets. Equal input gives equal paths. `options` must have passed `check`.
+std::vector<PlannedPath> plan_loads(const LoadPlanOptions& options, const std::array<double, 4>& load_coordinates,
                                     std::uint64_t seed);
 
 }  // namespace supple::lab

@@ -8,31 +8,33 @@
 
 namespace supple::training {
 
-/// Relative errors of Young's modulus at rest, over all designs and twelve directions.
+/// Relative errors of Young's modulus of the undeformed structure, over all designs and twelve directions.
 struct ModulusErrors {
-  double mean = 0;        ///< positive where moduli are too large
-  double median = 0;      ///< of the absolute errors
-  double quantile90 = 0;  ///< likewise
+  double mean = 0;           ///< mean signed error; positive where moduli are too large
+  double median = 0;         ///< median of the absolute errors
+  double percentile_90 = 0;  ///< 90th percentile of the absolute errors
 };
 
 struct MeshCorrectionReport {
   int designs = 0;
-  ModulusErrors mesh;       ///< what the mesh of the data errs by
-  ModulusErrors corrected;  ///< what is left of it, for designs that had no part in the correction
+  ModulusErrors uncorrected;  ///< discretization errors of the data's mesh
+  ModulusErrors corrected;    ///< errors that remain, cross-validated: for designs that were not used in the fit
 };
 
-/// Gives a model the correction of what the mesh of its data errs by (neural::Network::mesh_correction).
+/// Gives a model a correction of the discretization error of its data's mesh (neural::Network::mesh_correction).
 ///
-/// `data.rest` holds designs at rest on the mesh of the data (`supple-lab dataset rest`), and `reference` holds designs
-/// with the same parameters at rest on a mesh that errs by much less. The differences of what stands for both
-/// stiffnesses in the stiffness branch, the logarithms and quotients of a Cholesky factor, are fitted by polynomials of
-/// degree 2 in the parameters, least squares. What is soft at rest is bending, where coarse meshes err most. Under load
-/// the network adds nonlinear residuals to those of the linear strain, so that the correction fades where beams are
-/// stretched, as the error of the mesh does (docs/notes/models.md has the figures).
+/// `data.rest` holds undeformed designs on the mesh of the data (`supple-lab dataset rest`), and `reference` holds
+/// designs with the same parameters on a much more accurate mesh. The stiffness branch represents a stiffness by
+/// logarithms and quotients of the entries of its Cholesky factor (see neural::Network). The differences of these six
+/// numbers between both meshes are fitted by polynomials of degree 2 in the parameters, by least squares. Undeformed
+/// structures are soft because their beams bend, and bending is where coarse meshes err most. Under load the network
+/// adds nonlinear residuals to those of the linear strain. Therefore the correction fades where beams are stretched, as
+/// the error of the mesh does (docs/notes/models.md has the figures).
 ///
-/// The error bars of the model are removed, because they are those of the network without the correction. Throws
-/// "dataset.different_recipe" if the data are of another family, solid or mesh than they should be, and
-/// "training.no_samples" if fewer designs are in both than the polynomials have coefficients, times four.
+/// The error bars of the model are removed, because they belong to the network without the correction. Throws
+/// "dataset.different_recipe" if `data.rest` is of another family, solid or mesh than `data`, or `reference` of another
+/// family or solid. Throws "training.no_samples" if fewer designs are in both sets than four times the number of
+/// coefficients of a polynomial.
 neural::Model with_mesh_correction(neural::Model model, const ModelData& data, const dataset::Dataset& reference,
                                    MeshCorrectionReport& report);
 

@@ -14,13 +14,14 @@ struct PublishedErrors {
   double gradient = 0;
   double energy = 0;
 };
-/// The errors that the thesis reports for its network of this family, on rows of designs that training has seen (Table
-/// 4.1).
+/// The errors of the published network of this family, on held-out rows of designs on which it was trained [Thesis,
+/// table 4.1]. None if the thesis has no network of the family.
 std::optional<PublishedErrors> published_errors(const std::string& family);
 
-/// Writes a page about a model in Markdown: what it predicts, how large its errors are and where they occur, where not
-/// to trust it, and where it comes from. `data` are the data of its training, whose held-out designs are judged anew.
-/// `image` is the name of a plot beside the page. The plot of the model's calibration is ID-calibration.svg.
+/// Returns a page about a model in Markdown: what it predicts, how large its errors are and where they occur, where not
+/// to trust it, and how it was trained. `data` are the data of its training, on whose held-out designs the errors are
+/// computed anew. `image` is the file name of a plot that the page shows; the page also refers to the plot of the
+/// model's calibration, ID-calibration.svg.
 std::string model_card(const neural::Model& model, const ModelData& data, const std::string& image);
 
 /// Writes a CSV file with one row for each sample of a held-out design: its load, strain, energy, branch, contacts and

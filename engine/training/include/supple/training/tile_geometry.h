@@ -5,11 +5,12 @@
 
 namespace supple::training {
 
-/// The family's tile with all features of it that differ: edge lengths, directions, corners, gaps and sides of vertices
-/// and edges that are not neighbours, and density, each with its logarithm where it is a length or a share. Of features
-/// that are one another's linear functions all over the box, widened by 5 %, the first is kept, and none that is
-/// constant; mean and scale are those over this box. Milliseconds. Throws "training.no_features" where the family's
-/// tile is not one polygon whose vertices are affine in the parameters.
+/// The tile of a family with its independent features (neural::FeatureKind): lengths and directions of edges, angles at
+/// corners, gaps and sides between edges and vertices that are not adjacent, and the density. They are evaluated over
+/// the family's parameter box, widened by 5 %. Features that are constant there are left out. Where one feature is a
+/// linear function of another, the first is retained. The mean and scale of each feature are those over this box. Takes
+/// milliseconds. Throws "training.no_features" unless the family's tile is one polygon whose vertices are affine in the
+/// parameters.
 neural::TileGeometry tile_geometry(const tiling::Family& family);
 
 }  // namespace supple::training
