@@ -15,7 +15,7 @@ void print_design(const char* path) {
   const neural::Model model = neural::read_model(path);
   const neural::Evaluator evaluator(model.network);
   const design::Candidates candidates(model.network);
-  // The bounds of the parameters are a box, and some of its corners hold no structure. The search keeps away from them.
+  // The bounds of the parameters are a box, but near some of its corners no structure exists. The search avoids these.
   const tiling::Family& family = tiling::family(model.family);
   const design::DesignSpace space{
       model, evaluator, candidates, [&family](const Eigen::VectorXd& parameters) {

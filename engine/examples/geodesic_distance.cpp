@@ -25,7 +25,7 @@ std::string bytes_of(const char* path) {
 void print_distance(const char* path) {
   using namespace supple;
   const auto mesh = std::make_shared<const surface::TriangleMesh>(surface::load_mesh(bytes_of(path)));
-  // The solver keeps what depends on the mesh alone. It may be used by several threads at once.
+  // The solver stores everything that depends on the mesh alone. It may be used by several threads at once.
   const surface::GeodesicSolver solver(mesh);
 
   const surface::SurfacePoint from = surface::vertex_point(*mesh, VertexId{0});

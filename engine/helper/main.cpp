@@ -1,5 +1,5 @@
-// supple-helper: meshes, clips, orders and reads for a supple-server by libraries that look for no stop request; the
-// server kills it where what it does is not wanted any more. Started by the server; see supple/base/helper_processes.h.
+// supple-helper meshes, clips, orders and reads for a supple-server, with libraries that check for no stop request. The
+// server starts it, and kills it if its result is no longer wanted; see supple/base/helper_processes.h.
 
 #include <utility>
 

@@ -11,7 +11,7 @@
 namespace supple {
 namespace {
 
-constexpr mode_t for_its_user_alone = 0600;
+constexpr mode_t user_only_mode = 0600;
 
 std::string reason_of(int number) { return std::generic_category().message(number); }
 
@@ -26,7 +26,7 @@ FileError::FileError(const std::string& action, const std::filesystem::path& pat
 std::string FileError::reason() const { return reason_of(number_); }
 
 OpenFile::OpenFile(const std::filesystem::path& path, int flags, const std::string& action)
-    : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, for_its_user_alone)) {
+    : descriptor_(::open(path.c_str(), flags | O_CLOEXEC, user_only_mode)) {
   if (descriptor_ < 0) throw FileError(action, path, errno);
 }
 
@@ -62,7 +62,7 @@ void write_atomically(const std::filesystem::path& path, std::initializer_list<s
     try {
       file.emplace(part, O_WRONLY | O_CREAT | O_EXCL, "create");
     } catch (const FileError& error) {
-      if (error.number() != EEXIST) throw;  // another process counts as well, or has left it
+      if (error.number() != EEXIST) throw;  // another process uses this number, or has left the file behind
     }
   }
   try {

@@ -6,7 +6,7 @@ namespace supple {
 
 void Faults::add(std::string where, std::string message) {
   ++total_;
-  if (details_.size() < most_details) details_.push_back({std::move(where), std::move(message)});
+  if (details_.size() < max_details) details_.push_back({std::move(where), std::move(message)});
 }
 
 void Faults::throw_if_any(const std::string& code, const std::string& whole) const {

@@ -29,13 +29,13 @@ extern char** environ;
 namespace supple {
 namespace {
 
-/// A cancelled token wakes nobody, so it is looked at so often. A stop waits that long at most.
-constexpr int milliseconds_between_looks = 10;
-/// Processes that are kept for later requests. Others are ended, for each holds the memory of its libraries.
+/// The interval at which waiting threads check the token, since a stop request does not wake them.
+constexpr int milliseconds_between_checks = 10;
+/// Limit of idle processes. Others are ended, since each occupies the memory of its libraries.
 constexpr std::size_t max_idle_processes = 2;
-constexpr std::size_t part_of_message = 1 << 16;
+constexpr std::size_t max_bytes_per_send = 1 << 16;
 
-/// A file descriptor that is closed.
+/// A file descriptor that the destructor closes.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -61,23 +61,24 @@ std::string ending_of(int status) {
   return "status " + std::to_string(WEXITSTATUS(status));
 }
 
-/// What the child's file table and signals begin with.
+/// The descriptors, the signal mask and the process group with which a helper begins.
 class SpawnSettings {
  public:
   SpawnSettings(int channel, int lifeline) {
     ::posix_spawn_file_actions_init(&actions_);
     ::posix_spawnattr_init(&attributes_);
-    // Duplicates above all others first, for one of the two may have the other's final number.
-    constexpr int above = 64;
-    ::posix_spawn_file_actions_adddup2(&actions_, channel, above);
-    ::posix_spawn_file_actions_adddup2(&actions_, lifeline, above + 1);
-    ::posix_spawn_file_actions_adddup2(&actions_, above, helper_channel);
-    ::posix_spawn_file_actions_adddup2(&actions_, above + 1, helper_lifeline);
-    // Connections of the server that the child kept open would not close.
+    // Both are first duplicated to higher numbers, for one of the two may have the other's final number.
+    constexpr int free_number = 64;
+    ::posix_spawn_file_actions_adddup2(&actions_, channel, free_number);
+    ::posix_spawn_file_actions_adddup2(&actions_, lifeline, free_number + 1);
+    ::posix_spawn_file_actions_adddup2(&actions_, free_number, helper_channel);
+    ::posix_spawn_file_actions_adddup2(&actions_, free_number + 1, helper_lifeline);
+    // The helper inherits no other descriptor: connections of the server that it kept open would not close.
     ::posix_spawn_file_actions_addclosefrom_np(&actions_, helper_lifeline + 1);
     ::posix_spawn_file_actions_addopen(&actions_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     ::posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    // A group of its own, with its children: what ends the server from a terminal lets its computations finish.
+    // A helper and its child are a process group of their own, so that a terminal's signals end the server, but not its
+    // computations.
     sigset_t none;
     ::sigemptyset(&none);
     ::posix_spawnattr_setsigmask(&attributes_, &none);
@@ -101,7 +102,7 @@ class SpawnSettings {
 
 }  // namespace
 
-/// One helper, killed at the end of its life.
+/// One helper process, which the destructor kills.
 class HelperProcesses::Process {
  public:
   explicit Process(const HelperOptions& options) {
@@ -109,11 +110,11 @@ class HelperProcesses::Process {
     std::array<int, 2> pipe{};
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()) != 0) fail("socketpair");
     channel_.reset(sockets[0]);
-    const Descriptor theirs(sockets[1]);
+    const Descriptor child_channel(sockets[1]);
     if (::pipe2(pipe.data(), O_CLOEXEC) != 0) fail("pipe");
     lifeline_.reset(pipe[1]);
-    const Descriptor their_end(pipe[0]);
-    const SpawnSettings settings(theirs.get(), their_end.get());
+    const Descriptor child_lifeline(pipe[0]);
+    const SpawnSettings settings(child_channel.get(), child_lifeline.get());
     std::string program = options.program;
     std::string memory = std::to_string(options.memory);
     std::array<char*, 3> arguments{program.data(), memory.data(), nullptr};
@@ -126,37 +127,37 @@ class HelperProcesses::Process {
   Process& operator=(const Process&) = delete;
 
   int id() const { return static_cast<int>(id_); }
-  /// Whether it still runs, without a task.
+  /// Whether the process still runs, without a task.
   bool alive() {
     pollfd entry{channel_.get(), POLLIN, 0};
     return ::poll(&entry, 1, 0) == 0;
   }
 
-  /// Kills it where it still runs, with its child, and says how it ended.
+  /// Kills the process and its child if they still run, and says how the process ended.
   std::string end() {
     if (id_ <= 0) return {};
     int status = 0;
     ::kill(-id_, SIGKILL);
     while (::waitpid(id_, &status, 0) < 0 && errno == EINTR) {
     }
-    return ended_with(status);
+    return reap(status);
   }
-  /// How it ended by itself: its channel has closed.
+  /// How the process ended by itself, after its channel closed. Kills it if it does not end within 2 seconds.
   std::string ending() {
     int status = 0;
-    for (int look = 0; look < 200; ++look) {
+    for (int check = 0; check < 200; ++check) {
       const auto ended = ::waitpid(id_, &status, WNOHANG);
-      if (ended == id_) return ended_with(status);
-      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_between_looks));
+      if (ended == id_) return reap(status);
+      std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds_between_checks));
     }
     return end();
   }
 
-  /// False where the channel closes before all is sent.
+  /// Sends all bytes. False if the channel closes before.
   bool send(std::string_view bytes, const CancellationToken& token) {
     while (!bytes.empty()) {
       const auto sent =
-          ::send(channel_.get(), bytes.data(), std::min(bytes.size(), part_of_message), MSG_NOSIGNAL | MSG_DONTWAIT);
+          ::send(channel_.get(), bytes.data(), std::min(bytes.size(), max_bytes_per_send), MSG_NOSIGNAL | MSG_DONTWAIT);
       if (sent > 0) {
         bytes.remove_prefix(static_cast<std::size_t>(sent));
       } else if (errno == EAGAIN || errno == EWOULDBLOCK) {
@@ -168,7 +169,7 @@ class HelperProcesses::Process {
     return true;
   }
 
-  /// False where the channel closes before all has come.
+  /// Receives `count` bytes. False if the channel closes before.
   bool receive(char* into, std::size_t count, const CancellationToken& token) {
     while (count > 0) {
       const auto got = ::recv(channel_.get(), into, count, MSG_DONTWAIT);
@@ -188,8 +189,8 @@ class HelperProcesses::Process {
   [[noreturn]] static void fail(const char* what) {
     throw std::system_error(errno, std::system_category(), std::string("a helper process: ") + what);
   }
-  /// Its child is killed with it, and has become a child of this process.
-  std::string ended_with(int status) {
+  /// Waits for the child of the process, which was killed with it and has become a child of this process.
+  std::string reap(int status) {
     while (::waitpid(-id_, nullptr, 0) > 0 || errno == EINTR) {
     }
     id_ = 0;
@@ -198,7 +199,7 @@ class HelperProcesses::Process {
   void wait(short events, const CancellationToken& token) const {
     token.throw_if_requested();
     pollfd entry{channel_.get(), events, 0};
-    ::poll(&entry, 1, milliseconds_between_looks);
+    ::poll(&entry, 1, milliseconds_between_checks);
     token.throw_if_requested();
   }
 
@@ -231,7 +232,7 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
       return process;
     }
     if (static_cast<int>(busy_.size()) + starting_ < options_.processes) break;
-    wake_.wait_for(lock, std::chrono::milliseconds(milliseconds_between_looks));
+    wake_.wait_for(lock, std::chrono::milliseconds(milliseconds_between_checks));
   }
   ++starting_;
   lock.unlock();
@@ -258,7 +259,7 @@ void HelperProcesses::release(std::unique_ptr<Process> process) {
 
 std::string HelperProcesses::run(std::string_view task, std::string_view request, const Execution& execution) {
   auto process = acquire(execution);
-  /// A process that is not given back is killed, and another one started at once, since that takes a while.
+  /// Kills a process that was not given back, and starts another one at once, since that takes a while.
   struct Replacement {
     HelperProcesses& helpers;
     std::unique_ptr<Process>& process;

@@ -20,20 +20,20 @@
 namespace supple {
 namespace {
 
-// Exit statuses. They are numbers that no library ends its process with.
-constexpr int answered = 86;  ///< of a child that has answered its request
-constexpr int hung_up = 87;   ///< of a child whose channel was closed before a request came
-constexpr int no_child = 71;  ///< of this process where it cannot start a child
+// Exit statuses, which are numbers that no library uses.
+constexpr int answered = 86;  ///< a child has answered its request
+constexpr int hung_up = 87;   ///< a child's channel was closed before a request came
+constexpr int no_child = 71;  ///< this process cannot start a child
 
-/// Ends this process with the one that started it. The other end of the pipe closes however that process ends, and the
-/// signal that tells of it ends this one in the midst of any work. PR_SET_PDEATHSIG would send the signal as soon as
-/// the thread ends that started this process.
+/// Makes this process end with the one that started it. The other end of the pipe closes however that process ends, and
+/// the signal SIGIO, which reports this, ends this process whatever it is doing. PR_SET_PDEATHSIG would send its signal
+/// already when the thread that started this process ends.
 void end_with_parent() {
   std::signal(SIGIO, SIG_DFL);
   ::fcntl(helper_lifeline, F_SETOWN, ::getpid());
   ::fcntl(helper_lifeline, F_SETFL, O_NONBLOCK | O_ASYNC);
   pollfd entry{helper_lifeline, POLLIN, 0};
-  if (::poll(&entry, 1, 0) != 0) ::_exit(0);  // it had gone before
+  if (::poll(&entry, 1, 0) != 0) ::_exit(0);  // that process has ended before
 }
 
 bool receive(char* into, std::size_t count) {
@@ -95,14 +95,14 @@ void limit_address_space([[maybe_unused]] std::uint64_t memory) {
 /// The work of a child: it waits for a request, answers it and ends. It ends with its parent, too.
 [[noreturn]] void serve_one(pid_t parent, const HelperTasks& tasks) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(0);  // it had gone before
+  if (::getppid() != parent) ::_exit(0);  // the parent has ended before
   std::array<char, sizeof(std::uint64_t)> head{};
   if (!receive(head.data(), head.size())) ::_exit(hung_up);
   std::string request(ByteReader({head.data(), head.size()}).size(), '\0');
   if (!receive(request.data(), request.size())) ::_exit(hung_up);
   const std::string bytes = answer(request, tasks);
   if (send(ByteWriter().size(bytes.size()).take())) send(bytes);
-  // What libraries would still do at the end of a process takes time, and nobody needs it.
+  // _exit leaves out what libraries do at the end of a process, which takes time and has no use.
   ::_exit(answered);
 }
 
@@ -113,10 +113,10 @@ int status_of(pid_t child) {
   return status;
 }
 
-/// Ends this process as the child has ended, so that who started it sees how.
+/// Ends this process in the way in which the child has ended, so that the process that started it learns of it.
 [[noreturn]] void end_like(int status) {
   if (WIFSIGNALED(status)) {
-    const rlimit no_core{0, 0};  // the child has left its own
+    const rlimit no_core{0, 0};  // the child has written its own
     ::setrlimit(RLIMIT_CORE, &no_core);
     std::signal(WTERMSIG(status), SIG_DFL);
     std::raise(WTERMSIG(status));
@@ -129,12 +129,12 @@ int status_of(pid_t child) {
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks) {
   if (argc != 2) return 2;
   end_with_parent();
-  // The server's end is this one's: until then its computations have their time to finish.
+  // These signals are left to the server, with which this process ends. Until then its computations may finish.
   std::signal(SIGTERM, SIG_IGN);
   std::signal(SIGINT, SIG_IGN);
   limit_address_space(std::strtoull(argv[1], nullptr, 10));
-  // This process does not even read requests: whatever it did would show in the addresses of its children's memory. The
-  // next child is there before its request comes, which therefore does not wait for the fork.
+  // This process does not even read requests, because its allocations would change the addresses in its children's
+  // memory. Each child is forked before its request comes, which therefore does not wait for the fork.
   const pid_t self = ::getpid();
   while (true) {
     const pid_t child = ::fork();

@@ -7,20 +7,20 @@
 namespace supple {
 namespace {
 
-constexpr std::size_t kPage = std::size_t{2} << 20;
-/// Below this, whole large pages would waste a noticeable share.
-constexpr std::size_t kWorthIt = 4 * kPage;
+constexpr std::size_t large_page = std::size_t{2} << 20;
+/// Below this, rounding up to whole large pages would waste a noticeable fraction.
+constexpr std::size_t min_bytes_in_large_pages = 4 * large_page;
 
 }  // namespace
 
 void* allocate_large(std::size_t bytes) {
-  if (bytes < kWorthIt) {
+  if (bytes < min_bytes_in_large_pages) {
     if (void* memory = std::malloc(bytes > 0 ? bytes : 1)) return memory;
     throw std::bad_alloc();
   }
-  const std::size_t rounded = (bytes + kPage - 1) / kPage * kPage;
+  const std::size_t rounded = (bytes + large_page - 1) / large_page * large_page;
   if (rounded < bytes) throw std::bad_alloc();
-  void* memory = std::aligned_alloc(kPage, rounded);
+  void* memory = std::aligned_alloc(large_page, rounded);
   if (!memory) throw std::bad_alloc();
   madvise(memory, rounded, MADV_HUGEPAGE);  // a hint: without large pages everything works, only slower
   return memory;

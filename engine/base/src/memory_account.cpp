@@ -5,15 +5,15 @@ namespace detail {
 
 constinit thread_local ThreadMemory thread_memory;
 
-void tell_account() noexcept {
-  const auto bytes = thread_memory.gathered;
-  thread_memory.gathered = 0;
+void report_to_account() noexcept {
+  const auto bytes = thread_memory.unreported;
+  thread_memory.unreported = 0;
   if (thread_memory.account) thread_memory.account->add(bytes);
 }
 
 bool ask_account(std::size_t bytes) noexcept {
   if (!thread_memory.account) return true;
-  tell_account();
+  report_to_account();
   return thread_memory.account->allows(static_cast<std::int64_t>(bytes));
 }
 
@@ -21,29 +21,30 @@ bool ask_account(std::size_t bytes) noexcept {
 
 namespace {
 
-/// Below this a thread that turns away from an account keeps the sum, in case it comes back: parts of a loop are many
-/// and short, and telling takes a lock.
-constexpr std::int64_t worth_telling_at_the_end = 16 << 10;
+/// A thread that leaves an account reports sums from this size on. It keeps smaller ones in case it comes back: parts
+/// of a loop are many and short, and reporting takes a lock.
+constexpr std::int64_t min_bytes_reported_at_end = 16 << 10;
 
-void turn_to(MemoryAccount* account) noexcept {
+void switch_account(MemoryAccount* account) noexcept {
   auto& memory = detail::thread_memory;
-  if (memory.account && (memory.gathered >= worth_telling_at_the_end || memory.gathered <= -worth_telling_at_the_end)) {
-    detail::tell_account();
+  if (memory.account &&
+      (memory.unreported >= min_bytes_reported_at_end || memory.unreported <= -min_bytes_reported_at_end)) {
+    detail::report_to_account();
   }
   memory.account = account;
-  if (!account || account == memory.gathered_for) return;
-  memory.gathered_for = account;
-  memory.gathered = 0;
+  if (!account || account == memory.unreported_account) return;
+  memory.unreported_account = account;
+  memory.unreported = 0;
 }
 
 }  // namespace
 
 MemoryAccount::Use::Use(MemoryAccount* account) noexcept : outer_(of_this_thread()) {
-  if (account != outer_) turn_to(account);
+  if (account != outer_) switch_account(account);
 }
 
 MemoryAccount::Use::~Use() {
-  if (outer_ != of_this_thread()) turn_to(outer_);
+  if (outer_ != of_this_thread()) switch_account(outer_);
 }
 
 }  // namespace supple

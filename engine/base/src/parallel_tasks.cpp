@@ -28,7 +28,7 @@ std::vector<CostLedger> parallel_bills(int n, const Execution& execution, std::s
       execution.progress->report(static_cast<double>(++done) / n, stage);
     });
   } catch (...) {
-    // By now every task that began has ended.
+    // Every task that began has ended here, since parallel_for waits for them.
     merge_all(bills, execution.cost);
     throw;
   }

@@ -16,7 +16,7 @@ struct Polynomial {
   std::array<std::uint32_t, 5> initial;
 };
 
-/// Dimensions 2 to 8 of new-joe-kuo-6.21201; the first dimension is van der Corput's sequence.
+/// Dimensions 2 to 8 of new-joe-kuo-6.21201 [Joe2008]; the first dimension is van der Corput's sequence.
 constexpr std::array<Polynomial, SobolSequence::max_dimensions - 1> polynomials{{{1, 0, {1}},
                                                                                  {2, 1, {1, 3}},
                                                                                  {3, 1, {1, 3, 1}},
@@ -58,7 +58,7 @@ std::uint64_t mixed(std::uint64_t z) {
 
 std::uint32_t scrambled(std::uint32_t value, std::uint64_t key) {
   std::uint32_t result = 0;
-  // Bit b is flipped or not by what stands above it; the leading one tells prefixes of different lengths apart.
+  // The bits above bit b decide whether it is flipped. A leading one distinguishes prefixes of different lengths.
   for (int b = 0; b < bits; ++b) {
     const std::uint64_t prefix = (std::uint64_t{1} << b) | (static_cast<std::uint64_t>(value) >> (bits - b));
     const std::uint32_t flip = static_cast<std::uint32_t>(mixed(key + prefix * 0x9e3779b97f4a7c15ULL) >> 63);

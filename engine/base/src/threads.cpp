@@ -20,8 +20,8 @@ namespace {
 std::mutex control_mutex;
 std::unique_ptr<tbb::global_control> control;
 
-// What a thread does before `publish` has happened for those that `observe` the same address later. TBB guarantees that
-// order, but the thread sanitizer cannot see into TBB's library and is told here.
+// What a thread does before `publish` happens before what another one does after `observe` of the same address. TBB
+// guarantees that order, but the thread sanitizer cannot see into TBB's library and is told here.
 void publish([[maybe_unused]] const void* address) {
 #ifdef SUPPLE_THREAD_SANITIZER
   __tsan_release(const_cast<void*>(address));
@@ -61,8 +61,8 @@ void parallel_for(int n, const std::function<void(int)>& body) {
   const ObserveAtEnd all_parts{&finished};
   publish(&body);
   MemoryAccount* const account = MemoryAccount::of_this_thread();
-  // A thread that waits for the end of these calls helps with these only: one that is itself a part of another loop
-  // would else begin further parts of that loop, and come back after them.
+  // A thread that waits for the end of this loop helps with this loop only. Otherwise it might begin further parts of
+  // an outer loop, and return only after them.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(0, n, [&](int i) {
       observe(&body);

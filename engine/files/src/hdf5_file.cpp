@@ -18,7 +18,7 @@ static_assert(std::is_same_v<hid_t, std::int64_t>, "an HDF5 identifier is held a
 /// Rows of one chunk of a compressed column: 128 KiB of doubles.
 constexpr hsize_t chunk_rows = 16384;
 constexpr unsigned deflate_level = 6;
-/// Columns of a table, at most; counts are held as int.
+/// Limit of the columns of a table, whose number is an int.
 constexpr hsize_t max_columns = 1U << 20U;
 
 [[noreturn]] void throw_unwritable(const std::filesystem::path& path, const std::string& what) {
@@ -28,7 +28,7 @@ constexpr hsize_t max_columns = 1U << 20U;
   throw Error("file.unreadable", path.string() + ": " + what + ".");
 }
 
-/// HDF5 prints its errors; ours are thrown.
+/// Keeps HDF5 from printing errors, which are thrown here.
 void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
 template <class T>
@@ -47,16 +47,16 @@ hid_t file_type(const ColumnStorage& storage) {
   return H5T_STD_U8LE;
 }
 
-/// What HDF5 takes for the name of a file in memory. There must be no such file, and below this one there cannot be;
-/// and two that are open are one to it if they have one name.
+/// A name for a file in memory. HDF5 requires that no such file exists, and below /dev/null there can be none. Each
+/// name is new, since HDF5 takes two open files of one name for the same file.
 std::string name_in_memory() {
   static std::atomic<std::uint64_t> count{0};
   return "/dev/null/in-memory-" + std::to_string(++count);
 }
 
-/// How a file in memory is opened, which grows by this many bytes at a time.
+/// The access properties of a file in memory.
 Hdf5Handle in_memory() {
-  constexpr std::size_t growth = 1 << 20;
+  constexpr std::size_t growth = 1 << 20;  // bytes by which the file grows at a time
   Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access.get(), growth, false);
   return access;
@@ -103,7 +103,7 @@ H5T_class_t class_of(hid_t column) {
   return H5Tget_class(type.get());
 }
 
-/// Variable-length strings of a column or scalar, whose number of values is n.
+/// The n variable-length strings of a column, or the one of a scalar.
 std::vector<std::string> read_texts(hid_t column, std::size_t n, const std::filesystem::path& path,
                                     const std::string& name) {
   const Hdf5Handle stored(H5Dget_type(column), H5Tclose);
@@ -162,8 +162,8 @@ std::string Hdf5Writer::bytes() const {
 void Hdf5Writer::group(const std::string& name) {
   const Hdf5Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_link_creation_order(properties.get(), H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
-  const Hdf5Handle made(H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose);
-  if (made.get() < 0) throw_unwritable(path_, name);
+  const Hdf5Handle created(H5Gcreate2(file_.get(), name.c_str(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Gclose);
+  if (created.get() < 0) throw_unwritable(path_, name);
 }
 
 template <class T>
@@ -175,11 +175,11 @@ void Hdf5Writer::column(const std::string& name, const std::vector<T>& values, i
   }
   const Hdf5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const Hdf5Handle properties = creation_properties(shape, storage.compressed);
-  const Hdf5Handle made(H5Dcreate2(file_.get(), name.c_str(), file_type<T>(storage), space.get(), H5P_DEFAULT,
-                                   properties.get(), H5P_DEFAULT),
-                        H5Dclose);
-  if (made.get() < 0 ||
-      (!values.empty() && H5Dwrite(made.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
+  const Hdf5Handle created(H5Dcreate2(file_.get(), name.c_str(), file_type<T>(storage), space.get(), H5P_DEFAULT,
+                                      properties.get(), H5P_DEFAULT),
+                           H5Dclose);
+  if (created.get() < 0 ||
+      (!values.empty() && H5Dwrite(created.get(), memory_type<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0))
     throw_unwritable(path_, name);
 }
 template void Hdf5Writer::column(const std::string&, const std::vector<double>&, int, ColumnStorage);
@@ -195,11 +195,11 @@ void Hdf5Writer::column(const std::string& name, const std::vector<std::string>&
   const Hdf5Handle type = text_type();
   const Hdf5Handle space(H5Screate_simple(1, shape.data(), nullptr), H5Sclose);
   const Hdf5Handle properties = creation_properties(shape, false);
-  const Hdf5Handle made(
+  const Hdf5Handle created(
       H5Dcreate2(file_.get(), name.c_str(), type.get(), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
       H5Dclose);
-  if (made.get() < 0 ||
-      (!raw.empty() && H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0))
+  if (created.get() < 0 ||
+      (!raw.empty() && H5Dwrite(created.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, raw.data()) < 0))
     throw_unwritable(path_, name);
 }
 
@@ -209,19 +209,19 @@ void write_scalar(hid_t file, const std::filesystem::path& path, const std::stri
                   const void* value) {
   const Hdf5Handle space = scalar_space();
   const Hdf5Handle properties = creation_properties({}, false);
-  const Hdf5Handle made(H5Dcreate2(file, name.c_str(), stored, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
-                        H5Dclose);
-  if (made.get() < 0 || H5Dwrite(made.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
+  const Hdf5Handle created(
+      H5Dcreate2(file, name.c_str(), stored, space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT), H5Dclose);
+  if (created.get() < 0 || H5Dwrite(created.get(), memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)
     throw_unwritable(path, name);
 }
 
 void write_attribute(hid_t file, const std::filesystem::path& path, const std::string& object, const std::string& name,
                      hid_t stored, hid_t memory, const void* value) {
   const Hdf5Handle space = scalar_space();
-  const Hdf5Handle made(
+  const Hdf5Handle created(
       H5Acreate_by_name(file, object.c_str(), name.c_str(), stored, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
       H5Aclose);
-  if (made.get() < 0 || H5Awrite(made.get(), memory, value) < 0)
+  if (created.get() < 0 || H5Awrite(created.get(), memory, value) < 0)
     throw_unwritable(path, "the attribute " + name + " of " + object);
 }
 
@@ -262,7 +262,7 @@ Hdf5Reader::Hdf5Reader(const std::filesystem::path& path) : path_(path) {
 Hdf5Reader::Hdf5Reader(std::string_view bytes, const std::string& name) : path_(name) {
   silence_hdf5();
   const Hdf5Handle access = in_memory();
-  // HDF5 asks for bytes that it might write, and copies them.
+  // HDF5 copies the bytes, although it takes a pointer that is not const.
   if (H5Pset_file_image(access.get(), const_cast<char*>(bytes.data()), bytes.size()) >= 0)
     file_ = {H5Fopen(name_in_memory().c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose};
   if (file_.get() < 0) throw_unreadable(path_, "it is no HDF5 file, or damaged");
@@ -307,9 +307,9 @@ template <class T>
 std::vector<T> Hdf5Reader::column(const std::string& name, int components, std::int64_t rows) const {
   const Hdf5Handle column = open_column(file_.get(), path_, name);
   const auto shape = shape_of(column.get());
-  const bool formed =
+  const bool has_shape =
       components == 0 ? shape.size() == 1 : shape.size() == 2 && shape[1] == static_cast<hsize_t>(components);
-  if (!formed || (rows >= 0 && shape[0] != static_cast<hsize_t>(rows)))
+  if (!has_shape || (rows >= 0 && shape[0] != static_cast<hsize_t>(rows)))
     throw_unreadable(path_, name + " does not have the shape of its table");
   const auto kind = class_of(column.get());
   if (kind != (std::is_floating_point_v<T> ? H5T_FLOAT : H5T_INTEGER))

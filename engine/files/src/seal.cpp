@@ -12,7 +12,7 @@ namespace supple::files {
 namespace {
 
 constexpr std::string_view mark = "\nsupple CRC-32 ";
-/// The mark, eight hexadecimal digits and the end of the line.
+/// Bytes of the mark, eight hexadecimal digits and the end of the line.
 constexpr std::size_t seal_size = mark.size() + 9;
 
 constexpr std::array<std::uint32_t, 256> crc_table() {
@@ -37,12 +37,12 @@ std::string seal_of(std::string_view content) {
   return std::string(mark) + digits.data() + "\n";
 }
 
-bool has_seal(std::string_view all) {
-  return all.size() >= seal_size && all.substr(all.size() - seal_size, mark.size()) == mark;
+bool has_seal(std::string_view bytes) {
+  return bytes.size() >= seal_size && bytes.substr(bytes.size() - seal_size, mark.size()) == mark;
 }
 
-void compare(const std::string& name, std::string_view all) {
-  if (all.substr(all.size() - seal_size) != seal_of(all.substr(0, all.size() - seal_size)))
+void compare(const std::string& name, std::string_view bytes) {
+  if (bytes.substr(bytes.size() - seal_size) != seal_of(bytes.substr(0, bytes.size() - seal_size)))
     throw Error("file.unreadable", name + ": it is damaged: its content does not have its checksum.");
 }
 

@@ -13,26 +13,26 @@
 namespace supple::meshing {
 namespace {
 
-/// Positions are rounded to this grid. Rounding errors of a turn, some 1e-16, rarely lead to another place on it.
+/// Positions are rounded to this grid. Rounding errors of a rotation, about 1e-16, rarely change the rounded position.
 constexpr double grid = 1.0 / (1 << 30);
-/// Lengths that tell vertices apart are compared by so much, which leaves rounding errors far below.
+/// Resolution at which lengths distinguish vertices, far above rounding errors.
 constexpr double resolution = 1.0 / (1 << 22);
-/// The vertices that make the frame are at least so far from the centre, and from the line through it and the first
-/// one.
+/// Smallest distance of the first vertex of the frame from the centre, and of the second one from the line through
+/// both.
 constexpr double min_distance = 1e-2;
-constexpr int max_rounds = 64;
+constexpr int max_iterations = 64;
 
 using Label = std::uint64_t;
 
-/// A number that has nothing to do with that of other arguments (the finalizer of splitmix64).
-Label mixed(Label value) {
+/// A hash of a number: the finalizer of splitmix64.
+Label hashed(Label value) {
   value += 0x9e3779b97f4a7c15U;
   value = (value ^ (value >> 30U)) * 0xbf58476d1ce4e5b9U;
   value = (value ^ (value >> 27U)) * 0x94d049bb133111ebU;
   return value ^ (value >> 31U);
 }
 
-Label mixed(Label first, Label second) { return mixed(first ^ mixed(second)); }
+Label hashed(Label first, Label second) { return hashed(first ^ hashed(second)); }
 
 Label on_grid(double length) { return static_cast<Label>(std::llround(length / resolution)); }
 
@@ -40,18 +40,18 @@ std::array<std::int64_t, 3> on_grid(const Eigen::Vector3d& point) {
   return {std::llround(point.x() / grid), std::llround(point.y() / grid), std::llround(point.z() / grid)};
 }
 
-/// The used vertices around their centre in units of their mean distance, and triangles of them.
+/// The used vertices, relative to their centre and in units of their root mean square distance from it, and triangles.
 struct Centred {
   std::vector<Eigen::Vector3d> positions;
   std::vector<SurfaceTriangle> faces;
 };
 
-/// Labels of the vertices that do not depend on position and numbers.
+/// Labels of the vertices that depend neither on the position of the surface nor on the numbering.
 class Labels {
  public:
   explicit Labels(const Centred& surface) : surface_(surface) {
     labels_.reserve(surface.positions.size());
-    for (const Eigen::Vector3d& at : surface.positions) labels_.push_back(mixed(on_grid(at.norm())));
+    for (const Eigen::Vector3d& at : surface.positions) labels_.push_back(hashed(on_grid(at.norm())));
     for (const SurfaceTriangle& face : surface.faces) {
       for (std::size_t k = 0; k < 3; ++k)
         sides_.push_back(on_grid((position(face[k]) - position(face[(k + 1) % 3])).norm()));
@@ -59,24 +59,24 @@ class Labels {
     refine();
   }
 
-  /// Tells one vertex from all others.
+  /// Distinguishes one vertex from all others.
   void mark(std::size_t vertex) {
-    labels_[vertex] = mixed(labels_[vertex], 1);
+    labels_[vertex] = hashed(labels_[vertex], 1);
     refine();
   }
 
-  /// The vertex at least so far from a line through the centre (of no direction: from the centre) that shares its label
-  /// with the fewest others; of these the farthest from the centre; of these that of the least label. Of those that are
-  /// still alike, the one farthest along x, y and z. `none` if there is no such vertex.
+  /// The vertex whose label the fewest others have, among those at least `min_distance` away from the line through the
+  /// centre with direction `line` (from the centre if it is zero). Ties are broken by the largest distance from the
+  /// centre, then by the smallest label, then by the largest x, y and z. `none` if there is no such vertex.
   std::size_t most_distinct(const Eigen::Vector3d& line) const {
     std::unordered_map<Label, std::size_t, SeededHash> counts;
     for (const Label label : labels_) ++counts[label];
     std::size_t best = none;
     const auto rank = [&](std::size_t i) {
       const Eigen::Vector3d& at = surface_.positions[i];
-      const auto place = on_grid(at);
-      return std::tuple(counts.at(labels_[i]), -static_cast<std::int64_t>(on_grid(at.norm())), labels_[i], -place[0],
-                        -place[1], -place[2]);
+      const auto grid_point = on_grid(at);
+      return std::tuple(counts.at(labels_[i]), -static_cast<std::int64_t>(on_grid(at.norm())), labels_[i],
+                        -grid_point[0], -grid_point[1], -grid_point[2]);
     };
     for (std::size_t i = 0; i < labels_.size(); ++i) {
       const Eigen::Vector3d& at = surface_.positions[i];
@@ -93,16 +93,16 @@ class Labels {
     return surface_.positions[static_cast<std::size_t>(vertex)];
   }
 
-  std::size_t count() const {
+  std::size_t distinct_labels() const {
     std::vector<Label> all = labels_;
     std::ranges::sort(all);
     return static_cast<std::size_t>(std::unique(all.begin(), all.end()) - all.begin());
   }
 
-  /// Each label takes those of its neighbours into account, until this tells no more vertices apart.
+  /// Combines each label with those of its neighbours, until this distinguishes no more vertices.
   void refine() {
-    std::size_t known = count();
-    for (int round = 0; round < max_rounds && known < labels_.size(); ++round) {
+    std::size_t distinct = distinct_labels();
+    for (int iteration = 0; iteration < max_iterations && distinct < labels_.size(); ++iteration) {
       // Sums do not depend on the order of the triangles.
       std::vector<Label> sums(labels_.size(), 0);
       for (std::size_t f = 0; f < surface_.faces.size(); ++f) {
@@ -111,21 +111,22 @@ class Labels {
           const auto label = [&](std::size_t of) { return labels_[static_cast<std::size_t>(face[(k + of) % 3])]; };
           const auto side = [&](std::size_t of) { return sides_[3 * f + (k + of) % 3]; };
           sums[static_cast<std::size_t>(face[k])] +=
-              mixed(mixed(label(1), side(0)), mixed(mixed(label(2), side(2)), side(1)));
+              hashed(hashed(label(1), side(0)), hashed(hashed(label(2), side(2)), side(1)));
         }
       }
-      for (std::size_t i = 0; i < labels_.size(); ++i) labels_[i] = mixed(labels_[i], sums[i]);
-      const std::size_t now = count();
-      if (now == known) return;
-      known = now;
+      for (std::size_t i = 0; i < labels_.size(); ++i) labels_[i] = hashed(labels_[i], sums[i]);
+      const std::size_t new_distinct = distinct_labels();
+      if (new_distinct == distinct) return;
+      distinct = new_distinct;
     }
   }
 
   const Centred& surface_;
-  std::vector<Label> sides_;  ///< of each triangle, from each corner to the next
+  std::vector<Label> sides_;  ///< rounded lengths of each triangle's sides, from each corner to the next
   std::vector<Label> labels_;
 };
 
+/// Six times the enclosed volume, negative if the triangles are clockwise seen from outside.
 double six_volumes(const Centred& surface) {
   double sum = 0;
   for (const auto& [a, b, c] : surface.faces) {
@@ -135,16 +136,17 @@ double six_volumes(const Centred& surface) {
   return sum;
 }
 
-/// The given surface without vertices that no triangle uses, around the centre and in the unit that `frame` receives.
+/// The given surface without vertices that no triangle uses. Its centre, unit of length and vertices are put into
+/// `frame`.
 Centred centred(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
                 CanonicalSurface& frame) {
-  std::vector<std::int32_t> number(positions.size(), -1);
+  std::vector<std::int32_t> numbers(positions.size(), -1);
   for (const SurfaceTriangle& face : faces)
-    for (const std::int32_t vertex : face) number[static_cast<std::size_t>(vertex)] = 0;
+    for (const std::int32_t vertex : face) numbers[static_cast<std::size_t>(vertex)] = 0;
   frame.centre.setZero();
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (number[i] < 0) continue;
-    number[i] = static_cast<std::int32_t>(frame.vertices.size());
+    if (numbers[i] < 0) continue;
+    numbers[i] = static_cast<std::int32_t>(frame.vertices.size());
     frame.vertices.push_back(static_cast<std::int32_t>(i));
     frame.centre += positions[i];
   }
@@ -158,15 +160,15 @@ Centred centred(std::span<const Eigen::Vector3d> positions, std::span<const Surf
   for (const std::int32_t i : frame.vertices)
     surface.positions.emplace_back((positions[static_cast<std::size_t>(i)] - frame.centre) / frame.length);
   for (const auto& [a, b, c] : faces)
-    surface.faces.push_back({number[static_cast<std::size_t>(a)], number[static_cast<std::size_t>(b)],
-                             number[static_cast<std::size_t>(c)]});
+    surface.faces.push_back({numbers[static_cast<std::size_t>(a)], numbers[static_cast<std::size_t>(b)],
+                             numbers[static_cast<std::size_t>(c)]});
   if (six_volumes(surface) < 0)
     for (SurfaceTriangle& face : surface.faces) std::swap(face[1], face[2]);
   return surface;
 }
 
-/// Two vertices and the centre make it; the given frame where no two do.
-Eigen::Matrix3d turn_of(const Centred& surface) {
+/// The rotation into the frame that the centre and two vertices define; the identity if no two vertices can.
+Eigen::Matrix3d rotation_of(const Centred& surface) {
   Labels labels(surface);
   const std::size_t first = labels.most_distinct(Eigen::Vector3d::Zero());
   if (first == Labels::none) return Eigen::Matrix3d::Identity();
@@ -175,9 +177,9 @@ Eigen::Matrix3d turn_of(const Centred& surface) {
   const std::size_t second = labels.most_distinct(x);
   if (second == Labels::none) return Eigen::Matrix3d::Identity();
   const Eigen::Vector3d z = x.cross(surface.positions[second]).normalized();
-  Eigen::Matrix3d turn;
-  turn << x.transpose(), z.cross(x).transpose(), z.transpose();
-  return turn;
+  Eigen::Matrix3d rotation;
+  rotation << x.transpose(), z.cross(x).transpose(), z.transpose();
+  return rotation;
 }
 
 }  // namespace
@@ -185,30 +187,31 @@ Eigen::Matrix3d turn_of(const Centred& surface) {
 CanonicalSurface canonical_surface(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces) {
   CanonicalSurface result;
   const Centred surface = centred(positions, faces, result);
-  result.turn = turn_of(surface);
+  result.rotation = rotation_of(surface);
   struct Vertex {
-    std::array<std::int64_t, 3> place;
+    std::array<std::int64_t, 3> grid_point;
     std::int32_t centred;
   };
   std::vector<Vertex> order;
   order.reserve(surface.positions.size());
   for (std::size_t i = 0; i < surface.positions.size(); ++i)
-    order.push_back({on_grid(result.turn * surface.positions[i]), static_cast<std::int32_t>(i)});
-  std::ranges::sort(order, {}, [](const Vertex& vertex) { return std::tuple(vertex.place, vertex.centred); });
-  std::vector<std::int32_t> number(order.size());
+    order.push_back({on_grid(result.rotation * surface.positions[i]), static_cast<std::int32_t>(i)});
+  std::ranges::sort(order, {}, [](const Vertex& vertex) { return std::tuple(vertex.grid_point, vertex.centred); });
+  std::vector<std::int32_t> numbers(order.size());
   std::vector<std::int32_t> given;
   given.reserve(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
-    const auto& [place, vertex] = order[i];
-    number[static_cast<std::size_t>(vertex)] = static_cast<std::int32_t>(i);
+    const auto& [grid_point, vertex] = order[i];
+    numbers[static_cast<std::size_t>(vertex)] = static_cast<std::int32_t>(i);
     given.push_back(result.vertices[static_cast<std::size_t>(vertex)]);
-    result.positions.push_back(grid * Eigen::Vector3d(static_cast<double>(place[0]), static_cast<double>(place[1]),
-                                                      static_cast<double>(place[2])));
+    result.positions.push_back(grid * Eigen::Vector3d(static_cast<double>(grid_point[0]),
+                                                      static_cast<double>(grid_point[1]),
+                                                      static_cast<double>(grid_point[2])));
   }
   result.vertices = std::move(given);
   for (const SurfaceTriangle& face : surface.faces) {
     SurfaceTriangle corners{};
-    for (std::size_t k = 0; k < 3; ++k) corners[k] = number[static_cast<std::size_t>(face[k])];
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = numbers[static_cast<std::size_t>(face[k])];
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     result.faces.push_back(corners);
   }

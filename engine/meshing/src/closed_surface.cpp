@@ -15,8 +15,8 @@
 namespace supple::meshing {
 namespace {
 
-/// Faulty edges that an error names.
-constexpr std::size_t named_edges = 20;
+/// Number of faulty edges that an error names.
+constexpr std::size_t max_named_edges = 20;
 
 /// A triangle's side, with its ends in ascending order.
 struct Side {
@@ -44,7 +44,7 @@ std::vector<Side> sorted_sides(std::span<const SurfaceTriangle> faces) {
 
 [[noreturn]] void throw_open(const std::vector<Side>& faulty) {
   std::vector<Error::Detail> details;
-  for (std::size_t k = 0; k < std::min(faulty.size(), named_edges); ++k)
+  for (std::size_t k = 0; k < std::min(faulty.size(), max_named_edges); ++k)
     details.push_back({"edge " + std::to_string(faulty[k].low) + " " + std::to_string(faulty[k].high),
                        "does not lie between two faces that agree about the inside"});
   throw Error("solid.open_surface",
@@ -86,9 +86,9 @@ void ClosedSurface::find_components(std::span<const SurfaceTriangle> faces) {
   }
   if (!faulty.empty()) throw_open(faulty);
   constexpr auto none = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> number(faces.size(), none);
+  std::vector<std::size_t> numbers(faces.size(), none);
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    std::size_t& component = number[root_of(parents, f)];
+    std::size_t& component = numbers[root_of(parents, f)];
     if (component == none) {
       component = components_.size();
       components_.emplace_back();
@@ -110,8 +110,8 @@ bool ClosedSurface::encloses(std::size_t component, const Eigen::Vector3d& point
   for (const SurfaceTriangle& face : components_[component])
     for (const std::int32_t vertex : face) box.extend(positions_[static_cast<std::size_t>(vertex)]);
   if (!box.contains(point)) return false;
-  // Half the solid angle of each triangle (van Oosterom and Strackee 1983).
-  double halves = 0;
+  // Each term is half the solid angle of a triangle [vanOosterom1983].
+  double half_angles = 0;
   for (const auto& [i, j, k] : components_[component]) {
     const Eigen::Vector3d a = positions_[static_cast<std::size_t>(i)] - point;
     const Eigen::Vector3d b = positions_[static_cast<std::size_t>(j)] - point;
@@ -119,30 +119,31 @@ bool ClosedSurface::encloses(std::size_t component, const Eigen::Vector3d& point
     const double la = a.norm();
     const double lb = b.norm();
     const double lc = c.norm();
-    halves += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+    half_angles += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
-  return std::abs(halves) > std::numbers::pi;
+  return std::abs(half_angles) > std::numbers::pi;
 }
 
 void ClosedSurface::find_solids() {
   const std::size_t count = components_.size();
-  // around[i]: components that enclose component i.
-  std::vector<std::vector<std::size_t>> around(count);
+  // For each component, those that enclose it.
+  std::vector<std::vector<std::size_t>> enclosing(count);
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = 0; j < count; ++j)
       if (i != j && encloses(j, positions_[static_cast<std::size_t>(components_[i].front()[0])]))
-        around[i].push_back(j);
+        enclosing[i].push_back(j);
   std::vector<std::size_t> solid_of(count);
   for (std::size_t i = 0; i < count; ++i) {
-    if (around[i].size() % 2 != 0) continue;
+    if (enclosing[i].size() % 2 != 0) continue;
     solid_of[i] = solids_.size();
     solids_.push_back({i});
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (around[i].size() % 2 == 0) continue;
-    // The innermost of those around it.
-    const std::size_t outer = *std::ranges::max_element(around[i], {}, [&](std::size_t j) { return around[j].size(); });
-    if (around[outer].size() % 2 == 0) solids_[solid_of[outer]].push_back(i);
+    if (enclosing[i].size() % 2 == 0) continue;
+    // The innermost component that encloses this cavity.
+    const std::size_t outer =
+        *std::ranges::max_element(enclosing[i], {}, [&](std::size_t j) { return enclosing[j].size(); });
+    if (enclosing[outer].size() % 2 == 0) solids_[solid_of[outer]].push_back(i);
   }
 }
 

@@ -12,7 +12,7 @@ namespace supple::meshing {
 /// A connected solid: numbers of the surface's components that bound it, the outer one first, then its cavities'.
 using Solid = std::vector<std::size_t>;
 
-/// A surface without boundary, told apart into what it encloses.
+/// A surface without boundary, its components, and the solids that they bound.
 class ClosedSurface {
  public:
   /// Throws what `fill` throws for the surface's connectivity. O(n log n) for one component.
@@ -21,7 +21,7 @@ class ClosedSurface {
   /// Triangles of each component.
   const std::vector<std::vector<SurfaceTriangle>>& components() const { return components_; }
   const std::vector<Solid>& solids() const { return solids_; }
-  /// Of one solid, without its cavities.
+  /// The volume of a solid, without its cavities.
   double volume(const Solid& solid) const;
 
  private:
@@ -32,7 +32,7 @@ class ClosedSurface {
 
   std::span<const Eigen::Vector3d> positions_;
   std::vector<std::vector<SurfaceTriangle>> components_;
-  std::vector<double> volumes_;  ///< absolute, of each component
+  std::vector<double> volumes_;  ///< absolute value of each component's enclosed volume
   std::vector<Solid> solids_;
 };
 

@@ -4,7 +4,7 @@
 
 namespace supple::meshing {
 
-/// `fill` by this process' gmsh, whatever helpers it has.
+/// Does the same as `fill` with the gmsh of this process, even if there are helper processes.
 TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
                           const FillOptions& options, const Execution& execution);
 

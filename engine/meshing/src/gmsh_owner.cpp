@@ -7,7 +7,7 @@
 namespace supple::meshing {
 namespace {
 
-/// Begins before the first session and ends with the process.
+/// Initializes gmsh before the first session, and finalizes it at the end of the process.
 class GmshOwner {
  public:
   static GmshOwner& instance() {
@@ -24,9 +24,9 @@ class GmshOwner {
   GmshOwner() {
     gmsh::initialize(0, nullptr, false);
     gmsh::option::setNumber("General.Terminal", 0);
-    // Not to throw: gmsh meshes within a parallel region of OpenMP, which no exception leaves alive.
+    // gmsh must not throw here: it meshes within parallel regions of OpenMP, where an exception ends the process.
     gmsh::option::setNumber("General.AbortOnError", 0);
-    // General.NumThreads would only count for the thread that sets it, and for whatever else it runs by OpenMP.
+    // General.NumThreads would apply to the calling thread only, and to all that this thread runs by OpenMP.
     for (const char* dimension : {"1D", "2D", "3D"}) {
       gmsh::option::setNumber(std::string("Mesh.MaxNumThreads") + dimension, 1);
     }
@@ -43,8 +43,8 @@ class GmshOwner {
 
 GmshSession::GmshSession() {
   GmshOwner& owner = GmshOwner::instance();
-  random_ = own_process_random();
-  own_ = owner.lock();
+  random_lock_ = own_process_random();
+  gmsh_lock_ = owner.lock();
 }
 
 GmshModel::GmshModel(const GmshSession& /*session*/) { gmsh::model::add("supple"); }

@@ -5,17 +5,18 @@
 
 namespace supple::meshing {
 
-/// gmsh while this object lives: one global state, whose users wait for each other. It prints nothing, reads no file,
-/// installs no signal handler, draws the same random numbers every time and uses the calling thread alone.
+/// Exclusive access to gmsh while this object lives: gmsh has one global state, whose users wait for each other. It
+/// prints nothing, reads no file, installs no signal handler, draws the same random numbers every time and uses the
+/// calling thread alone.
 ///
-/// Options that one kind of mesh needs are set by it every time: others have left theirs.
+/// Each kind of mesh sets its options every time, because other kinds may have changed them.
 class GmshSession {
  public:
   GmshSession();
 
  private:
-  std::unique_lock<std::mutex> random_;
-  std::unique_lock<std::mutex> own_;
+  std::unique_lock<std::mutex> random_lock_;
+  std::unique_lock<std::mutex> gmsh_lock_;
 };
 
 /// An empty model that is current while this object lives, within a session.
@@ -27,7 +28,7 @@ class GmshModel {
   GmshModel& operator=(const GmshModel&) = delete;
 };
 
-/// What gmsh said last, empty where it said nothing.
+/// The last error message of gmsh; empty for none.
 std::string last_gmsh_error(const GmshSession& session);
 
 }  // namespace supple::meshing

@@ -53,7 +53,7 @@ TetrahedralMesh fill(std::span<const Eigen::Vector3d> positions, std::span<const
                      const FillOptions& options, const Execution& execution) {
   const auto helpers = helper_processes();
   if (!helpers) return fill_here(positions, faces, options, execution);
-  // A mistake of the program, not of a request: it is told in this process.
+  // Options out of range are a mistake of the program, not of a request: they are reported in this process.
   if (!(options.element_size >= 0) || !(options.grading > 0) || options.max_tetrahedra < 1)
     throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
   execution.checkpoint(0, "meshing");

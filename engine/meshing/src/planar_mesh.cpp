@@ -23,19 +23,19 @@ constexpr std::array<int, 3> planar_algorithms = {6 /* frontal Delaunay */, 5 /*
 constexpr double area_tolerance = 1e-9;
 
 /// Points inside are rounded to multiples of this, mm: far above rounding errors, far below any length that matters.
-/// gmsh's containers are in the order of addresses in memory, on which other threads have influence; the same mesh
-/// comes with other last bits and in another order from call to call.
+/// gmsh's containers are in the order of addresses in memory, which depend on other threads. Therefore its results
+/// differ in the last bits and in their order from call to call.
 constexpr double planar_grid = 0x1p-32;
 
 using Polygon = std::vector<Eigen::Vector2d>;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Signed: positive for counterclockwise polygons.
+/// The area of a polygon, positive if it runs counterclockwise.
 double area(const Polygon& polygon) {
   double twice = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
-    // Relative to the first vertex, so that a far-off polygon loses no digits.
+    // Vectors are relative to the first vertex, so that no digits are lost far from the origin.
     twice += cross(polygon[k] - polygon[0], polygon[(k + 1) % polygon.size()] - polygon[0]);
   }
   return twice / 2;
@@ -46,7 +46,7 @@ std::string outcome_of(const GmshSession& session, int algorithm, const char* ou
   return " Algorithm " + std::to_string(algorithm) + ": " + outcome + (last.empty() ? "" : " (" + last + ")") + ".";
 }
 
-// One point for each vertex, tagged from 1 in their order, and one line without inner nodes for each side.
+// Adds one point for each vertex, tagged from 1 in their order, and one line without inner nodes for each side.
 void add_faces(const std::vector<PlanarFace>& faces) {
   int points = 0;
   for (const PlanarFace& face : faces) {
@@ -68,7 +68,7 @@ void add_faces(const std::vector<PlanarFace>& faces) {
 
 double rounded(double coordinate) { return std::round(coordinate / planar_grid) * planar_grid; }
 
-/// Points inside by their coordinates, triangles by their points, of which the first has the least number.
+/// Sorts the points inside by their coordinates, and the triangles by their points, the smallest of which comes first.
 void sort_planar(PlanarMesh& mesh, std::size_t boundary) {
   std::vector<int> order(mesh.points.size());
   std::iota(order.begin(), order.end(), 0);
@@ -77,14 +77,14 @@ void sort_planar(PlanarMesh& mesh, std::size_t boundary) {
     return p.x() != q.x() ? p.x() < q.x() : p.y() < q.y();
   });
   std::vector<Eigen::Vector2d> points;
-  std::vector<int> place(order.size());
+  std::vector<int> new_index(order.size());
   for (const int k : order) {
-    place[k] = static_cast<int>(points.size());
+    new_index[k] = static_cast<int>(points.size());
     points.push_back(mesh.points[k]);
   }
   mesh.points = std::move(points);
   for (std::array<int, 3>& triangle : mesh.triangles) {
-    for (int& corner : triangle) corner = place[corner];
+    for (int& corner : triangle) corner = new_index[corner];
     std::rotate(triangle.begin(), std::min_element(triangle.begin(), triangle.end()), triangle.end());
   }
   std::sort(mesh.triangles.begin(), mesh.triangles.end());

@@ -23,17 +23,17 @@ namespace {
 
 /// gmsh's number of the Delaunay algorithm. HXT, number 10, takes a tenth of the time and gives another mesh each time.
 constexpr int delaunay = 1;
-/// gmsh's numbers of elements.
+/// gmsh's numbers of the types of elements.
 constexpr int linear_triangle = 2;
 constexpr int linear_tetrahedron = 4;
 
-/// Tetrahedra of edges of length 1 in a unit volume: between 4.6 and 5 are counted in gmsh's meshes.
+/// Number of tetrahedra with edges of length 1 in a unit volume, a lower bound: gmsh's meshes have between 4.6 and 5.
 constexpr double tetrahedra_in_unit_volume = 4.5;
 
-/// gmsh asks for the size at most so often for each tetrahedron of the finished mesh.
-constexpr double questions_of_a_tetrahedron = 60;
+/// Limit of gmsh's calls of the size callback for each tetrahedron of the finished mesh.
+constexpr double max_calls_per_tetrahedron = 60;
 
-/// Tetrahedra fill a surface if the volumes agree to this relative error: it is the rounding of their sums.
+/// Tetrahedra fill a surface if the volumes agree to this relative error, which is due to the rounding of their sums.
 constexpr double volume_tolerance = 1e-11;
 
 [[noreturn]] void throw_too_many(double number, const FillOptions& options) {
@@ -73,37 +73,37 @@ GradedSize wanted_size(std::span<const Eigen::Vector3d> positions, std::span<con
   return GradedSize(std::move(sources), options.element_size > 0 ? options.element_size : mean, options.grading);
 }
 
-/// Tells gmsh lengths, until there is a reason to come to an end: no exception gets through gmsh alive, but where it is
-/// told that any length will do it makes no more tetrahedra.
-class SizeAnswers {
+/// gmsh's size callback. After a stop request or too many calls, it returns a length so large that gmsh makes no more
+/// tetrahedra, since an exception cannot pass through gmsh.
+class SizeCallback {
  public:
-  SizeAnswers(const GradedSize& size, const FillOptions& options, const CancellationToken& cancellation)
+  SizeCallback(const GradedSize& size, const FillOptions& options, const CancellationToken& cancellation)
       : size_(size),
         cancellation_(cancellation),
-        most_(questions_of_a_tetrahedron * static_cast<double>(options.max_tetrahedra)) {}
+        max_calls_(max_calls_per_tetrahedron * static_cast<double>(options.max_tetrahedra)) {}
 
   double operator()(const Eigen::Vector3d& point) {
-    ++questions_;
-    return too_many() || cancellation_.requested() ? any_length : size_(point);
+    ++calls_;
+    return too_many() || cancellation_.requested() ? huge_length : size_(point);
   }
-  bool too_many() const { return static_cast<double>(questions_) > most_; }
+  bool too_many() const { return static_cast<double>(calls_) > max_calls_; }
 
  private:
-  static constexpr double any_length = 1e22;
+  static constexpr double huge_length = 1e22;
   const GradedSize& size_;
   const CancellationToken& cancellation_;
-  double most_;
-  std::int64_t questions_ = 0;
+  double max_calls_;
+  std::int64_t calls_ = 0;
 };
 
-/// What gmsh made of one solid.
+/// gmsh's mesh of one solid.
 struct Filling {
   std::vector<Eigen::Vector3d> inner;
-  /// Vertices of the surface by their numbers, then inner nodes from `vertices` on.
+  /// Their corners: vertices of the surface by their numbers, and inner nodes by numbers that follow those of vertices.
   std::vector<Tetrahedron> tetrahedra;
 };
 
-/// Vertices are nodes tagged by their number, from 1; each component is a surface of its own.
+/// Adds each component of a solid to gmsh's model, as a surface of its own. Node tags are numbers of vertices plus 1.
 void add_surfaces(std::span<const Eigen::Vector3d> positions, const ClosedSurface& surface, const Solid& solid) {
   std::vector<int> loops;
   std::vector<bool> added(positions.size(), false);
@@ -128,7 +128,7 @@ void add_surfaces(std::span<const Eigen::Vector3d> positions, const ClosedSurfac
   gmsh::model::geo::synchronize();
 }
 
-/// Throws std::out_of_range for a node that is neither a vertex nor inside.
+/// Reads gmsh's mesh of one solid. Throws std::out_of_range for a node that is neither a vertex nor inside.
 Filling read_filling(std::size_t vertices) {
   Filling filling;
   std::vector<std::size_t> tags;
@@ -179,7 +179,7 @@ bool keeps_surface(const std::vector<Tetrahedron>& tetrahedra, const ClosedSurfa
   return outer == wanted;
 }
 
-/// Empty where the mesh has filled the solid, else what is wrong.
+/// What is wrong with the tetrahedra from `first` on; empty if they fill the solid.
 std::string fault_of(const TetrahedralMesh& mesh, std::size_t first, const ClosedSurface& surface, const Solid& solid) {
   const std::vector<Tetrahedron> own(mesh.tetrahedra.begin() + static_cast<std::ptrdiff_t>(first),
                                      mesh.tetrahedra.end());
@@ -198,21 +198,21 @@ std::string fault_of(const TetrahedralMesh& mesh, std::size_t first, const Close
   return {};
 }
 
-/// Fills a surface where it lies and as it is numbered.
+/// Fills a surface in its own coordinates and numbering.
 TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::span<const SurfaceTriangle> faces,
                               const FillOptions& options, const Execution& execution) {
   const ClosedSurface surface(positions, faces);
   const GradedSize size = wanted_size(positions, faces, options);
   double volume = 0;
   for (const Solid& solid : surface.solids()) volume += surface.volume(solid);
-  const double foretold = tetrahedra_in_unit_volume * volume / std::pow(size.largest(), 3);
-  if (foretold > static_cast<double>(options.max_tetrahedra)) throw_too_many(foretold, options);
+  const double predicted = tetrahedra_in_unit_volume * volume / std::pow(size.max_length(), 3);
+  if (predicted > static_cast<double>(options.max_tetrahedra)) throw_too_many(predicted, options);
 
   TetrahedralMesh mesh;
   mesh.nodes.assign(positions.begin(), positions.end());
   mesh.surface_vertices = static_cast<std::int32_t>(positions.size());
   const GmshSession session;
-  SizeAnswers answers(size, options, execution.cancellation);
+  SizeCallback callback(size, options, execution.cancellation);
   for (std::size_t s = 0; s < surface.solids().size(); ++s) {
     const Solid& solid = surface.solids()[s];
     execution.checkpoint(static_cast<double>(s) / static_cast<double>(surface.solids().size()), "meshing");
@@ -220,12 +220,12 @@ TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::s
     try {
       const GmshModel model(session);
       gmsh::option::setNumber("Mesh.Algorithm3D", delaunay);
-      // Inside, lengths are those that are told.
+      // The callback alone decides the lengths inside.
       gmsh::option::setNumber("Mesh.MeshSizeExtendFromBoundary", 0);
-      // Nodes keep the tags by which they are known.
+      // Nodes keep their tags, which are numbers of vertices plus 1.
       gmsh::option::setNumber("Mesh.Renumber", 0);
       gmsh::model::mesh::setSizeCallback(
-          [&answers](int, int, double x, double y, double z) { return answers(Eigen::Vector3d(x, y, z)); });
+          [&callback](int, int, double x, double y, double z) { return callback(Eigen::Vector3d(x, y, z)); });
       add_surfaces(positions, surface, solid);
       gmsh::model::mesh::generate(3);
       filling = read_filling(positions.size());
@@ -242,7 +242,7 @@ TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::s
         if (corner >= mesh.surface_vertices) corner += shift;
       mesh.tetrahedra.push_back(tetrahedron);
     }
-    if (answers.too_many() || static_cast<std::int64_t>(mesh.tetrahedra.size()) > options.max_tetrahedra)
+    if (callback.too_many() || static_cast<std::int64_t>(mesh.tetrahedra.size()) > options.max_tetrahedra)
       throw_too_many(
           std::max(static_cast<double>(mesh.tetrahedra.size()), static_cast<double>(options.max_tetrahedra) + 1),
           options);
@@ -252,19 +252,19 @@ TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::s
   return mesh;
 }
 
-/// The tetrahedra of a surface's own frame in the given one: vertices are where they were given.
-TetrahedralMesh in_given_frame(TetrahedralMesh own, const CanonicalSurface& frame,
+/// Transforms a mesh from the canonical frame into the given one, with vertices in their given order and positions.
+TetrahedralMesh in_given_frame(TetrahedralMesh canonical, const CanonicalSurface& frame,
                                std::span<const Eigen::Vector3d> positions) {
   TetrahedralMesh mesh;
   mesh.surface_vertices = static_cast<std::int32_t>(positions.size());
   mesh.nodes.assign(positions.begin(), positions.end());
-  for (std::size_t i = frame.vertices.size(); i < own.nodes.size(); ++i)
-    mesh.nodes.push_back(frame.given(own.nodes[i]));
-  mesh.tetrahedra = std::move(own.tetrahedra);
-  const auto shift = mesh.surface_vertices - own.surface_vertices;
+  for (std::size_t i = frame.vertices.size(); i < canonical.nodes.size(); ++i)
+    mesh.nodes.push_back(frame.given(canonical.nodes[i]));
+  mesh.tetrahedra = std::move(canonical.tetrahedra);
+  const auto shift = mesh.surface_vertices - canonical.surface_vertices;
   for (Tetrahedron& tetrahedron : mesh.tetrahedra)
     for (std::int32_t& corner : tetrahedron)
-      corner = corner < own.surface_vertices ? frame.vertices[static_cast<std::size_t>(corner)] : corner + shift;
+      corner = corner < canonical.surface_vertices ? frame.vertices[static_cast<std::size_t>(corner)] : corner + shift;
   return mesh;
 }
 
@@ -296,15 +296,15 @@ TetrahedralMesh fill_here(std::span<const Eigen::Vector3d> positions, std::span<
     throw std::invalid_argument("fill: element_size is 0 or more, grading and max_tetrahedra are positive");
   execution.checkpoint(0, "meshing");
   if (faces.empty()) throw_not_filled("it has no faces");
-  // Faults are told by the numbers that the caller knows.
+  // This check names faults by the caller's numbers of vertices.
   const ClosedSurface checked(positions, faces);
   const StageTimer timer(execution.cost, "meshing");
-  const CanonicalSurface own = canonical_surface(positions, faces);
-  FillOptions own_options = options;
-  own_options.element_size /= own.length;
-  TetrahedralMesh mesh =
-      in_given_frame(fill_as_given(own.positions, own.faces, own_options, execution), own, positions);
-  // A tetrahedron as flat as the grid of the own frame may be turned inside out by it.
+  const CanonicalSurface canonical = canonical_surface(positions, faces);
+  FillOptions canonical_options = options;
+  canonical_options.element_size /= canonical.length;
+  TetrahedralMesh mesh = in_given_frame(
+      fill_as_given(canonical.positions, canonical.faces, canonical_options, execution), canonical, positions);
+  // Rounding to the grid of the canonical frame may turn a very flat tetrahedron inside out.
   if (!has_only_positive_tetrahedra(mesh)) mesh = fill_as_given(positions, faces, options, execution);
   execution.checkpoint(1, "meshing");
   return mesh;

@@ -9,26 +9,27 @@
 namespace supple::outlines {
 namespace {
 
-/// Steps of the rounding for each length of the tolerance.
+/// Number of rounding steps per tolerance.
 constexpr double steps_per_tolerance = 1e5;
-/// Clipper's coordinates are below 2^62.
-constexpr double largest_coordinate_of_clipper = 1e18;
+/// Limit of the coordinates in rounding steps; Clipper's own limit is 2^62.
+constexpr double max_clipper_coordinate = 1e18;
 
-ClipperLib::Paths paths_of(const std::vector<Points>& polygons, double per_unit) {
+ClipperLib::Paths paths_of(const std::vector<Points>& polygons, double steps_per_unit) {
   ClipperLib::Paths paths;
   for (const Points& polygon : polygons) {
     ClipperLib::Path& path = paths.emplace_back();
-    for (const Point& p : polygon) path.emplace_back(std::llround(p.x() * per_unit), std::llround(p.y() * per_unit));
+    for (const Point& p : polygon)
+      path.emplace_back(std::llround(p.x() * steps_per_unit), std::llround(p.y() * steps_per_unit));
   }
   return paths;
 }
 
-Area area_of_paths(const ClipperLib::Paths& paths, double per_unit) {
+Area area_of_paths(const ClipperLib::Paths& paths, double steps_per_unit) {
   Area area;
   for (const ClipperLib::Path& path : paths) {
     Points& polygon = area.emplace_back();
     for (const ClipperLib::IntPoint& p : path)
-      polygon.emplace_back(static_cast<double>(p.X) / per_unit, static_cast<double>(p.Y) / per_unit);
+      polygon.emplace_back(static_cast<double>(p.X) / steps_per_unit, static_cast<double>(p.Y) / steps_per_unit);
   }
   return area;
 }
@@ -46,23 +47,25 @@ ClipperLib::Paths combined(const ClipperLib::Paths& a, const ClipperLib::Paths& 
 
 }  // namespace
 
-AreaArithmetic::AreaArithmetic(double tolerance, double largest)
-    : per_unit_(std::min(steps_per_tolerance / tolerance, largest_coordinate_of_clipper / std::max(largest, 1e-300))) {}
+AreaArithmetic::AreaArithmetic(double tolerance, double largest_coordinate)
+    : steps_per_unit_(
+          std::min(steps_per_tolerance / tolerance, max_clipper_coordinate / std::max(largest_coordinate, 1e-300))) {}
 
 Area AreaArithmetic::filled(const std::vector<Points>& polygons, FillRule rule) const {
   const auto type = rule == FillRule::evenodd ? ClipperLib::pftEvenOdd : ClipperLib::pftNonZero;
-  return area_of_paths(combined(paths_of(polygons, per_unit_), {}, ClipperLib::ctUnion, type), per_unit_);
+  return area_of_paths(combined(paths_of(polygons, steps_per_unit_), {}, ClipperLib::ctUnion, type), steps_per_unit_);
 }
 
 Area AreaArithmetic::united(const std::vector<Points>& a, const std::vector<Points>& b) const {
   return area_of_paths(
-      combined(paths_of(a, per_unit_), paths_of(b, per_unit_), ClipperLib::ctUnion, ClipperLib::pftEvenOdd), per_unit_);
+      combined(paths_of(a, steps_per_unit_), paths_of(b, steps_per_unit_), ClipperLib::ctUnion, ClipperLib::pftEvenOdd),
+      steps_per_unit_);
 }
 
-Area AreaArithmetic::common(const std::vector<Points>& a, const std::vector<Points>& b) const {
-  return area_of_paths(
-      combined(paths_of(a, per_unit_), paths_of(b, per_unit_), ClipperLib::ctIntersection, ClipperLib::pftEvenOdd),
-      per_unit_);
+Area AreaArithmetic::intersection(const std::vector<Points>& a, const std::vector<Points>& b) const {
+  return area_of_paths(combined(paths_of(a, steps_per_unit_), paths_of(b, steps_per_unit_), ClipperLib::ctIntersection,
+                                ClipperLib::pftEvenOdd),
+                       steps_per_unit_);
 }
 
 double AreaArithmetic::size(const Area& area) {

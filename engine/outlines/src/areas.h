@@ -7,25 +7,27 @@
 
 namespace supple::outlines {
 
-/// The area between polygons, which neither cross nor touch each other or themselves; outer ones run counterclockwise
-/// and holes clockwise.
+/// A region of the plane, bounded by polygons that neither cross nor touch each other or themselves; outer ones run
+/// counterclockwise and holes clockwise.
 using Area = std::vector<Points>;
 
-/// Computes with areas, whose coordinates are rounded to `step`, by Clipper's integers.
+/// Boolean operations on areas by Clipper, which rounds coordinates to integers.
 class AreaArithmetic {
  public:
-  /// For coordinates up to `largest` in absolute value, at an accuracy of a small fraction of `tolerance`.
-  AreaArithmetic(double tolerance, double largest);
+  /// `largest_coordinate` bounds the absolute values of all coordinates. These are rounded to a small fraction of
+  /// `tolerance`.
+  AreaArithmetic(double tolerance, double largest_coordinate);
 
-  /// What a rule fills between polygons of any kind.
+  /// The area that a rule fills between polygons, which may cross each other and themselves.
   Area filled(const std::vector<Points>& polygons, FillRule rule) const;
   Area united(const std::vector<Points>& a, const std::vector<Points>& b) const;
-  Area common(const std::vector<Points>& a, const std::vector<Points>& b) const;
+  Area intersection(const std::vector<Points>& a, const std::vector<Points>& b) const;
 
+  /// The size of the area without its holes.
   static double size(const Area& area);
 
  private:
-  double per_unit_;
+  double steps_per_unit_;
 };
 
 }  // namespace supple::outlines

@@ -19,14 +19,14 @@
 namespace supple::outlines {
 namespace {
 
-/// Fractions of the reach within which ends are joined, one after another.
-constexpr std::array<double, 5> reaches{1e-4, 1e-3, 1e-2, 1e-1, 1};
-/// Lines up to so many reaches are merged with their neighbours as soon as these meet them.
-constexpr double longest_merged = 2;
-/// Two short lines lie over each other only if their ends are nearer than this fraction of their length.
-constexpr double same_end = 0.25;
+/// Fractions of the maximum gap at which ends are joined, in this order.
+constexpr std::array<double, 5> gap_fractions{1e-4, 1e-3, 1e-2, 1e-1, 1};
+/// Open lines up to this length, in units of the maximum gap, are merged with a neighbour as soon as it meets them.
+constexpr double max_merged_gaps = 2;
+/// Ratio of distance to length above which lines do not lie over each other; it matters for lines below four gaps.
+constexpr double max_distance_ratio = 0.25;
 
-/// Sides of the cells in which ends are looked for, in reaches: mostly one cell is near an end.
+/// Side of the grid cells in which ends are searched, in units of the gap: so large that mostly one cell is visited.
 constexpr double cell_size = 16;
 
 using Cells = std::unordered_map<GridCell, std::vector<std::size_t>, GridCell::Hash>;
@@ -47,9 +47,10 @@ struct Chain {
   std::size_t first_member() const { return *std::min_element(members.begin(), members.end()); }
 };
 
-class Sets {
+/// Union-find over the numbers below `size`.
+class DisjointSets {
  public:
-  explicit Sets(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), 0U); }
+  explicit DisjointSets(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), 0U); }
   std::size_t find(std::size_t k) {
     while (parents_[k] != k) k = parents_[k] = parents_[parents_[k]];
     return k;
@@ -60,85 +61,87 @@ class Sets {
   std::vector<std::size_t> parents_;
 };
 
-/// Joins the chains of one reach: their ends are nodes, and the chains are edges between them.
+/// Joins chains at one gap. The edges of the graph are the chains; a node is a cluster of ends within the gap.
 class Graph {
  public:
-  /// Lines up to the length `merged_below` are merged with what follows them, since they would close by themselves at a
-  /// greater reach; longer ones wait for it, as something else may meet them there.
-  Graph(std::vector<Chain>& chains, double reach, double merged_below, bool by_group, const Execution& execution)
+  /// Open chains up to `max_merged_length` are merged with their neighbours now, since they would close by themselves
+  /// at a larger gap. Longer ones are left for larger gaps, at which other chains may meet them.
+  Graph(std::vector<Chain>& chains, double gap, double max_merged_length, bool by_group, const Execution& execution)
       : chains_(chains),
-        reach_(reach),
-        merged_below_(merged_below),
+        gap_(gap),
+        max_merged_length_(max_merged_length),
         execution_(execution),
-        ends_(2 * chains.size()),
+        start_nodes_(2 * chains.size()),
         used_(chains.size(), false) {
     find_nodes(by_group);
   }
 
-  /// Closed chains go to `closed`; open ones are merged where exactly two of them meet.
+  /// Moves closed chains to `closed`, adds the points where they branch to `branches`, and merges open chains where
+  /// exactly two of them meet.
   void join(std::vector<Chain>& closed, std::vector<Point>& branches) {
     close_loops(closed);
     find_core();
     close_core(closed, branches);
     merge_rest();
-    std::vector<Chain> left;
+    std::vector<Chain> remaining;
     for (std::size_t k = 0; k < chains_.size(); ++k) {
-      if (!used_[k]) left.push_back(std::move(chains_[k]));
+      if (!used_[k]) remaining.push_back(std::move(chains_[k]));
     }
-    for (Chain& chain : merged_) left.push_back(std::move(chain));
-    chains_ = std::move(left);
+    for (Chain& chain : merged_) remaining.push_back(std::move(chain));
+    chains_ = std::move(remaining);
   }
 
  private:
   // Half-edge 2 k runs along chain k, and 2 k + 1 against it.
-  std::size_t from(std::size_t half) const { return ends_[half]; }
-  std::size_t to(std::size_t half) const { return ends_[half ^ 1U]; }
+  std::size_t from(std::size_t half_edge) const { return start_nodes_[half_edge]; }
+  std::size_t to(std::size_t half_edge) const { return start_nodes_[half_edge ^ 1U]; }
 
-  const Point& end_point(std::size_t half) const {
-    const Points& points = chains_[half / 2].points;
-    return half % 2 == 0 ? points.front() : points.back();
+  const Point& end_point(std::size_t half_edge) const {
+    const Points& points = chains_[half_edge / 2].points;
+    return half_edge % 2 == 0 ? points.front() : points.back();
   }
 
   void find_nodes(bool by_group) {
     Cells cells;
-    Sets sets(ends_.size());
-    for (std::size_t half = 0; half < ends_.size(); ++half) {
-      if (half % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
-      const Chain& chain = chains_[half / 2];
-      if (chain.length <= reach_) continue;  // it would close by itself
+    DisjointSets sets(start_nodes_.size());
+    for (std::size_t half_edge = 0; half_edge < start_nodes_.size(); ++half_edge) {
+      if (half_edge % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
+      const Chain& chain = chains_[half_edge / 2];
+      if (chain.length <= gap_) continue;  // it would close on itself
       const std::size_t group = by_group ? chain.group : 0;
-      const Point& end = end_point(half);
-      const double size = cell_size * reach_;
+      const Point& end = end_point(half_edge);
+      const double size = cell_size * gap_;
       any_cell_near(
-          end, reach_, size,
+          end, gap_, size,
           [&](const GridCell& cell) {
             const auto found = cells.find(cell);
             if (found == cells.end()) return false;
             for (const std::size_t other : found->second) {
-              if ((end_point(other) - end).norm() <= reach_) sets.unite(half, other);
+              if ((end_point(other) - end).norm() <= gap_) sets.unite(half_edge, other);
             }
             return false;
           },
           group);
-      // Ends in the same place are one node whichever of them represents it.
+      // One of several ends in the same point is enough to find their node.
       auto& here = cells[cell_of(end, size, group)];
       const bool known =
           std::any_of(here.begin(), here.end(), [&](std::size_t other) { return end_point(other) == end; });
-      if (!known) here.push_back(half);
+      if (!known) here.push_back(half_edge);
     }
-    for (std::size_t half = 0; half < ends_.size(); ++half) ends_[half] = sets.find(half);
+    for (std::size_t half_edge = 0; half_edge < start_nodes_.size(); ++half_edge)
+      start_nodes_[half_edge] = sets.find(half_edge);
   }
 
   void close_loops(std::vector<Chain>& closed) {
     for (std::size_t k = 0; k < chains_.size(); ++k) {
-      if (chains_[k].length <= reach_) {
+      if (chains_[k].length <= gap_) {
         is_idle_.push_back(true);
         continue;
       }
       is_idle_.push_back(false);
-      if (ends_[2 * k] != ends_[2 * k + 1]) continue;
-      // Ends that only others between them connect are too far apart.
-      if ((end_point(2 * k) - end_point(2 * k + 1)).norm() > reach_) {
+      if (start_nodes_[2 * k] != start_nodes_[2 * k + 1]) continue;
+      // Its ends belong to one node only through other ends between them, and are too far apart.
+      if ((end_point(2 * k) - end_point(2 * k + 1)).norm() > gap_) {
         is_idle_[k] = true;
         continue;
       }
@@ -151,27 +154,28 @@ class Graph {
 
   /// Sorts the half-edges of active chains by the node where they begin.
   void list_at_nodes() {
-    first_at_node_.assign(ends_.size() + 1, 0);
-    for (std::size_t half = 0; half < ends_.size(); ++half) first_at_node_[ends_[half] + 1] += is_active(half / 2);
+    first_at_node_.assign(start_nodes_.size() + 1, 0);
+    for (std::size_t half_edge = 0; half_edge < start_nodes_.size(); ++half_edge)
+      first_at_node_[start_nodes_[half_edge] + 1] += is_active(half_edge / 2);
     std::partial_sum(first_at_node_.begin(), first_at_node_.end(), first_at_node_.begin());
-    halves_.resize(first_at_node_.back());
+    half_edges_.resize(first_at_node_.back());
     std::vector<std::size_t> next(first_at_node_.begin(), first_at_node_.end() - 1);
-    for (std::size_t half = 0; half < ends_.size(); ++half) {
-      if (is_active(half / 2)) halves_[next[ends_[half]]++] = half;
+    for (std::size_t half_edge = 0; half_edge < start_nodes_.size(); ++half_edge) {
+      if (is_active(half_edge / 2)) half_edges_[next[start_nodes_[half_edge]]++] = half_edge;
     }
   }
 
   /// The half-edges that begin at a node.
   std::span<const std::size_t> at_node(std::size_t node) const {
-    return std::span(halves_).subspan(first_at_node_[node], first_at_node_[node + 1] - first_at_node_[node]);
+    return std::span(half_edges_).subspan(first_at_node_[node], first_at_node_[node + 1] - first_at_node_[node]);
   }
 
-  /// The chains that are left when those with a free end are taken away again and again.
+  /// Finds the 2-core of the graph: the chains that remain when those with a free end are removed repeatedly.
   void find_core() {
     list_at_nodes();
-    std::vector<std::size_t> degree(ends_.size());
+    std::vector<std::size_t> degree(start_nodes_.size());
     std::vector<std::size_t> free;
-    for (std::size_t node = 0; node < ends_.size(); ++node) {
+    for (std::size_t node = 0; node < start_nodes_.size(); ++node) {
       degree[node] = at_node(node).size();
       if (degree[node] == 1) free.push_back(node);
     }
@@ -180,39 +184,39 @@ class Graph {
     while (!free.empty()) {
       const std::size_t node = free.back();
       free.pop_back();
-      for (const std::size_t half : at_node(node)) {
-        if (!is_core_[half / 2]) continue;
-        is_core_[half / 2] = false;
+      for (const std::size_t half_edge : at_node(node)) {
+        if (!is_core_[half_edge / 2]) continue;
+        is_core_[half_edge / 2] = false;
         --degree[node];
-        if (--degree[to(half)] == 1) free.push_back(to(half));
+        if (--degree[to(half_edge)] == 1) free.push_back(to(half_edge));
       }
     }
   }
 
   std::vector<std::size_t> core_at(std::size_t node) const {
-    std::vector<std::size_t> halves;
-    for (const std::size_t half : at_node(node)) {
-      if (is_core_[half / 2]) halves.push_back(half);
+    std::vector<std::size_t> half_edges;
+    for (const std::size_t half_edge : at_node(node)) {
+      if (is_core_[half_edge / 2]) half_edges.push_back(half_edge);
     }
-    return halves;
+    return half_edges;
   }
 
-  /// The direction in which a half-edge leaves its node.
-  double angle_of(std::size_t half) const {
-    const Points& points = chains_[half / 2].points;
+  /// The direction in which a half-edge leaves its node, radians.
+  double angle_of(std::size_t half_edge) const {
+    const Points& points = chains_[half_edge / 2].points;
     const std::size_t n = points.size();
-    const Point& start = end_point(half);
+    const Point& start = end_point(half_edge);
     for (std::size_t k = 1; k < n; ++k) {
-      const Point& p = half % 2 == 0 ? points[k] : points[n - 1 - k];
-      if ((p - start).norm() > reach_ || k + 1 == n) return std::atan2(p.y() - start.y(), p.x() - start.x());
+      const Point& p = half_edge % 2 == 0 ? points[k] : points[n - 1 - k];
+      if ((p - start).norm() > gap_ || k + 1 == n) return std::atan2(p.y() - start.y(), p.x() - start.x());
     }
     return 0;
   }
 
-  void append(Chain& chain, std::size_t half) const {
-    const Chain& other = chains_[half / 2];
+  void append(Chain& chain, std::size_t half_edge) const {
+    const Chain& other = chains_[half_edge / 2];
     const std::size_t skip = chain.points.empty() ? 0 : 1;
-    if (half % 2 == 0) {
+    if (half_edge % 2 == 0) {
       chain.points.insert(chain.points.end(), other.points.begin() + static_cast<std::ptrdiff_t>(skip),
                           other.points.end());
       chain.members.insert(chain.members.end(), other.members.begin(), other.members.end());
@@ -225,48 +229,48 @@ class Graph {
   }
 
   void close_core(std::vector<Chain>& closed, std::vector<Point>& branches) {
-    std::vector<std::size_t> next(ends_.size());  // of half-edges, along the area to their left
-    std::vector<std::pair<double, std::size_t>> around;
-    for (std::size_t node = 0; node < ends_.size(); ++node) {
-      const auto halves = core_at(node);
-      if (halves.size() == 2) {
-        next[halves[0] ^ 1U] = halves[1];
-        next[halves[1] ^ 1U] = halves[0];
+    std::vector<std::size_t> next(start_nodes_.size());  // for each half-edge, the next one along the area to its left
+    std::vector<std::pair<double, std::size_t>> by_angle;
+    for (std::size_t node = 0; node < start_nodes_.size(); ++node) {
+      const auto half_edges = core_at(node);
+      if (half_edges.size() == 2) {
+        next[half_edges[0] ^ 1U] = half_edges[1];
+        next[half_edges[1] ^ 1U] = half_edges[0];
         continue;
       }
-      around.clear();
-      for (const std::size_t half : halves) around.emplace_back(angle_of(half), half);
-      std::sort(around.begin(), around.end());
-      // What comes in along the reverse of a half-edge leaves by the one before it counterclockwise.
-      for (std::size_t k = 0; k < around.size(); ++k)
-        next[around[k].second ^ 1U] = around[(k + around.size() - 1) % around.size()].second;
-      if (halves.size() > 2) branches.push_back(end_point(halves.front()));
+      by_angle.clear();
+      for (const std::size_t half_edge : half_edges) by_angle.emplace_back(angle_of(half_edge), half_edge);
+      std::sort(by_angle.begin(), by_angle.end());
+      // The boundary that arrives along the reverse of a half-edge leaves by the half-edge before it counterclockwise.
+      for (std::size_t k = 0; k < by_angle.size(); ++k)
+        next[by_angle[k].second ^ 1U] = by_angle[(k + by_angle.size() - 1) % by_angle.size()].second;
+      if (half_edges.size() > 2) branches.push_back(end_point(half_edges.front()));
     }
-    std::vector<bool> walked(2 * chains_.size(), false);
+    std::vector<bool> visited(2 * chains_.size(), false);
     for (std::size_t k = 0; k < chains_.size(); ++k) {
       if (k % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       if (!is_core_[k]) continue;
       for (const std::size_t start : {2 * k, 2 * k + 1}) {
-        if (walked[start]) continue;
+        if (visited[start]) continue;
         Chain chain;
         chain.group = chains_[k].group;
         bool is_simple_cycle = true;
-        std::size_t half = start;
+        std::size_t half_edge = start;
         do {
-          walked[half] = true;
-          append(chain, half);
-          is_simple_cycle = is_simple_cycle && at_core_degree(to(half)) == 2;
-          half = next[half];
-        } while (half != start);
+          visited[half_edge] = true;
+          append(chain, half_edge);
+          is_simple_cycle = is_simple_cycle && core_degree(to(half_edge)) == 2;
+          half_edge = next[half_edge];
+        } while (half_edge != start);
         if (is_simple_cycle) {
-          // Both directions are the same curve; it keeps that of its first piece.
+          // Both directions are the same curve; the direction of its first piece is chosen.
           std::size_t back = start;
           do {
-            walked[back ^ 1U] = true;
+            visited[back ^ 1U] = true;
             back = next[back];
           } while (back != start);
         } else if (area_of(chain.points) <= 0) {
-          continue;  // the outside
+          continue;  // the unbounded area
         }
         closed.push_back(std::move(chain));
       }
@@ -276,119 +280,119 @@ class Graph {
     }
   }
 
-  std::size_t at_core_degree(std::size_t node) const {
+  std::size_t core_degree(std::size_t node) const {
     std::size_t count = 0;
-    for (const std::size_t half : at_node(node)) count += is_core_[half / 2] ? 1 : 0;
+    for (const std::size_t half_edge : at_node(node)) count += is_core_[half_edge / 2] ? 1 : 0;
     return count;
   }
 
   std::vector<std::size_t> open_at(std::size_t node) const {
-    std::vector<std::size_t> halves;
-    for (const std::size_t half : at_node(node)) {
-      if (!used_[half / 2]) halves.push_back(half);
+    std::vector<std::size_t> half_edges;
+    for (const std::size_t half_edge : at_node(node)) {
+      if (!used_[half_edge / 2]) half_edges.push_back(half_edge);
     }
-    return halves;
+    return half_edges;
   }
 
-  /// Merges open chains in a row, of which each end meets one other and nothing that closed.
+  /// Merges sequences of open chains: those in which exactly two open chains meet at each joint.
   void merge_rest() {
     for (std::size_t k = 0; k < chains_.size(); ++k) {
       if (!is_active(k)) continue;
-      // Back to where the row begins, which it does since nothing closes.
-      std::size_t half = 2 * k;
-      for (auto before = before_in_row(half); before; before = before_in_row(half)) half = *before;
+      // Go back to the first chain of the sequence. There is one, because cycles are closed already.
+      std::size_t half_edge = 2 * k;
+      for (auto before = predecessor(half_edge); before; before = predecessor(half_edge)) half_edge = *before;
       Chain chain;
-      chain.group = chains_[half / 2].group;
-      std::vector<std::size_t> row;
-      for (std::optional<std::size_t> at = half; at; at = after_in_row(*at)) row.push_back(*at);
-      if (row.size() == 1) continue;
-      for (const std::size_t one : row) append(chain, one);
-      for (const std::size_t one : row) used_[one / 2] = true;
+      chain.group = chains_[half_edge / 2].group;
+      std::vector<std::size_t> sequence;
+      for (std::optional<std::size_t> at = half_edge; at; at = successor(*at)) sequence.push_back(*at);
+      if (sequence.size() == 1) continue;
+      for (const std::size_t one : sequence) append(chain, one);
+      for (const std::size_t one : sequence) used_[one / 2] = true;
       merged_.push_back(std::move(chain));
     }
   }
 
-  std::optional<std::size_t> after_in_row(std::size_t half) const {
-    const auto halves = open_at(to(half));
-    if (halves.size() != 2) return std::nullopt;
-    const std::size_t other = halves[0] / 2 == half / 2 ? halves[1] : halves[0];
-    if (other / 2 == half / 2) return std::nullopt;
-    if (std::min(chains_[half / 2].length, chains_[other / 2].length) > merged_below_) return std::nullopt;
+  std::optional<std::size_t> successor(std::size_t half_edge) const {
+    const auto half_edges = open_at(to(half_edge));
+    if (half_edges.size() != 2) return std::nullopt;
+    const std::size_t other = half_edges[0] / 2 == half_edge / 2 ? half_edges[1] : half_edges[0];
+    if (other / 2 == half_edge / 2) return std::nullopt;
+    if (std::min(chains_[half_edge / 2].length, chains_[other / 2].length) > max_merged_length_) return std::nullopt;
     return other;
   }
-  std::optional<std::size_t> before_in_row(std::size_t half) const {
-    const auto after = after_in_row(half ^ 1U);
+  std::optional<std::size_t> predecessor(std::size_t half_edge) const {
+    const auto after = successor(half_edge ^ 1U);
     if (!after) return std::nullopt;
     return *after ^ 1U;
   }
 
   std::vector<Chain>& chains_;
-  double reach_, merged_below_;
+  double gap_, max_merged_length_;
   const Execution& execution_;
-  std::vector<std::size_t> ends_;  ///< of half-edges: the node where each begins
-  std::vector<bool> used_, is_idle_, is_core_;
-  std::vector<std::size_t> halves_;         ///< half-edges by the node where they begin
-  std::vector<std::size_t> first_at_node_;  ///< where those of a node begin in `halves_`
+  std::vector<std::size_t> start_nodes_;        ///< for each half-edge, the node where it begins
+  std::vector<bool> used_, is_idle_, is_core_;  ///< for each chain: joined; not to be joined at this gap; in the 2-core
+  std::vector<std::size_t> half_edges_;         ///< sorted by the node where they begin
+  std::vector<std::size_t> first_at_node_;      ///< for each node, where its half-edges begin in `half_edges_`
   std::vector<Chain> merged_;
 };
 
-/// Takes away open chains that lie over others.
-void drop_doubled(std::vector<Chain>& chains, double reach, bool by_group, std::vector<std::size_t>& doubled,
-                  const Execution& execution) {
+/// Drops open chains that lie over others, and adds the polylines in them to `duplicates`.
+void drop_duplicates(std::vector<Chain>& chains, double max_gap, bool by_group, std::vector<std::size_t>& duplicates,
+                     const Execution& execution) {
   Cells cells;
-  std::vector<Chain> kept;
-  kept.reserve(chains.size());
+  std::vector<Chain> remaining;
+  remaining.reserve(chains.size());
   for (std::size_t k = 0; k < chains.size(); ++k) {
     if (k % curves_between_checks == 0) execution.cancellation.throw_if_requested();
     Chain& chain = chains[k];
-    const double close = std::min(reach, same_end * chain.length);
+    const double max_distance = std::min(max_gap, max_distance_ratio * chain.length);
     const Point middle = (chain.points.front() + chain.points.back()) / 2;
     const std::size_t group = by_group ? chain.group : 0;
-    const double size = cell_size * reach;
+    const double size = cell_size * max_gap;
     const bool found = any_cell_near(
-        middle, reach, size,
+        middle, max_gap, size,
         [&](const GridCell& cell) {
           const auto near = cells.find(cell);
           return near != cells.end() && std::any_of(near->second.begin(), near->second.end(), [&](std::size_t other) {
-                   return is_same_curve(kept[other].points, chain.points, close, false);
+                   return is_same_curve(remaining[other].points, chain.points, max_distance, false);
                  });
         },
         group);
     if (found) {
-      doubled.insert(doubled.end(), chain.members.begin(), chain.members.end());
+      duplicates.insert(duplicates.end(), chain.members.begin(), chain.members.end());
       continue;
     }
-    cells[cell_of(middle, size, group)].push_back(kept.size());
-    kept.push_back(std::move(chain));
+    cells[cell_of(middle, size, group)].push_back(remaining.size());
+    remaining.push_back(std::move(chain));
   }
-  chains = std::move(kept);
+  chains = std::move(remaining);
 }
 
 }  // namespace
 
-Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& execution) {
+Chains joined(std::vector<Polyline>& polylines, double max_gap, const Execution& execution) {
   Chains result;
   std::vector<Chain> open, closed;
-  std::vector<std::pair<std::size_t, std::size_t>> order;  // by the first polyline; open ones after closed ones
-  constexpr std::size_t alone = SIZE_MAX;                  // for a polyline that is closed as it stands
+  std::vector<std::pair<std::size_t, std::size_t>> order;  // first polyline; index in `closed`, then `open`
+  constexpr std::size_t no_joining = SIZE_MAX;             // the index of a polyline that needs no joining
   std::map<std::string_view, std::size_t> groups;
   for (std::size_t i = 0; i < polylines.size(); ++i) {
     const Polyline& polyline = polylines[i];
-    const bool back_again = polyline.points.size() > 2 && polyline.points.front() == polyline.points.back();
-    if (polyline.closed || back_again) {
-      order.emplace_back(i, alone);
+    const bool returns_to_start = polyline.points.size() > 2 && polyline.points.front() == polyline.points.back();
+    if (polyline.closed || returns_to_start) {
+      order.emplace_back(i, no_joining);
       continue;
     }
     const std::size_t group = groups.try_emplace(polyline.source->group, groups.size()).first->second;
     open.push_back({polyline.points, {i}, length_of(polyline.points), group});
   }
-  drop_doubled(open, reach, true, result.doubled, execution);
+  drop_duplicates(open, max_gap, true, result.duplicates, execution);
   std::size_t closed_by_group = 0;
   for (const bool by_group : {true, false}) {
-    if (!by_group) drop_doubled(open, reach, false, result.doubled, execution);
-    for (const double fraction : reaches) {
+    if (!by_group) drop_duplicates(open, max_gap, false, result.duplicates, execution);
+    for (const double fraction : gap_fractions) {
       if (!open.empty())
-        Graph(open, fraction * reach, longest_merged * reach, by_group, execution).join(closed, result.branches);
+        Graph(open, fraction * max_gap, max_merged_gaps * max_gap, by_group, execution).join(closed, result.branches);
     }
     if (by_group) closed_by_group = closed.size();
   }
@@ -398,7 +402,7 @@ Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& e
   result.polylines.reserve(order.size());
   result.members.reserve(order.size());
   for (const auto& [first, k] : order) {
-    if (k == alone) {
+    if (k == no_joining) {
       polylines[first].closed = true;
       result.polylines.push_back(std::move(polylines[first]));
       result.members.push_back({first});
@@ -408,7 +412,7 @@ Chains joined(std::vector<Polyline>& polylines, double reach, const Execution& e
     Polyline polyline{std::move(chain.points), k < closed.size(), polylines[first].source, chain.members.size()};
     for (const std::size_t member : chain.members) polyline.error = std::max(polyline.error, polylines[member].error);
     if (polyline.closed && k >= closed_by_group && polyline.curves > 1)
-      result.across.push_back(result.polylines.size());
+      result.across_groups.push_back(result.polylines.size());
     result.polylines.push_back(std::move(polyline));
     result.members.push_back(std::move(chain.members));
   }

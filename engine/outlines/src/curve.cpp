@@ -10,14 +10,14 @@
 namespace supple::outlines {
 namespace {
 
-/// Bulges below this are straight lines: 1e-9 of a chord from it.
-constexpr double straight = 1e-9;
-/// Halvings of a span between two knots, and those that are made in any case so that no bend is overlooked.
-constexpr int most_halvings = 16;
-constexpr int fewest_halvings = 2;
+/// Arcs of a smaller bulge are straight lines: they are at most half of this, times the chord, away from it.
+constexpr double min_bulge = 1e-9;
+/// Bisections of a span between two knots. The first ones are made always, so that no bend is overlooked.
+constexpr int max_bisections = 16;
+constexpr int min_bisections = 2;
 
 [[noreturn]] void refuse_corners() {
-  const std::string limit = std::to_string(Flattener::most_corners);
+  const std::string limit = std::to_string(Flattener::max_corners);
   throw Error("outline.too_large", "The drawing has more than " + limit + " corners at this tolerance.",
               {{"accuracy/tolerance", "gives more than " + limit + " corners; a coarser one gives fewer"}});
 }
@@ -33,7 +33,7 @@ double distance_to_chord(const Point& p, const Point& a, const Point& b) {
 
 Piece bulge(const Point& a, const Point& b, double bulge) {
   const Point chord = b - a;
-  if (!(std::abs(bulge) > straight) || chord.isZero(0)) return Line{b};
+  if (!(std::abs(bulge) > min_bulge) || chord.isZero(0)) return Line{b};
   const Point left(-chord.y(), chord.x());
   const Point centre = (a + b) / 2 + left * (1 - bulge * bulge) / (4 * bulge);
   const Point radius = a - centre;
@@ -74,27 +74,27 @@ Points Flattener::flatten(const Curve& curve) {
 }
 
 void Flattener::add(const Point& point) {
-  // Points that fall on the one before count as well, so that curves of no length have an end.
-  if (++corners_ > most_corners) refuse_corners();
+  // Repeated points count too: the limit bounds the time that curves of zero length take.
+  if (++corners_ > max_corners) refuse_corners();
   if (!points_.empty() && points_.back() == point) return;
   points_.push_back(point);
 }
 
-std::size_t Flattener::parts(double exact) const {
-  // A number beyond any limit, or none at all, need not be an integer.
-  if (!(exact < static_cast<double>(most_corners))) refuse_corners();
-  return static_cast<std::size_t>(std::max(1.0, std::ceil(exact)));
+std::size_t Flattener::part_count(double real_count) const {
+  // NaN and numbers beyond the range of an integer cannot be converted.
+  if (!(real_count < static_cast<double>(max_corners))) refuse_corners();
+  return static_cast<std::size_t>(std::max(1.0, std::ceil(real_count)));
 }
 
 void Flattener::append(const Line& line) { add(line.to); }
 
 void Flattener::append(const Cubic& cubic) {
   const Point start = points_.back();
-  // A chord over a step h is at most h^2 / 8 times the greatest second derivative from its curve.
-  const double second =
+  // A chord over a parameter step h is at most h^2 / 8 times the largest second derivative away from its curve.
+  const double max_second_derivative =
       6 * std::max((start - 2 * cubic.first + cubic.second).norm(), (cubic.first - 2 * cubic.second + cubic.to).norm());
-  const std::size_t n = parts(std::sqrt(second / (8 * tolerance_)));
-  chord_error_ = std::max(chord_error_, second / (8 * static_cast<double>(n * n)));
+  const std::size_t n = part_count(std::sqrt(max_second_derivative / (8 * tolerance_)));
+  chord_error_ = std::max(chord_error_, max_second_derivative / (8 * static_cast<double>(n * n)));
   for (std::size_t k = 1; k < n; ++k) {
     const double t = static_cast<double>(k) / static_cast<double>(n), s = 1 - t;
     add(s * s * s * start + 3 * s * s * t * cubic.first + 3 * s * t * t * cubic.second + t * t * t * cubic.to);
@@ -106,13 +106,14 @@ void Flattener::append(const Arc& arc) {
   Eigen::Matrix2d axes;
   axes << arc.cosine, arc.sine;
   const double radius = Eigen::JacobiSVD<Eigen::Matrix2d>(axes).singularValues()[0];
-  // The chord of an angle h is r (1 - cos(h / 2)) from its arc, and the affine image no farther than the longest axis'.
-  const double step =
+  // The chord of an arc of angle h and radius r is r (1 - cos(h / 2)) away from it. For an ellipse, its longer semiaxis
+  // as r gives a bound.
+  const double max_angle =
       tolerance_ < radius ? 2 * std::acos(1 - std::min(1.0, tolerance_ / radius)) : std::numbers::pi / 2;
-  const double turn = std::abs(arc.sweep);
-  std::size_t n = parts(std::max(turn / std::max(step, 1e-12), turn / (std::numbers::pi / 2)));
-  // A whole ellipse reaches as far as its axes do.
-  if (turn >= 2 * std::numbers::pi) n = (n + 3) / 4 * 4;
+  const double total_angle = std::abs(arc.sweep);
+  std::size_t n = part_count(std::max(total_angle / std::max(max_angle, 1e-12), total_angle / (std::numbers::pi / 2)));
+  // A whole ellipse gets a multiple of 4 chords, so that the ends of its axes are corners.
+  if (total_angle >= 2 * std::numbers::pi) n = (n + 3) / 4 * 4;
   const double angle = arc.sweep / static_cast<double>(n);
   chord_error_ = std::max(chord_error_, radius * (1 - std::cos(angle / 2)));
   for (std::size_t k = 1; k < n; ++k) {
@@ -140,8 +141,8 @@ void Flattener::append_span(const Spline& spline, double t0, double t1, const Po
   double error = distance_to_chord(centre, a, b);
   for (const double t : {(t0 + middle) / 2, (middle + t1) / 2})
     error = std::max(error, distance_to_chord(point_of(spline, t), a, b));
-  // Half the tolerance, since the distance is looked at in three places only.
-  if (depth >= most_halvings || (depth >= fewest_halvings && error <= tolerance_ / 2)) {
+  // Half the tolerance, since the distance is measured at three points only.
+  if (depth >= max_bisections || (depth >= min_bisections && error <= tolerance_ / 2)) {
     chord_error_ = std::max(chord_error_, error);
     return add(b);
   }

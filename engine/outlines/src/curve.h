@@ -14,7 +14,7 @@ using Point = Eigen::Vector2d;
 using Points = std::vector<Point>;
 using Map = Eigen::Affine2d;
 
-// What curves are made of. Each piece begins where the one before ends.
+// The pieces of curves. Each piece begins where the one before ends.
 
 struct Line {
   Point to;
@@ -25,14 +25,14 @@ struct Cubic {
   Point first, second, to;
 };
 
-/// centre + cosine cos t + sine sin t for t from `from` to `from + sweep`: an affine image of a circle's arc.
+/// The arc centre + cosine cos t + sine sin t for t from `from` to `from + sweep`: an affine image of a circle's arc.
 struct Arc {
   Point centre, cosine, sine;
   double from = 0, sweep = 0;
   Point to;
 };
 
-/// A rational B-spline of control points.size() + degree + 1 knots.
+/// A rational B-spline of control_points.size() + degree + 1 knots.
 struct Spline {
   int degree = 3;
   std::vector<double> knots;
@@ -50,23 +50,23 @@ struct Clip;
 struct Curve {
   Point begin = Point::Zero();
   std::vector<Piece> pieces;
-  bool closed = false;             ///< by a straight line, where its ends are apart
-  std::vector<std::string> names;  ///< of `Outline`
-  std::string group;               ///< only curves of one group are joined
-  std::string what;                ///< "<path id="heel"> of line 12", for messages
-  bool is_filled = false;          ///< if so, an open one is closed by a straight line unless others close it
+  bool closed = false;             ///< closed by a straight line if its ends differ
+  std::vector<std::string> names;  ///< those of its `Outline`
+  std::string group;               ///< curves of one group are joined before those of several
+  std::string description;         ///< for messages: "<path> "heel" of line 12"
+  bool is_filled = false;          ///< if so, an open curve is closed by a straight line unless others close it
   FillRule rule = FillRule::evenodd;
-  std::size_t element = 0;  ///< filled curves of one element are filled together
+  std::size_t element = 0;  ///< number of its element, whose filled curves are filled together
   std::shared_ptr<const Clip> clip;
 };
 
-/// An area that cuts what is drawn: the union of the elements of its curves, within the one outside of it.
+/// A clipping area: the union of its filled elements, intersected with the clipping area of the group around.
 struct Clip {
   std::vector<Curve> curves;
-  std::shared_ptr<const Clip> outer;
+  std::shared_ptr<const Clip> outer;  ///< null for none
 };
 
-/// Calls visit(point) for points around which the piece is bent: it lies within their hull.
+/// Calls visit(point) for points whose convex hull, with the piece's first point, contains the piece.
 template <class Visit>
 void for_each_control_point(const Piece& piece, const Visit& visit) {
   if (const auto* line = std::get_if<Line>(&piece)) return visit(line->to);
@@ -81,26 +81,26 @@ void for_each_control_point(const Piece& piece, const Visit& visit) {
   }
 }
 
-/// The image of a curve.
+/// Replaces a curve by its image under an affine map.
 void transform(Curve& curve, const Map& map);
 
-/// A straight line, or a part of a circle, from a to b, whose bulge is the tangent of a quarter of its angle:
-/// counterclockwise where it is positive.
+/// The circular arc from a to b whose bulge is the tangent of a quarter of its angle; a straight line if the bulge is
+/// about 0. Arcs of positive bulge run counterclockwise.
 Piece bulge(const Point& a, const Point& b, double bulge);
 
-/// Turns curves into polylines, of which there are at most `most_corners` corners.
+/// Turns curves into polylines, which have at most `max_corners` corners in all.
 class Flattener {
  public:
-  static constexpr std::size_t most_corners = 100'000;
+  static constexpr std::size_t max_corners = 100'000;
 
-  /// In the unit of the curves.
+  /// `tolerance` is the largest distance of a chord from its curve, in the unit of the curves.
   explicit Flattener(double tolerance) : tolerance_(tolerance) {}
 
-  /// The curve's corners, without a second one for a closed curve's beginning. Throws "outline.too_large".
+  /// The curve's corners; the first one of a closed curve is not repeated. Throws "outline.too_large".
   Points flatten(const Curve& curve);
 
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
-  /// Of the curves since it was asked for the last time.
+  /// The largest distance of a chord from its curve since the last call.
   double take_chord_error() { return std::exchange(chord_error_, 0.0); }
 
  private:
@@ -109,7 +109,7 @@ class Flattener {
   void append(const Arc& arc);
   void append(const Spline& spline);
   void append_span(const Spline& spline, double t0, double t1, const Point& a, const Point& b, int depth);
-  std::size_t parts(double exact) const;
+  std::size_t part_count(double real_count) const;
   void add(const Point& point);
 
   double tolerance_;
@@ -118,7 +118,7 @@ class Flattener {
   Points points_;
 };
 
-/// The spline's point at a parameter; de Boor's algorithm.
+/// The spline's point at a parameter, by de Boor's algorithm.
 Point point_of(const Spline& spline, double t);
 
 }  // namespace supple::outlines

@@ -13,29 +13,30 @@
 namespace supple::outlines {
 namespace {
 
-constexpr int highest_degree = 25;
-/// A drawing whose plane is tilted by more against the x-y plane is no drawing of outlines.
-constexpr double upright = 1e-6;
+constexpr int max_degree = 25;
+/// Limit of the x and y components of an entity's unit normal; entities that are tilted by more are left out.
+constexpr double max_tilt = 1e-6;
+/// One degree in radians.
 constexpr double degree = std::numbers::pi / 180;
 
-// Written here since the library that Debian has for it (dxflib 3.26) believes the counts that a file states, which
-// overflows its heap, and does not come to an end of lines beyond 1024 bytes.
+// This reader does not use Debian's library for DXF (dxflib 3.26), which trusts the counts in a file, so that its heap
+// overflows, and which does not terminate on lines beyond 1024 bytes.
 
 /// A group: its code, and its value without blanks around it.
 struct Group {
   int code = 0;
   std::string_view value;
-  std::size_t line = 0;  ///< of the value
+  std::size_t line = 0;  ///< line of the value
 };
 
-/// Reads pairs of lines, a code and a value. Comments are passed over.
+/// Reads pairs of lines, a code and a value. Comments are skipped.
 class GroupReader {
  public:
   explicit GroupReader(std::string_view text) : rest_(text) {}
 
   std::size_t bytes_left() const { return rest_.size(); }
 
-  /// None at the end of the text.
+  /// The next group; none at the end of the text.
   std::optional<Group> next() {
     while (true) {
       const auto first = line();
@@ -43,7 +44,7 @@ class GroupReader {
       int code = 0;
       const auto [end, error] = std::from_chars(first->data(), first->data() + first->size(), code);
       if (error != std::errc() || end != first->data() + first->size()) {
-        if (first->empty() && without_spaces(rest_).empty()) return std::nullopt;
+        if (first->empty() && without_leading_spaces(rest_).empty()) return std::nullopt;
         refuse("line " + std::to_string(line_) + ": " + in_quotes(*first) + " is no group code of a DXF file");
       }
       const auto value = line();
@@ -59,7 +60,7 @@ class GroupReader {
     std::string_view found = rest_.substr(0, end);
     rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
     ++line_;
-    found = without_spaces(found);
+    found = without_leading_spaces(found);
     while (!found.empty() && is_space(found.back())) found.remove_suffix(1);
     return found;
   }
@@ -88,35 +89,35 @@ struct Entity {
     }
     return std::nullopt;
   }
-  double number(int code, double usual) const {
+  double number(int code, double default_value) const {
     const auto group = find(code);
-    return group ? number_of(*group) : usual;
+    return group ? number_of(*group) : default_value;
   }
   double number(int code) const {
     const auto group = find(code);
-    if (!group) refuse(words() + " has no group " + std::to_string(code));
+    if (!group) refuse(description() + " has no group " + std::to_string(code));
     return number_of(*group);
   }
-  int integer(int code, int usual) const {
-    const double value = number(code, usual);
-    return std::abs(value) < 1e9 ? static_cast<int>(value) : usual;
+  int integer(int code, int default_value) const {
+    const double value = number(code, default_value);
+    return std::abs(value) < 1e9 ? static_cast<int>(value) : default_value;
   }
   bool flag(int code, int bit) const { return (integer(code, 0) & bit) != 0; }
-  /// Of a block or an insert, whose coordinates may be left out.
+  /// The position of a block or an insert, whose coordinates are 0 where they are missing.
   Point position() const { return {number(10, 0), number(20, 0)}; }
   Point point(int code) const { return {number(code), number(code + 10)}; }
   std::string_view text(int code) const {
     const auto group = find(code);
     return group ? group->value : std::string_view();
   }
-  std::string words() const { return "the " + std::string(kind) + " of line " + std::to_string(line); }
+  std::string description() const { return "the " + std::string(kind) + " of line " + std::to_string(line); }
 };
 
 struct DxfUnit {
   int code;
   double millimetres;
 };
-/// $INSUNITS; others are not used for things that are made.
+/// Values of $INSUNITS. Other units, which are not used for parts, are ignored.
 constexpr std::array<DxfUnit, 11> units{{{1, 25.4},
                                          {2, 304.8},
                                          {4, 1},
@@ -131,27 +132,28 @@ constexpr std::array<DxfUnit, 11> units{{{1, 25.4},
 
 /// A vertex of a polyline, and the bulge of the side that begins there.
 struct Vertex {
-  Point place = Point::Zero();
+  Point position = Point::Zero();
   double bulge = 0;
 };
 
-/// A block: its text, which is read anew wherever it is inserted, and the place in it that comes to the insert's.
+/// A block. Its groups are read again wherever it is inserted; `base` is the point of it that comes to the insert's
+/// position.
 struct Block {
   GroupReader groups;
   std::optional<Group> first;
   Point base = Point::Zero();
 };
 
-/// What an insert says about all that its block draws.
-struct Inserted {
+/// The properties that an insert gives to all entities of its block.
+struct InsertProperties {
   Map map = Map::Identity();
   std::string layer;
   std::vector<std::string> names;
-  std::string group;
-  int depth = 0;  ///< 0 outside blocks
+  std::string group;  ///< different for each insert
+  int depth = 0;      ///< 0 outside blocks
 };
 
-/// A name of the file with its characters beyond ASCII: \\U+00E9 is one of them.
+/// A name with its escapes, such as \\U+00E9, replaced by characters of UTF-8.
 std::string decoded(std::string_view name) {
   std::string result;
   while (!name.empty()) {
@@ -209,16 +211,16 @@ class DxfReader {
 
  private:
   void advance() {
-    if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
+    if (++groups_read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
     const std::size_t before = groups_.bytes_left();
     group_ = groups_.next();
-    if (block_.depth > 0) count_copied(before - groups_.bytes_left());
+    if (insert_.depth > 0) count_copied(before - groups_.bytes_left());
   }
-  /// A group of a block, or an insert of one, which may be empty.
+  /// Counts a group of a block, or an insert, whose block may be empty. Throws "outline.too_large".
   void count_copied(std::size_t bytes) {
-    copied_ += 1 + bytes / bytes_of_a_group;
-    if (copied_ <= most_copied_groups) return;
-    const std::string limit = std::to_string(most_copied_groups);
+    copied_groups_ += 1 + bytes / bytes_per_copied_group;
+    if (copied_groups_ <= max_copied_groups) return;
+    const std::string limit = std::to_string(max_copied_groups);
     throw Error("outline.too_large", "The drawing inserts blocks of more than " + limit + " groups in all.",
                 {{"text", "inserts blocks of more than " + limit + " groups in all"}});
   }
@@ -243,7 +245,7 @@ class DxfReader {
       }
       if (blocks && group_->code == 0 && group_->value == "BLOCK") {
         const Entity block = take_entity();
-        // What follows is read where it is inserted.
+        // The entities of the block are read where it is inserted.
         blocks_.try_emplace(std::string(block.text(2)), Block{groups_, group_, block.position()});
         continue;
       }
@@ -274,30 +276,30 @@ class DxfReader {
     if (layer.flag(70, 1) || layer.integer(62, 0) < 0) hidden_layers_.emplace(layer.text(2));
   }
 
-  /// What a block has on layer 0 is on the layer of what inserts it.
+  /// The entity's layer. Entities of a block on layer 0 are on the layer of its insert.
   std::string layer_of(const Entity& entity) const {
     const std::string_view own = entity.text(8);
-    return !block_.layer.empty() && (own.empty() || own == "0") ? block_.layer : std::string(own);
+    return !insert_.layer.empty() && (own.empty() || own == "0") ? insert_.layer : std::string(own);
   }
 
-  std::string words_for(const Entity& entity) const {
-    return entity.words() + " (layer " + in_quotes(layer_of(entity)) + ")";
+  std::string describe(const Entity& entity) const {
+    return entity.description() + " (layer " + in_quotes(layer_of(entity)) + ")";
   }
 
   /// Whether the entity is shown in model space.
   bool is_shown(const Entity& entity) {
     if (entity.integer(67, 0) == 1) {
-      leave_out(drawing_, std::string(entity.kind) + " of paper space", words_for(entity),
+      leave_out(drawing_, std::string(entity.kind) + " of paper space", describe(entity),
                 "it lies on a sheet (paper space); only the model is read");
       return false;
     }
     const std::string layer = layer_of(entity);
     if (entity.integer(60, 0) == 1) {
-      leave_hidden(drawing_, words_for(entity), "it is invisible");
+      leave_hidden(drawing_, describe(entity), "it is invisible");
     } else if (hidden_layers_.contains(layer)) {
-      leave_hidden(drawing_, words_for(entity), "its layer is off or frozen");
+      leave_hidden(drawing_, describe(entity), "its layer is off or frozen");
     } else if (layer == "Defpoints" || layer == "DEFPOINTS") {
-      leave_hidden(drawing_, words_for(entity), "its layer is that of helping points, which is never plotted");
+      leave_hidden(drawing_, describe(entity), "its layer is that of helping points, which is never plotted");
     } else {
       return true;
     }
@@ -310,9 +312,9 @@ class DxfReader {
     if (entity.kind == "LWPOLYLINE") {
       std::vector<Vertex> vertices;
       for (const Group& group : entity.groups) {
-        if (group.code == 10) vertices.emplace_back().place.x() = number_of(group);
+        if (group.code == 10) vertices.emplace_back().position.x() = number_of(group);
         if (vertices.empty()) continue;
-        if (group.code == 20) vertices.back().place.y() = number_of(group);
+        if (group.code == 20) vertices.back().position.y() = number_of(group);
         if (group.code == 42) vertices.back().bulge = number_of(group);
       }
       return add_polyline(entity, vertices);
@@ -322,12 +324,12 @@ class DxfReader {
     if (entity.kind == "ELLIPSE") return add_ellipse(entity);
     if (entity.kind == "SPLINE") return add_spline(entity);
     if (entity.kind == "INSERT") return insert(entity);
-    // What annotates a drawing, or marks places in it, is no shape that anyone misses.
+    // Annotations and marks are no shapes, and are left out without a message.
     constexpr std::array<std::string_view, 12> annotations{"TEXT",    "MTEXT",  "DIMENSION",   "LEADER",
                                                            "MLEADER", "ATTDEF", "VIEWPORT",    "POINT",
                                                            "XLINE",   "RAY",    "MULTILEADER", "TOLERANCE"};
     const bool annotates = std::find(annotations.begin(), annotations.end(), entity.kind) != annotations.end();
-    if (!annotates) leave_out(drawing_, shortened(entity.kind), words_for(entity));
+    if (!annotates) leave_out(drawing_, shortened(entity.kind), describe(entity));
   }
 
   /// The vertices of a POLYLINE are entities of their own, up to a SEQEND.
@@ -341,29 +343,30 @@ class DxfReader {
     }
     if (!is_shown(entity)) return;
     if (entity.flag(70, mesh)) {
-      leave_out(drawing_, "POLYLINE mesh", words_for(entity));
+      leave_out(drawing_, "POLYLINE mesh", describe(entity));
       return;
     }
     add_polyline(entity, vertices);
   }
 
-  /// A block drawn at a place, or in rows and columns of places.
+  /// Draws a block at one position, or in rows and columns.
   void insert(const Entity& entity) {
     const std::string name(entity.text(2));
     const auto found = blocks_.find(name);
-    const double side = side_of(entity);
-    if (found == blocks_.end() || side == 0)
-      return leave_out(drawing_, side == 0 ? "tilted INSERT" : "INSERT of no block of the file", words_for(entity));
-    check_nesting(block_.depth + 1, "blocks", entity.words());
+    const double orientation = orientation_of(entity);
+    if (found == blocks_.end() || orientation == 0)
+      return leave_out(drawing_, orientation == 0 ? "tilted INSERT" : "INSERT of no block of the file",
+                       describe(entity));
+    check_nesting(insert_.depth + 1, "blocks", entity.description());
     const int columns = std::max(1, entity.integer(70, 1)), rows = std::max(1, entity.integer(71, 1));
     const Point step(entity.number(44, 0), entity.number(45, 0));
-    const Map turned = block_.map * Eigen::Scaling(side, 1.0) * Eigen::Translation2d(entity.position()) *
+    const Map turned = insert_.map * Eigen::Scaling(orientation, 1.0) * Eigen::Translation2d(entity.position()) *
                        Eigen::Rotation2Dd(entity.number(50, 0) * degree);
     const Map scaled =
         Eigen::Scaling(entity.number(41, 1), entity.number(42, 1)) * Map(Eigen::Translation2d(-found->second.base));
-    Inserted inner{turned, layer_of(entity), block_.names, {}, block_.depth + 1};
+    InsertProperties inner{turned, layer_of(entity), insert_.names, {}, insert_.depth + 1};
     inner.names.insert(inner.names.begin(), shortened(decoded(name)));
-    inner.names.resize(std::min(inner.names.size(), most_names - 1));
+    inner.names.resize(std::min(inner.names.size(), max_names - 1));
     for (int row = 0; row < rows; ++row) {
       for (int column = 0; column < columns; ++column) {
         inner.map = turned * Eigen::Translation2d(column * step.x(), row * step.y()) * scaled;
@@ -373,39 +376,40 @@ class DxfReader {
     }
   }
 
-  void read_block(const Block& block, const Inserted& inner) {
-    if (++read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
+  void read_block(const Block& block, const InsertProperties& inner) {
+    if (++groups_read_ % groups_between_checks == 0) execution_.cancellation.throw_if_requested();
     count_copied(0);
-    const auto outer = std::tuple(groups_, group_, block_);
+    const auto outer = std::tuple(groups_, group_, insert_);
     groups_ = block.groups;
     group_ = block.first;
-    block_ = inner;
+    insert_ = inner;
     while (!at_end_of_section() && !(group_->code == 0 && group_->value == "ENDBLK"))
       group_->code == 0 ? read_entity(take_entity()) : advance();
-    std::tie(groups_, group_, block_) = outer;
+    std::tie(groups_, group_, insert_) = outer;
   }
 
-  /// -1 where the entity's own coordinates are seen from behind, 0 where its plane is tilted.
-  static double side_of(const Entity& entity) {
-    const bool is_upright = std::abs(entity.number(210, 0)) <= upright && std::abs(entity.number(220, 0)) <= upright;
-    return !is_upright ? 0 : entity.number(230, 1) < 0 ? -1 : 1;
+  /// The direction of the entity's normal: 1 up, -1 down, so that its own coordinates are mirrored, 0 if it is tilted.
+  static double orientation_of(const Entity& entity) {
+    const bool is_horizontal =
+        std::abs(entity.number(210, 0)) <= max_tilt && std::abs(entity.number(220, 0)) <= max_tilt;
+    return !is_horizontal ? 0 : entity.number(230, 1) < 0 ? -1 : 1;
   }
 
-  /// Adds a curve that is given in the entity's own coordinates, or in the world's.
+  /// Adds a curve that is given in the entity's own coordinates or, if `is_world`, in those of the drawing.
   void add(const Entity& entity, Curve curve, bool is_world) {
-    const double side = side_of(entity);
-    if (side == 0) {
-      leave_out(drawing_, "tilted " + shortened(entity.kind), words_for(entity),
+    const double orientation = orientation_of(entity);
+    if (orientation == 0) {
+      leave_out(drawing_, "tilted " + shortened(entity.kind), describe(entity),
                 "its plane is tilted against that of the drawing");
       return;
     }
-    if (side < 0 && !is_world) transform(curve, Map(Eigen::Scaling(-1.0, 1.0)));
-    transform(curve, block_.map);
+    if (orientation < 0 && !is_world) transform(curve, Map(Eigen::Scaling(-1.0, 1.0)));
+    transform(curve, insert_.map);
     const std::string layer = shortened(decoded(layer_of(entity)));
-    curve.group = layer + block_.group;
+    curve.group = layer + insert_.group;
     if (!layer.empty()) curve.names = {layer};
-    curve.names.insert(curve.names.end(), block_.names.begin(), block_.names.end());
-    curve.what = words_for(entity);
+    curve.names.insert(curve.names.end(), insert_.names.begin(), insert_.names.end());
+    curve.description = describe(entity);
     add_curve(drawing_, std::move(curve), execution_);
   }
 
@@ -414,11 +418,11 @@ class DxfReader {
     check_pieces(vertices.size());
     Curve curve;
     curve.closed = entity.flag(70, 1);
-    curve.begin = vertices[0].place;
+    curve.begin = vertices[0].position;
     const std::size_t sides = vertices.size() - (curve.closed ? 0 : 1);
     for (std::size_t k = 0; k < sides; ++k) {
       const Vertex& from = vertices[k];
-      curve.pieces.push_back(bulge(from.place, vertices[(k + 1) % vertices.size()].place, from.bulge));
+      curve.pieces.push_back(bulge(from.position, vertices[(k + 1) % vertices.size()].position, from.bulge));
     }
     add(entity, std::move(curve), false);
   }
@@ -432,7 +436,7 @@ class DxfReader {
 
   void add_circle(const Entity& entity) {
     const double radius = entity.number(40);
-    if (!(radius > 0)) refuse(entity.words() + ": its radius must be positive");
+    if (!(radius > 0)) refuse(entity.description() + ": its radius must be positive");
     const bool whole = entity.kind == "CIRCLE";
     const double from = whole ? 0 : entity.number(50) * degree, to = whole ? 0 : entity.number(51) * degree;
     add_arc(entity, entity.point(10), {radius, 0}, {0, radius}, from, to, false);
@@ -440,23 +444,24 @@ class DxfReader {
 
   void add_ellipse(const Entity& entity) {
     const Point major = entity.point(11);
-    const double ratio = entity.number(40), side = side_of(entity);
-    if (!(ratio > 0) || major.isZero(0)) refuse(entity.words() + ": its axes must be positive");
-    const Point minor = ratio * (side < 0 ? Point(major.y(), -major.x()) : Point(-major.y(), major.x()));
+    const double ratio = entity.number(40), orientation = orientation_of(entity);
+    if (!(ratio > 0) || major.isZero(0)) refuse(entity.description() + ": its axes must be positive");
+    const Point minor = ratio * (orientation < 0 ? Point(major.y(), -major.x()) : Point(-major.y(), major.x()));
     add_arc(entity, entity.point(10), major, minor, entity.number(41, 0), entity.number(42, 2 * std::numbers::pi),
             true);
   }
 
-  /// Counterclockwise from one angle to another; a whole turn where they are the same direction.
+  /// Adds the arc centre + cosine cos t + sine sin t for t from `from` counterclockwise to `to`, radians. Equal
+  /// directions give the whole ellipse.
   void add_arc(const Entity& entity, const Point& centre, const Point& cosine, const Point& sine, double from,
                double to, bool is_world) {
-    constexpr double turn = 2 * std::numbers::pi, same = 1e-9;
+    constexpr double turn = 2 * std::numbers::pi, tolerance = 1e-9;
     double sweep = std::fmod(to - from, turn);
     if (sweep < 0) sweep += turn;
     const auto at = [&](double t) { return Point(centre + cosine * std::cos(t) + sine * std::sin(t)); };
     Curve curve;
     curve.begin = at(from);
-    curve.closed = sweep < same || turn - sweep < same;
+    curve.closed = sweep < tolerance || turn - sweep < tolerance;
     const Point end = curve.closed ? curve.begin : at(from + sweep);
     curve.pieces.emplace_back(Arc{centre, cosine, sine, from, curve.closed ? turn : sweep, end});
     add(entity, std::move(curve), is_world);
@@ -474,22 +479,22 @@ class DxfReader {
     const std::size_t n = spline.control_points.size();
     check_pieces(n);
     if (n == 0) {
-      leave_out(drawing_, "SPLINE without control points", words_for(entity),
+      leave_out(drawing_, "SPLINE without control points", describe(entity),
                 "it is given by points to go through only; make it a polyline or a spline of control points");
       return;
     }
     const bool degree_fits =
-        spline.degree >= 1 && spline.degree <= highest_degree && n > static_cast<std::size_t>(spline.degree);
+        spline.degree >= 1 && spline.degree <= max_degree && n > static_cast<std::size_t>(spline.degree);
     if (!degree_fits || spline.knots.size() != n + static_cast<std::size_t>(spline.degree) + 1 ||
         !std::is_sorted(spline.knots.begin(), spline.knots.end()) ||
         !(spline.knots[static_cast<std::size_t>(spline.degree)] < spline.knots[n])) {
-      refuse(entity.words() +
+      refuse(entity.description() +
              ": a spline of degree d has d + 1 or more control points, and as many knots and d + 1 more, in increasing "
              "order");
     }
     const bool weights_fit = spline.weights.empty() || spline.weights.size() == n;
     if (!weights_fit || std::any_of(spline.weights.begin(), spline.weights.end(), [](double w) { return !(w > 0); }))
-      refuse(entity.words() + ": a spline has as many weights as control points or none, and they are positive");
+      refuse(entity.description() + ": a spline has as many weights as control points or none, and they are positive");
     Curve curve;
     curve.begin = point_of(spline, spline.knots[static_cast<std::size_t>(spline.degree)]);
     curve.closed = entity.flag(70, 1);
@@ -498,9 +503,10 @@ class DxfReader {
   }
 
   static constexpr std::size_t groups_between_checks = 16'384;
-  /// Blocks within each other may stand for any number of entities. So many bytes count as a group more.
-  static constexpr std::size_t most_copied_groups = 2'000'000;
-  static constexpr std::size_t bytes_of_a_group = 64;
+  /// Limit of the groups that inserts read, since the number of entities grows exponentially with nested blocks.
+  static constexpr std::size_t max_copied_groups = 2'000'000;
+  /// This many bytes count as one more group.
+  static constexpr std::size_t bytes_per_copied_group = 64;
 
   GroupReader groups_;
   const DrawingOptions& options_;
@@ -509,13 +515,13 @@ class DxfReader {
   std::optional<Group> group_;
   std::set<std::string> hidden_layers_;
   std::map<std::string, Block> blocks_;
-  Inserted block_;  ///< the one that is being drawn
+  InsertProperties insert_;  ///< the insert whose block is being read
   std::size_t inserts_ = 0;
-  std::size_t copied_ = 0;
-  std::size_t read_ = 0;
+  std::size_t copied_groups_ = 0;
+  std::size_t groups_read_ = 0;
   double unit_ = 1;
   bool unit_is_known_ = false;
-  bool is_imperial_ = false;  ///< $MEASUREMENT, which says something where there is no unit
+  bool is_imperial_ = false;  ///< from $MEASUREMENT; used for a warning if the file gives no unit
   bool has_entities_ = false;
 };
 

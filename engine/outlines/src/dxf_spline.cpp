@@ -21,8 +21,8 @@ Point point_of(const Spline& spline, double t) {
   for (std::size_t r = 1; r <= degree; ++r) {
     for (std::size_t j = degree; j >= r; --j) {
       const double lower = spline.knots[k - degree + j], upper = spline.knots[k + 1 + j - r];
-      const double share = upper > lower ? (t - lower) / (upper - lower) : 0;
-      d[j] = (1 - share) * d[j - 1] + share * d[j];
+      const double fraction = upper > lower ? (t - lower) / (upper - lower) : 0;
+      d[j] = (1 - fraction) * d[j - 1] + fraction * d[j];
     }
   }
   return d[degree].head<2>() / d[degree].z();

@@ -9,7 +9,7 @@
 
 namespace supple::outlines {
 
-/// A square of a grid over the plane, of the lines of one group or of all.
+/// A square of a grid over the plane. Each group of lines has a grid of its own.
 struct GridCell {
   std::int64_t x = 0, y = 0;
   std::size_t group = 0;
@@ -26,8 +26,8 @@ inline GridCell cell_of(const Point& p, double size, std::size_t group = 0) {
           group};
 }
 
-/// Whether visit(cell) is true for one of the cells that hold all points within `distance` of a point: one to four of
-/// them where cells are larger than twice the distance.
+/// Calls visit(cell) for the cells within `distance` of a point until one call returns true, and returns whether one
+/// did. There are one to four such cells if they are larger than twice the distance.
 template <class Visit>
 bool any_cell_near(const Point& p, double distance, double size, const Visit& visit, std::size_t group = 0) {
   const Point reach = Point::Constant(distance);

@@ -14,13 +14,13 @@ double distance_to_side(const Point& p, const Point& a, const Point& b) {
   return (p - a - t * along).norm();
 }
 
-/// Whether each point lies within a distance of the polyline: one after another, from the side of the one before.
+/// Whether each point lies within a distance of the polyline. The search begins at the side found for the point before.
 bool lie_on(const Points& points, const Points& line, double distance, bool closed) {
   const std::size_t sides = line.size() - (closed ? 0 : 1);
   std::size_t side = 0;
   for (const Point& p : points) {
     std::size_t tries = 0;
-    // Where the curves run side by side the next side is near the last one, in either direction.
+    // If the curves run side by side, the next side is near the last one, in either direction.
     while (tries < sides) {
       const std::size_t step = (tries + 1) / 2;
       const std::size_t k = (tries % 2 == 0 ? side + step : side + sides - step) % sides;
@@ -64,14 +64,14 @@ bool overlap(const Box& a, const Box& b) {
          b.lower.y() <= a.upper.y();
 }
 
-Box common_part(const Box& a, const Box& b) { return {a.lower.cwiseMax(b.lower), a.upper.cwiseMin(b.upper)}; }
+Box intersection(const Box& a, const Box& b) { return {a.lower.cwiseMax(b.lower), a.upper.cwiseMin(b.upper)}; }
 
-/// Calls visit(i, j) for each pair of boxes that overlap, until it answers false. The boxes are looked at from left to
-/// right, in strips. About O(n sqrt(n)) where few of them overlap.
+/// Calls visit(i, j) for each pair of boxes that overlap, until it returns false: a sweep from left to right, in
+/// horizontal strips. About O(n sqrt(n)) if few of them overlap.
 template <class Visit>
 void for_each_overlap(const std::vector<Box>& boxes, const Execution& execution, const Visit& visit) {
-  constexpr std::size_t few = 40, boxes_between_checks = 1'024;
-  if (boxes.size() <= few) {
+  constexpr std::size_t max_boxes_in_pairs = 40, boxes_between_checks = 1'024;
+  if (boxes.size() <= max_boxes_in_pairs) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (overlap(boxes[i], boxes[j]) && !visit(j, i)) return;
@@ -101,17 +101,17 @@ void for_each_overlap(const std::vector<Box>& boxes, const Execution& execution,
     const std::size_t first = strip_of(box.lower.y()), last = strip_of(box.upper.y());
     for (std::size_t strip = first; strip <= last; ++strip) {
       std::vector<std::size_t>& others = active[strip];
-      std::size_t kept = 0;
-      bool goes_on = true;
+      std::size_t retained = 0;
+      bool continues = true;
       for (const std::size_t other : others) {
         if (boxes[other].upper.x() < box.lower.x()) continue;
-        others[kept++] = other;
-        // A pair that lies in several strips counts in the first of them.
-        if (goes_on && overlap(box, boxes[other]) && strip == std::max(first, strip_of(boxes[other].lower.y())))
-          goes_on = visit(other, own);
+        others[retained++] = other;
+        // A pair that lies in several strips is visited in the first of them.
+        if (continues && overlap(box, boxes[other]) && strip == std::max(first, strip_of(boxes[other].lower.y())))
+          continues = visit(other, own);
       }
-      if (!goes_on) return;
-      others.resize(kept);
+      if (!continues) return;
+      others.resize(retained);
       others.push_back(own);
     }
   }
@@ -165,44 +165,44 @@ bool is_same_curve(const Points& a, const Points& b, double distance, bool close
 Points simplified(const Points& polygon, double distance) {
   const std::size_t n = polygon.size();
   if (n < 4) return polygon;
-  // The two corners that are kept in any case: the first, and the farthest from it.
-  std::size_t far = 0;
+  // Two corners are always retained: the first one, and the one farthest from it.
+  std::size_t opposite = 0;
   for (std::size_t k = 1; k < n; ++k) {
-    if ((polygon[k] - polygon[0]).squaredNorm() > (polygon[far] - polygon[0]).squaredNorm()) far = k;
+    if ((polygon[k] - polygon[0]).squaredNorm() > (polygon[opposite] - polygon[0]).squaredNorm()) opposite = k;
   }
-  std::vector<bool> kept(n + 1, false);
-  kept[0] = kept[far] = kept[n] = true;
-  std::vector<std::pair<std::size_t, std::size_t>> spans{{0, far}, {far, n}};
+  std::vector<bool> is_retained(n + 1, false);
+  is_retained[0] = is_retained[opposite] = is_retained[n] = true;
+  std::vector<std::pair<std::size_t, std::size_t>> spans{{0, opposite}, {opposite, n}};
   while (!spans.empty()) {
     const auto [from, to] = spans.back();
     spans.pop_back();
-    double most = distance;
-    std::size_t at = 0;
+    double max_deviation = distance;
+    std::size_t farthest = 0;
     for (std::size_t k = from + 1; k < to; ++k) {
-      const double off = distance_to_side(polygon[k], polygon[from], polygon[to % n]);
-      if (off <= most) continue;
-      most = off;
-      at = k;
+      const double deviation = distance_to_side(polygon[k], polygon[from], polygon[to % n]);
+      if (deviation <= max_deviation) continue;
+      max_deviation = deviation;
+      farthest = k;
     }
-    if (at == 0) continue;
-    kept[at] = true;
-    spans.emplace_back(from, at);
-    spans.emplace_back(at, to);
+    if (farthest == 0) continue;
+    is_retained[farthest] = true;
+    spans.emplace_back(from, farthest);
+    spans.emplace_back(farthest, to);
   }
   Points result;
   for (std::size_t k = 0; k < n; ++k) {
-    if (kept[k]) result.push_back(polygon[k]);
+    if (is_retained[k]) result.push_back(polygon[k]);
   }
   return result;
 }
 
-void drop_repeated(Points& points, double least) {
-  std::size_t kept = 0;
+void drop_repeated(Points& points, double min_distance) {
+  std::size_t retained = 0;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (kept == 0 || (points[k] - points[kept - 1]).norm() > least) points[kept++] = points[k];
+    if (retained == 0 || (points[k] - points[retained - 1]).norm() > min_distance) points[retained++] = points[k];
   }
-  while (kept > 1 && (points.front() - points[kept - 1]).norm() <= least) --kept;
-  points.resize(kept);
+  while (retained > 1 && (points.front() - points[retained - 1]).norm() <= min_distance) --retained;
+  points.resize(retained);
 }
 
 bool touches_itself(const Points& polygon, double distance, const Execution& execution) {
@@ -213,8 +213,8 @@ bool touches_itself(const Points& polygon, double distance, const Execution& exe
   const auto side = [&](std::size_t k) { return Side{0, k, polygon[k], polygon[(k + 1) % n]}; };
   bool found = false;
   for_each_overlap(boxes, execution, [&](std::size_t i, std::size_t j) {
-    const std::size_t apart = i < j ? j - i : i - j;
-    found = apart > 1 && apart + 1 < n && touch(side(i), side(j), distance);
+    const std::size_t index_distance = i < j ? j - i : i - j;
+    found = index_distance > 1 && index_distance + 1 < n && touch(side(i), side(j), distance);
     return !found;
   });
   return found;
@@ -226,24 +226,24 @@ std::vector<std::pair<std::size_t, std::size_t>> contacts(const std::vector<cons
   std::vector<Box> boxes;
   boxes.reserve(polygons.size());
   for (const Points* points : polygons) boxes.push_back(widened(box_of(*points), distance));
-  // Only where the boxes of polygons overlap do their sides touch.
-  std::vector<Box> shared(polygons.size());
+  // Sides can touch only where the boxes of their polygons overlap.
+  std::vector<Box> overlaps(polygons.size());
   for_each_overlap(boxes, execution, [&](std::size_t i, std::size_t j) {
     if (owners[i] == owners[j]) return true;
-    const Box part = common_part(boxes[i], boxes[j]);
-    shared[i].include(part);
-    shared[j].include(part);
+    const Box part = intersection(boxes[i], boxes[j]);
+    overlaps[i].include(part);
+    overlaps[j].include(part);
     return true;
   });
   std::vector<Side> sides;
   std::vector<Box> boxes_of_sides;
   for (std::size_t i = 0; i < polygons.size(); ++i) {
-    if (!(shared[i].lower.x() <= shared[i].upper.x())) continue;
+    if (!(overlaps[i].lower.x() <= overlaps[i].upper.x())) continue;
     const Points& points = *polygons[i];
     for (std::size_t k = 0; k < points.size(); ++k) {
       const Point &a = points[k], &b = points[(k + 1) % points.size()];
       const Box box = box_of_side(a, b, distance);
-      if (!overlap(box, shared[i])) continue;
+      if (!overlap(box, overlaps[i])) continue;
       sides.push_back({i, k, a, b});
       boxes_of_sides.push_back(box);
     }

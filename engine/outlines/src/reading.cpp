@@ -29,32 +29,32 @@ std::optional<double> millimetres_of(LengthUnit unit) {
 
 void add_curve(RawDrawing& drawing, Curve curve, const Execution& execution) {
   if (drawing.curves.size() % curves_between_checks == 0) execution.cancellation.throw_if_requested();
-  if (drawing.curves.size() >= most_curves) {
-    const std::string limit = std::to_string(most_curves);
+  if (drawing.curves.size() >= max_curves) {
+    const std::string limit = std::to_string(max_curves);
     throw Error("outline.too_large", "The drawing has more than " + limit + " curves.",
                 {{"text", "has more than " + limit + " curves"}});
   }
-  bool far = false;
-  const auto look = [&far](const Point& p) { far = far || !(p.cwiseAbs().maxCoeff() <= largest_coordinate); };
-  look(curve.begin);
-  for (const Piece& piece : curve.pieces) for_each_control_point(piece, look);
-  if (far) {
-    refuse(curve.what + " has coordinates beyond " + std::to_string(static_cast<int>(largest_coordinate / 1000)) +
+  bool is_far = false;
+  const auto check = [&is_far](const Point& p) { is_far = is_far || !(p.cwiseAbs().maxCoeff() <= max_coordinate); };
+  check(curve.begin);
+  for (const Piece& piece : curve.pieces) for_each_control_point(piece, check);
+  if (is_far) {
+    refuse(curve.description + " has coordinates beyond " + std::to_string(static_cast<int>(max_coordinate / 1000)) +
            " m");
   }
   drawing.curves.push_back(std::move(curve));
 }
 
 void check_nesting(int depth, const char* things, const std::string& where) {
-  if (depth <= most_nested) return;
-  const std::string what = std::string("has more than ") + std::to_string(most_nested) + " " + things;
+  if (depth <= max_nesting) return;
+  const std::string what = std::string("has more than ") + std::to_string(max_nesting) + " " + things;
   throw Error("outline.too_large", "The drawing " + what + " within each other.",
               {{"text", what + " within each other, at " + where}});
 }
 
 void check_pieces(std::size_t count) {
-  if (count <= Flattener::most_corners) return;
-  const std::string limit = std::to_string(Flattener::most_corners);
+  if (count <= Flattener::max_corners) return;
+  const std::string limit = std::to_string(Flattener::max_corners);
   throw Error("outline.too_large", "The drawing has a curve of more than " + limit + " pieces.",
               {{"text", "has a curve of more than " + limit + " pieces"}});
 }
@@ -62,16 +62,16 @@ void check_pieces(std::size_t count) {
 namespace {
 
 void note_left_out(RawDrawing& drawing, const std::string& element, const std::string& reason) {
-  ++drawing.listed;
-  if (drawing.list.size() < Drawing::most_left_out) drawing.list.push_back({element, reason});
+  ++drawing.left_out_count;
+  if (drawing.left_out.size() < Drawing::max_left_out) drawing.left_out.push_back({element, reason});
 }
 
 }  // namespace
 
 void leave_out(RawDrawing& drawing, const std::string& kind, const std::string& element, const std::string& reason) {
-  constexpr std::size_t most_kinds = 20;
-  const bool is_told = drawing.left_out.contains(kind) || drawing.left_out.size() < most_kinds;
-  ++drawing.left_out[is_told ? kind : "other elements"];
+  constexpr std::size_t max_kinds = 20;
+  const bool has_own_count = drawing.left_out_kinds.contains(kind) || drawing.left_out_kinds.size() < max_kinds;
+  ++drawing.left_out_kinds[has_own_count ? kind : "other elements"];
   note_left_out(drawing, element, reason);
 }
 
@@ -103,9 +103,9 @@ void refuse_other_formats(std::string_view text) {
   const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
   if (text.size() >= 6 && text.starts_with("AC") && std::all_of(text.begin() + 2, text.begin() + 6, is_digit))
     refuse("it is a DWG file; save it as ASCII DXF");
-  // Pictures begin with bytes that are no text, which clients send as other characters.
-  constexpr std::size_t beginning = 24;
-  const std::string_view head = text.substr(0, beginning);
+  // The first bytes of pictures are no valid text, and clients may have replaced them.
+  constexpr std::size_t head_bytes = 24;
+  const std::string_view head = text.substr(0, head_bytes);
   if (head.substr(0, 12).find("PNG\r") != std::string_view::npos)
     refuse("it is a PNG picture; trace its outline and save that as SVG");
   if (head.find("JFIF") != std::string_view::npos || head.find("Exif") != std::string_view::npos)
@@ -113,27 +113,27 @@ void refuse_other_formats(std::string_view text) {
   if (head.find('\0') != std::string_view::npos) refuse("it is no text but a binary file; save it as SVG or ASCII DXF");
 }
 
-std::string rounded(double value) {
+std::string four_digits(double value) {
   char digits[32];
   const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 4).ptr;
   return {digits, end};
 }
 
 std::string in_quotes(std::string_view text) {
-  constexpr std::size_t longest = 40;
+  constexpr std::size_t max_length = 40;
   std::string result = "\"";
-  for (const char c : text.substr(0, longest)) result += c >= ' ' && c <= '~' ? c : '?';
-  return result + (text.size() > longest ? "...\"" : "\"");
+  for (const char c : text.substr(0, max_length)) result += c >= ' ' && c <= '~' ? c : '?';
+  return result + (text.size() > max_length ? "...\"" : "\"");
 }
 
 std::string shortened(std::string_view name) {
-  if (name.size() <= longest_name) return std::string(name);
-  std::size_t end = longest_name;
+  if (name.size() <= max_name_bytes) return std::string(name);
+  std::size_t end = max_name_bytes;
   while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0U) == 0x80U) --end;
   return std::string(name.substr(0, end));
 }
 
-std::string_view without_spaces(std::string_view text) {
+std::string_view without_leading_spaces(std::string_view text) {
   while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
   return text;
 }

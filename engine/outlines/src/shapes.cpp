@@ -16,45 +16,52 @@
 namespace supple::outlines {
 namespace {
 
-/// Corners nearer to each other than this fraction of the tolerance are one.
-constexpr double one_corner = 1e-3;
-/// Polygons of less area, in squares of the tolerance, are no outlines.
-constexpr double least_area = 1;
-/// Outlines of more corners are simplified.
-constexpr std::size_t most_plain_corners = 1'000;
-/// Sides nearer to each other than this fraction of the tolerance touch.
-constexpr double touching = 1e-4;
-/// Areas that differ by less than this fraction are equal.
-constexpr double equal_areas = 1e-6;
-/// What closing open shapes one by one may differ from joining them, as a fraction of the area.
-constexpr double same_filling = 0.01;
-constexpr std::size_t most_told = 3;
+/// Distance below which corners are merged, in tolerances.
+constexpr double min_corner_distance = 1e-3;
+/// Smallest area of an outline, in squares of the tolerance.
+constexpr double min_area = 1;
+/// Number of corners above which an outline is simplified.
+constexpr std::size_t max_corners_not_simplified = 1'000;
+/// Distance below which sides touch, in tolerances.
+constexpr double contact_distance = 1e-4;
+/// Relative difference below which areas are equal.
+constexpr double area_difference = 1e-6;
+/// Relative difference between the area of a joined outline and the sum of what its open curves fill one by one, above
+/// which a warning is given.
+constexpr double max_filling_difference = 0.01;
+/// Number of places that a warning names.
+constexpr std::size_t max_named_places = 3;
 
 class ShapeMaker {
  public:
   ShapeMaker(const RawDrawing& drawing, double tolerance, const Execution& execution)
-      : drawing_(drawing), tolerance_(tolerance), execution_(execution), areas_(tolerance, extent(drawing)) {}
+      : drawing_(drawing),
+        tolerance_(tolerance),
+        execution_(execution),
+        areas_(tolerance, largest_coordinate(drawing)) {}
 
   Shapes make() {
     std::vector<Polyline> polylines = flattened();
     Chains chains = joined(polylines, tolerance_, execution_);
-    result_.doubled = chains.doubled.size();
-    for (const std::size_t k : chains.doubled) leave_out(polylines[k].source->what, "it lies over another line");
-    tell_branches(chains);
+    result_.duplicate_lines = chains.duplicates.size();
+    for (const std::size_t k : chains.duplicates)
+      leave_out(polylines[k].source->description, "it lies over another line");
+    warn_of_branches(chains);
     close(polylines, chains);
     unite_crossing();
     return std::move(result_);
   }
 
  private:
-  static double extent(const RawDrawing& drawing) {
-    double most = 1e-9;
+  static double largest_coordinate(const RawDrawing& drawing) {
+    double largest = 1e-9;
     for (const Curve& curve : drawing.curves) {
-      most = std::max(most, curve.begin.cwiseAbs().maxCoeff());
+      largest = std::max(largest, curve.begin.cwiseAbs().maxCoeff());
       for (const Piece& piece : curve.pieces)
-        for_each_control_point(piece, [&most](const Point& p) { most = std::max(most, p.cwiseAbs().maxCoeff()); });
+        for_each_control_point(piece,
+                               [&largest](const Point& p) { largest = std::max(largest, p.cwiseAbs().maxCoeff()); });
     }
-    return most;
+    return largest;
   }
 
   std::vector<Polyline> flattened() {
@@ -64,12 +71,12 @@ class ShapeMaker {
     for (std::size_t i = 0; i < drawing_.curves.size(); ++i) {
       if (i % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       const Curve& curve = drawing_.curves[i];
-      // What will be simplified shares its tolerance between both.
-      flattener.set_tolerance(curve.pieces.size() > most_plain_corners ? tolerance_ / 2 : tolerance_);
+      // Large curves are simplified later, for which half of the tolerance is left.
+      flattener.set_tolerance(curve.pieces.size() > max_corners_not_simplified ? tolerance_ / 2 : tolerance_);
       Points points = flattener.flatten(curve);
       const double error = flattener.take_chord_error();
       if (points.size() < 2) {
-        leave_out(curve.what, "it has no length");
+        leave_out(curve.description, "it has no length");
         continue;
       }
       polylines.push_back({std::move(points), curve.closed, &curve, 1, error});
@@ -77,46 +84,46 @@ class ShapeMaker {
     return polylines;
   }
 
-  void tell_branches(const Chains& chains) {
+  void warn_of_branches(const Chains& chains) {
     if (chains.branches.empty()) return;
     std::string words;
-    for (std::size_t k = 0; k < std::min(chains.branches.size(), most_told); ++k) {
+    for (std::size_t k = 0; k < std::min(chains.branches.size(), max_named_places); ++k) {
       const Point& p = chains.branches[k];
-      words += (k == 0 ? "" : ", ") + ("(" + rounded(p.x()) + ", " + rounded(p.y()) + ")");
+      words += (k == 0 ? "" : ", ") + ("(" + four_digits(p.x()) + ", " + four_digits(p.y()) + ")");
     }
     result_.warnings.push_back("More than two curves meet at " + words +
-                               (chains.branches.size() > most_told ? " and elsewhere" : "") +
+                               (chains.branches.size() > max_named_places ? " and elsewhere" : "") +
                                ": each of the areas between them is an outline.");
   }
 
-  /// Makes shapes of what is closed, and of filled curves that stay open.
+  /// Makes shapes of closed polylines, and of filled curves that stay open.
   void close(const std::vector<Polyline>& polylines, Chains& chains) {
     std::vector<std::vector<Polyline>> elements;
     elements.reserve(chains.polylines.size());
-    constexpr std::size_t nowhere = SIZE_MAX;
-    std::vector<std::size_t> place;  // in `elements`, of filled elements by their number
-    std::set<std::size_t> across(chains.across.begin(), chains.across.end());
+    constexpr std::size_t none = SIZE_MAX;
+    std::vector<std::size_t> element_indices;  // for each filled element, its index in `elements`
+    std::set<std::size_t> across_groups(chains.across_groups.begin(), chains.across_groups.end());
     const auto add = [&](Polyline polyline) {
       const Curve& curve = *polyline.source;
-      const bool alone = polyline.curves == 1 && curve.is_filled;
-      if (alone && curve.element >= place.size()) place.resize(curve.element + 1, nowhere);
-      const std::size_t known = alone ? place[curve.element] : nowhere;
-      if (known != nowhere) return elements[known].push_back(std::move(polyline));
-      if (alone) place[curve.element] = elements.size();
+      const bool is_single = polyline.curves == 1 && curve.is_filled;
+      if (is_single && curve.element >= element_indices.size()) element_indices.resize(curve.element + 1, none);
+      const std::size_t index = is_single ? element_indices[curve.element] : none;
+      if (index != none) return elements[index].push_back(std::move(polyline));
+      if (is_single) element_indices[curve.element] = elements.size();
       elements.emplace_back().push_back(std::move(polyline));
     };
     for (std::size_t k = 0; k < chains.polylines.size(); ++k) {
       Polyline& polyline = chains.polylines[k];
       if (polyline.closed) {
-        if (polyline.curves > 1) tell_joined(polylines, chains.members[k], polyline, across.contains(k));
+        if (polyline.curves > 1) warn_of_joined(polylines, chains.members[k], polyline, across_groups.contains(k));
         add(std::move(polyline));
         continue;
       }
-      // A browser closes each filled curve by a straight line.
+      // Each filled curve is closed by a straight line, as browsers do it.
       for (const std::size_t member : chains.members[k]) {
         const Polyline& own = polylines[member];
         const Curve& curve = *own.source;
-        if (curve.is_filled && std::abs(area_of(own.points)) >= least_area * tolerance_ * tolerance_) {
+        if (curve.is_filled && std::abs(area_of(own.points)) >= min_area * tolerance_ * tolerance_) {
           Polyline closed = own;
           closed.closed = true;
           add(std::move(closed));
@@ -131,42 +138,42 @@ class ShapeMaker {
     }
   }
 
-  void tell_joined(const std::vector<Polyline>& polylines, const std::vector<std::size_t>& members,
-                   const Polyline& polyline, bool is_across) {
-    if (is_across)
-      result_.warnings.push_back("Curves of several layers or groups close together, at " + polyline.source->what +
-                                 ".");
+  void warn_of_joined(const std::vector<Polyline>& polylines, const std::vector<std::size_t>& members,
+                      const Polyline& polyline, bool is_across_groups) {
+    if (is_across_groups)
+      result_.warnings.push_back("Curves of several layers or groups close together, at " +
+                                 polyline.source->description + ".");
     double filled = 0;
     for (const std::size_t member : members) {
       if (!polylines[member].source->is_filled) return;
       filled += std::abs(area_of(polylines[member].points));
     }
     const double whole = std::abs(area_of(polyline.points));
-    if (filled > least_area * tolerance_ * tolerance_ && std::abs(filled - whole) > same_filling * whole)
+    if (filled > min_area * tolerance_ * tolerance_ && std::abs(filled - whole) > max_filling_difference * whole)
       result_.warnings.push_back("Curves that are filled one by one were joined to one outline, at " +
-                                 polyline.source->what + ".");
+                                 polyline.source->description + ".");
   }
 
   bool is_tiny(const Points& points) const {
-    return points.size() < 3 || std::abs(area_of(points)) < least_area * tolerance_ * tolerance_;
+    return points.size() < 3 || std::abs(area_of(points)) < min_area * tolerance_ * tolerance_;
   }
 
-  /// Simplifies a polygon if it has very many corners.
-  void tidy(Polyline& polyline) {
-    drop_repeated(polyline.points, one_corner * tolerance_);
-    if (polyline.points.size() <= most_plain_corners) {
+  /// Merges corners that coincide, and simplifies a polygon that has very many corners.
+  void reduce_corners(Polyline& polyline) {
+    drop_repeated(polyline.points, min_corner_distance * tolerance_);
+    if (polyline.points.size() <= max_corners_not_simplified) {
       result_.chord_error = std::max(result_.chord_error, polyline.error);
       return;
     }
-    const double left = tolerance_ - polyline.error;
-    Points fewer = left > 0 ? simplified(polyline.points, left) : polyline.points;
-    if (is_tiny(fewer) || fewer.size() == polyline.points.size()) {
+    const double remaining_tolerance = tolerance_ - polyline.error;
+    Points simple = remaining_tolerance > 0 ? simplified(polyline.points, remaining_tolerance) : polyline.points;
+    if (is_tiny(simple) || simple.size() == polyline.points.size()) {
       result_.chord_error = std::max(result_.chord_error, polyline.error);
       return;
     }
-    result_.simplified += polyline.points.size() - fewer.size();
-    result_.chord_error = std::max(result_.chord_error, polyline.error + left);
-    polyline.points = std::move(fewer);
+    result_.simplified += polyline.points.size() - simple.size();
+    result_.chord_error = std::max(result_.chord_error, polyline.error + remaining_tolerance);
+    polyline.points = std::move(simple);
   }
 
   void add_element(std::vector<Polyline>& loops) {
@@ -174,43 +181,43 @@ class ShapeMaker {
     Shape shape{{}, first.names, &first};
     shape.polygons.reserve(loops.size());
     for (Polyline& loop : loops) {
-      tidy(loop);
+      reduce_corners(loop);
       if (loop.curves > 1) {
         shape.curves += loop.curves;
         result_.joined += loop.curves;
       }
       if (loop.points.size() < 3) {
-        leave_tiny(loop.source->what);
+        leave_out_tiny(loop.source->description);
       } else {
         shape.polygons.push_back(std::move(loop.points));
       }
     }
     if (shape.polygons.empty()) return;
     fill(shape, first.rule);
-    cut(shape, first.clip.get());
+    apply_clip(shape, first.clip.get());
     drop_tiny(shape);
     if (!shape.polygons.empty()) result_.shapes.push_back(std::move(shape));
   }
 
-  /// Counts what is left out, and keeps as many reasons as a drawing tells.
-  void leave_out(const std::string& what, const char* reason) {
+  /// Counts a curve that is left out, and records the reason for the first ones.
+  void leave_out(const std::string& description, const char* reason) {
     ++result_.left_out_count;
-    if (result_.left_out.size() < Drawing::most_left_out) result_.left_out.push_back({what, reason});
+    if (result_.left_out.size() < Drawing::max_left_out) result_.left_out.push_back({description, reason});
   }
 
-  void leave_tiny(const std::string& what) {
+  void leave_out_tiny(const std::string& description) {
     ++result_.tiny;
-    leave_out(what, "it has no area");
+    leave_out(description, "it has no area");
   }
 
   void drop_tiny(Shape& shape) {
     const auto dropped = std::erase_if(shape.polygons, [this](const Points& points) { return is_tiny(points); });
-    for (std::size_t k = 0; k < dropped; ++k) leave_tiny(shape.curve->what);
+    for (std::size_t k = 0; k < dropped; ++k) leave_out_tiny(shape.curve->description);
   }
 
   /// Whether a polygon of the shape crosses or touches itself or another one.
-  bool is_tangled(const Shape& shape) const {
-    const double distance = touching * tolerance_;
+  bool has_contacts(const Shape& shape) const {
+    const double distance = contact_distance * tolerance_;
     const auto itself = [&](const Points& points) { return touches_itself(points, distance, execution_); };
     if (std::any_of(shape.polygons.begin(), shape.polygons.end(), itself)) return true;
     if (shape.polygons.size() < 2) return false;
@@ -221,45 +228,46 @@ class ShapeMaker {
     return !contacts(polygons, owners, distance, execution_).empty();
   }
 
-  /// Makes polygons of the same area, by the even-odd rule, which do not cross themselves or each other.
+  /// Replaces what `rule` fills by polygons that do not cross or touch, for which the even-odd rule gives the same
+  /// area.
   void fill(Shape& shape, FillRule rule) {
     drop_tiny(shape);
-    if (is_tangled(shape)) {
+    if (has_contacts(shape)) {
       shape.polygons = areas_.filled(shape.polygons, rule);
     } else if (rule == FillRule::nonzero && shape.polygons.size() > 1) {
-      drop_inner(shape);
+      drop_inner_polygons(shape);
     }
   }
 
-  /// Drops the polygons on both sides of which the nonzero rule fills.
-  void drop_inner(Shape& shape) {
+  /// Drops the polygons both of whose sides are filled by the nonzero rule.
+  void drop_inner_polygons(Shape& shape) {
     std::vector<Box> boxes;
-    std::vector<int> turns;
+    std::vector<int> windings;
     for (const Points& points : shape.polygons) {
       boxes.push_back(outlines::box_of(points));
-      turns.push_back(area_of(points) > 0 ? 1 : -1);
+      windings.push_back(area_of(points) > 0 ? 1 : -1);
     }
-    std::vector<std::size_t> kept;
+    std::vector<std::size_t> retained;
     for (std::size_t i = 0; i < shape.polygons.size(); ++i) {
       if (i % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
-      int outside = 0;
+      int outer_winding = 0;
       for (std::size_t j = 0; j < shape.polygons.size(); ++j) {
         if (j != i && boxes[j].contains(boxes[i]) && is_inside(shape.polygons[j], shape.polygons[i][0]))
-          outside += turns[j];
+          outer_winding += windings[j];
       }
-      if ((outside == 0) == (outside + turns[i] == 0)) {
-        ++result_.inner;
-        leave_out(shape.curve->what,
+      if ((outer_winding == 0) == (outer_winding + windings[i] == 0)) {
+        ++result_.inner_polygons;
+        leave_out(shape.curve->description,
                   "a curve of it lies within another one of the same direction, and both are filled (nonzero)");
       } else {
-        kept.push_back(i);
+        retained.push_back(i);
       }
     }
-    if (kept.size() == shape.polygons.size()) return;
-    std::vector<Points> left;
-    left.reserve(kept.size());
-    for (const std::size_t i : kept) left.push_back(std::move(shape.polygons[i]));
-    shape.polygons = std::move(left);
+    if (retained.size() == shape.polygons.size()) return;
+    std::vector<Points> remaining;
+    remaining.reserve(retained.size());
+    for (const std::size_t i : retained) remaining.push_back(std::move(shape.polygons[i]));
+    shape.polygons = std::move(remaining);
   }
 
   const Area& area_of_clip(const Clip& clip) {
@@ -273,77 +281,78 @@ class ShapeMaker {
       std::vector<Points> polygons;
       for (const Curve* curve : curves) polygons.push_back(flattener.flatten(*curve));
       Area own = areas_.filled(polygons, curves[0]->rule);
-      if (curves[0]->clip) own = areas_.common(own, area_of_clip(*curves[0]->clip));
+      if (curves[0]->clip) own = areas_.intersection(own, area_of_clip(*curves[0]->clip));
       whole = whole.empty() ? own : areas_.united(whole, own);
     }
     result_.chord_error = std::max(result_.chord_error, flattener.take_chord_error());
-    if (clip.outer) whole = areas_.common(whole, area_of_clip(*clip.outer));
+    if (clip.outer) whole = areas_.intersection(whole, area_of_clip(*clip.outer));
     return clips_[&clip] = std::move(whole);
   }
 
-  void cut(Shape& shape, const Clip* clip) {
+  void apply_clip(Shape& shape, const Clip* clip) {
     if (clip == nullptr) return;
     const Area& area = area_of_clip(*clip);
     Box box;
     for (const Points& points : shape.polygons) box.include(points);
-    // A page as a clip path, which many programs write around everything, cuts nothing.
+    // A rectangle around the shape cuts nothing. Many programs write a clip path around the whole page.
     if (area.size() == 1 && area[0].size() == 4) {
       const Box page = outlines::box_of(area[0]);
       const Eigen::Vector2d sides = page.upper - page.lower;
-      if (page.contains(box) && std::abs(area_of(area[0]) - sides.prod()) <= equal_areas * sides.prod()) return;
+      if (page.contains(box) && std::abs(area_of(area[0]) - sides.prod()) <= area_difference * sides.prod()) return;
     }
     const double before = AreaArithmetic::size(areas_.filled(shape.polygons, FillRule::evenodd));
-    Area left = areas_.common(shape.polygons, area);
-    const double after = AreaArithmetic::size(left);
-    if (after >= before * (1 - equal_areas)) return;
+    Area remaining = areas_.intersection(shape.polygons, area);
+    const double after = AreaArithmetic::size(remaining);
+    if (after >= before * (1 - area_difference)) return;
     ++result_.clipped;
-    if (after <= least_area * tolerance_ * tolerance_) {
-      leave_out(shape.curve->what, "a clip path hides all of it");
-      left.clear();
+    if (after <= min_area * tolerance_ * tolerance_) {
+      leave_out(shape.curve->description, "a clip path hides all of it");
+      remaining.clear();
     }
-    shape.polygons = std::move(left);
+    shape.polygons = std::move(remaining);
   }
 
   /// Drops polygons that lie over others, and unites the shapes of one group that cross.
   void unite_crossing() {
-    drop_equal();
+    drop_duplicate_polygons();
     auto& shapes = result_.shapes;
     std::vector<const Points*> polygons;
-    std::vector<std::size_t> owner;
+    std::vector<std::size_t> owners;
     for (std::size_t k = 0; k < shapes.size(); ++k) {
       for (const Points& points : shapes[k].polygons) {
         polygons.push_back(&points);
-        owner.push_back(k);
+        owners.push_back(k);
       }
     }
     std::set<std::pair<std::size_t, std::size_t>> pairs;
-    for (const auto& [i, j] : contacts(polygons, owner, touching * tolerance_, execution_))
-      pairs.insert(std::minmax(owner[i], owner[j]));
-    std::vector<std::size_t> into(shapes.size());
-    std::iota(into.begin(), into.end(), 0U);
-    const auto root = [&into](std::size_t k) {
-      while (into[k] != k) k = into[k] = into[into[k]];
+    for (const auto& [i, j] : contacts(polygons, owners, contact_distance * tolerance_, execution_))
+      pairs.insert(std::minmax(owners[i], owners[j]));
+    std::vector<std::size_t> parents(shapes.size());
+    std::iota(parents.begin(), parents.end(), 0U);
+    const auto root = [&parents](std::size_t k) {
+      while (parents[k] != k) k = parents[k] = parents[parents[k]];
       return k;
     };
-    std::size_t looked = 0;
-    std::vector<std::string> apart;
+    std::size_t checked_pairs = 0;
+    std::vector<std::string> crossing_groups;
     std::vector<std::size_t> crossing;
     for (const auto& [i, j] : pairs) {
-      if (looked++ % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
+      if (checked_pairs++ % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
       if (!overlap(shapes[i], shapes[j])) continue;
       if (shapes[i].curve->group == shapes[j].curve->group) {
-        into[std::max(root(i), root(j))] = std::min(root(i), root(j));
+        parents[std::max(root(i), root(j))] = std::min(root(i), root(j));
         crossing.push_back(i);
         crossing.push_back(j);
       } else if (!is_region(shapes[i]) && !is_region(shapes[j])) {
-        apart.push_back(shapes[i].curve->what + " and " + shapes[j].curve->what);
+        crossing_groups.push_back(shapes[i].curve->description + " and " + shapes[j].curve->description);
       }
     }
-    if (!apart.empty()) {
-      std::string words = apart[0];
-      for (std::size_t k = 1; k < std::min(apart.size(), most_told); ++k) words += "; " + apart[k];
+    if (!crossing_groups.empty()) {
+      std::string words = crossing_groups[0];
+      for (std::size_t k = 1; k < std::min(crossing_groups.size(), max_named_places); ++k)
+        words += "; " + crossing_groups[k];
       result_.warnings.push_back("Shapes of different groups or layers cross each other: " + words +
-                                 (apart.size() > most_told ? "; and others" : "") +
+                                 (crossing_groups.size() > max_named_places ? "; and others" : "") +
                                  ". In one outline, what lies within two of them is a hole.");
     }
     std::sort(crossing.begin(), crossing.end());
@@ -355,7 +364,7 @@ class ShapeMaker {
       whole.polygons = areas_.united(whole.polygons, shapes[k].polygons);
       for (const std::string& name : shapes[k].names) {
         const bool known = std::find(whole.names.begin(), whole.names.end(), name) != whole.names.end();
-        if (!known && whole.names.size() < most_names) whole.names.push_back(name);
+        if (!known && whole.names.size() < max_names) whole.names.push_back(name);
       }
       shapes[k].polygons.clear();
     }
@@ -365,8 +374,8 @@ class ShapeMaker {
     std::erase_if(shapes, [](const Shape& shape) { return shape.polygons.empty(); });
   }
 
-  /// Whether a shape stands in a group or layer called "regions", in small letters or capitals: such a shape may cross
-  /// the part of which it is a region.
+  /// Whether a shape is in a group or layer called "regions", in small letters or capitals. Such a shape may cross the
+  /// part of which it is a region.
   static bool is_region(const Shape& shape) {
     constexpr std::string_view regions = "regions";
     const auto is_same_letter = [](char a, char small) { return a == small || (a >= 'A' && a - 'A' + 'a' == small); };
@@ -375,24 +384,24 @@ class ShapeMaker {
     });
   }
 
-  /// Whether two areas have one in common that is neither of them.
+  /// Whether two shapes have an area in common, and neither contains the other.
   bool overlap(const Shape& a, const Shape& b) const {
-    const double both = AreaArithmetic::size(areas_.common(a.polygons, b.polygons));
-    if (both <= least_area * tolerance_ * tolerance_) return false;
+    const double both = AreaArithmetic::size(areas_.intersection(a.polygons, b.polygons));
+    if (both <= min_area * tolerance_ * tolerance_) return false;
     const double first = AreaArithmetic::size(areas_.filled(a.polygons, FillRule::evenodd));
     const double second = AreaArithmetic::size(areas_.filled(b.polygons, FillRule::evenodd));
-    return both < std::min(first, second) * (1 - equal_areas);
+    return both < std::min(first, second) * (1 - area_difference);
   }
 
-  void drop_equal() {
-    // Boxes by the cell of their lower corner. Cells are much larger than what equal boxes differ by, so that mostly
-    // one cell is looked at.
+  void drop_duplicate_polygons() {
+    // Polygons by the cell in which the lower corner of their box lies. Cells are much larger than the distance of
+    // equal corners, so that mostly one cell is searched.
     const double size = 16 * tolerance_;
     std::unordered_map<GridCell, std::vector<const Points*>, GridCell::Hash> cells;
     cells.reserve(result_.shapes.size());
     for (Shape& shape : result_.shapes) {
-      std::vector<Points> kept;
-      kept.reserve(shape.polygons.size());
+      std::vector<Points> retained;
+      retained.reserve(shape.polygons.size());
       for (Points& points : shape.polygons) {
         const Box box = outlines::box_of(points);
         const bool found = any_cell_near(box.lower, tolerance_, size, [&](const GridCell& cell) {
@@ -402,15 +411,16 @@ class ShapeMaker {
                  });
         });
         if (found) {
-          ++result_.equal;
-          leave_out(shape.curve->what, "it lies over another outline, which counts once");
+          ++result_.duplicate_polygons;
+          leave_out(shape.curve->description, "it lies over another outline, which counts once");
           continue;
         }
-        kept.push_back(std::move(points));
-        cells[cell_of(box.lower, size)].push_back(&kept.back());
+        retained.push_back(std::move(points));
+        cells[cell_of(box.lower, size)].push_back(&retained.back());
       }
-      // The points stay where they are in memory: their places were reserved, and vectors move as they are.
-      shape.polygons = std::move(kept);
+      // The pointers in `cells` stay valid: `retained` never reallocates, and moving a vector leaves its elements in
+      // place.
+      shape.polygons = std::move(retained);
     }
     std::erase_if(result_.shapes, [](const Shape& shape) { return shape.polygons.empty(); });
   }

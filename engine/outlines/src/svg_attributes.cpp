@@ -7,38 +7,38 @@
 namespace supple::outlines {
 namespace {
 
-/// A comma between two numbers, and the blanks around it.
+/// Skips a comma between two numbers, and the blanks around it.
 void skip_separator(std::string_view& text) {
-  text = without_spaces(text);
+  text = without_leading_spaces(text);
   if (text.starts_with(',')) text.remove_prefix(1);
-  text = without_spaces(text);
+  text = without_leading_spaces(text);
 }
 
-/// The map that a function of a transform list stands for.
+/// The map of one function of a transform list.
 Map function_of(std::string_view name, const std::vector<double>& n) {
-  const auto count = [&](std::size_t least, std::size_t most) {
-    if (n.size() < least || n.size() > most)
+  const auto require_count = [&](std::size_t min_count, std::size_t max_count) {
+    if (n.size() < min_count || n.size() > max_count)
       throw std::invalid_argument(in_quotes(name) + " has " + std::to_string(n.size()) + " numbers");
   };
   Map map = Map::Identity();
   constexpr double degree = std::numbers::pi / 180;
   if (name == "matrix") {
-    count(6, 6);
+    require_count(6, 6);
     map.linear() << n[0], n[2], n[1], n[3];
     map.translation() << n[4], n[5];
   } else if (name == "translate") {
-    count(1, 2);
+    require_count(1, 2);
     map.translation() << n[0], (n.size() > 1 ? n[1] : 0);
   } else if (name == "scale") {
-    count(1, 2);
+    require_count(1, 2);
     map.linear() << n[0], 0, 0, (n.size() > 1 ? n[1] : n[0]);
   } else if (name == "rotate") {
-    count(1, 3);
-    if (n.size() == 2) count(3, 3);
+    require_count(1, 3);
+    if (n.size() == 2) require_count(3, 3);
     const Point about = n.size() > 1 ? Point(n[1], n[2]) : Point::Zero();
     map = Eigen::Translation2d(about) * Eigen::Rotation2Dd(n[0] * degree) * Eigen::Translation2d(-about);
   } else if (name == "skewX" || name == "skewY") {
-    count(1, 1);
+    require_count(1, 1);
     map.linear()(name == "skewX" ? 0 : 1, name == "skewX" ? 1 : 0) = std::tan(n[0] * degree);
   } else {
     throw std::invalid_argument(in_quotes(name) + " is no function of a transform");
@@ -50,7 +50,7 @@ Map function_of(std::string_view name, const std::vector<double>& n) {
 
 std::vector<double> read_numbers(std::string_view text) {
   std::vector<double> numbers;
-  text = without_spaces(text);
+  text = without_leading_spaces(text);
   while (!text.empty()) {
     const auto number = take_number(text);
     if (!number) throw std::invalid_argument(in_quotes(text.substr(0, 20)) + " is no number");
@@ -62,7 +62,7 @@ std::vector<double> read_numbers(std::string_view text) {
 
 Map read_transform(std::string_view text) {
   Map map = Map::Identity();
-  text = without_spaces(text);
+  text = without_leading_spaces(text);
   while (!text.empty()) {
     const auto open = text.find('('), close = text.find(')');
     if (open == std::string_view::npos || close == std::string_view::npos || close < open)
@@ -77,7 +77,7 @@ Map read_transform(std::string_view text) {
 }
 
 std::optional<double> read_length(std::string_view text) {
-  std::string_view rest = without_spaces(text);
+  std::string_view rest = without_leading_spaces(text);
   const auto number = take_number(rest);
   while (!rest.empty() && is_space(rest.back())) rest.remove_suffix(1);
   if (!number) throw std::invalid_argument(in_quotes(text) + " is no length");

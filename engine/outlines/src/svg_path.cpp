@@ -8,25 +8,25 @@
 namespace supple::outlines {
 namespace {
 
-/// An arc by its radii, the turn of its axes (radians) and its two flags, as the SVG specification's appendix of
-/// implementation notes computes its centre.
-Piece arc_between(const Point& a, const Point& b, double rx, double ry, double turn, bool large, bool sweep) {
+/// The arc of an ellipse with given radii and rotation (radians) from a to b. Its centre follows from the flags, as in
+/// the implementation notes of the SVG specification.
+Piece arc_between(const Point& a, const Point& b, double rx, double ry, double rotation, bool large, bool sweep) {
   rx = std::abs(rx);
   ry = std::abs(ry);
   if (rx == 0 || ry == 0) return Line{b};
-  const Eigen::Matrix2d axes = Eigen::Rotation2Dd(turn).toRotationMatrix();
-  // In coordinates in which the ellipse is the unit circle.
-  const Point half = (axes.transpose() * (a - b) / 2).cwiseQuotient(Point(rx, ry));
-  const double squared = half.squaredNorm();
-  if (squared > 1) {  // radii too small to reach: the ellipse is scaled until it does
+  const Eigen::Matrix2d axes = Eigen::Rotation2Dd(rotation).toRotationMatrix();
+  // Half of the chord, in coordinates in which the ellipse is the unit circle.
+  const Point half_chord = (axes.transpose() * (a - b) / 2).cwiseQuotient(Point(rx, ry));
+  const double squared = half_chord.squaredNorm();
+  if (squared > 1) {  // if the radii are too small for the chord, the ellipse is scaled
     rx *= std::sqrt(squared);
     ry *= std::sqrt(squared);
   }
-  const Point p = squared > 1 ? Point(half / std::sqrt(squared)) : half;
-  const double reach = std::sqrt(std::max(0.0, 1 / p.squaredNorm() - 1));
-  const Point centre = (large != sweep ? reach : -reach) * Point(p.y(), -p.x());
+  const Point p = squared > 1 ? Point(half_chord / std::sqrt(squared)) : half_chord;
+  // The flags decide on which side of the chord the centre lies.
+  const double centre_distance = std::sqrt(std::max(0.0, 1 / p.squaredNorm() - 1));
+  const Point centre = (large != sweep ? centre_distance : -centre_distance) * Point(p.y(), -p.x());
   const Point from = p - centre, to = -p - centre;
-  // The centre is turned to the side on which the arc is the large or the small one.
   const double start = std::atan2(from.y(), from.x());
   double angle = std::atan2(to.y(), to.x()) - start;
   if (sweep && angle < 0) angle += 2 * std::numbers::pi;
@@ -35,7 +35,7 @@ Piece arc_between(const Point& a, const Point& b, double rx, double ry, double t
   return Arc{(a + b) / 2 + cosine * centre.x() + sine * centre.y(), cosine, sine, start, angle, b};
 }
 
-/// The commands of path data, one after another.
+/// Reads the commands of path data, one after another.
 class PathReader {
  public:
   explicit PathReader(std::string_view text) : text_(text), rest_(text) {}
@@ -48,7 +48,7 @@ class PathReader {
       if (std::string_view("MmLlHhVvCcSsQqTtAaZz").find(command) == std::string_view::npos)
         refuse_here("is no command");
       rest_.remove_prefix(1);
-      obey(command);
+      execute(command);
     }
     std::erase_if(curves_, [](const Curve& curve) { return curve.pieces.empty(); });
     return std::move(curves_);
@@ -60,7 +60,7 @@ class PathReader {
                                 std::to_string(text_.size() - rest_.size() + 1) + " " + what);
   }
 
-  void skip_blanks() { rest_ = without_spaces(rest_); }
+  void skip_blanks() { rest_ = without_leading_spaces(rest_); }
   void skip_separator() {
     skip_blanks();
     if (!rest_.starts_with(',')) return;
@@ -83,7 +83,7 @@ class PathReader {
   }
   Point point() {
     const double x = number(), y = number();
-    return Point(x, y) + (relative_ ? at_ : Point::Zero());
+    return Point(x, y) + (relative_ ? position_ : Point::Zero());
   }
   bool more_numbers() {
     skip_separator();
@@ -92,81 +92,82 @@ class PathReader {
 
   void begin_curve(const Point& begin) {
     curves_.emplace_back().begin = begin;
-    at_ = begin;
+    position_ = begin;
   }
   template <class AnyPiece>
   void add(AnyPiece piece, const Point& to) {
-    // What is drawn after Z begins where the closed curve did.
-    if (curves_.back().closed) begin_curve(at_);
+    // A command after Z continues from the beginning of the closed curve.
+    if (curves_.back().closed) begin_curve(position_);
     check_pieces(++pieces_);
     curves_.back().pieces.emplace_back(std::move(piece));
-    at_ = to;
+    position_ = to;
   }
   void cubic(const Point& first, const Point& second, const Point& to) {
     add(Cubic{first, second, to}, to);
-    cubic_handle_ = second;
+    last_cubic_control_ = second;
   }
-  void quadratic(const Point& handle, const Point& to) {
-    add(Cubic{at_ + 2.0 / 3 * (handle - at_), to + 2.0 / 3 * (handle - to), to}, to);
-    quadratic_handle_ = handle;
+  void quadratic(const Point& control, const Point& to) {
+    add(Cubic{position_ + 2.0 / 3 * (control - position_), to + 2.0 / 3 * (control - to), to}, to);
+    last_quadratic_control_ = control;
   }
 
-  void obey(char command) {
+  void execute(char command) {
     relative_ = command >= 'a';
     const char kind = relative_ ? static_cast<char>(command - 'a' + 'A') : command;
     if (kind == 'Z') {
       curves_.back().closed = true;
-      at_ = curves_.back().begin;
+      position_ = curves_.back().begin;
       previous_ = kind;
       return skip_separator();
     }
-    bool first = true;
+    bool is_first = true;
     do {
-      step(kind, first);
-      // Further pairs of a move are lines.
-      previous_ = kind == 'M' && !first ? 'L' : kind;
-      first = false;
+      draw(kind, is_first);
+      // Further points of a move command are ends of lines.
+      previous_ = kind == 'M' && !is_first ? 'L' : kind;
+      is_first = false;
     } while (more_numbers());
   }
 
-  void step(char kind, bool first) {
+  void draw(char kind, bool is_first) {
     switch (kind) {
       case 'M':
-        if (first) return begin_curve(point());
+        if (is_first) return begin_curve(point());
         [[fallthrough]];
       case 'L':
         return line(point());
       case 'H': {
         const double x = number();
-        return line({relative_ ? at_.x() + x : x, at_.y()});
+        return line({relative_ ? position_.x() + x : x, position_.y()});
       }
       case 'V': {
         const double y = number();
-        return line({at_.x(), relative_ ? at_.y() + y : y});
+        return line({position_.x(), relative_ ? position_.y() + y : y});
       }
       case 'C': {
         const Point a = point(), b = point();
         return cubic(a, b, point());
       }
       case 'S': {
-        const Point a = previous_ == 'C' || previous_ == 'S' ? Point(2 * at_ - cubic_handle_) : at_;
+        const Point a = previous_ == 'C' || previous_ == 'S' ? Point(2 * position_ - last_cubic_control_) : position_;
         const Point b = point();
         return cubic(a, b, point());
       }
       case 'Q': {
-        const Point handle = point();
-        return quadratic(handle, point());
+        const Point control = point();
+        return quadratic(control, point());
       }
       case 'T': {
-        const Point handle = previous_ == 'Q' || previous_ == 'T' ? Point(2 * at_ - quadratic_handle_) : at_;
-        return quadratic(handle, point());
+        const Point control =
+            previous_ == 'Q' || previous_ == 'T' ? Point(2 * position_ - last_quadratic_control_) : position_;
+        return quadratic(control, point());
       }
       default: {
-        const double rx = number(), ry = number(), turn = number() * std::numbers::pi / 180;
+        const double rx = number(), ry = number(), rotation = number() * std::numbers::pi / 180;
         const bool large = flag(), sweep = flag();
         const Point to = point();
-        // An arc without length is left out.
-        if (to != at_) add(arc_between(at_, to, rx, ry, turn, large, sweep), to);
+        // An arc without length is omitted.
+        if (to != position_) add(arc_between(position_, to, rx, ry, rotation, large, sweep), to);
       }
     }
   }
@@ -175,7 +176,7 @@ class PathReader {
 
   std::string_view text_, rest_;
   std::vector<Curve> curves_;
-  Point at_ = Point::Zero(), cubic_handle_ = Point::Zero(), quadratic_handle_ = Point::Zero();
+  Point position_ = Point::Zero(), last_cubic_control_ = Point::Zero(), last_quadratic_control_ = Point::Zero();
   std::size_t pieces_ = 0;
   char previous_ = 0;
   bool relative_ = false;

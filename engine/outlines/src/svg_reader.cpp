@@ -16,21 +16,22 @@
 namespace supple::outlines {
 namespace {
 
-/// Elements that are drawn again, since a few of them within each other may stand for any number. So many bytes of
-/// attributes count as one more, and so do so many attributes.
+/// Limit of the elements that are drawn again, since their number grows exponentially with nested <use> elements.
 constexpr std::size_t max_copies = 200'000;
-constexpr std::size_t bytes_of_a_copy = 16;
-constexpr std::size_t attributes_of_a_copy = 16;
-/// The attributes of one element: to find one takes a look at all of them. Programs write some dozens.
+/// This many bytes of attributes count as one more copy, and so does this number of attributes.
+constexpr std::size_t bytes_per_copy = 16;
+constexpr std::size_t attributes_per_copy = 16;
+/// Limit of the attributes of one element, since each lookup searches all of them. Programs write some dozens.
 constexpr std::size_t max_attributes = 1'000;
 constexpr std::size_t elements_between_checks = 4'096;
 
 constexpr double pixels_per_inch = 96;
-/// Where a file names the program that wrote it, bytes.
-constexpr std::size_t bytes_of_a_head = 4'096;
+/// Bytes at the beginning of a file in which the program that wrote it is named.
+constexpr std::size_t searched_head_bytes = 4'096;
+/// The first version of Inkscape with 96 pixels per inch.
 constexpr double first_inkscape_with_96 = 0.92;
 
-/// Without the prefix of a namespace.
+/// The name without the prefix of its namespace.
 std::string_view local_name(const char* name) {
   const std::string_view whole(name);
   const auto colon = whole.rfind(':');
@@ -53,7 +54,7 @@ std::vector<std::string> names_of(const pugi::xml_node& node, const std::vector<
     if (name.ends_with("label") && local_name(attribute.name()) == "label") add(attribute.value());
   }
   names.insert(names.end(), outer.begin(), outer.end());
-  if (names.size() > most_names) names.resize(most_names);
+  if (names.size() > max_names) names.resize(max_names);
   return names;
 }
 
@@ -68,7 +69,7 @@ class SvgReader {
 
   RawDrawing read() {
     pugi::xml_document document;
-    // Entities other than XML's own stay as they are written, and a document type is passed over.
+    // Entities other than XML's own stay as they are written, and a document type is skipped.
     const auto result = document.load_buffer(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
     execution_.cancellation.throw_if_requested();
     if (!result) {
@@ -78,9 +79,9 @@ class SvgReader {
     const pugi::xml_node root = document.document_element();
     if (local_name(root.name()) != "svg") refuse("the element " + in_quotes(root.name()) + " is no <svg>");
     read_styles(document);
-    const Map page = at(root, [&] { return page_of(root); });
+    const Map page = located(root, [&] { return page_of(root); });
     Context context{
-        page, at(root, [&] { return style_of(styles_.declared(root), Style{}); }), {}, "page", {}, page_size_, 1};
+        page, located(root, [&] { return style_of(styles_.declared(root), Style{}); }), {}, "page", {}, page_size_, 1};
     if (!context.style.is_displayed) refuse("the drawing as a whole is hidden (display: none)");
     context = clipped(root, context);
     read_children(root, context);
@@ -88,14 +89,14 @@ class SvgReader {
   }
 
  private:
-  /// What the groups around an element say about it.
+  /// The properties that an element has from the groups around it.
   struct Context {
     Map map = Map::Identity();
     Style style;
     std::vector<std::string> names;
     std::string group;
     std::shared_ptr<const Clip> clip;
-    Eigen::Vector2d viewport = Eigen::Vector2d::Zero();  ///< of which percentages are taken; zero where it is unknown
+    Eigen::Vector2d viewport = Eigen::Vector2d::Zero();  ///< the lengths that are 100 %; zero if they are unknown
     int depth = 1;
   };
 
@@ -118,7 +119,7 @@ class SvgReader {
       std::string text;
       for (const pugi::xml_node& child : node.children()) text += child.value();
       styles_.add(text, [&](const std::string& rule) {
-        drawing_.warnings.push_back("The rule " + in_quotes(rule) + " of " + words_for(node) +
+        drawing_.warnings.push_back("The rule " + in_quotes(rule) + " of " + describe(node) +
                                     " is not followed: it may hide or show shapes.");
       });
     }
@@ -129,30 +130,31 @@ class SvgReader {
                                         line_ends_.begin());
   }
 
-  std::string words_for(const pugi::xml_node& node) const {
+  std::string describe(const pugi::xml_node& node) const {
     const std::string_view id = node.attribute("id").value();
     return "<" + shortened(local_name(node.name())) + ">" + (id.empty() ? "" : " " + in_quotes(id)) + " of line " +
            std::to_string(line_of(node.offset_debug()));
   }
 
-  /// read(), whose faults are told with the element's place.
+  /// Calls read(). If it throws, the drawing is refused with a message that names the element and its line.
   template <class Read>
-  auto at(const pugi::xml_node& node, const Read& read) const -> decltype(read()) {
+  auto located(const pugi::xml_node& node, const Read& read) const -> decltype(read()) {
     try {
       return read();
     } catch (const std::invalid_argument& fault) {
-      refuse(words_for(node) + ": " + fault.what());
+      refuse(describe(node) + ": " + fault.what());
     }
   }
 
-  /// What a percentage is of: the width, the height, or the diagonal of a square as large as the page, as names say.
-  static double whole_of(std::string_view name, const Eigen::Vector2d& viewport) {
+  /// The length that is 100 % of an attribute: the width, the height or, for other attributes, the diagonal over
+  /// sqrt(2).
+  static double percentage_base(std::string_view name, const Eigen::Vector2d& viewport) {
     if (is_one_of(name, {"x", "x1", "x2", "cx", "rx", "width"})) return viewport.x();
     if (is_one_of(name, {"y", "y1", "y2", "cy", "ry", "height"})) return viewport.y();
     return viewport.norm() / std::numbers::sqrt2;
   }
 
-  /// A length of an element, which a style may set. None for "auto".
+  /// A length of an element, in user units, which a style may set. None for "auto".
   std::optional<double> length(const pugi::xml_node& node, const char* name, const Eigen::Vector2d& viewport) const {
     std::string text = node.attribute(name).value();
     if (const std::string* const own = styled_lengths_.find(name)) text = *own;
@@ -161,14 +163,14 @@ class SvgReader {
     if (const auto value = read_length(text)) return value;
     if (!(viewport.minCoeff() > 0))
       throw std::invalid_argument(std::string(name) + " is a percentage, but the page has no size");
-    std::string_view rest = without_spaces(text);
-    return *take_number(rest) / 100 * whole_of(name, viewport);
+    std::string_view rest = without_leading_spaces(text);
+    return *take_number(rest) / 100 * percentage_base(name, viewport);
   }
   double length_or_zero(const pugi::xml_node& node, const char* name, const Eigen::Vector2d& viewport) const {
     return length(node, name, viewport).value_or(0);
   }
 
-  /// From user units to millimetres with y upwards.
+  /// The map from user units to millimetres with y upwards.
   Map page_of(const pugi::xml_node& root) {
     const auto side = [&root](const char* name) -> std::optional<double> {
       const auto attribute = root.attribute(name);
@@ -179,7 +181,7 @@ class SvgReader {
     };
     const auto width = side("width"), height = side("height");
     const auto box = box_of(root);
-    // In user units of the page: where its box is drawn, and how large it is.
+    // The map of the view box and the size of the page, in user units of the page.
     Map view = Map::Identity();
     Eigen::Vector2d size(width.value_or(0), height.value_or(0));
     const bool is_physical = has_unit(root, "width") || has_unit(root, "height");
@@ -194,8 +196,8 @@ class SvgReader {
         view.translation() << -box[0], -box[1];
       }
     } else if (!box.empty()) {
-      const double across = width ? *width / box[2] : height ? *height / box[3] : 1;
-      size = {across * box[2], height.value_or(across * box[3])};
+      const double scale = width ? *width / box[2] : height ? *height / box[3] : 1;
+      size = {scale * box[2], height.value_or(scale * box[3])};
       view = view_of(root, box, size);
     }
     drawing_.has_page = !box.empty() || height;
@@ -204,7 +206,7 @@ class SvgReader {
     upwards.linear() << unit, 0, 0, -unit;
     upwards.translation() << 0, unit * size.y();
     page_size_ = box.empty() ? size : Eigen::Vector2d(box[2], box[3]);
-    page_area_ = unit * size;
+    page_size_mm_ = unit * size;
     return upwards * view;
   }
 
@@ -219,9 +221,9 @@ class SvgReader {
     return false;
   }
 
-  /// Programs whose pixels were not 1/96 inch.
+  /// Throws "outline.resolution_missing" if the file is of a program whose pixels were not 1/96 inch.
   void ask_for_resolution(const pugi::xml_node& root) const {
-    const std::string_view head = text_.substr(0, std::min(text_.size(), bytes_of_a_head));
+    const std::string_view head = text_.substr(0, std::min(text_.size(), searched_head_bytes));
     const auto ask = [](const std::string& program, const std::string& pixels) {
       const std::string words = "the file is of " + program + ", and its sizes are pixels: give " + pixels +
                                 " pixels per inch, or the drawing's unit or width";
@@ -245,19 +247,20 @@ class SvgReader {
     return box;
   }
 
-  /// The map of a view box into a space of a size, in whose middle it is unless both may be stretched.
+  /// The map of a view box into a rectangle. By default, it is scaled uniformly and centred; "preserveAspectRatio" may
+  /// change both.
   static Map view_of(const pugi::xml_node& node, const std::vector<double>& box, const Eigen::Vector2d& size) {
     const Eigen::Vector2d extent(box[2], box[3]);
     Eigen::Vector2d scale = size.cwiseQuotient(extent);
-    std::string_view aspect = without_spaces(node.attribute("preserveAspectRatio").value());
-    if (aspect.starts_with("defer")) aspect = without_spaces(aspect.substr(5));
+    std::string_view aspect = without_leading_spaces(node.attribute("preserveAspectRatio").value());
+    if (aspect.starts_with("defer")) aspect = without_leading_spaces(aspect.substr(5));
     if (!aspect.starts_with("none"))
       scale.setConstant(aspect.find("slice") != std::string_view::npos ? scale.maxCoeff() : scale.minCoeff());
-    // Where the box lies in the space that is left: "xMinYMax".
+    // The fractions of the remaining space before the box, from words such as "xMinYMax".
     Eigen::Vector2d fraction(0.5, 0.5);
     if (aspect.size() >= 8 && aspect.front() == 'x') {
-      const auto part = [](std::string_view word) { return word == "Min" ? 0 : word == "Max" ? 1 : 0.5; };
-      fraction << part(aspect.substr(1, 3)), part(aspect.substr(5, 3));
+      const auto fraction_of = [](std::string_view word) { return word == "Min" ? 0 : word == "Max" ? 1 : 0.5; };
+      fraction << fraction_of(aspect.substr(1, 3)), fraction_of(aspect.substr(5, 3));
     }
     Map map = Map::Identity();
     map.linear() << scale.x(), 0, 0, scale.y();
@@ -267,15 +270,15 @@ class SvgReader {
   }
 
   void check_depth(const Context& context, const pugi::xml_node& node) const {
-    if (context.depth > most_nested) check_nesting(context.depth, "groups", words_for(node));
+    if (context.depth > max_nesting) check_nesting(context.depth, "groups", describe(node));
   }
 
   void read_children(const pugi::xml_node& parent, const Context& context) {
     check_depth(context, parent);
     const bool is_switch = local_name(parent.name()) == "switch";
     for (const pugi::xml_node& node : parent.children()) {
-      if (++read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
-      if (copying_) count_copy(node);
+      if (++elements_read_ % elements_between_checks == 0) execution_.cancellation.throw_if_requested();
+      if (is_copying_) count_copy(node);
       if (node.type() != pugi::node_element) continue;
       if (!is_switch) {
         read_element(node, context);
@@ -292,60 +295,61 @@ class SvgReader {
            local_name(node.name()) != "foreignObject";
   }
 
-  /// The context within an element that has a clip path. Throws through refuse() where it cannot be cut.
+  /// The context within an element that may have a clip path. Refuses masks, and clip paths that are not supported.
   Context clipped(const pugi::xml_node& node, Context context) {
     if (!context.style.mask.empty() && !is_clipping_)
-      refuse(words_for(node) + " has a mask, which is not read: cut the shape in the drawing program");
+      refuse(describe(node) + " has a mask, which is not read: cut the shape in the drawing program");
     if (context.style.clip_path.empty()) return context;
     const std::string reference = std::exchange(context.style.clip_path, {});
-    if (is_clipping_) refuse(words_for(node) + " clips a clip path, which is not read");
+    if (is_clipping_) refuse(describe(node) + " clips a clip path, which is not read");
     context.clip = read_clip(node, reference, context);
     return context;
   }
 
-  /// The area that url(#id) names, in the place of the element that it cuts. What is no element of the file cuts
-  /// nothing.
+  /// The clip path that url(#id) names, in the coordinates of the element that it cuts. A reference to anything else
+  /// than a clip path of the file cuts nothing.
   std::shared_ptr<const Clip> read_clip(const pugi::xml_node& node, const std::string& reference,
                                         const Context& context) {
     std::string id = reference;
     std::erase_if(id, [](char c) { return is_space(c) || c == '"' || c == '\''; });
     if (!id.starts_with("url(") || !id.ends_with(")"))
-      refuse(words_for(node) + " is clipped by " + in_quotes(reference) + "; only clip paths of the file are read");
+      refuse(describe(node) + " is clipped by " + in_quotes(reference) + "; only clip paths of the file are read");
     id = id.substr(4, id.size() - 5);
     const pugi::xml_node target = element_of(node, id);
     if (!target || local_name(target.name()) != "clipPath") {
-      drawing_.warnings.push_back(words_for(node) + " is clipped by " + in_quotes(reference) +
+      drawing_.warnings.push_back(describe(node) + " is clipped by " + in_quotes(reference) +
                                   ", which is no clip path of the file: nothing is cut.");
       return context.clip;
     }
     if (std::string_view(target.attribute("clipPathUnits").value()) == "objectBoundingBox")
-      refuse(words_for(target) + " is given as a part of what it clips, which is not read");
+      refuse(describe(target) + " is given as a part of what it clips, which is not read");
     count_copy(target);
     Context inside;
-    inside.map = at(target, [&] { return Map(context.map * read_transform(target.attribute("transform").value())); });
-    inside.style = at(target, [&] { return style_of(styles_.declared(target), Style{}); });
-    if (!inside.style.clip_path.empty()) refuse(words_for(target) + " is clipped itself, which is not read");
+    inside.map =
+        located(target, [&] { return Map(context.map * read_transform(target.attribute("transform").value())); });
+    inside.style = located(target, [&] { return style_of(styles_.declared(target), Style{}); });
+    if (!inside.style.clip_path.empty()) refuse(describe(target) + " is clipped itself, which is not read");
     inside.group = "clip";
     inside.viewport = context.viewport;
     inside.depth = context.depth + 1;
-    RawDrawing outside = std::exchange(drawing_, {});
+    RawDrawing other_drawing = std::exchange(drawing_, {});
     drawing_.curves.reserve(0);
     is_clipping_ = true;
-    const bool was_copying = std::exchange(copying_, true);
+    const bool was_copying = std::exchange(is_copying_, true);
     read_children(target, inside);
-    copying_ = was_copying;
+    is_copying_ = was_copying;
     is_clipping_ = false;
     auto clip = std::make_shared<Clip>();
-    std::swap(outside, drawing_);
-    if (!outside.left_out.empty())
-      refuse(words_for(target) + " has " + outside.left_out.begin()->first + ", which cuts nothing here");
-    clip->curves = std::move(outside.curves);
+    std::swap(other_drawing, drawing_);
+    if (!other_drawing.left_out_kinds.empty())
+      refuse(describe(target) + " has " + other_drawing.left_out_kinds.begin()->first + ", which cuts nothing here");
+    clip->curves = std::move(other_drawing.curves);
     clip->outer = context.clip;
     clip_curves_ += clip->curves.size();
-    if (clip_curves_ > most_curves) {
-      const std::string limit = std::to_string(most_curves);
+    if (clip_curves_ > max_curves) {
+      const std::string limit = std::to_string(max_curves);
       throw Error("outline.too_large", "The clip paths of the drawing have more than " + limit + " curves.",
-                  {{"text", "has clip paths of more than " + limit + " curves, at " + words_for(target)}});
+                  {{"text", "has clip paths of more than " + limit + " curves, at " + describe(target)}});
     }
     return clip;
   }
@@ -355,7 +359,7 @@ class SvgReader {
     if (static_cast<std::size_t>(std::distance(attributes.begin(), attributes.end())) <= max_attributes) return;
     const std::string limit = std::to_string(max_attributes);
     throw Error("outline.too_large", "An element of the drawing has more than " + limit + " attributes.",
-                {{"text", "has more than " + limit + " attributes at " + words_for(node)}});
+                {{"text", "has more than " + limit + " attributes at " + describe(node)}});
   }
 
   void read_element(const pugi::xml_node& node, const Context& outer) {
@@ -368,15 +372,15 @@ class SvgReader {
     if (!is_group && !is_shape && !is_use && !is_other) return;
     Declarations declared = styles_.declared(node);
     Context context{outer.map, {}, {}, outer.group, outer.clip, outer.viewport, outer.depth};
-    context.style = at(node, [&] { return style_of(declared, outer.style); });
-    if (!context.style.is_displayed) return leave_hidden(drawing_, words_for(node), "it is hidden (display: none)");
+    context.style = located(node, [&] { return style_of(declared, outer.style); });
+    if (!context.style.is_displayed) return leave_hidden(drawing_, describe(node), "it is hidden (display: none)");
     if (is_other) {
       if (context.style.is_visible && context.style.is_opaque)
-        leave_out(drawing_, "<" + std::string(name) + ">", words_for(node),
+        leave_out(drawing_, "<" + std::string(name) + ">", describe(node),
                   name == "text" ? "text has no outline until it is made a path" : "it is no shape");
       return;
     }
-    context.map = at(node, [&] { return Map(outer.map * read_transform(node.attribute("transform").value())); });
+    context.map = located(node, [&] { return Map(outer.map * read_transform(node.attribute("transform").value())); });
     context = clipped(node, std::move(context));
     styled_lengths_ = std::move(declared);
     context.names = names_of(node, outer.names);
@@ -384,14 +388,14 @@ class SvgReader {
       context.group = outer.group + "/" + std::to_string(node.offset_debug());
       ++context.depth;
       if (is_use) return read_use(node, context);
-      if (name == "svg") context = at(node, [&] { return nested(node, context, {}); });
+      if (name == "svg") context = located(node, [&] { return nested(node, context, {}); });
       return read_children(node, context);
     }
     add_shape(node, name, std::move(context));
   }
 
   /// Why a shape is not shown; empty if it is.
-  static const char* unseen(const Style& style) {
+  static const char* hidden_reason(const Style& style) {
     if (!style.is_visible) return "it is invisible (visibility: hidden)";
     if (!style.is_opaque) return "it is invisible (opacity: 0)";
     return style.fills() || style.strokes() ? "" : "it is invisible: it has neither fill nor stroke";
@@ -399,17 +403,17 @@ class SvgReader {
 
   void add_shape(const pugi::xml_node& node, std::string_view name, Context context) {
     const Style& style = context.style;
-    const std::string what = words_for(node);
-    if (const std::string why = is_clipping_ ? (style.is_visible ? "" : "hidden") : unseen(style); !why.empty())
-      return leave_hidden(drawing_, what, why);
-    auto curves = at(node, [&] { return shape_of(node, name, context.viewport); });
+    const std::string description = describe(node);
+    if (const std::string why = is_clipping_ ? (style.is_visible ? "" : "hidden") : hidden_reason(style); !why.empty())
+      return leave_hidden(drawing_, description, why);
+    auto curves = located(node, [&] { return shape_of(node, name, context.viewport); });
     if (curves.empty()) return;
     ++elements_;
     const bool fills = is_clipping_ || style.fills();
     for (Curve& curve : curves) {
       transform(curve, context.map);
       curve.group = context.group;
-      curve.what = what;
+      curve.description = description;
       curve.is_filled = fills;
       curve.rule = !fills ? FillRule::evenodd : is_clipping_ ? style.clip_rule : style.fill_rule;
       curve.element = elements_;
@@ -418,22 +422,23 @@ class SvgReader {
     for (std::size_t i = 0; i + 1 < curves.size(); ++i) curves[i].names = context.names;
     curves.back().names = std::move(context.names);
     if (name == "rect" && !is_clipping_ && is_background(curves.front(), style))
-      return leave_hidden(drawing_, what, "it is a white background of the whole page");
+      return leave_hidden(drawing_, description, "it is a white background of the whole page");
     if (!fills) drawing_.stroked += curves.size();
     for (Curve& curve : curves) add_curve(drawing_, std::move(curve), execution_);
   }
 
-  /// Whether a rectangle is white, without a line, below everything else, and as large as the page.
+  /// Whether a rectangle is white, has no stroke, lies below everything else, and covers the page.
   bool is_background(const Curve& curve, const Style& style) const {
-    if (!style.is_white || style.strokes() || !drawing_.curves.empty() || !(page_area_.minCoeff() > 0)) return false;
+    if (!style.is_white || style.strokes() || !drawing_.curves.empty() || !(page_size_mm_.minCoeff() > 0)) return false;
     Eigen::AlignedBox2d box;
     box.extend(curve.begin);
     for (const Piece& piece : curve.pieces) for_each_control_point(piece, [&box](const Point& p) { box.extend(p); });
-    const double slack = 1e-6 * page_area_.maxCoeff();
-    return box.min().maxCoeff() <= slack && (box.max() - page_area_).minCoeff() >= -slack;
+    const double slack = 1e-6 * page_size_mm_.maxCoeff();
+    return box.min().maxCoeff() <= slack && (box.max() - page_size_mm_).minCoeff() >= -slack;
   }
 
-  /// The inside of an <svg> or <symbol> within a drawing: its own coordinates, cut off at its edge.
+  /// The context within an inner <svg> or <symbol>, which has its own coordinates and is clipped at its edge. `use` is
+  /// the element that draws it again, or empty.
   Context nested(const pugi::xml_node& node, Context context, const pugi::xml_node& use) {
     const auto side = [&](const char* name, double whole) {
       for (const pugi::xml_node& from : {use, node}) {
@@ -469,6 +474,7 @@ class SvgReader {
     return context;
   }
 
+  /// Counts an element that is drawn again. Throws "outline.too_large".
   void count_copy(const pugi::xml_node& node) {
     check_attributes(node);
     std::size_t bytes = 0;
@@ -477,49 +483,49 @@ class SvgReader {
       bytes += std::string_view(attribute.value()).size();
       ++attributes;
     }
-    copies_ += 1 + bytes / bytes_of_a_copy + attributes / attributes_of_a_copy;
+    copies_ += 1 + bytes / bytes_per_copy + attributes / attributes_per_copy;
     if (copies_ <= max_copies) return;
     const std::string limit = std::to_string(max_copies);
     throw Error(
         "outline.too_large", "The drawing draws more than " + limit + " elements, or as much text, again.",
-        {{"text", "draws more than " + limit + " elements, or as much text, again by <use>, at " + words_for(node)}});
+        {{"text", "draws more than " + limit + " elements, or as much text, again by <use>, at " + describe(node)}});
   }
 
-  /// What a <use> refers to is drawn again. Nothing outside the file is opened.
+  /// Draws the element again to which a <use> refers. References to other files are not opened.
   void read_use(const pugi::xml_node& node, Context context) {
     check_depth(context, node);
     const pugi::xml_node target = target_of(node);
     count_copy(target ? target : node);
     const std::string_view name = local_name(target.name());
-    context.map = at(node, [&] {
+    context.map = located(node, [&] {
       return Map(context.map * Eigen::Translation2d(length_or_zero(node, "x", context.viewport),
                                                     length_or_zero(node, "y", context.viewport)));
     });
-    const bool was_copying = std::exchange(copying_, true);
+    const bool was_copying = std::exchange(is_copying_, true);
     styled_lengths_ = {};
     if (name == "symbol" || name == "svg") {
       const Declarations declared = styles_.declared(target);
       Context inside = context;
-      inside.style = at(target, [&] { return style_of(declared, context.style); });
+      inside.style = located(target, [&] { return style_of(declared, context.style); });
       inside = clipped(target, std::move(inside));
-      inside = at(target, [&] { return nested(target, inside, node); });
+      inside = located(target, [&] { return nested(target, inside, node); });
       inside.names = names_of(target, context.names);
       ++inside.depth;
       if (inside.style.is_displayed)
         read_children(target, inside);
       else
-        leave_hidden(drawing_, words_for(target), "it is hidden (display: none)");
+        leave_hidden(drawing_, describe(target), "it is hidden (display: none)");
     } else if (target && !is_one_of(name, {"text", "image", "foreignObject"})) {
       ++context.depth;
       read_element(target, context);
     } else {
       leave_out(drawing_, target ? "<use> of <" + std::string(name) + ">" : "<use> of nothing in the file",
-                words_for(node));
+                describe(node));
     }
-    copying_ = was_copying;
+    is_copying_ = was_copying;
   }
 
-  /// The first element whose id is that of the reference.
+  /// The element to which a <use> refers.
   pugi::xml_node target_of(const pugi::xml_node& use) {
     std::string_view reference;
     for (const auto& attribute : use.attributes()) {
@@ -528,7 +534,8 @@ class SvgReader {
     return element_of(use, reference);
   }
 
-  /// The first element of an id that is written "#id".
+  /// The first element with the id of a reference "#id"; none if there is no such element. `any` is any node of the
+  /// file.
   pugi::xml_node element_of(const pugi::xml_node& any, std::string_view reference) {
     if (!reference.starts_with('#')) return {};
     if (!ids_) {
@@ -603,17 +610,18 @@ class SvgReader {
     curve.closed = true;
     curve.begin = {x + a, y};
     constexpr double quarter = std::numbers::pi / 2;
-    // Middles of the rounded corners, and the directions in which each begins and ends, as SVG draws a rectangle.
-    const Point middles[4] = {
+    // The centres of the rounded corners, and the directions in which each of them begins and ends, in the order in
+    // which SVG draws a rectangle.
+    const Point centres[4] = {
         {x + width - a, y + b}, {x + width - a, y + height - b}, {x + a, y + height - b}, {x + a, y + b}};
     const Point directions[5] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}};
     for (int k = 0; k < 4; ++k) {
       const auto corner = [&](const Point& direction) {
-        return Point(middles[k] + direction.cwiseProduct(Point(a, b)));
+        return Point(centres[k] + direction.cwiseProduct(Point(a, b)));
       };
       curve.pieces.emplace_back(Line{corner(directions[k])});
       const Point end = corner(directions[k + 1]);
-      if (a > 0 && b > 0) curve.pieces.emplace_back(Arc{middles[k], {a, 0}, {0, b}, (k - 1) * quarter, quarter, end});
+      if (a > 0 && b > 0) curve.pieces.emplace_back(Arc{centres[k], {a, 0}, {0, b}, (k - 1) * quarter, quarter, end});
     }
     return {curve};
   }
@@ -623,17 +631,17 @@ class SvgReader {
   const DrawingOptions& options_;
   const Execution& execution_;
   RawDrawing drawing_;
-  std::optional<std::map<std::string_view, pugi::xml_node>> ids_;  ///< once a <use> has asked for one
-  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();            ///< in user units within the page
-  Eigen::Vector2d page_area_ = Eigen::Vector2d::Zero();  ///< its width and height, mm; zero where they are unknown
+  std::optional<std::map<std::string_view, pugi::xml_node>> ids_;  ///< filled when an element is first looked up
+  Eigen::Vector2d page_size_ = Eigen::Vector2d::Zero();            ///< in user units of the view box
+  Eigen::Vector2d page_size_mm_ = Eigen::Vector2d::Zero();         ///< width and height, mm; zero if they are unknown
   StyleSheet styles_;
-  Declarations styled_lengths_;  ///< of the element that is being read
+  Declarations styled_lengths_;  ///< styles that may set lengths of the current element
   std::size_t elements_ = 0;
   std::size_t clip_curves_ = 0;
   bool is_clipping_ = false;
-  std::size_t read_ = 0;
+  std::size_t elements_read_ = 0;
   std::size_t copies_ = 0;
-  bool copying_ = false;
+  bool is_copying_ = false;
 };
 
 }  // namespace

@@ -9,7 +9,7 @@
 namespace supple::outlines {
 namespace {
 
-constexpr std::size_t most_rules = 2'000;
+constexpr std::size_t max_rules = 2'000;
 /// Properties that decide what is shown, and where.
 constexpr std::array<std::string_view, 25> properties{"display",
                                                       "visibility",
@@ -36,10 +36,11 @@ constexpr std::array<std::string_view, 25> properties{"display",
                                                       "d",
                                                       "rotate",
                                                       "content-visibility"};
-/// Those that are attributes of elements with the same meaning; the others are read where an element has them.
-constexpr std::array<std::string_view, 12> presentation{"display",        "visibility",   "opacity",   "fill",
-                                                        "fill-opacity",   "fill-rule",    "stroke",    "clip-path",
-                                                        "stroke-opacity", "stroke-width", "clip-rule", "mask"};
+/// Properties that are also attributes with the same meaning, on all elements. Attributes for the others are read with
+/// the shapes that have them.
+constexpr std::array<std::string_view, 12> presentation_attributes{
+    "display", "visibility", "opacity",        "fill",         "fill-opacity", "fill-rule",
+    "stroke",  "clip-path",  "stroke-opacity", "stroke-width", "clip-rule",    "mask"};
 
 template <class Names>
 bool contains(const Names& names, std::string_view name) {
@@ -47,7 +48,7 @@ bool contains(const Names& names, std::string_view name) {
 }
 
 std::string_view trimmed(std::string_view text) {
-  text = without_spaces(text);
+  text = without_leading_spaces(text);
   while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
   return text;
 }
@@ -69,7 +70,7 @@ std::string without_comments(std::string_view text) {
     result += ' ';
     text.remove_prefix(end + 2);
   }
-  // The marks that hid style sheets from old browsers.
+  // These marks hide style sheets from old browsers.
   for (const std::string_view mark : {"<!--", "-->"}) {
     for (auto at = result.find(mark); at != std::string::npos; at = result.find(mark, at))
       result.replace(at, mark.size(), " ");
@@ -77,7 +78,7 @@ std::string without_comments(std::string_view text) {
   return result;
 }
 
-/// The end of a block whose '{' is at `open`: the place of its '}', or the end of the text.
+/// The position of the '}' of a block whose '{' is at `open`, or the end of the text.
 std::size_t end_of_block(std::string_view text, std::size_t open) {
   int depth = 0;
   char quote = 0;
@@ -139,7 +140,7 @@ bool is_name_char(char c) {
          static_cast<unsigned char>(c) >= 0x80;
 }
 
-/// Reads a selector without commas; none where it has what is not read here.
+/// Reads a selector without commas; none if a part of it is not supported.
 class SelectorReader {
  public:
   explicit SelectorReader(std::string_view text) : rest_(trimmed(text)) {}
@@ -147,16 +148,16 @@ class SelectorReader {
   std::optional<Selector> read() {
     if (rest_.empty()) return std::nullopt;
     std::vector<CompoundSelector> outwards;
-    bool direct = false;
+    bool is_child = false;
     while (!rest_.empty()) {
       auto compound = read_compound();
       if (!compound) return std::nullopt;
-      compound->is_parent_direct = direct;
+      compound->is_child = is_child;
       outwards.insert(outwards.begin(), *compound);
-      rest_ = without_spaces(rest_);
-      direct = rest_.starts_with('>');
-      if (direct) rest_ = without_spaces(rest_.substr(1));
-      if (direct && rest_.empty()) return std::nullopt;
+      rest_ = without_leading_spaces(rest_);
+      is_child = rest_.starts_with('>');
+      if (is_child) rest_ = without_leading_spaces(rest_.substr(1));
+      if (is_child && rest_.empty()) return std::nullopt;
     }
     selector_.compounds = std::move(outwards);
     return selector_;
@@ -176,14 +177,14 @@ class SelectorReader {
 
   std::optional<CompoundSelector> read_compound() {
     CompoundSelector compound;
-    bool any = false;
+    bool has_condition = false;
     if (rest_.starts_with('*')) {
       rest_.remove_prefix(1);
-      any = true;
+      has_condition = true;
     } else if (!rest_.empty() && is_name_char(rest_.front())) {
       compound.tag = name();
       ++selector_.specificity;
-      any = true;
+      has_condition = true;
     }
     if (rest_.starts_with('|')) return std::nullopt;
     while (!rest_.empty()) {
@@ -208,10 +209,10 @@ class SelectorReader {
       } else {
         break;
       }
-      any = true;
+      has_condition = true;
     }
-    const bool ends = rest_.empty() || is_space(rest_.front()) || rest_.front() == '>';
-    return any && ends ? std::optional(compound) : std::nullopt;
+    const bool is_complete = rest_.empty() || is_space(rest_.front()) || rest_.front() == '>';
+    return has_condition && is_complete ? std::optional(compound) : std::nullopt;
   }
 
   bool read_attribute(CompoundSelector& compound) {
@@ -242,7 +243,7 @@ std::string_view local_part(const char* name) {
 
 bool has_class(const pugi::xml_node& node, std::string_view wanted) {
   std::string_view rest = node.attribute("class").value();
-  while (!(rest = without_spaces(rest)).empty()) {
+  while (!(rest = without_leading_spaces(rest)).empty()) {
     std::size_t end = 0;
     while (end < rest.size() && !is_space(rest[end])) ++end;
     if (rest.substr(0, end) == wanted) return true;
@@ -265,16 +266,16 @@ bool matches(const CompoundSelector& compound, const pugi::xml_node& node) {
   });
 }
 
-/// Whether the compounds from `k` on match at or above `node`; the ways up that are tried are few, since groups within
-/// each other are.
+/// Whether the compounds from `k` on match `node` and ancestors of it. `tries` limits the backtracking; it suffices,
+/// because groups are nested to a limited depth.
 bool matches_from(const Selector& selector, std::size_t k, const pugi::xml_node& node, int& tries) {
   if (--tries < 0 || !matches(selector.compounds[k], node)) return false;
   if (k + 1 == selector.compounds.size()) return true;
-  // A compound says about itself how it is joined to the one outside of it.
-  const bool direct = selector.compounds[k].is_parent_direct;
+  // Each compound has the combinator between it and the next one outwards.
+  const bool is_child = selector.compounds[k].is_child;
   for (pugi::xml_node outer = node.parent(); outer; outer = outer.parent()) {
     if (matches_from(selector, k + 1, outer, tries)) return true;
-    if (direct) return false;
+    if (is_child) return false;
   }
   return false;
 }
@@ -316,14 +317,14 @@ FillRule rule_of(const std::string& value) { return value == "evenodd" ? FillRul
 
 }  // namespace
 
-void StyleSheet::read_rules(std::string_view whole, std::vector<std::string>& untold) {
+void StyleSheet::read_rules(std::string_view whole, std::vector<std::string>& unsupported) {
   const std::string text = without_comments(whole);
   std::string_view rest = text;
   while (!(rest = trimmed(rest)).empty()) {
     const auto open = rest.find('{');
     const auto semicolon = rest.find(';');
     if (rest.front() == '@' && semicolon < open) {
-      if (rest.starts_with("@import")) untold.emplace_back("@import");
+      if (rest.starts_with("@import")) unsupported.emplace_back("@import");
       rest.remove_prefix(semicolon + 1);
       continue;
     }
@@ -333,20 +334,20 @@ void StyleSheet::read_rules(std::string_view whole, std::vector<std::string>& un
     const std::string_view body = rest.substr(open + 1, close > open ? close - open - 1 : 0);
     rest.remove_prefix(std::min(close + 1, rest.size()));
     if (!head.starts_with('@')) {
-      add_rule(head, body, untold);
+      add_rule(head, body, unsupported);
       continue;
     }
     const std::string media = lower(head);
     if (!media.starts_with("@media")) continue;
     const std::string_view kind = trimmed(std::string_view(media).substr(6));
     if (kind.empty() || kind == "all" || kind == "screen")
-      read_rules(body, untold);
+      read_rules(body, unsupported);
     else if (kind != "print" && body.find(':') != std::string_view::npos)
-      untold.emplace_back(head);
+      unsupported.emplace_back(head);
   }
 }
 
-void StyleSheet::add_rule(std::string_view selectors, std::string_view body, std::vector<std::string>& untold) {
+void StyleSheet::add_rule(std::string_view selectors, std::string_view body, std::vector<std::string>& unsupported) {
   Rule rule;
   for_each_declaration(body, [&rule](const std::string& name, std::string_view value, bool important) {
     (important ? rule.important : rule.normal)[name] = value;
@@ -358,14 +359,15 @@ void StyleSheet::add_rule(std::string_view selectors, std::string_view body, std
     selectors.remove_prefix(comma == std::string_view::npos ? selectors.size() : comma + 1);
     const auto selector = SelectorReader(one).read();
     if (!selector) {
-      // What holds only while a pointer is there holds never in a file.
-      const bool never = one.find(":hover") != std::string_view::npos ||
-                         one.find(":active") != std::string_view::npos || one.find(":focus") != std::string_view::npos;
-      if (!never) untold.emplace_back(one);
+      // These selectors match only while a user interacts with the page.
+      const bool is_interactive = one.find(":hover") != std::string_view::npos ||
+                                  one.find(":active") != std::string_view::npos ||
+                                  one.find(":focus") != std::string_view::npos;
+      if (!is_interactive) unsupported.emplace_back(one);
       continue;
     }
-    if (rules_.size() >= most_rules) {
-      const std::string limit = std::to_string(most_rules);
+    if (rules_.size() >= max_rules) {
+      const std::string limit = std::to_string(max_rules);
       throw Error("outline.too_large", "The style sheets of the drawing have more than " + limit + " rules.",
                   {{"text", "has style sheets of more than " + limit + " rules about what is shown"}});
     }
@@ -380,7 +382,7 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
   Declarations result;
   for (const auto& attribute : node.attributes()) {
     const std::string_view name(attribute.name());
-    if (!contains(presentation, name)) continue;
+    if (!contains(presentation_attributes, name)) continue;
     if (const std::string_view value = trimmed(attribute.value()); !value.empty()) result[name] = value;
   }
   std::vector<const Rule*> matched;
@@ -388,8 +390,8 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
     const auto found = by_key_.find(key);
     if (found == by_key_.end()) return;
     for (const std::size_t k : found->second) {
-      constexpr int most_tries = 10'000;
-      int tries = most_tries;
+      constexpr int max_tries = 10'000;
+      int tries = max_tries;
       if (matches_from(rules_[k].selector, 0, node, tries)) matched.push_back(&rules_[k]);
     }
   };
@@ -398,7 +400,7 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
     try_rules(std::string(local_part(node.name())));
     if (const auto id = node.attribute("id")) try_rules("#" + std::string(id.value()));
     std::string_view rest = node.attribute("class").value();
-    while (!(rest = without_spaces(rest)).empty()) {
+    while (!(rest = without_leading_spaces(rest)).empty()) {
       std::size_t end = 0;
       while (end < rest.size() && !is_space(rest[end])) ++end;
       try_rules("." + std::string(rest.substr(0, end)));
@@ -408,17 +410,17 @@ Declarations StyleSheet::declared(const pugi::xml_node& node) const {
       return std::tuple(a->selector.specificity, a->order) < std::tuple(b->selector.specificity, b->order);
     });
   }
-  const auto take = [&result](const Declarations& from) {
+  const auto merge = [&result](const Declarations& from) {
     for (const auto& [name, value] : from) result[name] = value;
   };
-  for (const Rule* rule : matched) take(rule->normal);
+  for (const Rule* rule : matched) merge(rule->normal);
   Declarations important;
   for_each_declaration(node.attribute("style").value(),
                        [&](const std::string& name, std::string_view value, bool is_important) {
                          (is_important ? important : result)[name] = value;
                        });
-  for (const Rule* rule : matched) take(rule->important);
-  take(important);
+  for (const Rule* rule : matched) merge(rule->important);
+  merge(important);
   return result;
 }
 
@@ -437,7 +439,7 @@ Style style_of(const Declarations& own, const Style& outer) {
                                   ", which is computed by a browser only");
     return value;
   };
-  /// For inherited properties: the keywords that take the value from outside.
+  // These keywords give an inherited property the value of the element around.
   const auto inherited = [](const std::string& value) { return value == "inherit" || value == "unset"; };
   if (const auto value = value_of("display"); value && *value == "none") style.is_displayed = false;
   if (const auto value = value_of("visibility"); value && !inherited(*value))
@@ -461,9 +463,9 @@ Style style_of(const Declarations& own, const Style& outer) {
   style.clip_path = reference("clip-path");
   style.mask = reference("mask");
   for (const char* name : {"transform", "rotate", "d"}) {
-    const std::string moved = reference(name);
-    if (!moved.empty())
-      throw std::invalid_argument("its style has " + std::string(name) + ": " + in_quotes(moved) +
+    const std::string written = reference(name);
+    if (!written.empty())
+      throw std::invalid_argument("its style has " + std::string(name) + ": " + in_quotes(written) +
                                   "; write it as an attribute of the element");
   }
   return style;

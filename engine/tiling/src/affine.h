@@ -6,14 +6,15 @@
 
 namespace supple::tiling {
 
-/// constant + sum over k of slopes[k] * p_k: what vertices, translations and placements of a tiling are made of.
+/// An affine function of the parameters, constant + sum over k of slopes[k] * p_k. Coordinates of a tiling's vertices,
+/// translations and placements are such functions.
 struct Affine {
   static constexpr std::size_t max_parameters = 4;
 
   double constant = 0;
   std::array<double, max_parameters> slopes{};
 
-  // Implicit, so that table entries can mix numbers and parameters.
+  // This constructor is implicit, so that table entries can mix numbers and parameters.
   constexpr Affine() = default;
   constexpr Affine(double value) : constant(value) {}
 

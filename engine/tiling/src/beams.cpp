@@ -11,12 +11,12 @@
 namespace supple::tiling {
 namespace {
 
-/// Turns below 15 degrees are mitred: a square joint's third side would be a seventh of the half width and shorter, and
-/// ask for elements as small. The areas differ by less than 6e-4 of the squared half width.
-constexpr double smallest_square_turn = std::numbers::pi / 12;
+/// Joints at smaller turns (rad; 15 degrees) are mitred. The third side of a square joint would be at most a seventh of
+/// the half width there, and would require elements as small. The areas differ by less than 6e-4 squared half widths.
+constexpr double min_square_turn = std::numbers::pi / 12;
 
-/// Neighbouring tiles share their sides but for rounding: before their union is taken they grow by this (mm).
-constexpr double seam = 1e-6;
+/// Tiles grow by this (mm) before their union is taken, since neighbours share their sides only up to rounding.
+constexpr double union_margin = 1e-6;
 
 void unite(const ClipperLib::Paths& paths, ClipperLib::PolyTree& tree) {
   ClipperLib::Clipper clipper;
@@ -26,18 +26,18 @@ void unite(const ClipperLib::Paths& paths, ClipperLib::PolyTree& tree) {
 
 Eigen::Vector2d left_of(const Eigen::Vector2d& direction) { return {-direction.y(), direction.x()}; }
 
-/// One side of an outline: where it begins, its unit direction and its length.
+/// One side of an outline: its first point, its unit direction and its length.
 struct Side {
   Eigen::Vector2d begin, direction;
   double length;
 };
 
-/// Closes the gap between the strips beside two consecutive sides, where they turn away. It reaches into both strips,
-/// so that rounding leaves no slit between them.
+/// The joint that closes the gap between the strips beside two consecutive sides. It overlaps both strips, so that
+/// rounding leaves no slit between them.
 Polygon joint(const Side& in, const Side& out, double half_width) {
   const double turn = std::atan2(cross(in.direction, out.direction), in.direction.dot(out.direction));
-  const double side = turn > 0 ? -1 : 1;  // 1: the gap is to the left
-  const double along = half_width * std::tan(std::abs(turn) / (std::abs(turn) < smallest_square_turn ? 2 : 4));
+  const double side = turn > 0 ? -1 : 1;  // 1 if the gap is to the left, -1 if it is to the right
+  const double along = half_width * std::tan(std::abs(turn) / (std::abs(turn) < min_square_turn ? 2 : 4));
   const Eigen::Vector2d from = out.begin + side * half_width * left_of(in.direction);
   const Eigen::Vector2d to = out.begin + side * half_width * left_of(out.direction);
   Polygon polygon = {out.begin, from - std::min(half_width, in.length) / 2 * in.direction, from + along * in.direction,
@@ -46,13 +46,13 @@ Polygon joint(const Side& in, const Side& out, double half_width) {
   return polygon;
 }
 
-void collect_holes(const ClipperLib::PolyNode& parent, double smallest_width, std::vector<Polygon>& holes) {
+void collect_holes(const ClipperLib::PolyNode& parent, double min_width, std::vector<Polygon>& holes) {
   for (const ClipperLib::PolyNode* outline : parent.Childs) {
     for (const ClipperLib::PolyNode* hole : outline->Childs) {
       Polygon polygon = to_polygon(hole->Contour);
       std::reverse(polygon.begin(), polygon.end());
-      if (remains(polygon, smallest_width)) holes.push_back(std::move(polygon));
-      collect_holes(*hole, smallest_width, holes);
+      if (remains(polygon, min_width)) holes.push_back(std::move(polygon));
+      collect_holes(*hole, min_width, holes);
     }
   }
 }
@@ -79,24 +79,25 @@ std::vector<Polygon> beams_along(const Polygon& outline, double half_width, Join
   return result;
 }
 
-std::vector<Polygon> holes_between(std::span<const Polygon> solid, double smallest_width) {
+std::vector<Polygon> holes_between(std::span<const Polygon> solid, double min_width) {
   ClipperLib::PolyTree tree;
   unite(to_paths(solid), tree);
   std::vector<Polygon> holes;
-  collect_holes(tree, smallest_width, holes);
+  collect_holes(tree, min_width, holes);
   return holes;
 }
 
 std::vector<Polygon> outlines_of_union(std::span<const Polygon> polygons) {
   ClipperLib::Paths grown;
   for (const Polygon& polygon : polygons) {
-    // Each by itself: what an outline that crosses itself runs around backwards belongs to the tile as well.
+    // Each tile is simplified by itself. If its outline crosses itself, an area that it surrounds clockwise belongs to
+    // the tile, too.
     ClipperLib::Paths simple;
     ClipperLib::SimplifyPolygon(to_path(polygon), simple, ClipperLib::pftNonZero);
     ClipperLib::ClipperOffset offset;
     offset.AddPaths(simple, ClipperLib::jtSquare, ClipperLib::etClosedPolygon);
     ClipperLib::Paths result;
-    offset.Execute(result, seam * units_per_millimetre);
+    offset.Execute(result, union_margin * units_per_millimetre);
     grown.insert(grown.end(), result.begin(), result.end());
   }
   ClipperLib::PolyTree tree;
@@ -105,13 +106,13 @@ std::vector<Polygon> outlines_of_union(std::span<const Polygon> polygons) {
   add_faces(tree, faces);
   std::vector<Polygon> outlines;
   for (Face& face : faces) {
-    if (remains(face[0], 2 * seam)) outlines.push_back(std::move(face[0]));
+    if (remains(face[0], 2 * union_margin)) outlines.push_back(std::move(face[0]));
   }
   return outlines;
 }
 
-std::vector<Face> faces_of_union(std::span<const Polygon> polygons, double smallest_width) {
-  return faces_without_slivers(to_paths(polygons), smallest_width);
+std::vector<Face> faces_of_union(std::span<const Polygon> polygons, double min_width) {
+  return faces_without_slivers(to_paths(polygons), min_width);
 }
 
 std::vector<Face> difference(const Polygon& polygon, const std::vector<Polygon>& holes) {

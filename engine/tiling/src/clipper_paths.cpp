@@ -10,34 +10,34 @@ namespace supple::tiling {
 namespace {
 
 /// Vertices closer than this (mm) to the line through their neighbours are no corners.
-constexpr double straightness = 1e-7;
-/// Round joints are polygons whose sides are so near to the arc, as a fraction of its radius.
+constexpr double collinear_distance = 1e-7;
+/// Distance between a round joint's arc and the sides of the polygon that replaces it, as a ratio to the arc's radius.
 constexpr double arc_tolerance = 2e-3;
-/// Each time that short sides become points fewer of them are left, mostly none after the first.
+/// Limit of the unions. After each union fewer short sides are left, mostly none after the first.
 constexpr int max_unions = 16;
 
-/// Drops vertices on the line through their neighbours, tips of spikes of no width among them.
-void drop_straight(Polygon& polygon) {
-  for (std::size_t k = 0, kept = 0; kept < polygon.size() && polygon.size() > 2;) {
+/// Drops vertices on the line through their neighbours, among them tips of spikes of no width.
+void drop_collinear(Polygon& polygon) {
+  for (std::size_t k = 0, retained = 0; retained < polygon.size() && polygon.size() > 2;) {
     const std::size_t n = polygon.size();
     const Eigen::Vector2d in = polygon[k] - polygon[(k + n - 1) % n], out = polygon[(k + 1) % n] - polygon[k];
-    // Twice the triangle's area over its longer side here: the height over it.
-    if (std::abs(cross(in, out)) <= straightness * std::max(in.norm(), out.norm())) {
+    // Twice the area of the triangle over its longer side here is its height over that side.
+    if (std::abs(cross(in, out)) <= collinear_distance * std::max(in.norm(), out.norm())) {
       polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(k));
       if (k == polygon.size()) k = 0;
-      // The neighbours have become neighbours of each other: the one before is looked at again.
+      // The one before has a new neighbour, and is checked again.
       k = (k + polygon.size() - 1) % polygon.size();
-      kept = 0;
+      retained = 0;
     } else {
       k = (k + 1) % n;
-      ++kept;
+      ++retained;
     }
   }
 }
 
-/// Merges the ends of the shortest side until none is shorter than `smallest_side`, without straight vertices.
-void simplify(Polygon& polygon, double smallest_side) {
-  drop_straight(polygon);
+/// Merges the ends of the shortest side until none is shorter than `min_side`, and drops collinear vertices.
+void simplify(Polygon& polygon, double min_side) {
+  drop_collinear(polygon);
   while (polygon.size() > 2) {
     std::size_t shortest = 0;
     double length = INFINITY;
@@ -48,16 +48,16 @@ void simplify(Polygon& polygon, double smallest_side) {
         shortest = k;
       }
     }
-    if (length >= smallest_side) break;
+    if (length >= min_side) break;
     const std::size_t next = (shortest + 1) % polygon.size();
     polygon[shortest] = (polygon[shortest] + polygon[next]) / 2;
     polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(next));
   }
-  drop_straight(polygon);
+  drop_collinear(polygon);
 }
 
-bool is_narrow(const Polygon& polygon, double smallest_width) {
-  return polygon.size() < 3 || 2 * std::abs(area(polygon)) <= smallest_width * perimeter(polygon);
+bool is_narrow(const Polygon& polygon, double min_width) {
+  return polygon.size() < 3 || 2 * std::abs(area(polygon)) <= min_width * perimeter(polygon);
 }
 
 std::vector<Face> faces_of(const ClipperLib::Paths& paths, ClipperLib::PolyFillType fill) {
@@ -70,10 +70,9 @@ std::vector<Face> faces_of(const ClipperLib::Paths& paths, ClipperLib::PolyFillT
   return faces;
 }
 
-/// Of a part whose outline is too narrow to remain, no hole does.
-void drop_narrow(std::vector<Face>& faces, double smallest_width) {
-  for (Face& face : faces)
-    std::erase_if(face, [&](const Polygon& polygon) { return is_narrow(polygon, smallest_width); });
+/// Drops narrow polygons, and with a narrow outline its holes.
+void drop_narrow(std::vector<Face>& faces, double min_width) {
+  for (Face& face : faces) std::erase_if(face, [&](const Polygon& polygon) { return is_narrow(polygon, min_width); });
   std::erase_if(faces, [](const Face& face) { return face.empty() || area(face[0]) < 0; });
 }
 
@@ -115,12 +114,12 @@ ClipperLib::Paths operation(ClipperLib::ClipType type, const ClipperLib::Paths& 
   return result;
 }
 
-ClipperLib::Paths grown(const ClipperLib::Paths& paths, double by, ClipperLib::JoinType joints) {
+ClipperLib::Paths grown(const ClipperLib::Paths& paths, double distance, ClipperLib::JoinType joints) {
   ClipperLib::ClipperOffset offset(4);
-  offset.ArcTolerance = arc_tolerance * std::abs(by) * units_per_millimetre;
+  offset.ArcTolerance = arc_tolerance * std::abs(distance) * units_per_millimetre;
   offset.AddPaths(paths, joints, ClipperLib::etClosedPolygon);
   ClipperLib::Paths result;
-  offset.Execute(result, by * units_per_millimetre);
+  offset.Execute(result, distance * units_per_millimetre);
   return result;
 }
 
@@ -142,33 +141,33 @@ void add_faces(const ClipperLib::PolyNode& parent, std::vector<Face>& faces) {
   }
 }
 
-std::vector<Face> faces_without_slivers(const ClipperLib::Paths& paths, double smallest_width) {
+std::vector<Face> faces_without_slivers(const ClipperLib::Paths& paths, double min_width) {
   std::vector<Face> faces = faces_of(paths, ClipperLib::pftNonZero);
   for (int unions = 1; unions < max_unions; ++unions) {
-    bool moved = false;
+    bool has_changed = false;
     for (Face& face : faces) {
       for (Polygon& polygon : face) {
         const std::size_t corners = polygon.size();
-        simplify(polygon, smallest_width);
-        moved = moved || (polygon.size() != corners && !is_narrow(polygon, smallest_width));
+        simplify(polygon, min_width);
+        has_changed = has_changed || (polygon.size() != corners && !is_narrow(polygon, min_width));
       }
     }
-    drop_narrow(faces, smallest_width);
-    if (!moved) return faces;
+    drop_narrow(faces, min_width);
+    if (!has_changed) return faces;
     ClipperLib::Paths simplified;
     for (const Face& face : faces) {
       for (const Polygon& polygon : face) simplified.push_back(to_path(polygon));
     }
-    // Where an outline has crossed itself, it runs around the wrong way what is not solid.
+    // Where an outline now crosses itself, it runs clockwise around areas that are not solid.
     faces = faces_of(simplified, ClipperLib::pftPositive);
   }
-  drop_narrow(faces, smallest_width);
+  drop_narrow(faces, min_width);
   return faces;
 }
 
-bool remains(Polygon& polygon, double smallest_width) {
-  simplify(polygon, smallest_width);
-  return !is_narrow(polygon, smallest_width);
+bool remains(Polygon& polygon, double min_width) {
+  simplify(polygon, min_width);
+  return !is_narrow(polygon, min_width);
 }
 
 }  // namespace supple::tiling

@@ -25,7 +25,7 @@ struct Discard {
   void operator()(zip_t* archive) const { zip_discard(archive); }
 };
 
-/// Packs texts; libzip keeps the source of the whole archive in memory.
+/// A ZIP archive of texts, which libzip makes in memory.
 std::string zip_of(const std::vector<std::pair<const char*, std::string_view>>& files) {
   zip_error_t error;
   zip_error_init(&error);
@@ -37,7 +37,7 @@ std::string zip_of(const std::vector<std::pair<const char*, std::string_view>>& 
   for (const auto& [name, text] : files) {
     zip_source_t* const source = good ? zip_source_buffer(archive.get(), text.data(), text.size(), 0) : nullptr;
     const zip_int64_t index = source ? zip_file_add(archive.get(), name, source, ZIP_FL_ENC_UTF_8) : -1;
-    // Equal requests have equal files: no time of today.
+    // The time is a fixed one, so that equal requests have equal files.
     good = index >= 0 && zip_file_set_dostime(archive.get(), static_cast<zip_uint64_t>(index), 0, (1 << 5) | 1, 0) == 0;
   }
   good = good && zip_close(archive.get()) == 0;
@@ -54,7 +54,7 @@ std::string zip_of(const std::vector<std::pair<const char*, std::string_view>>& 
   return package;
 }
 
-/// Points of the plane by their coordinates, each once.
+/// Numbers the points of the plane; points with equal coordinates have one number.
 class Nodes {
  public:
   std::size_t at(const Eigen::Vector2d& p) {
@@ -73,8 +73,8 @@ class Nodes {
 
 std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
                         const std::string& title) {
-  // Each node of the plane is two of the solid, one above the other: 2 k and 2 k + 1. 3MF wants edges that two
-  // triangles share by their indices. Corners at which two parts of one face touch count once, as in the plane.
+  // Node k of the plane is two nodes of the solid: 2 k at the bottom and 2 k + 1 at the top. 3MF requires that
+  // neighbouring triangles share the indices of their nodes. A corner at which two parts of one face touch is one node.
   Nodes nodes;
   FileText triangles;
   const auto add = [&triangles](std::size_t a, std::size_t b, std::size_t c) {

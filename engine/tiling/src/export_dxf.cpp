@@ -32,10 +32,10 @@ class DxfWriter {
   }
 
   std::string text_;
-  unsigned next_handle_ = 0x100;  // below: the fixed handles of the tables
+  unsigned next_handle_ = 0x100;  // lower numbers are fixed handles of the tables
 };
 
-// Handles of what others refer to.
+// Handles of objects to which others refer.
 constexpr const char* block_record_table = "1";
 constexpr const char* model_space = "1F";
 constexpr const char* paper_space = "1B";

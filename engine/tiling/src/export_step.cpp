@@ -10,13 +10,13 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Written here since OpenCASCADE, by way of gmsh, takes 1.5 ms and 4 kB for each corner, a thousand times as long,
-// dates its files and prints to standard output. The tests read the files back with it.
+// This writer does not use OpenCASCADE through gmsh, which takes 1.5 ms and 4 kB for each corner, a thousand times as
+// long, writes dates into files and prints to standard output. The tests read the files back with it.
 
-/// Sides between two looks at the cancellation.
+/// Sides between two checks for a stop request.
 constexpr std::size_t sides_between_checks = 1'024;
 
-/// A real number of a STEP file, which has a decimal point: the shortest that is this number.
+/// A real number of a STEP file: the shortest text with a decimal point that reads back as the same value.
 std::string real(double value) {
   char digits[40];
   const auto end = std::to_chars(digits, digits + sizeof digits, value == 0 ? 0 : value).ptr;
@@ -79,8 +79,8 @@ class StepWriter {
   int count_ = 0;
 };
 
-/// What the sides of a polygon leave for the top and the bottom: their edges in the polygon's order.
-struct Walls {
+/// The edges of the walls over a polygon that also bound the top and the bottom face, in the polygon's order.
+struct WallEdges {
   std::vector<int> top, bottom;
 };
 
@@ -96,11 +96,11 @@ class PrismWriter {
   int up() const { return up_; }
   int right() const { return right_; }
 
-  /// The solid over a face of the plane.
+  /// Writes the prism over a face of the plane.
   int solid(const Face& face) {
     std::vector<int> shell, top, bottom;
     for (const Polygon& polygon : face) {
-      const Walls walls = add_walls(polygon, shell);
+      const WallEdges walls = add_walls(polygon, shell);
       const bool outer = top.empty();
       std::vector<int> edges;
       for (const int edge : walls.top) edges.push_back(step_.oriented(edge, true));
@@ -117,8 +117,8 @@ class PrismWriter {
   }
 
  private:
-  /// A wall for each side; the material lies on the left of a side.
-  Walls add_walls(const Polygon& polygon, std::vector<int>& shell) {
+  /// Writes a wall for each side. The material lies on the left of a side.
+  WallEdges add_walls(const Polygon& polygon, std::vector<int>& shell) {
     const std::size_t n = polygon.size();
     std::vector<int> low_points, low, high_points, high, posts;
     for (const Vector2d& p : polygon) {
@@ -129,7 +129,7 @@ class PrismWriter {
       high.push_back(step_.vertex(high_points.back()));
       posts.push_back(step_.edge(low.back(), high.back(), low_points.back(), up_));
     }
-    Walls walls;
+    WallEdges walls;
     for (std::size_t k = 0; k < n; ++k) {
       check();
       const std::size_t next = (k + 1) % n;
@@ -156,7 +156,7 @@ class PrismWriter {
   std::size_t sides_ = 0;
 };
 
-/// Millimetres and radians, and how near points are that are one.
+/// Writes the units, millimetres and radians, and the distance below which points coincide.
 int add_units(StepWriter& step) {
   const int length = step.add("(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))");
   const int angle = step.add("(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))");
@@ -168,7 +168,7 @@ int add_units(StepWriter& step) {
                   ")REPRESENTATION_CONTEXT('part','3D'))");
 }
 
-/// The product that the shape is of.
+/// Writes the product to which the shape belongs.
 void add_product(StepWriter& step, const std::string& name, int shape) {
   const int application = step.add("APPLICATION_CONTEXT('core data for automotive mechanical design processes')");
   step.add("APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000," +

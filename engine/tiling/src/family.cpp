@@ -11,9 +11,9 @@
 namespace supple::tiling {
 namespace {
 
-/// Tiles of a smaller share of the default tile's area are rejected. The published data state 15 %, but have a design
-/// with 11.9 %.
-constexpr double smallest_area_ratio = 0.1;
+/// Smallest allowed ratio of a tile's area to that of the default tile. The published data [LiCoros2023] state 15 %,
+/// but have a design with 11.9 %.
+constexpr double min_area_ratio = 0.1;
 
 Eigen::Vector2d evaluate(const AffinePoint& point, std::span<const double> parameters) {
   return {point.x(parameters), point.y(parameters)};
@@ -65,7 +65,7 @@ void check_bounds(const Family& family, std::span<const double> parameters, doub
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     const auto [lower, upper, preset] = family.parameters[k];
     const double margin = box_margin * (upper - lower);
-    // Negated, so that NaN is out of bounds.
+    // The condition is negated, so that NaN is out of bounds.
     if (!(parameters[k] >= lower - margin && parameters[k] <= upper + margin)) {
       std::ostringstream message;
       message << "must lie between " << lower - margin << " and " << upper + margin << ", but is " << parameters[k];
@@ -83,10 +83,10 @@ void check_area(const Family& family, const Tiling& tiling) {
   std::vector<double> presets;
   for (const Parameter& parameter : family.parameters) presets.push_back(parameter.preset);
   const double ratio = area(tiling.tiles[0]) / area(family.shape(presets).tiles[0]);
-  if (ratio < smallest_area_ratio) {
+  if (ratio < min_area_ratio) {
     std::ostringstream message;
     message << "The tile has " << 100 * ratio << " % of the default tile's area; the least allowed is "
-            << 100 * smallest_area_ratio << " %.";
+            << 100 * min_area_ratio << " %.";
     throw Error("tiling.cell_too_small", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
   }
 }

@@ -28,8 +28,8 @@ constexpr std::array<double, 4> mirror_x = {-1, 0, 0, 1};        // x changes si
 constexpr std::array<double, 4> mirror_y = {1, 0, 0, -1};        // y changes sign
 constexpr std::array<double, 4> mirror_diagonal = {0, 1, 1, 0};  // x and y change places
 
-/// Sides of the square family's tiles that are shorter (tiling units) are points: some 1e-8 beam widths.
-constexpr double smallest_side = 1e-9;
+/// Length below which sides of the square family's tiles are points, in tiling units: some 1e-8 beam widths.
+constexpr double min_tile_side = 1e-9;
 
 std::vector<IsohedralType> make_table() {
   std::vector<IsohedralType> table;
@@ -134,12 +134,12 @@ std::vector<IsohedralType> make_table() {
   return table;
 }
 
-// Leaves out the vertices that coincide with the one before.
+// The polygon without vertices that coincide with the one before.
 Polygon without_repetitions(const Polygon& polygon) {
   Polygon result;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Eigen::Vector2d& before = polygon[(k + polygon.size() - 1) % polygon.size()];
-    if ((polygon[k] - before).norm() > smallest_side) result.push_back(polygon[k]);
+    if ((polygon[k] - before).norm() > min_tile_side) result.push_back(polygon[k]);
   }
   return result;
 }
@@ -152,7 +152,7 @@ const std::vector<IsohedralType>& isohedral_types() {
 }
 
 Tiling square_in_square(double p) {
-  // At 1 the square fills the cell and the walls of neighbouring squares are one: beyond, nothing changes.
+  // At |p| = 1 the square fills the cell, and the walls of neighbouring squares coincide. Beyond, nothing changes.
   const double a = std::min(std::abs(p), 1.0);
   Tiling tiling;
   tiling.lattice = 2 * Eigen::Matrix2d::Identity();
@@ -163,13 +163,13 @@ Tiling square_in_square(double p) {
     }
     tiling.tiles.push_back(tile);
   };
-  if (2 * a > smallest_side) add({{-a, -a}, {a, -a}, {a, a}, {-a, a}}, {{}});
-  if (1 - a > smallest_side) {
-    // The trapezoid above the inner square and its mirror image across the cell's upper side; the second hexagon is the
-    // first turned by a quarter.
-    const Eigen::Matrix2d quarter = (Eigen::Matrix2d() << 0, 1, -1, 0).finished();
+  if (2 * a > min_tile_side) add({{-a, -a}, {a, -a}, {a, a}, {-a, a}}, {{}});
+  if (1 - a > min_tile_side) {
+    // The first hexagon is the trapezoid above the inner square with its mirror image across the cell's upper side. The
+    // second one is the first, rotated by -90 degrees.
+    const Eigen::Matrix2d quarter_turn = (Eigen::Matrix2d() << 0, 1, -1, 0).finished();
     add(without_repetitions({{-1, 1}, {-a, a}, {a, a}, {1, 1}, {a, 2 - a}, {-a, 2 - a}}),
-        {{}, {.linear = quarter, .offset = {0, 0}}});
+        {{}, {.linear = quarter_turn, .offset = {0, 0}}});
   }
   return tiling;
 }

@@ -12,7 +12,7 @@ struct AffinePoint {
   Affine x, y;
 };
 
-/// x -> linear * x + offset; `linear` row by row.
+/// The placement x -> linear * x + offset, with `linear` row by row.
 struct AffinePlacement {
   std::array<double, 4> linear;
   AffinePoint offset;
@@ -29,11 +29,12 @@ struct IsohedralType {
   std::vector<AffinePlacement> placements;  ///< the tiles of one cell
 };
 
-/// The table; see Grünbaum and Shephard, "Tilings and Patterns" (1987), for the numbering of the 81 types, and Kaplan,
-/// "Introductory Tiling Theory for Computer Graphics" (2009), for their tiling vertices as affine functions.
+/// The table of isohedral types. [Grunbaum1987] numbers the 81 types, and [Kaplan2009] gives their tiling vertices as
+/// affine functions.
 const std::vector<IsohedralType>& isohedral_types();
 
-/// [-1, 1]^2 with a centred square of half side |p| and diagonals from its corners to the cell's.
+/// The tiling of the cell [-1, 1]^2 by a centred square of half side |p| and by segments from its corners to those of
+/// the cell.
 Tiling square_in_square(double p);
 
 }  // namespace supple::tiling

@@ -7,7 +7,7 @@
 
 namespace supple::tiling {
 
-// What makes files and meshes in this process, whatever helpers it has.
+// These functions make files and meshes in this process, even if there are helper processes.
 
 std::string make_svg(const Structure& structure, const ExportOptions& options);
 std::string make_dxf(const Structure& structure, const ExportOptions& options);

@@ -12,15 +12,16 @@ constexpr std::string_view svg_task = "tiling/svg";
 constexpr std::string_view dxf_task = "tiling/dxf";
 constexpr std::string_view stl_task = "tiling/stl";
 
-/// The union of so many tiles' beams takes some milliseconds: less than anyone waits for a stop.
-constexpr double few_tiles = 64;
+/// Patches up to this number of tiles are made in this process: the union of their beams takes some milliseconds, which
+/// a stop request may wait.
+constexpr double max_tiles_in_process = 64;
 
 using Make = std::string (*)(const Structure&, const ExportOptions&);
 
 bool is_small(const Structure& structure, const ExportOptions& options) {
   return static_cast<double>(options.first) * options.second *
              static_cast<double>(structure.tiling.placements.size()) <=
-         few_tiles;
+         max_tiles_in_process;
 }
 
 std::string write_file(std::string_view task, Make make, const Structure& structure, const ExportOptions& options,

@@ -14,14 +14,14 @@
 namespace supple::tiling {
 namespace {
 
-/// Finer grading than this only chases rounding errors.
-constexpr double smallest_corner_size = 1e-3;
+/// Smallest corner size. Finer grading would only resolve rounding errors.
+constexpr double min_corner_size = 1e-3;
 
-/// The triangles have the solid's area to this relative error.
+/// Largest difference between the areas of the triangles and of the solid, as a ratio to that of the cell.
 constexpr double filled_area_tolerance = 1e-7;
 
-/// Meshes by tiles that have a smaller angle (rad) than this are tried by cells: some 20 degrees.
-constexpr double acceptable_angle = 0.35;
+/// If a mesh by tiles has a smaller angle (rad) than this, about 20 degrees, a mesh by cells is tried.
+constexpr double min_acceptable_angle = 0.35;
 
 void check(const MeshOptions& options) {
   std::vector<Error::Detail> details;
@@ -30,7 +30,7 @@ void check(const MeshOptions& options) {
   };
   require(options.mesh_size > 0 && std::isfinite(options.mesh_size), "mesh_size",
           "must be a positive number, but is " + std::to_string(options.mesh_size));
-  require(options.corner_size >= smallest_corner_size && options.corner_size <= 1, "corner_size",
+  require(options.corner_size >= min_corner_size && options.corner_size <= 1, "corner_size",
           "must lie between 0.001 and 1, but is " + std::to_string(options.corner_size));
   require(options.max_nodes > 0, "max_nodes", "must be positive, but is " + std::to_string(options.max_nodes));
   if (details.empty()) return;
@@ -75,7 +75,7 @@ PeriodicMesh make_mesh(const Structure& structure, const MeshOptions& options) {
 
   const auto finish = [&](const TriangleSoup& soup) {
     PeriodicMesh mesh = wrap(soup, structure.tiling.lattice, outline_length);
-    mesh.mesh_size = size.largest();
+    mesh.mesh_size = size.max_size();
     mesh.beam_width = structure.beam_width;
     check_number_of_nodes(static_cast<double>(mesh.nodes.cols()), options, "has");
     check_area(mesh, structure);
@@ -85,15 +85,15 @@ PeriodicMesh make_mesh(const Structure& structure, const MeshOptions& options) {
   PeriodicMesh by_tiles = finish(mesh_by_tiles(structure, size));
   if (options.region == Region::tile) return by_tiles;
   const double smallest_angle = statistics(by_tiles).smallest_angle;
-  if (smallest_angle >= acceptable_angle) return by_tiles;
+  if (smallest_angle >= min_acceptable_angle) return by_tiles;
   PeriodicMesh by_cell = finish(mesh_by_parallelogram(structure, size));
   return statistics(by_cell).smallest_angle > smallest_angle ? by_cell : by_tiles;
 }
 
 PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second) {
-  // Shifts are 8-bit, and so are the cells that they can reach.
-  constexpr int most_cells = 100;
-  if (first < 1 || second < 1 || first > most_cells || second > most_cells) {
+  // Shifts have 8 bits, which limits the number of cells.
+  constexpr int max_cells = 100;
+  if (first < 1 || second < 1 || first > max_cells || second > max_cells) {
     throw Error(
         "tiling.mesh_option", "A patch has 1 to 100 cells along each translation.",
         {{"cells", "must be from 1 to 100, but are " + std::to_string(first) + " x " + std::to_string(second)}});

@@ -9,7 +9,7 @@
 namespace supple::tiling {
 namespace {
 
-/// The outline with a multiple of nodes that depends only on each side's length, so that neighbours match.
+/// The outline with further nodes, whose number on a side depends on the side's length only, so that neighbours match.
 Polygon divided_outline(const Polygon& tile, double size) {
   Polygon result;
   for (std::size_t k = 0; k < tile.size(); ++k) {
@@ -32,35 +32,35 @@ Polygon divided_hole(const Polygon& hole, const SizeField& size) {
 
 TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
   const std::vector<Placement>& placements = structure.tiling.placements;
-  std::vector<meshing::PlanarMesh> rings;
+  std::vector<meshing::PlanarMesh> tile_meshes;
   std::vector<std::size_t> outline_points;
   for (std::size_t tile = 0; tile < structure.tiling.tiles.size(); ++tile) {
     const auto first = std::find_if(placements.begin(), placements.end(),
                                     [&](const Placement& p) { return p.tile == static_cast<int>(tile); });
-    // Back to where the tile lies by itself.
-    const Eigen::Matrix2d turn = first->linear.transpose();
-    const Placement back = {.tile = 0, .linear = turn, .offset = -turn * first->offset};
+    // The holes are moved from the first placement to the tile's own coordinates.
+    const Eigen::Matrix2d inverse = first->linear.transpose();
+    const Placement to_tile = {.tile = 0, .linear = inverse, .offset = -inverse * first->offset};
     std::vector<Polygon> holes;
     for (const Polygon& hole : structure.holes[static_cast<std::size_t>(first - placements.begin())])
-      holes.push_back(placed(hole, back));
-    // Corners of the holes of other tiles are at least half a beam width from this one: they do not reach it.
+      holes.push_back(placed(hole, to_tile));
+    // Corners of the holes of other tiles are at least half a beam width from this one, and do not influence it.
     size.remove_corners();
     for (const Polygon& hole : holes) size.add_corners(hole);
-    Face ring = {divided_outline(structure.tiling.tiles[tile], size.largest())};
-    for (const Polygon& hole : holes) ring.push_back(divided_hole(hole, size));
-    outline_points.push_back(ring[0].size());
-    rings.push_back(meshing::triangulate({ring}, size));
+    Face face = {divided_outline(structure.tiling.tiles[tile], size.max_size())};
+    for (const Polygon& hole : holes) face.push_back(divided_hole(hole, size));
+    outline_points.push_back(face[0].size());
+    tile_meshes.push_back(meshing::triangulate({face}, size));
   }
   TriangleSoup soup;
   for (const Placement& placement : structure.tiling.placements) {
-    const meshing::PlanarMesh& ring = rings[placement.tile];
+    const meshing::PlanarMesh& tile_mesh = tile_meshes[placement.tile];
     const int first = static_cast<int>(soup.points.size());
-    for (std::size_t k = 0; k < ring.points.size(); ++k) {
-      soup.points.emplace_back(placement.linear * ring.points[k] + placement.offset);
+    for (std::size_t k = 0; k < tile_mesh.points.size(); ++k) {
+      soup.points.emplace_back(placement.linear * tile_mesh.points[k] + placement.offset);
       soup.seam.push_back(k < outline_points[placement.tile]);
     }
     const bool reflected = placement.linear.determinant() < 0;
-    for (auto [a, b, c] : ring.triangles) {
+    for (auto [a, b, c] : tile_mesh.triangles) {
       if (reflected) std::swap(b, c);
       soup.triangles.push_back({first + a, first + b, first + c});
     }

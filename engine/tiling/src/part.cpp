@@ -20,26 +20,28 @@ namespace {
 
 using ClipperLib::Paths;
 
-constexpr double largest_size = 2000;  // mm
-constexpr double largest_thickness = 1000;
-constexpr std::size_t most_tiles = 50'000;
-/// Whether outlines cross themselves is looked at side by side.
-constexpr std::size_t most_corners = 5'000;
-/// Sides that are shorter (beam widths) are points, as in other files.
-constexpr double smallest_part_side = 0.005;
-/// Repairing a neck may leave others beside it; so many times they are looked for.
-constexpr int max_neck_repairs = 8;
-/// How far corners that touch are parted on either side, mm: less than any printer or laser sees.
-constexpr double parting = 2e-3;
-/// Walls are narrow where no disk of this share of the smallest wall fits in.
-constexpr double disk = 0.49;
-/// What lies so near (smallest walls) to where a disk fits is no narrow wall but a corner.
-constexpr double corner = 0.25;
+constexpr double max_size = 2000;       // mm
+constexpr double max_thickness = 1000;  // mm
+constexpr std::size_t max_tiles = 50'000;
+/// Limit of the corners of outlines, since the search for self-crossings compares all pairs of sides.
+constexpr std::size_t max_corners = 5'000;
+/// Length, in beam widths, below which sides become points, as in other files.
+constexpr double min_part_side = 0.005;
+/// Limit of the repairs. Repairing a neck may leave others beside it.
+constexpr int max_repairs = 8;
+/// Distance by which corners that touch recede on either side, mm: less than any printer or laser resolves.
+constexpr double corner_recess = 2e-3;
+/// Radius of the disk that must fit into a wall, as a ratio to the smallest wall. Walls into which it does not fit are
+/// narrow.
+constexpr double disk_radius = 0.49;
+/// A point within this distance of where the disk fits, as a ratio to the smallest wall, belongs to a corner and not to
+/// a narrow wall.
+constexpr double corner_distance = 0.25;
 
 void check_polygon(const Polygon& polygon, const std::string& place, Faults& faults) {
   if (polygon.size() < 3) return faults.add(place, "must have at least 3 corners");
   for (const auto& p : polygon) {
-    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > largest_size)
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > max_size)
       return faults.add(place, "must have coordinates from -2000 to 2000 mm");
   }
   if (const auto crossing = self_intersection(polygon)) {
@@ -48,10 +50,10 @@ void check_polygon(const Polygon& polygon, const std::string& place, Faults& fau
   }
 }
 
-void check_length(double value, double least, double most, const std::string& place, Faults& faults) {
+void check_length(double value, double lower, double upper, const std::string& place, Faults& faults) {
   faults.require(
-      value >= least && value <= most, place,
-      "must be from " + std::to_string(least) + " to " + std::to_string(most) + " mm, got " + std::to_string(value));
+      value >= lower && value <= upper, place,
+      "must be from " + std::to_string(lower) + " to " + std::to_string(upper) + " mm, got " + std::to_string(value));
 }
 
 void check_filling(const Filling& filling, const PartDesign& design, const std::string& folder, Faults& faults) {
@@ -71,8 +73,8 @@ std::size_t corners_of(const PartDesign& design) {
 void check(const PartDesign& design) {
   Faults faults;
   const std::size_t corners = corners_of(design);
-  faults.require(corners <= most_corners, "outline",
-                 "must have at most " + std::to_string(most_corners) + " corners together with all regions, got " +
+  faults.require(corners <= max_corners, "outline",
+                 "must have at most " + std::to_string(max_corners) + " corners together with all regions, got " +
                      std::to_string(corners));
   faults.throw_if_any("tiling.part", "The part");
   faults.require(!design.outline.empty(), "outline", "must have at least one polygon");
@@ -80,10 +82,10 @@ void check(const PartDesign& design) {
     check_polygon(design.outline[i], "outline/" + std::to_string(i), faults);
   for (std::size_t i = 0; i < design.solids.size(); ++i)
     check_polygon(design.solids[i], "solids/" + std::to_string(i), faults);
-  check_length(design.frame, 0, largest_size, "frame", faults);
-  check_length(design.seam, 0, largest_size, "seam", faults);
+  check_length(design.frame, 0, max_size, "frame", faults);
+  check_length(design.seam, 0, max_size, "seam", faults);
   check_length(design.smallest_wall, 0, 100, "smallest_wall", faults);
-  check_length(design.thickness, 1e-3, largest_thickness, "thickness", faults);
+  check_length(design.thickness, 1e-3, max_thickness, "thickness", faults);
   check_filling(design.filling, design, "", faults);
   for (std::size_t i = 0; i < design.regions.size(); ++i) {
     const std::string folder = "regions/" + std::to_string(i) + "/";
@@ -99,41 +101,42 @@ double area_of(const Paths& paths) {
   return sum / (units_per_millimetre * units_per_millimetre);
 }
 
-/// Polygons that overlap in any way as an area: what lies within an odd number of them.
+/// The area within an odd number of polygons, which may overlap in any way.
 Paths even_odd(const std::vector<Polygon>& polygons) {
   Paths result;
   ClipperLib::SimplifyPolygons(to_paths(polygons), result, ClipperLib::pftEvenOdd);
   return result;
 }
 
-/// The tiles of a filling whose beams may reach into a box, turned and scaled.
+/// The tiles of a filling, rotated and scaled, whose beams may reach into a box.
 std::vector<Polygon> tiles_over(const Filling& filling, const Bounds& box, const Eigen::Vector2d& centre) {
   const double scale = filling.beam_width / filling.structure.beam_width;
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(filling.orientation).toRotationMatrix() * scale;
+  const Eigen::Matrix2d transform = Eigen::Rotation2Dd(filling.orientation).toRotationMatrix() * scale;
   const Tiling& tiling = filling.structure.tiling;
-  const Eigen::Matrix2d lattice = turn * tiling.lattice;
+  const Eigen::Matrix2d lattice = transform * tiling.lattice;
   std::vector<Polygon> cell;
-  Bounds reach;
+  Bounds cell_bounds;
   for (const Placement& placement : tiling.placements) {
     cell.push_back(placed(tiling.tiles[static_cast<std::size_t>(placement.tile)], placement));
-    for (auto& p : cell.back()) p = turn * p;
-    reach.include(cell.back());
+    for (auto& p : cell.back()) p = transform * p;
+    cell_bounds.include(cell.back());
   }
-  // Cells (a, b) whose tiles may meet the box: the box, less the reach of a cell, in lattice coordinates.
+  // The range of the cells (a, b) whose tiles may meet the box follows from the corners of the box, extended by the
+  // bounds of a cell, in lattice coordinates.
   const Eigen::Matrix2d inverse = lattice.inverse();
-  Eigen::Vector2d least = Eigen::Vector2d::Constant(INFINITY), most = -least;
-  for (int corner_index = 0; corner_index < 4; ++corner_index) {
-    const bool right = corner_index % 2 == 1, top = corner_index / 2 == 1;
-    const Eigen::Vector2d p(right ? box.upper.x() - reach.lower.x() : box.lower.x() - reach.upper.x(),
-                            top ? box.upper.y() - reach.lower.y() : box.lower.y() - reach.upper.y());
+  Eigen::Vector2d lower = Eigen::Vector2d::Constant(INFINITY), upper = -lower;
+  for (int corner_number = 0; corner_number < 4; ++corner_number) {
+    const bool right = corner_number % 2 == 1, top = corner_number / 2 == 1;
+    const Eigen::Vector2d p(right ? box.upper.x() - cell_bounds.lower.x() : box.lower.x() - cell_bounds.upper.x(),
+                            top ? box.upper.y() - cell_bounds.lower.y() : box.lower.y() - cell_bounds.upper.y());
     const Eigen::Vector2d at = inverse * (p - centre);
-    least = least.cwiseMin(at);
-    most = most.cwiseMax(at);
+    lower = lower.cwiseMin(at);
+    upper = upper.cwiseMax(at);
   }
-  const Eigen::Vector2d first = least.array().floor(), last = most.array().ceil();
+  const Eigen::Vector2d first = lower.array().floor(), last = upper.array().ceil();
   const Eigen::Vector2d counts = last - first + Eigen::Vector2d::Ones();
-  // Of a lattice that lies across the box half of these cells or fewer meet it.
-  if (!(counts.prod() * static_cast<double>(cell.size()) <= 20.0 * most_tiles)) {
+  // The limit here is generous: if the lattice is oblique to the box, half of these cells or fewer meet it.
+  if (!(counts.prod() * static_cast<double>(cell.size()) <= 20.0 * max_tiles)) {
     throw Error("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
                 {{"beam_width", "more than 50000 tiles would fill the part"}});
   }
@@ -147,7 +150,7 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Bounds& box, const
         Polygon copy = moved(tile, offset);
         if (!bounds_of(copy).meet(box, filling.beam_width)) continue;
         tiles.push_back(std::move(copy));
-        if (tiles.size() > most_tiles) {
+        if (tiles.size() > max_tiles) {
           throw Error("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
                       {{"beam_width", "more than 50000 tiles would fill the part"}});
         }
@@ -163,7 +166,7 @@ Bounds bounds_of_paths(const Paths& paths) {
   return bounds;
 }
 
-/// The tiles that lie within an area, with half a beam's width to spare.
+/// The tiles that lie within an area, at least half a beam width away from its outline.
 std::vector<Polygon> tiles_within(std::vector<Polygon> tiles, const Paths& area, double beam_width) {
   const Paths inner = grown(area, -beam_width / 2, ClipperLib::jtMiter);
   std::erase_if(tiles, [&](const Polygon& tile) {
@@ -192,16 +195,18 @@ Paths filled(const Filling& filling, const Paths& area, const Eigen::Vector2d& c
   return operation(ClipperLib::ctIntersection, to_paths(beams), area);
 }
 
-/// Leaves out what is narrower than the wall.
+/// The solid without walls and tips that are narrower than `wall`.
 Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
   if (wall <= 0) return solid;
-  const Paths opened = grown(grown(solid, -disk * wall, ClipperLib::jtSquare), disk * wall, ClipperLib::jtSquare);
-  Paths result = operation(ClipperLib::ctIntersection, solid, grown(opened, corner * wall, ClipperLib::jtSquare));
-  trimmed_area = std::max(0.0, area_of(solid) - area_of(result));  // but for rounding
+  const Paths opened =
+      grown(grown(solid, -disk_radius * wall, ClipperLib::jtSquare), disk_radius * wall, ClipperLib::jtSquare);
+  Paths result =
+      operation(ClipperLib::ctIntersection, solid, grown(opened, corner_distance * wall, ClipperLib::jtSquare));
+  trimmed_area = std::max(0.0, area_of(solid) - area_of(result));  // rounding may make it negative
   return result;
 }
 
-/// Whether two corners of the solid lie in one place.
+/// Whether two corners of the solid coincide.
 bool has_touching_corners(const Paths& paths) {
   std::vector<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
   for (const auto& path : paths) {
@@ -211,34 +216,35 @@ bool has_touching_corners(const Paths& paths) {
   return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
 }
 
-/// Keeps the largest face. The others are crumbs, besides those of before.
-void keep_largest(std::vector<SolidFace>& faces, Part& part) {
+/// Makes the largest face that of the part, and adds the others to its crumbs.
+void retain_largest(std::vector<SolidFace>& faces, Part& part) {
   const auto area_of_face = [](const SolidFace& face) {
     double sum = 0;
     for (const Polygon& polygon : face) sum += area(polygon);
     return sum;
   };
   std::size_t largest = 0;
-  double most = 0, total = 0;
+  double max_area = 0, total = 0;
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const double size = area_of_face(faces[i]);
     total += size;
-    if (size > most) {
-      most = size;
+    if (size > max_area) {
+      max_area = size;
       largest = i;
     }
   }
   if (faces.empty()) return;
   part.crumbs += faces.size() - 1;
-  part.crumb_area += total - most;
-  part.solid_area = most;
+  part.crumb_area += total - max_area;
+  part.solid_area = max_area;
   part.faces = {std::move(faces[largest])};
 }
 
-/// Those of which the kept piece holds less than half. It holds all of a block or nothing, but for what was trimmed.
-std::vector<std::size_t> lost_solids(const PartDesign& design, const Paths& outline, const SolidFace& kept) {
+/// Indices of the solids of which less than half is in the part's face. But for trimming, it has all of a solid or
+/// none.
+std::vector<std::size_t> lost_solids(const PartDesign& design, const Paths& outline, const SolidFace& face) {
   std::vector<std::size_t> lost;
-  const Paths piece = to_paths(kept);
+  const Paths piece = to_paths(face);
   for (std::size_t i = 0; i < design.solids.size(); ++i) {
     const Paths block = operation(ClipperLib::ctIntersection, to_paths({&design.solids[i], 1}), outline);
     if (area_of(operation(ClipperLib::ctIntersection, block, piece)) < area_of(block) / 2) lost.push_back(i);
@@ -247,32 +253,32 @@ std::vector<std::size_t> lost_solids(const PartDesign& design, const Paths& outl
 }
 
 /// Widens the necks of the part's only face to the wall, or cuts them, and measures the narrowest place that is left.
-void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double shortest_side) {
+void repair_necks(Part& part, const Paths& outline, double wall, double beam_width, double min_side) {
   if (wall <= 0) {
-    part.smallest_neck = narrow_places(part.faces[0], 0, beam_width).least_of_rest;
+    part.smallest_neck = narrow_places(part.faces[0], 0, beam_width).narrowest_other;
     return;
   }
   NeckRepairs repairs(outline, wall);
   NarrowPlaces places = narrow_places(part.faces[0], repairs.limit(), beam_width);
-  for (int k = 0; k < max_neck_repairs; ++k) {
+  for (int k = 0; k < max_repairs; ++k) {
     const NeckRepair repair = repairs.next(part.faces[0], places.below);
     if (repair.is_empty()) {
-      // What is narrower than the rest belongs to acute corners and stubs.
+      // The remaining narrow places belong to acute corners and stubs.
       places.below.clear();
       break;
     }
     Paths solid = to_paths(part.faces[0]);
     solid.insert(solid.end(), repair.added.begin(), repair.added.end());
     solid = operation(ClipperLib::ctDifference, operation(ClipperLib::ctUnion, solid, {}), repair.removed);
-    if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-    auto faces = faces_without_slivers(solid, shortest_side);
-    keep_largest(faces, part);
+    if (has_touching_corners(solid)) solid = grown(solid, -corner_recess, ClipperLib::jtMiter);
+    auto faces = faces_without_slivers(solid, min_side);
+    retain_largest(faces, part);
     places = narrow_places(part.faces[0], repairs.limit(), beam_width);
   }
   part.widened_necks = repairs.widened();
   part.cut_necks = repairs.cut();
   part.left_necks = places.below.size();
-  part.smallest_neck = places.least_of_rest;
+  part.smallest_neck = places.narrowest_other;
   for (const NarrowPlace& place : places.below)
     part.smallest_neck = std::min(part.smallest_neck.value_or(place.width()), place.width());
 }
@@ -283,16 +289,16 @@ Part make_part_here(const PartDesign& design) {
   check(design);
   const Paths outline = even_odd(design.outline);
   const Eigen::Vector2d centre = bounds_of_paths(outline).middle();
-  // Each area is what later regions leave of it.
-  Paths rest = outline, solid;
-  double finest = design.filling.beam_width;
+  // The area of a region is the part of it that no later region covers.
+  Paths remaining = outline, solid;
+  double min_beam_width = design.filling.beam_width;
   for (auto region = design.regions.rbegin(); region != design.regions.rend(); ++region) {
     const Paths shape = even_odd({region->outline});
-    const Paths own = operation(ClipperLib::ctIntersection, rest, shape);
+    const Paths own = operation(ClipperLib::ctIntersection, remaining, shape);
     const Paths beams = filled(region->filling, own, centre, design.rim);
     solid.insert(solid.end(), beams.begin(), beams.end());
-    rest = operation(ClipperLib::ctDifference, rest, shape);
-    finest = std::min(finest, region->filling.beam_width);
+    remaining = operation(ClipperLib::ctDifference, remaining, shape);
+    min_beam_width = std::min(min_beam_width, region->filling.beam_width);
     if (design.seam > 0) {
       const Paths strip = operation(ClipperLib::ctDifference, grown(shape, design.seam / 2, ClipperLib::jtMiter),
                                     grown(shape, -design.seam / 2, ClipperLib::jtMiter));
@@ -300,7 +306,7 @@ Part make_part_here(const PartDesign& design) {
       solid.insert(solid.end(), inside.begin(), inside.end());
     }
   }
-  const Paths beams = filled(design.filling, rest, centre, design.rim);
+  const Paths beams = filled(design.filling, remaining, centre, design.rim);
   solid.insert(solid.end(), beams.begin(), beams.end());
   if (design.frame > 0) {
     const Paths rim = operation(ClipperLib::ctDifference, outline, grown(outline, -design.frame, ClipperLib::jtMiter));
@@ -317,15 +323,15 @@ Part make_part_here(const PartDesign& design) {
   part.outline_area = area_of(outline);
   solid = trimmed(solid, design.smallest_wall, part.trimmed_area);
   if (design.smallest_wall > 0 && has_touching_corners(solid)) solid = joined_corners(solid, outline);
-  if (has_touching_corners(solid)) solid = grown(solid, -parting, ClipperLib::jtMiter);
-  auto faces = faces_without_slivers(solid, smallest_part_side * finest);
-  keep_largest(faces, part);
+  if (has_touching_corners(solid)) solid = grown(solid, -corner_recess, ClipperLib::jtMiter);
+  auto faces = faces_without_slivers(solid, min_part_side * min_beam_width);
+  retain_largest(faces, part);
   if (part.faces.empty()) {
     throw Error("tiling.part",
                 "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
                 {{"outline", "holds no part of the structure"}});
   }
-  repair_necks(part, outline, design.smallest_wall, finest, smallest_part_side * finest);
+  repair_necks(part, outline, design.smallest_wall, min_beam_width, min_part_side * min_beam_width);
   const Bounds extent = bounds_of(part.faces[0][0]);
   part.lower = extent.lower;
   part.upper = extent.upper;

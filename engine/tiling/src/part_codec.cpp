@@ -5,7 +5,7 @@
 namespace supple::tiling {
 namespace {
 
-/// Written as the least width of a part without any narrow place.
+/// Stands for the smallest neck of a part that has none.
 constexpr double no_neck = -1;
 
 void write_polygons(ByteWriter& writer, const std::vector<Polygon>& polygons) {

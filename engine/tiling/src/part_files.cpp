@@ -15,13 +15,14 @@ namespace {
 constexpr std::string_view part_task = "tiling/part";
 constexpr std::string_view caps_task = "tiling/caps";
 
-/// The union of so much is made before anyone would ask for a stop: square beam widths of the outline, and regions.
-constexpr double small_area = 20'000;
-constexpr std::size_t few_regions = 4;
-/// A file of 60 MB; CAD programs take minutes for it.
-constexpr std::size_t most_step_corners = 50'000;
+/// Parts up to this area of the outline's bounding box, in squared beam widths, and this number of regions are made in
+/// this process, because their union is so fast that a stop request may wait for it.
+constexpr double max_area_in_process = 20'000;
+constexpr std::size_t max_regions_in_process = 4;
+/// Limit of the corners in a STEP file. A file of this size has 60 MB, for which CAD programs take minutes.
+constexpr std::size_t max_step_corners = 50'000;
 
-std::string rounded(double millimetres) {
+std::string two_decimals(double millimetres) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, std::round(100 * millimetres) / 100).ptr;
   return {text, end};
@@ -29,7 +30,7 @@ std::string rounded(double millimetres) {
 
 std::string title_of(const Part& part) { return "Supple part, " + size_words(part); }
 
-/// The same about the origin, as drawings are.
+/// The faces of the part, moved so that the centre of the bounding box is the origin.
 std::vector<SolidFace> centred(const Part& part) {
   const Eigen::Vector2d centre = (part.lower + part.upper) / 2;
   auto faces = part.faces;
@@ -68,17 +69,17 @@ PartShape compression_block(double width, double height, double plate) { return 
 
 std::string size_words(const Part& part) {
   const Eigen::Vector2d size = part.upper - part.lower;
-  return rounded(size.x()) + " x " + rounded(size.y()) + " x " + rounded(part.thickness) + " mm";
+  return two_decimals(size.x()) + " x " + two_decimals(size.y()) + " x " + two_decimals(part.thickness) + " mm";
 }
 
 Part make_part(const PartDesign& design, const Execution& execution) {
   execution.cancellation.throw_if_requested();
   const Bounds bounds = bounds_of(design.outline);
-  double finest = design.filling.beam_width;
-  for (const PartRegion& region : design.regions) finest = std::min(finest, region.filling.beam_width);
+  double min_beam_width = design.filling.beam_width;
+  for (const PartRegion& region : design.regions) min_beam_width = std::min(min_beam_width, region.filling.beam_width);
   const auto helpers = helper_processes();
-  const bool is_small =
-      design.regions.size() <= few_regions && (bounds.upper - bounds.lower).prod() <= small_area * finest * finest;
+  const bool is_small = design.regions.size() <= max_regions_in_process &&
+                        (bounds.upper - bounds.lower).prod() <= max_area_in_process * min_beam_width * min_beam_width;
   if (!helpers || is_small) return make_part_here(design);
   ByteWriter request;
   write(request, design);
@@ -104,9 +105,9 @@ std::string part_step(const Part& part, const Execution& execution) {
   for (const SolidFace& face : part.faces) {
     for (const Polygon& polygon : face) corners += polygon.size();
   }
-  if (corners > most_step_corners) {
+  if (corners > max_step_corners) {
     const std::string numbers =
-        std::to_string(corners) + " corners, and a STEP file has at most " + std::to_string(most_step_corners);
+        std::to_string(corners) + " corners, and a STEP file has at most " + std::to_string(max_step_corners);
     throw Error("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
                 {{"beam_width", "the part has " + numbers}});
   }

@@ -5,10 +5,10 @@
 
 namespace supple::tiling {
 
-/// What helper processes do about parts.
+/// Adds the tasks that helper processes do for parts.
 void add_part_tasks(HelperTasks& tasks);
 
-/// `make_part` in this process, whatever helpers it has.
+/// Does the same as `make_part` in this process, even if there are helper processes.
 Part make_part_here(const PartDesign& design);
 
 }  // namespace supple::tiling

@@ -7,8 +7,8 @@
 namespace supple::tiling {
 namespace {
 
-/// Sides closer than this share of the perimeter touch: far above rounding, far below any beam's width.
-constexpr double touching = 1e-9;
+/// Sides closer than this fraction of the perimeter touch: far above rounding, far below any beam's width.
+constexpr double contact_fraction = 1e-9;
 
 bool properly_cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                     const Eigen::Vector2d& d) {
@@ -38,7 +38,7 @@ double distance_to_segment(const Eigen::Vector2d& p, const Eigen::Vector2d& a, c
 double area(const Polygon& polygon) {
   double twice = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
-    // Relative to the first vertex, so that a far-off polygon loses no digits.
+    // Vectors are relative to the first vertex, so that no digits are lost far from the origin.
     twice += cross(polygon[k] - polygon[0], polygon[(k + 1) % polygon.size()] - polygon[0]);
   }
   return twice / 2;
@@ -73,10 +73,10 @@ int winding_number(const Polygon& polygon, const Eigen::Vector2d& point) {
 
 std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon) {
   const int n = static_cast<int>(polygon.size());
-  const double tolerance = touching * perimeter(polygon);
+  const double tolerance = contact_fraction * perimeter(polygon);
   for (int i = 0; i < n; ++i) {
     const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % n], &after = polygon[(i + 2) % n];
-    // Neighbours share b; they fold back where one's far end lies on the other.
+    // Neighbours share b. They fold back if the far end of one lies on the other.
     if ((b - a).norm() <= tolerance || distance_to_segment(a, b, after) <= tolerance ||
         distance_to_segment(after, a, b) <= tolerance) {
       return std::pair(i, (i + 1) % n);
@@ -90,13 +90,13 @@ std::optional<std::pair<int, int>> self_intersection(const Polygon& polygon) {
 }
 
 double outline_distance(const Polygon& a, const Polygon& b) {
-  double least = INFINITY;
+  double smallest = INFINITY;
   for (std::size_t i = 0; i < a.size(); ++i) {
     for (std::size_t j = 0; j < b.size(); ++j) {
-      least = std::min(least, segment_distance(a[i], a[(i + 1) % a.size()], b[j], b[(j + 1) % b.size()]));
+      smallest = std::min(smallest, segment_distance(a[i], a[(i + 1) % a.size()], b[j], b[(j + 1) % b.size()]));
     }
   }
-  return least;
+  return smallest;
 }
 
 void Bounds::include(const Polygon& polygon) {
@@ -120,8 +120,8 @@ Bounds bounds_of(std::span<const Polygon> polygons) {
   return bounds;
 }
 
-Polygon moved(Polygon polygon, const Eigen::Vector2d& by) {
-  for (Eigen::Vector2d& p : polygon) p += by;
+Polygon moved(Polygon polygon, const Eigen::Vector2d& translation) {
+  for (Eigen::Vector2d& p : polygon) p += translation;
   return polygon;
 }
 

@@ -6,14 +6,15 @@
 namespace supple::tiling {
 namespace {
 
-/// The midpoint of half a side, by the side's midpoint, the corner at its end, and how many translations that corner
-/// lies from the midpoint: a side may begin and end at translates of one node.
+/// The key of the node in the middle of half a side: the nodes at the side's midpoint and at the half's corner, and the
+/// lattice shift from midpoint to corner. The shift is needed because a side may begin and end at translates of one
+/// node.
 using HalfSide = std::tuple<int, int, int, int>;
 
 constexpr std::size_t next(std::size_t corner) { return (corner + 1) % 3; }
 constexpr std::size_t before(std::size_t corner) { return (corner + 2) % 3; }
 
-/// The quadratic shape functions at the middle of the half of side `side` that ends at its corner `near`.
+/// The quadratic shape functions in the middle of the half of side `side` that ends at the corner `near`.
 std::array<double, 6> weights_on_side(std::size_t side, std::size_t near, std::size_t far) {
   std::array<double, 6> weights{};
   weights[near] = 3.0 / 8;
@@ -22,7 +23,7 @@ std::array<double, 6> weights_on_side(std::size_t side, std::size_t near, std::s
   return weights;
 }
 
-/// The same in the middle between the midpoints of the two sides that meet at `corner`.
+/// The quadratic shape functions in the middle between the midpoints of the two sides that meet at `corner`.
 std::array<double, 6> weights_before(std::size_t corner) {
   std::array<double, 6> weights{};
   weights[next(corner)] = weights[before(corner)] = -1.0 / 8;
@@ -42,8 +43,8 @@ class Division {
   void divide(std::size_t t) {
     const auto& nodes = coarse_.triangles[t];
     const auto& shifts = coarse_.shifts[t];
-    // Of each side: the nodes in the middle of its first and of its second half. Of each corner: the node in the middle
-    // of the side that cuts it off.
+    // For each side, the nodes in the middle of its first and of its second half; for each corner, the node in the
+    // middle of the new side that cuts it off.
     std::array<int, 3> first{}, second{}, cut{};
     for (std::size_t k = 0; k < 3; ++k) {
       first[k] = on_side(t, k, k, next(k));
@@ -68,30 +69,30 @@ class Division {
     return coarse_.corner(static_cast<int>(t), static_cast<int>(k));
   }
 
-  int add(std::size_t t, const Eigen::Vector2d& place, const LatticeShift& shift,
+  int add(std::size_t t, const Eigen::Vector2d& point, const LatticeShift& shift,
           const std::array<double, 6>& weights) {
-    added_.emplace_back(place - coarse_.lattice * Eigen::Vector2d(shift.first, shift.second));
+    added_.emplace_back(point - coarse_.lattice * Eigen::Vector2d(shift.first, shift.second));
     fine_.parents.push_back({coarse_.triangles[t], weights});
     return static_cast<int>(coarse_.nodes.cols() + static_cast<Eigen::Index>(added_.size()) - 1);
   }
 
   /// The node in the middle of that half of a side which ends at the corner `near`. The first triangle that has the
-  /// side adds it. All triangles see it where they see the side's midpoint.
+  /// side adds it. In all triangles, it has the shift of the side's midpoint.
   int on_side(std::size_t t, std::size_t side, std::size_t near, std::size_t far) {
     const LatticeShift& middle = coarse_.shifts[t][3 + side];
     const LatticeShift& end = coarse_.shifts[t][near];
     const HalfSide key(coarse_.triangles[t][3 + side], coarse_.triangles[t][near], end.first - middle.first,
                        end.second - middle.second);
-    const auto found = known_.find(key);
-    if (found != known_.end()) return found->second;
+    const auto found = half_side_nodes_.find(key);
+    if (found != half_side_nodes_.end()) return found->second;
     const int node = add(t, (position(t, near) + position(t, 3 + side)) / 2, middle, weights_on_side(side, near, far));
-    known_.emplace(key, node);
+    half_side_nodes_.emplace(key, node);
     return node;
   }
 
   const PeriodicMesh& coarse_;
   RefinedMesh& fine_;
-  std::map<HalfSide, int> known_;
+  std::map<HalfSide, int> half_side_nodes_;
   std::vector<Eigen::Vector2d> added_;
 };
 

@@ -10,19 +10,19 @@
 namespace supple::tiling {
 namespace {
 
-/// Where a hole's angle is wider (rad), the corner of the solid concentrates next to no stress.
+/// Angle of a hole (rad) from which on stress hardly concentrates at the corner of the solid.
 constexpr double flat_angle = 11.0 / 12 * std::numbers::pi;
 
-/// A side may be longer than wanted by this share of itself before it is divided once more, so that rounding decides
-/// nothing where a length is a multiple of the size.
+/// Tolerance of the number of parts into which a side is divided, so that rounding decides nothing if its length is a
+/// multiple of the size.
 constexpr double count_tolerance = 1e-6;
 
-/// Steps in which the density of nodes along a segment is integrated, for each wanted length near its finest.
+/// Steps by which the density of nodes along a segment is integrated, for each of the smallest wanted lengths.
 constexpr double steps_per_side = 8;
 
 int count_of(double sides) { return std::max(1, static_cast<int>(std::ceil(sides - count_tolerance))); }
 
-/// Area of a triangle of good shape over the square of its wanted side: gmsh's are close to equilateral.
+/// Ratio of a triangle's area to its squared wanted side; gmsh's triangles are close to equilateral.
 constexpr double area_per_square = std::numbers::sqrt3 / 4;
 constexpr double nodes_per_triangle = 2;  // of quadratic triangles, in the limit of many
 
@@ -42,19 +42,19 @@ void SizeField::add_corners(const Polygon& hole) {
 
 void SizeField::repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vector2d& origin) {
   const Eigen::Matrix2d inverse = lattice.inverse();
-  // A distance of `radius_` in lattice coordinates.
+  // The largest change of the lattice coordinates over the distance `radius_`.
   const Eigen::Vector2d reach = radius_ * inverse.rowwise().norm();
-  std::vector<Eigen::Vector2d> all;
+  std::vector<Eigen::Vector2d> translates;
   for (const Eigen::Vector2d& corner : corners_) {
     const Eigen::Vector2d at = inverse * (corner - origin);
     const Eigen::Vector2i first = (-reach - at).array().ceil().cast<int>();
     for (int i = first[0]; at[0] + i <= 1 + reach[0]; ++i) {
       for (int j = first[1]; at[1] + j <= 1 + reach[1]; ++j) {
-        all.emplace_back(corner + lattice * Eigen::Vector2d(i, j));
+        translates.emplace_back(corner + lattice * Eigen::Vector2d(i, j));
       }
     }
   }
-  corners_ = std::move(all);
+  corners_ = std::move(translates);
 }
 
 double SizeField::operator()(const Eigen::Vector2d& p) const {
@@ -67,8 +67,7 @@ double SizeField::operator()(const Eigen::Vector2d& p) const {
 double SizeField::expected_nodes(double solid_area, double corners) const {
   double triangles = solid_area / (area_per_square * size_ * size_);
   if (corner_size_ < 1) {
-    // The integral of 2 pi r dr / size(r)^2 over the discs around corners; a quarter of a disc is taken off for the
-    // hole.
+    // This is the integral of 2 pi r dr / size(r)^2 over the discs around corners, without a quarter disc for the hole.
     const double c = corner_size_;
     const double integral = (std::log(1 / c) + c - 1) / ((1 - c) * (1 - c));
     triangles += corners * 1.5 * std::numbers::pi * radius_ * radius_ * integral / (area_per_square * size_ * size_);
@@ -80,7 +79,7 @@ std::vector<Eigen::Vector2d> SizeField::divide(const Eigen::Vector2d& a, const E
   if (corner_size_ == 1 || corners_.empty()) return divide_equally(a, b, size_);
   const double length = (b - a).norm();
   const int steps = count_of(steps_per_side * length / (size_ * corner_size_));
-  // sides[k]: how many sides fit between a and the k-th step, by the trapezoidal rule.
+  // sides[k] is the number of sides that fit between a and the k-th step, by the trapezoidal rule.
   std::vector<double> sides = {0};
   double before = 1 / (*this)(a);
   for (int k = 1; k <= steps; ++k) {

@@ -17,12 +17,12 @@ class SizeField {
   /// Adds the corners of a hole (counterclockwise) at which the solid is re-entrant.
   void add_corners(const Polygon& hole);
   void remove_corners() { corners_.clear(); }
-  /// Replaces the corners by all their translates that matter to the parallelogram `origin` + lattice * [0, 1]^2.
+  /// Replaces the corners by all their translates that influence the parallelogram `origin` + lattice * [0, 1]^2.
   void repeat_corners(const Eigen::Matrix2d& lattice, const Eigen::Vector2d& origin);
 
   double operator()(const Eigen::Vector2d& p) const;
-  double largest() const { return size_; }
-  /// Expected number of nodes of quadratic triangles on `solid_area` (mm^2) with so many corners.
+  double max_size() const { return size_; }
+  /// Expected number of nodes of quadratic triangles on `solid_area` (mm^2) with `corners` corners.
   double expected_nodes(double solid_area, double corners) const;
 
   /// Inner points that divide the segment from a to b into parts of the wanted length, in order.

@@ -12,21 +12,21 @@
 namespace supple::tiling {
 namespace {
 
-constexpr int most_cells = 100;
-constexpr double greatest_height = 1000;  // mm
+constexpr int max_cells = 100;
+constexpr double max_height = 1000;  // mm
 
-/// Sides of the outline that are shorter (beam widths) are points, as they are in holes.
-constexpr double smallest_outline_side = 0.005;
+/// Length, in beam widths, below which sides of the outline become points, as in holes.
+constexpr double min_outline_side = 0.005;
 
 void check(const ExportOptions& options) {
   std::vector<Error::Detail> details;
   const auto check_count = [&](const char* where, int count) {
-    if (count >= 1 && count <= most_cells) return;
+    if (count >= 1 && count <= max_cells) return;
     details.push_back({where, "must be from 1 to 100 cells, but is " + std::to_string(count)});
   };
   check_count("first", options.first);
   check_count("second", options.second);
-  if (!(options.height > 0 && options.height <= greatest_height)) {
+  if (!(options.height > 0 && options.height <= max_height)) {
     details.push_back({"height", "must be above 0 and at most 1000 mm, but is " + std::to_string(options.height)});
   }
   if (details.empty()) return;
@@ -56,7 +56,7 @@ std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& o
   for (Polygon& tile : tiles) {
     for (Eigen::Vector2d& p : tile) p -= centre;
   }
-  // The beams of the tiles hang together, and so does all that is made of them. Along the rim they are whole.
+  // Beams of tiles are connected, and so is their union. With joints on both sides, beams along the rim are complete.
   std::vector<Polygon> beams;
   const auto add = [&](const std::vector<Polygon>& outlines, Joints joints) {
     for (const Polygon& outline : outlines) {
@@ -65,7 +65,7 @@ std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& o
   };
   add(tiles, Joints::left);
   add(outlines_of_union(tiles), Joints::both);
-  return faces_of_union(beams, smallest_outline_side * structure.beam_width);
+  return faces_of_union(beams, min_outline_side * structure.beam_width);
 }
 
 std::string decimal(double value, int digits) {

@@ -8,11 +8,11 @@
 
 namespace supple::tiling {
 
-/// The solid of first x second cells, beams along the rim at full width: mm, around the origin. Throws
+/// The solid of first x second cells in mm, centred at the origin, with beams of full width along the rim. Throws
 /// "tiling.export_option".
 std::vector<Face> solid_patch(const Structure& structure, const ExportOptions& options);
 
-/// The shortest decimal with `digits` digits behind the point, whatever the locale.
+/// The number rounded to `digits` decimals, without zeros at the end, whatever the locale.
 std::string decimal(double value, int digits = 5);
 
 }  // namespace supple::tiling

@@ -13,9 +13,9 @@
 namespace supple::tiling {
 namespace {
 
-/// Holes narrower than this share of the beam width are closed, and sides of holes shorter than it become points: 1.5
-/// micrometres, which no printer makes and which would ask for elements as small.
-constexpr double smallest_hole = 0.005;
+/// Ratio to the beam width below which holes are closed, and sides of holes become points: 1.5 micrometres, which no
+/// printer makes and which would require elements as small.
+constexpr double min_hole_width = 0.005;
 
 void scale_by(Tiling& tiling, double scale) {
   for (Polygon& tile : tiling.tiles) {
@@ -25,10 +25,10 @@ void scale_by(Tiling& tiling, double scale) {
   tiling.lattice *= scale;
 }
 
-/// Calls `use` with every translate of the polygon whose bounds come within `margin` of the given ones.
-template <class Use>
+/// Calls visit(translate) for every translate of the polygon whose bounds come within `margin` of the given ones.
+template <class Visit>
 void for_translates_near(const Bounds& bounds, double margin, const Polygon& polygon, const Eigen::Matrix2d& lattice,
-                         const Use& use) {
+                         const Visit& visit) {
   const Bounds own = bounds_of(polygon);
   const Eigen::Vector2d lower = bounds.lower - own.upper - Eigen::Vector2d::Constant(margin);
   const Eigen::Vector2d upper = bounds.upper - own.lower + Eigen::Vector2d::Constant(margin);
@@ -37,9 +37,9 @@ void for_translates_near(const Bounds& bounds, double margin, const Polygon& pol
   const Eigen::Vector2d reach = inverse.cwiseAbs() * (upper - lower) / 2;
   for (int i = static_cast<int>(std::ceil(middle[0] - reach[0])); i <= middle[0] + reach[0]; ++i) {
     for (int j = static_cast<int>(std::ceil(middle[1] - reach[1])); j <= middle[1] + reach[1]; ++j) {
-      const Eigen::Vector2d by = lattice * Eigen::Vector2d(i, j);
-      if ((by - lower).minCoeff() < 0 || (upper - by).minCoeff() < 0) continue;
-      use(moved(polygon, by));
+      const Eigen::Vector2d translation = lattice * Eigen::Vector2d(i, j);
+      if ((translation - lower).minCoeff() < 0 || (upper - translation).minCoeff() < 0) continue;
+      visit(moved(polygon, translation));
     }
   }
 }
@@ -52,20 +52,21 @@ std::vector<Polygon> placed_tiles(const Tiling& tiling) {
   return result;
 }
 
-/// All holes that lie in the bounds; others, and pieces of others, too.
+/// All holes that lie in the bounds. The result also has other polygons: holes beyond the bounds, and pieces of them.
 std::vector<Polygon> holes_around(const Bounds& bounds, const std::vector<Polygon>& tiles, const Structure& structure) {
   std::vector<Polygon> beams;
-  // Every tile that shares a point with the bounds, and those whose beams reach in there.
+  // These are the beams of every tile that meets the bounds, and of tiles whose beams reach into them.
   for (const Polygon& tile : tiles) {
     for_translates_near(bounds, structure.beam_width, tile, structure.tiling.lattice, [&](const Polygon& copy) {
       for (Polygon& beam : beams_along(copy, structure.beam_width / 2, Joints::left))
         if (bounds.meet(bounds_of(beam))) beams.push_back(std::move(beam));
     });
   }
-  return holes_between(beams, smallest_hole * structure.beam_width);
+  return holes_between(beams, min_hole_width * structure.beam_width);
 }
 
-/// Tiles that do not cross themselves hold their holes: those of each kind, where its first copy lies, are copied.
+/// Makes the holes of tiles that do not cross themselves, which contain their holes. Holes are computed for the first
+/// copy of each tile, and placed in the others.
 void make_holes_by_tiles(Structure& structure) {
   const std::vector<Placement>& placements = structure.tiling.placements;
   const std::vector<Polygon> tiles = placed_tiles(structure.tiling);
@@ -102,15 +103,15 @@ double farthest_from(std::vector<double> numbers) {
   return middle - std::floor(middle);
 }
 
-/// Where tiles cross themselves a hole may lie in several of them: of all holes around the cell, one of each class of
-/// translates, moved into a placed tile that winds around it.
+/// Makes the holes of tiles that cross themselves, where a hole may lie in several tiles. It chooses one hole of each
+/// class of translates, and moves it into a placed tile that winds around it.
 void make_holes_by_cell(Structure& structure) {
   const Eigen::Matrix2d& lattice = structure.tiling.lattice;
   const Eigen::Matrix2d inverse = lattice.inverse();
   const std::vector<Polygon> tiles = placed_tiles(structure.tiling);
   structure.holes.resize(tiles.size());
-  // A hole lies in a tile, so that the tiles of 3 x 3 cells surround each that has its centroid in the middle one,
-  // wherever the cell is cut.
+  // The holes that are chosen have their centroids in a cell whose origin lies in [0, 1)^2, in lattice coordinates, and
+  // which therefore lies in [0, 2]^2. A hole lies in a tile, so that it extends beyond by at most a tile's extent.
   Bounds bounds;
   double extent = 0;
   for (const Polygon& tile : tiles) {
@@ -154,7 +155,7 @@ void check_holes_are_open(const Structure& structure) {
     throw Error("tiling.hole_closed", "Family " + structure.family + ": " + message.str(),
                 {{"parameters", message.str()}});
   };
-  // The holes of tiles that overlap are listed with any of them.
+  // Tiles that overlap share holes, each of which is listed with only one of them.
   const auto closed = [](const std::vector<Polygon>& holes) { return holes.empty(); };
   if (structure.tiles_cross) {
     if (std::all_of(structure.holes.begin(), structure.holes.end(), closed)) refuse(0);
@@ -172,8 +173,8 @@ struct Segment {
 double distance(const Eigen::Vector2d& point, const Segment& segment) {
   const Eigen::Vector2d along = segment.end - segment.begin, from = point - segment.begin;
   const double length = along.squaredNorm();
-  const double share = length > 0 ? std::clamp(from.dot(along) / length, 0.0, 1.0) : 0;
-  return (from - share * along).norm();
+  const double fraction = length > 0 ? std::clamp(from.dot(along) / length, 0.0, 1.0) : 0;
+  return (from - fraction * along).norm();
 }
 
 struct FarPoint {
@@ -181,18 +182,18 @@ struct FarPoint {
   double distance = 0;
 };
 
-/// Looks for a point of the tile that is farther than `wanted` from all segments, over a grid, then uphill from the
-/// best of its points: the first that is, or the farthest.
+/// Searches for a point of the tile that is farther than `wanted` from all segments: over a grid, then by a pattern
+/// search from the best point. Returns the first such point, or else the farthest one.
 FarPoint point_far_from(const std::vector<Segment>& segments, const Polygon& tile, double wanted) {
   constexpr int rows = 9;
-  constexpr int halvings = 6;  // of the grid's step
-  const auto clearance = [&](const Eigen::Vector2d& point, double at_least) {
-    double least = INFINITY;
+  constexpr int halvings = 6;  // number of times that the grid's step is halved
+  const auto clearance = [&](const Eigen::Vector2d& point, double lower_bound) {
+    double smallest = INFINITY;
     for (const Segment& segment : segments) {
-      least = std::min(least, distance(point, segment));
-      if (least <= at_least) break;
+      smallest = std::min(smallest, distance(point, segment));
+      if (smallest <= lower_bound) break;
     }
-    return least;
+    return smallest;
   };
   const Bounds bounds = bounds_of(tile);
   Eigen::Vector2d step = (bounds.upper - bounds.lower) / rows;
@@ -221,7 +222,7 @@ FarPoint point_far_from(const std::vector<Segment>& segments, const Polygon& til
   return best;
 }
 
-/// Whether a hole around the point remains that ends within `reach` of it.
+/// Whether a hole remains around the point that lies within a square of half side `reach` around it.
 bool has_hole_around(const Eigen::Vector2d& point, const std::vector<Polygon>& outlines, double beam_width,
                      double reach) {
   Bounds window;
@@ -232,16 +233,16 @@ bool has_hole_around(const Eigen::Vector2d& point, const std::vector<Polygon>& o
     for (Polygon& beam : beams_along(outline, beam_width / 2, Joints::left))
       if (window.meet(bounds_of(beam))) beams.push_back(std::move(beam));
   }
-  for (const Polygon& hole : holes_between(beams, smallest_hole * beam_width)) {
+  for (const Polygon& hole : holes_between(beams, min_hole_width * beam_width)) {
     if (window.contain(bounds_of(hole)) && winding_number(hole, point) != 0) return true;
   }
   return false;
 }
 
-/// Whether a hole is certain to remain in the tile. Square joints reach to sqrt(2) half widths at most, where a side
-/// folds back: beyond that a point is in a hole, and so is a disc around it. It remains (see `remains` in beams.cpp)
-/// where the disc outweighs the longest boundary that the hole can have, twice the sides that come within `reach` of
-/// the tile, as all of the outlines given do that matter.
+/// Whether a hole is certain to remain in the tile. Square joints extend to sqrt(2) half widths at most, where a side
+/// folds back. A point that is farther from all sides lies in a hole, and so does a disc around it. The hole remains
+/// (see `remains` in clipper_paths.h) if the area of the disc is large enough for the longest possible boundary of the
+/// hole: twice the sides that come within `reach` of the tile. The given outlines must contain all these sides.
 bool has_certain_hole(const Polygon& tile, const std::vector<Polygon>& outlines, double beam_width, double reach) {
   const Bounds bounds = bounds_of(tile);
   const double diagonal = (bounds.upper - bounds.lower).norm();
@@ -255,17 +256,17 @@ bool has_certain_hole(const Polygon& tile, const std::vector<Polygon>& outlines,
       boundary += std::min((segment.end - segment.begin).norm(), diagonal + 2 * reach);
     }
   }
-  const double radius = std::sqrt(smallest_hole * beam_width * 2 * boundary / (2 * std::numbers::pi));
+  const double radius = std::sqrt(min_hole_width * beam_width * 2 * boundary / (2 * std::numbers::pi));
   const double wanted = std::numbers::sqrt2 * beam_width / 2 + radius;
   const FarPoint far = point_far_from(segments, tile, wanted);
   if (wanted <= reach && far.distance > wanted) return true;
-  // Of one tile alone other tiles' beams are not known, and making all of its holes is quick.
+  // With a single tile, the beams of other tiles are not known, and making all holes is quick.
   if (outlines.size() == 1 || far.distance < beam_width / 2) return false;
   return has_hole_around(far.point, outlines, beam_width, reach / 2) ||
          has_hole_around(far.point, outlines, beam_width, reach);
 }
 
-/// Whether holes are certain to remain wherever `check_holes_are_open` wants one.
+/// Whether holes are certain to remain wherever `check_holes_are_open` requires one.
 bool has_certain_holes(const Tiling& tiling, bool tiles_cross, double beam_width) {
   const double reach = 4 * beam_width;
   if (!tiles_cross)
@@ -282,8 +283,8 @@ bool has_certain_holes(const Tiling& tiling, bool tiles_cross, double beam_width
   });
 }
 
-/// Whether a hole lies within a few beam widths of one cell: holes of tiles that cross themselves are small where their
-/// beams are dense, and all holes around the cell (see `make_holes_by_cell`) cost a hundred times as much there.
+/// Whether a hole lies within a few beam widths of one cell. Tiles that cross themselves have small holes where their
+/// beams are dense. To make all holes around the cell there (`make_holes_by_cell`) costs a hundred times as much.
 bool has_hole_near_cell(const Tiling& tiling, double beam_width) {
   Structure structure;
   structure.beam_width = beam_width;

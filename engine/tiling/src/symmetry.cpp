@@ -12,10 +12,11 @@
 namespace supple::tiling {
 namespace {
 
-/// In tiling units, and in parameters.
-constexpr double same_place = 1e-7;
+/// Tolerance of equality, in tiling units and in parameters.
+constexpr double equality_tolerance = 1e-7;
 
-/// Where a family's lattice is turned, so are its mirrors: tiles are compared one by one below.
+/// The rotations by multiples of 30 degrees, and the reflections in lines that are 30 degrees apart through the origin:
+/// the candidates for symmetries, which are tested below.
 std::vector<Eigen::Matrix2d> point_operations() {
   std::vector<Eigen::Matrix2d> operations;
   for (int i = 0; i < 12; ++i) {
@@ -30,17 +31,17 @@ Tiling tiling_at(const Family& family, const Eigen::VectorXd& parameters) {
   return family.shape({parameters.data(), static_cast<std::size_t>(parameters.size())});
 }
 
-/// Away from the middle of the box, where a family may have more symmetry than elsewhere.
-Eigen::VectorXd generic_parameters(const Family& family, double share) {
+/// Parameters away from the middle of the box, where a family may have more symmetry than elsewhere.
+Eigen::VectorXd generic_parameters(const Family& family, double fraction) {
   Eigen::VectorXd p(static_cast<long>(family.parameters.size()));
   for (long k = 0; k < p.size(); ++k) {
     const auto& [lower, upper, preset] = family.parameters[static_cast<std::size_t>(k)];
-    p[k] = preset + (share + 0.071 * static_cast<double>(k)) * (upper - preset);
+    p[k] = preset + (fraction + 0.071 * static_cast<double>(k)) * (upper - preset);
   }
   return p;
 }
 
-/// An edge of a tiling: its middle and its vector, whose sign means nothing.
+/// An edge of a tiling: its middle, and the vector between its ends, whose sign is arbitrary.
 struct TilingEdge {
   Eigen::Vector2d middle;
   Eigen::Vector2d vector;
@@ -63,15 +64,15 @@ std::vector<TilingEdge> edges_of(const Tiling& tiling) {
 bool maps_to(const Eigen::Matrix2d& operation, const Tiling& from, const Tiling& to) {
   const Eigen::Matrix2d inverse = to.lattice.inverse();
   const Eigen::Matrix2d lattices = inverse * operation * from.lattice;
-  if ((lattices - lattices.array().round().matrix()).norm() > same_place) return false;
+  if ((lattices - lattices.array().round().matrix()).norm() > equality_tolerance) return false;
   const auto edges = edges_of(from);
   const auto targets = edges_of(to);
   if (edges.size() != targets.size() || edges.empty()) return false;
   const auto is_edge = [&](const TilingEdge& image) {
     return std::any_of(targets.begin(), targets.end(), [&](const TilingEdge& edge) {
       const Eigen::Vector2d difference = inverse * (image.middle - edge.middle);
-      return (difference - difference.array().round().matrix()).norm() < same_place &&
-             std::min((image.vector - edge.vector).norm(), (image.vector + edge.vector).norm()) < same_place;
+      return (difference - difference.array().round().matrix()).norm() < equality_tolerance &&
+             std::min((image.vector - edge.vector).norm(), (image.vector + edge.vector).norm()) < equality_tolerance;
     });
   };
   return std::any_of(targets.begin(), targets.end(), [&](const TilingEdge& target) {
@@ -88,7 +89,7 @@ struct AffineTile {
   Eigen::MatrixXd slopes;
 };
 
-/// Of a family whose vertices are affine functions; of another, the tangent at p.
+/// The first tile of a family. If its vertices are not affine functions, the result is their linearization at p.
 AffineTile affine_tile(const Family& family, const Eigen::VectorXd& p) {
   const auto vertices = [&](const Eigen::VectorXd& at) {
     const auto tile = tiling_at(family, at).tiles[0];
@@ -105,17 +106,17 @@ AffineTile affine_tile(const Family& family, const Eigen::VectorXd& p) {
   return tile;
 }
 
-/// Maps of the parameters, as {linear, constant}.
+/// An affine map of the parameters, as {linear, constant}.
 using ParameterMap = std::pair<Eigen::MatrixXd, Eigen::VectorXd>;
 
-/// How the parameters must change for the tile, turned or reflected, to be the family's tile again, with vertex i where
-/// vertex `first` + i was, or `first` - i if reflected.
+/// The map p -> p' such that the tile at p' is, up to a translation, the tile at p rotated or reflected, with vertex i
+/// at the image of vertex `first` + i, or `first` - i if reflected. None if there is no such map.
 std::optional<ParameterMap> parameter_map(const AffineTile& tile, const Eigen::Matrix2d& operation, long first) {
   const long n = tile.constant.size() / 2;
   const long parameters = tile.slopes.cols();
   const bool reflects = operation.determinant() < 0;
-  Eigen::MatrixXd matrix(2 * n, parameters + 2);  // unknown: the new parameters and a translation
-  Eigen::MatrixXd image(2 * n, parameters + 1);   // by the old parameters, and the constant
+  Eigen::MatrixXd matrix(2 * n, parameters + 2);  // for the unknown new parameters and a translation
+  Eigen::MatrixXd image(2 * n, parameters + 1);   // for the old parameters, and the constant
   for (long i = 0; i < n; ++i) {
     const long from = (first + (reflects ? n - i : i)) % n;
     matrix.block(2 * i, 0, 2, parameters) = tile.slopes.middleRows(2 * i, 2);
@@ -127,11 +128,11 @@ std::optional<ParameterMap> parameter_map(const AffineTile& tile, const Eigen::M
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> solver(matrix);
   if (solver.rank() < matrix.cols()) return std::nullopt;
   const Eigen::MatrixXd map = solver.solve(image);
-  if ((matrix * map - image).cwiseAbs().maxCoeff() > same_place) return std::nullopt;
+  if ((matrix * map - image).cwiseAbs().maxCoeff() > equality_tolerance) return std::nullopt;
   return ParameterMap{map.topLeftCorner(parameters, parameters), map.topRightCorner(parameters, 1)};
 }
 
-/// All of them, the one that changes nothing first.
+/// All such maps, beginning with the identity.
 std::vector<ParameterMap> parameter_maps(const AffineTile& tile) {
   const long parameters = tile.slopes.cols();
   std::vector<ParameterMap> maps{
@@ -140,7 +141,7 @@ std::vector<ParameterMap> parameter_maps(const AffineTile& tile) {
     for (long first = 0; first < tile.constant.size() / 2; ++first) {
       const auto map = parameter_map(tile, operation, first);
       if (map && std::none_of(maps.begin(), maps.end(), [&](const ParameterMap& known) {
-            return (known.first - map->first).norm() + (known.second - map->second).norm() < same_place;
+            return (known.first - map->first).norm() + (known.second - map->second).norm() < equality_tolerance;
           }))
         maps.push_back(*map);
     }
@@ -150,12 +151,12 @@ std::vector<ParameterMap> parameter_maps(const AffineTile& tile) {
 }  // namespace
 
 std::vector<FamilySymmetry> symmetries(const Family& family) {
-  const std::array places{generic_parameters(family, 0.137), generic_parameters(family, 0.311)};
+  const std::array samples{generic_parameters(family, 0.137), generic_parameters(family, 0.311)};
   std::vector<FamilySymmetry> result;
-  for (const auto& [linear, constant] : parameter_maps(affine_tile(family, places[0])))
+  for (const auto& [linear, constant] : parameter_maps(affine_tile(family, samples[0])))
     for (const auto& operation : point_operations()) {
       const FamilySymmetry symmetry{operation, linear, constant};
-      if (std::all_of(places.begin(), places.end(), [&](const Eigen::VectorXd& p) {
+      if (std::all_of(samples.begin(), samples.end(), [&](const Eigen::VectorXd& p) {
             return maps_to(operation, tiling_at(family, p), tiling_at(family, symmetry.image(p)));
           }))
         result.push_back(symmetry);

@@ -16,10 +16,10 @@ namespace {
 /// hole.
 constexpr double matching_tolerance = 1e-6;
 
-/// The outline has the length of the holes' sides to this relative error.
+/// Largest relative difference between the length of the outline and that of the holes' sides.
 constexpr double length_tolerance = 1e-6;
 
-constexpr std::size_t most_details = 8;
+constexpr std::size_t max_details = 8;
 
 struct TorusPoint {
   int node = 0;
@@ -33,23 +33,23 @@ LatticeShift to_shift(const Eigen::Vector2i& shift) {
   return {static_cast<std::int8_t>(shift[0]), static_cast<std::int8_t>(shift[1])};
 }
 
-/// Gives every place of the torus one node.
+/// Gives every point of the torus one node.
 class NodeMatcher {
  public:
   explicit NodeMatcher(const Eigen::Matrix2d& lattice) : lattice_(lattice), inverse_(lattice.inverse()) {
-    reach_ = matching_tolerance * inverse_.row(0).norm();
+    coordinate_tolerance_ = matching_tolerance * inverse_.row(0).norm();
   }
 
   TorusPoint add(const Eigen::Vector2d& p, bool seam) {
     if (!seam) return append(p);
     const double u = inverse_.row(0).dot(p) - std::floor(inverse_.row(0).dot(p));
     // u is periodic: near 0 and near 1 are neighbours.
-    for (const double around : {u, u - 1, u + 1}) {
-      const auto end = by_first_coordinate_.upper_bound(around + reach_);
-      for (auto at = by_first_coordinate_.lower_bound(around - reach_); at != end; ++at) {
-        const Eigen::Vector2d apart = p - nodes[at->second];
-        const Eigen::Vector2d shift = (inverse_ * apart).array().round();
-        if ((apart - lattice_ * shift).norm() < matching_tolerance) return {at->second, shift.cast<int>()};
+    for (const double candidate : {u, u - 1, u + 1}) {
+      const auto end = by_first_coordinate_.upper_bound(candidate + coordinate_tolerance_);
+      for (auto at = by_first_coordinate_.lower_bound(candidate - coordinate_tolerance_); at != end; ++at) {
+        const Eigen::Vector2d difference = p - nodes[at->second];
+        const Eigen::Vector2d shift = (inverse_ * difference).array().round();
+        if ((difference - lattice_ * shift).norm() < matching_tolerance) return {at->second, shift.cast<int>()};
       }
     }
     TorusPoint point = append(p);
@@ -66,12 +66,12 @@ class NodeMatcher {
   }
 
   Eigen::Matrix2d lattice_, inverse_;
-  double reach_;
+  double coordinate_tolerance_;
   std::multimap<double, int> by_first_coordinate_;
 };
 
-/// A side of the torus from node a to node b, `apart` translations on; each side has two such names, one for each
-/// direction, of which the smaller is its key.
+/// A side of the torus: its nodes a and b, and the lattice shift from a to b. Each side has two such tuples, one for
+/// each direction. The smaller one is its key.
 using SideKey = std::tuple<int, int, int, int>;
 
 struct SideUse {
@@ -80,10 +80,10 @@ struct SideUse {
   int uses = 1;
   bool forward = true;
   int midpoint = 0;
-  Eigen::Vector2i shift;  // of the midpoint relative to that of the key's first corner
+  Eigen::Vector2i shift;  // shift of the midpoint relative to that of the key's first corner
 };
 
-std::string place(const Eigen::Vector2d& p) {
+std::string position_text(const Eigen::Vector2d& p) {
   std::ostringstream text;
   text << "(" << p.x() << ", " << p.y() << ") mm";
   return text.str();
@@ -102,7 +102,8 @@ PeriodicMesh wrap(const TriangleSoup& soup, const Eigen::Matrix2d& lattice, doub
   std::map<SideKey, SideUse> sides;
   std::vector<Error::Detail> details;
   const auto report = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b, const char* what) {
-    if (details.size() < most_details) details.push_back({"side from " + place(a) + " to " + place(b), what});
+    if (details.size() < max_details)
+      details.push_back({"side from " + position_text(a) + " to " + position_text(b), what});
   };
   for (const auto& corners : soup.triangles) {
     const int t = static_cast<int>(mesh.triangles.size());
@@ -114,16 +115,17 @@ PeriodicMesh wrap(const TriangleSoup& soup, const Eigen::Matrix2d& lattice, doub
     }
     for (int k = 0; k < 3; ++k) {
       const TorusPoint &a = points[corners[k]], &b = points[corners[(k + 1) % 3]];
-      const Eigen::Vector2i apart = b.shift - a.shift;
-      const SideKey along(a.node, b.node, apart[0], apart[1]), against(b.node, a.node, -apart[0], -apart[1]);
+      const Eigen::Vector2i difference = b.shift - a.shift;
+      const SideKey along(a.node, b.node, difference[0], difference[1]),
+          against(b.node, a.node, -difference[0], -difference[1]);
       const bool forward = along < against;
       const Eigen::Vector2i& base = forward ? a.shift : b.shift;
       const auto [found, is_new] = sides.try_emplace(forward ? along : against);
       SideUse& use = found->second;
       if (is_new) {
         const Eigen::Vector2d middle =
-            (matcher.nodes[a.node] + matcher.nodes[b.node] + lattice * apart.cast<double>()) / 2;
-        // The midpoint lies where this triangle sees it, without a shift of its own beyond that of corner a.
+            (matcher.nodes[a.node] + matcher.nodes[b.node] + lattice * difference.cast<double>()) / 2;
+        // The node is placed so that the midpoint has the shift of corner a in this triangle.
         use = {.triangle = t,
                .side = k,
                .forward = forward,

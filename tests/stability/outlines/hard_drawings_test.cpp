@@ -1,5 +1,5 @@
-// Drawings that are hard to read: hostile text, limits, curves that almost close, cusps, and coordinates at the end of
-// what numbers hold. Each gives polygons that keep their tolerance, or an error that names the limit.
+// Drawings that are hard to read: hostile text, limits, curves that almost close, cusps, and coordinates at the limit
+// of floating-point numbers. Each gives polygons within the tolerance, or an error that names the limit.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,7 +29,7 @@ std::string repeated(const std::string& text, std::size_t times) {
 }
 
 TEST(HardDrawings, EntitiesAreNeverReplaced) {
-  // A billion laughs, and a file of the machine: what refers to entities stays as it is written, and is no number.
+  // A "billion laughs" attack, and a file of the machine: references to entities stay as written, and are no numbers.
   const std::string laughs =
       "<?xml version='1.0'?><!DOCTYPE svg [<!ENTITY a 'ha'><!ENTITY b '&a;&a;&a;&a;'><!ENTITY f SYSTEM "
       "'file:///etc/passwd'>]>";
@@ -69,11 +69,11 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
     return places(error).at(0) + ": " + error.what();
   };
   const std::string solid = "<rect width='1' height='1'/>";
-  // Uses that refer to themselves, at once and by another.
+  // These <use> elements refer to themselves, directly and through another one.
   EXPECT_NE(refused(page(solid + "<use id='a' href='#a'/>")).find("100 groups"), std::string::npos);
   EXPECT_NE(refused(page(solid + "<g id='a'><use href='#b'/></g><g id='b'><use href='#a'/></g>")).find("100 groups"),
             std::string::npos);
-  // A billion laughs: ten levels of ten uses of the level below, of an empty group and of a curve.
+  // A "billion laughs" attack: each of ten levels has ten uses of the level below; the lowest is empty or a curve.
   const auto laughs = [&](const std::string& joke) {
     std::string levels = "<defs><g id='l0'>" + joke + "</g>";
     for (int k = 1; k <= 10; ++k) {
@@ -84,9 +84,9 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
   };
   EXPECT_NE(refused(laughs("")).find("200000 elements"), std::string::npos);
   EXPECT_NE(refused(laughs(solid)).find("20000 curves"), std::string::npos);
-  // The file is searched for its names once, though none is found.
+  // The file is searched for ids only once, though none is found.
   EXPECT_EQ(read_drawing(page(repeated("<use href='#nothing'/>", 190'000) + solid)).outlines.size(), 1U);
-  // Long text that says nothing, or a curve of many pieces, counts as what it costs.
+  // The length of a path's text counts, even if it draws nothing, because reading it takes time.
   for (const std::string& path : {repeated("M0 0", 250'000), "M0 0" + repeated("h0", 90'000)}) {
     const std::string used = "<defs><path id='p' d='" + path + "'/></defs>" + repeated("<use href='#p'/>", 20'000);
     EXPECT_NE(refused(page(solid + used)).find("as much text"), std::string::npos);
@@ -106,7 +106,7 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
   EXPECT_NE(refused(inserted("", "70\n900000000\n71\n900000000\n")).find("2000000 groups"), std::string::npos);
   const std::string comments = "999\n" + repeated("x", 1'000'000) + "\n";
   EXPECT_NE(refused(inserted(circle + comments, "70\n10000\n")).find("2000000 groups"), std::string::npos);
-  // A block without an end is as long as its section.
+  // A block without an end extends to the end of its section.
   EXPECT_EQ(read_drawing(section("BLOCKS", "0\nBLOCK\n2\nb\n" + circle) + section("ENTITIES", "0\nINSERT\n2\nb\n") +
                          "0\nEOF\n")
                 .outlines.size(),
@@ -120,7 +120,7 @@ TEST(HardDrawings, AStopIsFollowedWithinTheText) {
 }
 
 TEST(HardDrawings, CuspsLoopsAndHandlesOnTheirEnds) {
-  // Cubic curves with a cusp, a loop, handles that fall on the ends, and ones that fold back on a line.
+  // Cubic curves with a cusp, with a loop, with control points on the ends, and one that folds back on a line.
   for (const char* data : {"M10 10C40 40 10 40 40 10Z", "M10 10C60 40 -10 40 40 10Z", "M10 10C10 10 40 40 40 10Z",
                            "M10 10C10 10 40 10 40 10V30Z", "M10 10C60 10 -20 10 40 10V30Z"}) {
     SCOPED_TRACE(data);
@@ -135,7 +135,7 @@ TEST(HardDrawings, CuspsLoopsAndHandlesOnTheirEnds) {
 }
 
 TEST(HardDrawings, ArcsAtTheirLimits) {
-  // Almost a whole turn, almost none, radii that just reach, and an ellipse a thousand times as long as wide.
+  // These arcs are almost whole circles, have radii that just span the chord, or are very flat ellipses.
   const auto area_of = [](const std::string& data) {
     DrawingOptions options;
     options.tolerance = 1e-3;
@@ -152,7 +152,7 @@ TEST(HardDrawings, ArcsAtTheirLimits) {
   EXPECT_NEAR(area_of("M40 50A10 10 0 0 1 60 50Z"), 50 * pi, 0.1);
   EXPECT_NEAR(area_of("M40 50A9.9999999999 9.9999999999 0 1 1 60 50Z"), 50 * pi, 0.1);
   EXPECT_NEAR(area_of("M10 50A40 0.04 0 1 1 90 50A40 0.04 0 1 1 10 50Z"), 1.6 * pi, 0.2);
-  // Of a radius of 1 km over 100 mm the arc is flat, and no corner is far from it.
+  // An arc of a radius of 1 km over 100 mm is almost flat.
   const auto flat = read_drawing(page("<path d='M0 50A1e6 1e6 0 0 1 100 50V90H0Z'/>"));
   EXPECT_NEAR(flat.upper.y(), 50, 2e-3);
 }
@@ -171,7 +171,7 @@ TEST(HardDrawings, EndsThatMeetAtTheToleranceAndBeyond) {
 }
 
 TEST(HardDrawings, ManyPiecesInRandomOrderClose) {
-  // A circle of 4,000 lines, shuffled and turned around; seed 7.
+  // A circle of 4,000 lines in random order and directions; seed 7.
   constexpr int sides = 4'000;
   std::vector<std::string> lines;
   RandomStream random("pieces of a circle", 7);
@@ -197,7 +197,7 @@ TEST(HardDrawings, ManyPiecesInRandomOrderClose) {
 }
 
 TEST(HardDrawings, AnyBytesAreADrawingOrAnError) {
-  // Drawings of which bytes were changed, cut out and doubled; seed 11.
+  // Drawings in which bytes are changed, removed and repeated; seed 11.
   const std::string svg = page(
       "<g transform='rotate(3)'><path id='p' d='M1 1c2 3 4 5 6 7S9 9 1 5Q3 4 5 6T1 1A3 4 5 0 1 9 9Z'/><circle "
       "r='4'/></g>");

@@ -1,5 +1,5 @@
-// Parts whose beams are cut so that some of them hang by next to nothing. What a part has of necks is measured here by
-// the distances of points of a grid, which know nothing of the outline's corners.
+// Parts whose beams are cut so that some of them are connected by very narrow necks. Here necks are measured by
+// distances of the points of a grid, without the outline's corners.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,14 +34,15 @@ PartDesign coupon(const Structure& structure, double width, double length, doubl
   return design;
 }
 
-/// Erosion by nearly half the wall parts the solid nowhere, nor does that by nearly half the narrowest place. Returns
-/// whether erosion by a bit more does: it does unless the solid is hardly wider beside the narrowest place.
+/// Expects that erosion by almost half the wall separates the solid nowhere, and neither does erosion by almost half
+/// the narrowest place. Returns whether slightly more erosion separates it, which fails only if the solid is hardly
+/// wider beside the narrowest place.
 bool expect_no_neck(const Part& part, double wall) {
   EXPECT_EQ(part.faces.size(), 1U);
   const SolidRaster raster(part.faces[0], wall / 24);
   const SolidRaster::Topology whole{1, static_cast<int>(part.faces[0].size())};
   EXPECT_EQ(raster.eroded(0.88 * wall, 0.93 * wall), whole) << "the solid hangs by a neck narrower than the wall";
-  // A tree of beams that get wider towards one place has no narrow place.
+  // There is no narrow place if all beams get wider towards one point.
   if (!part.smallest_neck) return true;
   EXPECT_GE(*part.smallest_neck, 0.97 * wall);
   EXPECT_EQ(raster.eroded(*part.smallest_neck - 0.1 * wall, *part.smallest_neck - 0.07 * wall), whole);
@@ -59,7 +60,7 @@ TEST(HardNecks, GripsThatHangByMicrometres) {
   volume_of_closed_stl(part_stl(part));
 }
 
-/// A random design in the middle four fifths of the family's box, which can be built.
+/// A random structure from the middle four fifths of a family's box.
 Structure random_structure(RandomStream& random) {
   const std::vector<std::string> ids = {"IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67"};
   const Family& family = tiling::family(ids[static_cast<std::size_t>(random.below(static_cast<int>(ids.size())))]);
@@ -73,7 +74,7 @@ Structure random_structure(RandomStream& random) {
 }
 
 TEST(HardNecks, RandomPartsHaveNone) {
-  // For longer runs: how many parts, and the seed of the first one.
+  // These variables are for longer runs: the number of parts, and the seed of the first one.
   const char* const count = std::getenv("SUPPLE_NECK_COUNT");
   const char* const first = std::getenv("SUPPLE_NECK_SEED");
   const int seed = first ? std::atoi(first) : 1, parts = count ? std::atoi(count) : 40;
@@ -87,7 +88,7 @@ TEST(HardNecks, RandomPartsHaveNone) {
     PartDesign design = coupon(structure, beam_width * random.uniform(18, 40), beam_width * random.uniform(15, 40),
                                random.uniform(0.5, 3), beam_width, random.uniform(-half_turn, half_turn));
     if (random.uniform() < 0.3) {
-      // A slanted outline with a hole, which the structure fills alone.
+      // This outline is slanted, and has a hole but no grips.
       const Eigen::Vector2d size = design.outline[0][2];
       design.outline = {{{0, 0}, {size.x(), 0.1 * size.y()}, size, {-0.2 * size.x(), 0.8 * size.y()}},
                         {0.4 * size, {0.6 * size.x(), 0.4 * size.y()}, 0.6 * size, {0.4 * size.x(), 0.6 * size.y()}}};

@@ -1,5 +1,6 @@
 // Parts that are hard to cut out: outlines that run along beams, through joints or almost touch themselves, tiles that
-// cross themselves, extreme sizes. Each is one piece and a closed surface, of no more area than its outline.
+// cross themselves, extreme sizes. Each part is one piece and a closed surface, whose area is at most that of its
+// outline.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +29,7 @@ PartDesign plate(const Structure& structure, Polygon outline) {
   return design;
 }
 
-/// One closed piece within the outline, whose files agree about how much it is.
+/// Makes a part, and expects one closed piece within the outline, with the same volume in its files.
 Part expect_sound(const PartDesign& design, const std::string& what) {
   SCOPED_TRACE(what);
   Part part = make_part(design);
@@ -36,7 +37,7 @@ Part expect_sound(const PartDesign& design, const std::string& what) {
   EXPECT_GT(part.solid_area, 0);
   EXPECT_LE(part.solid_area + part.crumb_area, part.outline_area * (1 + 1e-9));
   const double volume = volume_of_closed_stl(part_stl(part));
-  // Corners of an STL are in single precision.
+  // Corners in STL files are in single precision.
   EXPECT_NEAR(volume, part.thickness * part.solid_area, 2e-3 * part.thickness * part.solid_area);
   return part;
 }
@@ -53,7 +54,7 @@ TEST(HardParts, OutlinesAlongTheLattice) {
 }
 
 TEST(HardParts, OrientationsNextToOnesThatFit) {
-  // By a billionth of a turn beams no longer lie on the outline but almost do.
+  // After a rotation by 1e-9 rad, beams lie almost on the outline.
   const Structure structure = preset_structure("IH21");
   for (const double turn : {0.0, 1e-9, -1e-9, 1e-6, pi / 6, pi / 3 + 1e-9, pi / 2 - 1e-12, 1e6}) {
     PartDesign design = plate(structure, box(0, 0, 14, 11));
@@ -91,7 +92,7 @@ TEST(HardParts, EveryCornerOfEveryFamily) {
 
 TEST(HardParts, SpikesAndNotchesOfTheOutline) {
   const Structure structure = preset_structure("IH67");
-  // A spike of a hundredth of a millimetre is no wall; a notch as narrow parts nothing.
+  // A spike of a hundredth of a millimetre is no wall, and a notch of this width separates nothing.
   const double thin = 0.01;
   const Polygon spike = {{0, 0}, {12, 0}, {12, 5}, {30, 5 + thin / 2}, {12, 5 + thin}, {12, 10}, {0, 10}};
   const Part without = expect_sound(plate(structure, spike), "spike");
@@ -120,7 +121,7 @@ TEST(HardParts, RegionsThatShareSidesWithTheOutlineAndEachOther) {
   design.seam = 0.6;
   design.frame = 0.6;
   expect_sound(design, "side by side");
-  // Beyond the outline, over each other, and one that leaves nothing of another.
+  // These regions extend beyond the outline and over each other, and one covers another completely.
   design.regions = {{box(4, 4, 6, 6), {preset_structure("IH50")}},
                     {box(-5, -5, 12, 30), {preset_structure("IH67")}},
                     {box(12, -1, 40, 13), {preset_structure("IH29")}}};
@@ -128,7 +129,7 @@ TEST(HardParts, RegionsThatShareSidesWithTheOutlineAndEachOther) {
 }
 
 TEST(HardParts, PlatesThatTouchInOneCorner) {
-  // Two squares of an odd number of outlines meet in one point: half of the part hangs on nothing.
+  // Two squares of an outline meet in one point only, so that one of them is not connected.
   PartDesign design = plate(preset_structure("IH67"), box(0, 0, 8, 8));
   design.outline.push_back(box(8, 8, 16, 16));
   design.frame = 0.5;
@@ -139,11 +140,11 @@ TEST(HardParts, PlatesThatTouchInOneCorner) {
 
 TEST(HardParts, TheSmallestAndTheLargest) {
   const Structure structure = preset_structure("IH67");
-  // A quarter of a cell within a frame.
+  // The frame holds about a quarter of a cell.
   PartDesign small = plate(structure, box(0, 0, 1.2, 1));
   small.frame = 0.3;
   expect_sound(small, "1.2 mm");
-  // Two metres from corner to corner at the edge of what coordinates may be.
+  // This outline has a side of 4 m, as the limits of coordinates allow.
   PartDesign large = plate(structure, box(-2000, -2000, 2000, 2000));
   large.filling.beam_width = 60;
   large.smallest_wall = 40;
@@ -153,8 +154,8 @@ TEST(HardParts, TheSmallestAndTheLargest) {
 }
 
 TEST(HardParts, EndsThatTheFillingBarelyHoldsOrDoesNotHold) {
-  // Of coupons that get narrower the tiles reach from grip to grip less and less. A part is as long as it was to be
-  // where it tells of no lost grip, and only there.
+  // The narrower a coupon, the less often its tiles connect both grips. A part has its full length if and only if it
+  // reports no lost grip.
   std::size_t whole = 0, broken = 0;
   for (const char* id : {"IH01", "IH21", "IH50"}) {
     for (const double width : {1.0, 2.0, 3.0, 5.0, 8.0, 12.0}) {

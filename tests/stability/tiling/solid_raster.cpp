@@ -7,11 +7,11 @@
 namespace supple::testing {
 namespace {
 
-/// Points outside of the part on each side of its box.
+/// Number of points outside the part on each side of its bounding box.
 constexpr int margin = 2;
 
 /// The lower envelope of parabolas with their apexes at (k, f[k]): squared distances along one line of points
-/// (Felzenszwalb and Huttenlocher 2012).
+/// [Felzenszwalb2012].
 void squared_distances(const std::vector<float>& f, std::vector<float>& result) {
   const int n = static_cast<int>(f.size());
   std::vector<int> apex(f.size());
@@ -48,7 +48,7 @@ SolidRaster::SolidRaster(const tiling::SolidFace& face, double step) : step_(ste
     lower_ = lower_.cwiseMin(p);
     upper = upper.cwiseMax(p);
   }
-  // Points lie off the straight sides of the outline.
+  // The points are offset by half a step, so that they do not lie on straight sides of the outline.
   lower_ -= Eigen::Vector2d::Constant((margin - 0.5) * step);
   columns_ = static_cast<int>(std::ceil((upper - lower_).x() / step)) + margin;
   rows_ = static_cast<int>(std::ceil((upper - lower_).y() / step)) + margin;
@@ -80,7 +80,7 @@ void SolidRaster::mark_inside(const tiling::SolidFace& face) {
   mark_outline(face);
 }
 
-// Holes narrower than a step have points too.
+// Marks points on the outline as outside, so that holes narrower than a step have points, too.
 void SolidRaster::mark_outline(const tiling::SolidFace& face) {
   for (const auto& polygon : face) {
     for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -95,7 +95,7 @@ void SolidRaster::mark_outline(const tiling::SolidFace& face) {
 }
 
 void SolidRaster::measure_distances() {
-  // Finite, so that differences of distances are numbers.
+  // The value is finite, so that differences of distances are numbers.
   constexpr float far = 1e12F;
   for (float& value : distance_) value = std::min(value, far);
   std::vector<float> line, result;

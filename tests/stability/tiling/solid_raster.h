@@ -6,19 +6,20 @@
 
 namespace supple::testing {
 
-/// A part as points of a square grid, each with its distance to the nearest point outside of the part. It shares
-/// nothing with the code that makes parts and measures them, so that tests can hold these against it.
+/// A part as points of a square grid, each with its distance to the nearest point outside the part. It shares no code
+/// with the engine, so that tests can compare the engine with it.
 class SolidRaster {
  public:
-  /// `step`: distance of the points in mm. Distances are right but for about one step.
+  /// `step` is the distance of the points, mm. Distances are correct to about one step.
   SolidRaster(const tiling::SolidFace& face, double step);
 
   struct Topology {
-    int pieces = 0;  ///< of the eroded solid
-    int voids = 0;   ///< connected regions outside of it: holes, and what surrounds it
+    int pieces = 0;  ///< connected pieces of the eroded solid
+    int voids = 0;   ///< connected regions outside: its holes and its surroundings
     bool operator==(const Topology& other) const = default;
   };
-  /// The solid eroded by half of `width`. Pieces count where a disk of the diameter `disk` fits in. Both in mm.
+  /// The topology of the solid after erosion by half of `width`. Pieces into which no disk of diameter `disk` fits do
+  /// not count. Both lengths are in mm.
   Topology eroded(double width, double disk) const;
 
  private:
@@ -28,13 +29,13 @@ class SolidRaster {
   void mark_inside(const tiling::SolidFace& face);
   void mark_outline(const tiling::SolidFace& face);
   void measure_distances();
-  /// Numbers the connected regions of the points that are marked, from 1 on, and returns how many there are.
+  /// Numbers the connected regions of marked points, from 1 on, and returns their number.
   int number_regions(const std::vector<char>& marked, bool with_diagonals, std::vector<int>& region) const;
 
   double step_;
   Eigen::Vector2d lower_ = Eigen::Vector2d::Zero();
   int columns_ = 0, rows_ = 0;
-  std::vector<float> distance_;  ///< mm
+  std::vector<float> distance_;  ///< distance of each point from the outside, mm
 };
 
 }  // namespace supple::testing

@@ -19,7 +19,7 @@
 
 namespace {
 
-/// What the process did to files while a test listened, and which synchronization is to fail.
+/// The system calls on files while a test listened, and which synchronization is to fail.
 struct Calls {
   std::vector<std::string> events;
   int fail_at_synchronization = 0;
@@ -36,8 +36,8 @@ std::string name_of(int descriptor) {
 
 }  // namespace
 
-// The program's own definitions come before the library's. A synchronization that failed cannot be had from a healthy
-// disk, and that one happened cannot be seen on it.
+// These definitions replace those of the C library: on a healthy disk no synchronization fails, and none can be
+// observed.
 extern "C" int fsync(int descriptor) {
   if (listening) {
     listening->events.push_back("synchronize " + name_of(descriptor));
@@ -168,7 +168,7 @@ TEST_F(DurableFile, IsPreparedBeforeItHasContentAndNotLeftWherePreparingFails) {
 TEST_F(DurableFile, FollowsNoLinkThatSomebodyPutInItsWay) {
   const auto victim = folder_ / "victim";
   std::ofstream(victim) << "mine";
-  // Whatever number the next unfinished file gets.
+  // The links have all names that the next unfinished file may get.
   for (int i = 0; i < 100; ++i) fs::create_symlink(victim, path_.string() + "." + std::to_string(i) + ".part");
   write_atomically(path_, {"new"});
   EXPECT_EQ(content(), "new");
@@ -182,7 +182,7 @@ TEST_F(DurableFile, IsWholeWhereAnotherProcessWritesItAtTheSameTime) {
   std::array<int, 2> ended{};
   ASSERT_EQ(::pipe(begun.data()) + ::pipe(ended.data()), 0);
   char signal = 0;
-  const pid_t other = fork();  // it counts its unfinished files from the same number
+  const pid_t other = fork();  // its unfinished files begin with the same number
   if (other == 0) {
     try {
       write_atomically(path_, {"of the ", "other"}, [&](int) {

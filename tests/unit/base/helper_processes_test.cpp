@@ -22,7 +22,7 @@ using testing::expect_error;
 
 HelperOptions options_of(int processes = 2) { return {SUPPLE_TEST_HELPER, processes, 0}; }
 
-/// Whether a process of this number runs; one that has ended and was not waited for does not.
+/// Whether a process of this id exists.
 bool runs(int process) { return ::kill(process, 0) == 0; }
 
 TEST(HelperProcesses, AnswerWithTheBytesOfTheTask) {
@@ -111,7 +111,7 @@ TEST(HelperProcesses, WaitForEachOtherBeyondTheirNumberAndStopWaitingWhenAsked) 
 }
 
 TEST(HelperProcesses, EndWithTheProcessThatStartedThem) {
-  // A child starts a helper, leaves it spinning and is killed; the pipe tells which process the helper is.
+  // A child starts a helper, leaves it in an endless loop and is killed. The pipe passes the helper's process id.
   ASSERT_EQ(::prctl(PR_SET_CHILD_SUBREAPER, 1), 0);
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
@@ -134,7 +134,7 @@ TEST(HelperProcesses, EndWithTheProcessThatStartedThem) {
   ASSERT_TRUE(runs(helper));
   ASSERT_EQ(::kill(child, SIGKILL), 0);
   ASSERT_EQ(::waitpid(child, nullptr, 0), child);
-  // This process inherits the helper and its child, which are one group.
+  // This process becomes the parent of the helper and its child, which are one process group.
   const auto ended = [helper] { return ::waitpid(-helper, nullptr, WNOHANG) < 0 && errno == ECHILD; };
   for (int look = 0; look < 6000 && !ended(); ++look) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_TRUE(ended());

@@ -97,8 +97,8 @@ TEST(MemoryAccount, GoesWithALoopToTheThreadsThatHelp) {
     parallel_for(200, [&](int) {
       if (MemoryAccount::of_this_thread() != &counter) ++strangers;
       note_block(30 * kibibyte);
-      // As much as is worth telling where a part ends: a thread that helps with one of these alone keeps less to
-      // itself.
+      // The sum is large enough to be reported at the end of a part. A thread that helps with a smaller part would keep
+      // it unreported.
       parallel_for(2, [&](int) { note_block(20 * kibibyte); });
       std::this_thread::sleep_for(std::chrono::microseconds(50));
     });

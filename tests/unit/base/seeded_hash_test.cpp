@@ -19,12 +19,13 @@ TEST(SeededHash, IsTheSameForTheSameNumbersInTheSameOrder) {
   EXPECT_EQ(hash_seed(), hash_seed());
 }
 
-// Keys that fall into one bucket of a table of a prime number of buckets, where numbers are their own hashes.
+// If integers were their own hashes, these keys would all fall into one bucket of a table of a prime number of buckets.
 TEST(SeededHash, SpreadsKeysThatWereChosenToMeet) {
   constexpr std::uint64_t buckets = 62233;
   std::vector<int> filled(buckets, 0);
   for (std::uint64_t k = 0; k < buckets; ++k) ++filled[SeededHash()(k * buckets) % buckets];
-  EXPECT_LT(*std::ranges::max_element(filled), 12);  // of a Poisson distribution of mean 1 one in 10^9 is as large
+  EXPECT_LT(*std::ranges::max_element(filled),
+            12);  // one value in 10^9 of a Poisson distribution of mean 1 is as large
 }
 
 TEST(SeededHash, ChangesHalfOfItsBitsWithAnyBitOfAKey) {
@@ -38,7 +39,7 @@ TEST(SeededHash, ChangesHalfOfItsBitsWithAnyBitOfAKey) {
   }
 }
 
-// Cells of a plane, whose coordinates are small numbers, meet in no hash.
+// Cells of a plane, whose coordinates are small integers, have different hashes.
 TEST(SeededHash, TellsCellsApart) {
   std::set<std::size_t> hashes;
   for (int x = -150; x < 150; ++x)

@@ -39,7 +39,7 @@ TEST(Sobol, HasOnePointInEachRectangleOfEqualAreaOfTheFirstTwoAxes) {
   }
 }
 
-/// The integral of a product over the unit cube: pairs of axes that repeat each other would miss it.
+/// The test integrates a product over the unit cube. The error would be large for axes that repeat each other.
 TEST(Sobol, IntegratesProductsOfAnyTwoAxes) {
   const SobolSequence sequence("products", 5);
   constexpr std::uint32_t n = 4096;

@@ -24,7 +24,7 @@ TetrahedralMesh fill_mesh(const TriangleMesh& mesh, const FillOptions& options =
   return fill(mesh.positions(), mesh.faces(), options);
 }
 
-/// By the divergence theorem.
+/// The volume that a surface encloses, by the divergence theorem.
 double enclosed_volume(const std::vector<Eigen::Vector3d>& positions, const std::vector<SurfaceTriangle>& faces) {
   double sum = 0;
   for (const auto& [a, b, c] : faces)
@@ -33,7 +33,7 @@ double enclosed_volume(const std::vector<Eigen::Vector3d>& positions, const std:
   return sum / 6;
 }
 
-/// Expects what every filled surface promises, but for the volume.
+/// Expects that the surface is unchanged, is the boundary of the tetrahedra, and that these are positive.
 void expect_keeps_surface(const TetrahedralMesh& mesh, const std::vector<Eigen::Vector3d>& positions,
                           const std::vector<SurfaceTriangle>& faces) {
   ASSERT_EQ(static_cast<std::size_t>(mesh.surface_vertices), positions.size());
@@ -67,7 +67,7 @@ void expect_fills(const TriangleMesh& surface, const FillOptions& options = {}) 
   EXPECT_NEAR(mesh.volume(), volume, 1e-12 * volume);
 }
 
-/// A solid L: two units of the plane's L, one high.
+/// An L-shaped prism, 2 long, 2 wide and 1 high.
 TriangleMesh thick_l() {
   const std::vector<Eigen::Vector2d> corners = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   std::vector<Eigen::Vector3d> positions;
@@ -87,7 +87,7 @@ TriangleMesh thick_l() {
   return TriangleMesh::build(positions, faces);
 }
 
-/// The sphere within another, as one list of vertices and triangles.
+/// Appends a scaled mesh to lists of vertices and triangles. If `turned`, its triangles are reversed.
 void append(const TriangleMesh& mesh, double scale, bool turned, std::vector<Eigen::Vector3d>& positions,
             std::vector<SurfaceTriangle>& faces) {
   const auto first = static_cast<std::int32_t>(positions.size());
@@ -112,7 +112,7 @@ TEST(Fill, TwiceTheLengthGivesAnEighthOfTheTetrahedra) {
   const auto coarse = fill_mesh(testing::icosphere(3), {.element_size = 0.14}).tetrahedra.size();
   const auto fine = fill_mesh(testing::icosphere(3), {.element_size = 0.07}).tetrahedra.size();
   EXPECT_NEAR(static_cast<double>(fine) / static_cast<double>(coarse), 8, 2);
-  // Where the surface is finer than what is wanted inside, tetrahedra grow, and faster with a greater grading.
+  // If the surface is finer than the length that is wanted inside, tetrahedra grow, and faster with a greater grading.
   const auto slow = fill_mesh(cube, {.element_size = 1, .grading = 0.2}).tetrahedra.size();
   const auto fast = fill_mesh(cube, {.element_size = 1, .grading = 1}).tetrahedra.size();
   EXPECT_LT(fast, slow);
@@ -130,7 +130,7 @@ TEST(Fill, TheMeanEdgeIsTheLengthWhereNoneIsGiven) {
 TEST(Fill, GivesTheSameBitsEveryTime) {
   const TriangleMesh sphere = testing::icosphere(3);
   const TetrahedralMesh first = fill_mesh(sphere, {.element_size = 0.1});
-  // What else lies in memory makes no difference.
+  // These allocations change the addresses that gmsh gets, which must not matter.
   std::vector<std::vector<double>> others;
   for (std::size_t k = 0; k < 2000; ++k) {
     others.emplace_back(k);
@@ -155,7 +155,7 @@ TEST(Fill, ASurfaceThatIsTurnedInsideOutGivesTheSameSolid) {
 struct Copy {
   std::vector<Eigen::Vector3d> positions;
   std::vector<SurfaceTriangle> faces;
-  std::vector<std::int32_t> number;  ///< of each of the given vertices
+  std::vector<std::int32_t> number;  ///< for each given vertex, its number in the copy
   Eigen::Quaterniond turn;
   double scale = 1;
   Eigen::Vector3d shift;
@@ -191,7 +191,7 @@ Copy copy_of(const std::vector<Eigen::Vector3d>& positions, const std::vector<Su
   return copy;
 }
 
-/// Expects the copy's filling to be that of the surface, moved along.
+/// Expects that the filling of the copy is that of the surface, moved like the copy.
 void expect_same_filling(const std::vector<Eigen::Vector3d>& positions, const std::vector<SurfaceTriangle>& faces,
                          const Copy& copy) {
   const TetrahedralMesh mesh = fill(positions, faces);
@@ -280,7 +280,7 @@ TEST(Fill, AnOpenSurfaceIsRefusedWithItsEdges) {
   }
   const TriangleMesh open = testing::open_hemisphere(64, 4);
   EXPECT_EQ(expect_error("solid.open_surface", [&] { fill_mesh(open); }).details().size(), 20U);
-  // Neighbours that do not agree about the inside.
+  // With this triangle, neighbours have contradicting orientations.
   faces.push_back({missing[1], missing[0], missing[2]});
   expect_error("solid.open_surface", [&] { fill(cube.positions(), faces); });
 }
@@ -295,7 +295,7 @@ TEST(Fill, ASurfaceThatCrossesItselfOrEnclosesNothingIsRefused) {
   for (Eigen::Vector3d& position : positions) position[2] = 0;
   expect_error("solid.not_filled", [&] { fill(positions, faces); });
   expect_error("solid.not_filled", [&] { fill(positions, std::vector<SurfaceTriangle>{}); });
-  // The mesher is as good as new.
+  // The mesher still works.
   expect_fills(testing::cube(4));
 }
 
@@ -304,14 +304,14 @@ TEST(Fill, MoreTetrahedraThanTheLimitAreRefusedBeforeTheyAreMade) {
   const Error foretold = expect_error("solid.too_many_elements", [&] { fill_mesh(sphere, {.element_size = 1e-5}); });
   EXPECT_EQ(testing::places(foretold), std::vector<std::string>{"element_size"});
   EXPECT_NE(foretold.details().front().message.find("limit 2000000"), std::string::npos);
-  // Small triangles on the surface, and slow growth away from them, are not foretold.
+  // The prediction leaves out small triangles on the surface, and slow growth away from them.
   const FillOptions slow{.element_size = 1, .grading = 0.01, .max_tetrahedra = 1000};
   expect_error("solid.too_many_elements", [&] { fill_mesh(testing::cube(16), slow); });
 }
 
 TEST(Fill, AStopRequestEndsIt) {
   const TriangleMesh sphere = testing::icosphere(3);
-  // When gmsh is about to begin with what would take it minutes.
+  // The stop request comes when gmsh is about to begin work of minutes.
   struct StopAtTheSecondReport : ProgressSink {
     CancellationToken token;
     int reports = 0;
@@ -321,7 +321,7 @@ TEST(Fill, AStopRequestEndsIt) {
   } stop;
   const Execution execution{.cancellation = stop.token, .progress = &stop};
   const FillOptions long_work{.element_size = 0.015, .max_tetrahedra = 100'000'000};
-  const std::clock_t start = std::clock();  // of the processor, so that a busy machine makes no difference
+  const std::clock_t start = std::clock();  // processor time, so that a busy machine makes no difference
   expect_error("job.cancelled", [&] { fill(sphere.positions(), sphere.faces(), long_work, execution); });
   EXPECT_LT(std::clock() - start, 20 * CLOCKS_PER_SEC);
 }

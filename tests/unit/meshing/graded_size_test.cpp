@@ -22,7 +22,8 @@ TEST(GradedSize, IsTheLeastOverAllSources) {
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3d point = 2 * somewhere();
     double least = largest;
-    for (const auto& source : sources) least = std::min(least, source.length + grading * (source.at - point).norm());
+    for (const auto& source : sources)
+      least = std::min(least, source.length + grading * (source.position - point).norm());
     EXPECT_DOUBLE_EQ(size(point), least);
   }
 }

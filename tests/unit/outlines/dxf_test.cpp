@@ -56,7 +56,7 @@ TEST(Dxf, PolylinesHaveTheirBulges) {
   EXPECT_EQ(drawing.outlines[0].corners.size(), 4U);
   EXPECT_NEAR(area(drawing.outlines[0]), 100, 1e-12);
   EXPECT_EQ(drawing.outlines[0].names, std::vector<std::string>{"cut"});
-  // A bulge of 1 is half a circle, to the right of its side where it is counterclockwise.
+  // A bulge of 1 is a half circle, which is counterclockwise and lies to the right of its side.
   const auto with_bulge = [](const char* bulge) {
     return area(read_entities(pairs({{0, "LWPOLYLINE"},
                                      {70, "1"},
@@ -74,7 +74,7 @@ TEST(Dxf, PolylinesHaveTheirBulges) {
   EXPECT_NEAR(with_bulge("1"), 100 + 25 * pi / 2, 0.02);
   EXPECT_NEAR(with_bulge("-1"), 100 - 25 * pi / 2, 0.02);
   EXPECT_NEAR(with_bulge("0.41421356237309503"), 100 + 50 * (pi / 2 - 1) / 2, 0.02) << "a quarter of a circle";
-  // Two halves are a circle.
+  // Two half circles are a circle.
   const Drawing circle = read_entities(
       pairs({{0, "LWPOLYLINE"}, {70, "1"}, {10, "5"}, {20, "3"}, {42, "1"}, {10, "9"}, {20, "3"}, {42, "1"}}));
   EXPECT_LT(off_circle(circle.outlines.at(0), {7, 3}, 2), 1e-9);
@@ -113,7 +113,7 @@ TEST(Dxf, LinesAndArcsOfOneLayerCloseInAnyOrder) {
   ASSERT_EQ(drawing.outlines.size(), 1U);
   EXPECT_NEAR(std::abs(area(drawing.outlines[0])), 200 + 25 * pi, 0.05);
   EXPECT_EQ(drawing.joined, 4U);
-  // On two layers they close as well, which is told.
+  // On two layers they close as well, with a warning.
   std::string apart = slot;
   apart.replace(apart.find("slot"), 4, "dash");
   const Drawing layers = read_entities(apart);
@@ -132,7 +132,7 @@ TEST(Dxf, CirclesEllipsesAndTheirParts) {
   const Groups ellipse = {{0, "ELLIPSE"}, {10, "0"},   {20, "0"}, {11, "0"},
                           {21, "6"},      {40, "0.5"}, {41, "0"}, {42, "6.283185307179586"}};
   EXPECT_NEAR(area(read_entities(pairs(ellipse)).outlines.at(0)), 18 * pi, 0.05);
-  // Half an ellipse from the end of its longer axis, on the left of it; seen from behind it is on the right.
+  // Half an ellipse lies to the left of its longer axis. If its normal points down, it lies to the right.
   const auto half = [](const char* normal) {
     return read_entities(pairs({{0, "ELLIPSE"},
                                 {10, "0"},
@@ -223,8 +223,8 @@ TEST(Dxf, HiddenLayersSheetsAndAnnotationsAreLeftOut) {
   EXPECT_EQ(drawing.left_out[0].reason, "its layer is off or frozen");
 }
 
-/// A section of blocks: "dot", a circle of radius 1 at (3, 2) with the base (1, 2), and "pair", of which another lies
-/// 10 to the right.
+/// A section of blocks: "dot", a circle of radius 1 at (3, 2) with the base (1, 2), and "pair", two dots, the second of
+/// which lies 10 to the right of the first.
 std::string blocks() {
   return pairs({{0, "SECTION"}, {2, "BLOCKS"}, {0, "BLOCK"},  {2, "pair"},   {0, "INSERT"}, {2, "dot"},
                 {0, "INSERT"},  {2, "dot"},    {10, "10"},    {0, "ENDBLK"}, {0, "BLOCK"},  {2, "dot"},
@@ -235,11 +235,11 @@ std::string blocks() {
 Drawing read_inserts(const std::string& inserts, const char* unit = "4") {
   DrawingOptions options;
   options.tolerance = 1e-4;
-  // The square keeps the drawing where it is: the box of all begins in the origin.
+  // With the square, the bounding box begins at the origin, so that the drawing is not moved.
   return read_drawing(drawing_of(square + inserts, unit, blocks()), options);
 }
 
-/// The middle of a closed curve's bounding box, and half its size.
+/// The centre of an outline's bounding box, and half of its size.
 std::pair<Eigen::Vector2d, Eigen::Vector2d> box_of(const Outline& outline) {
   Eigen::Vector2d lower = outline.corners[0], upper = lower;
   for (const Eigen::Vector2d& p : outline.corners) {
@@ -277,7 +277,7 @@ TEST(Dxf, BlocksWithinBlocksInRowsAndColumns) {
   std::size_t next = 1;
   for (const double y : {20, 60}) {
     for (const double x : {50, 150, 250}) {
-      for (const double along : {2, 12}) {  // mirrored: to the left
+      for (const double along : {2, 12}) {  // mirrored, so that the circles lie to the left
         const auto [middle, half] = box_of(drawing.outlines[next]);
         EXPECT_LT((middle - Eigen::Vector2d(x - along, y)).norm(), 1e-3) << next;
         EXPECT_LT((half - Eigen::Vector2d(1, 1)).norm(), 1e-3);

@@ -62,7 +62,7 @@ TEST(JoinedLines, DoubledOnesCountOnce) {
   EXPECT_EQ(drawing.open_curves, 0U);
   EXPECT_TRUE(warns_of(drawing, "4 lines lie over another one"));
   EXPECT_EQ(drawing.left_out_count, 4U);
-  // Drawn backwards too, and in part.
+  // A side that is drawn again backwards, and a part of a side, count once, too.
   const Drawing backwards = read_model(all(sides()) + line_entity(40, 0, 0, 0) + line_entity(0, 0, 25, 0));
   ASSERT_EQ(backwards.outlines.size(), 1U);
   EXPECT_NEAR(even_odd_area(backwards), 1600, 1e-9);
@@ -104,7 +104,7 @@ TEST(JoinedLines, CloseOverSeveralLayersAndGaps) {
   const Drawing twice = read_model(all(sides()) + all(sides("edge", "edge")));
   ASSERT_EQ(twice.outlines.size(), 1U);
   EXPECT_TRUE(warns_of(twice, "1 polygon lies over another one"));
-  // Gaps up to the tolerance, with a stray line at one of them.
+  // The gaps are within the tolerance, and a stray line begins at one of them.
   const Drawing gaps = read_model(line_entity(0.02, 0, 40, 0) + line_entity(40, 0.03, 40, 40) +
                                   line_entity(40, 40, 0, 40.01) + line_entity(0, 40, 0, 0) + line_entity(40, 0, 60, 0));
   ASSERT_EQ(gaps.outlines.size(), 1U);
@@ -116,7 +116,7 @@ TEST(JoinedLines, ThatBranchBoundEachAreaBetweenThem) {
   EXPECT_EQ(divided.outlines.size(), 2U);
   EXPECT_NEAR(even_odd_area(divided), 1600, 1e-9);
   EXPECT_TRUE(warns_of(divided, "More than two curves meet at"));
-  // Two squares that touch in a corner.
+  // These two squares touch in a corner.
   const Drawing touching = read_model(all(sides()) + line_entity(40, 40, 60, 40) + line_entity(60, 40, 60, 60) +
                                       line_entity(60, 60, 40, 60) + line_entity(40, 60, 40, 40));
   EXPECT_EQ(touching.outlines.size(), 2U);

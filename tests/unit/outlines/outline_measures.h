@@ -11,7 +11,7 @@ namespace supple::outlines::testing {
 
 inline constexpr double pi = std::numbers::pi;
 
-/// Signed: positive for counterclockwise outlines.
+/// The area of an outline, positive if it runs counterclockwise.
 inline double area(const Outline& outline) {
   double twice = 0;
   const auto& c = outline.corners;
@@ -22,7 +22,7 @@ inline double area(const Outline& outline) {
   return twice / 2;
 }
 
-/// What lies within an odd number of a drawing's outlines, none of which cross.
+/// The area within an odd number of a drawing's outlines, none of which cross.
 inline double even_odd_area(const Drawing& drawing) {
   const auto inside = [](const Outline& outline, const Eigen::Vector2d& p) {
     bool result = false;
@@ -37,7 +37,7 @@ inline double even_odd_area(const Drawing& drawing) {
   double sum = 0;
   for (const Outline& outline : drawing.outlines) {
     int around = 0;
-    // A point of the boundary, pushed a little inwards of a side so that shared corners do not count.
+    // A point inside, very near to a side, so that corners shared with other outlines do not matter.
     const Eigen::Vector2d a = outline.corners[0], b = outline.corners[1];
     const Eigen::Vector2d left(-(b - a).y(), (b - a).x());
     const Eigen::Vector2d p = (a + b) / 2 + (area(outline) > 0 ? 1e-6 : -1e-6) * left.normalized();
@@ -47,7 +47,7 @@ inline double even_odd_area(const Drawing& drawing) {
   return sum;
 }
 
-/// The greatest distance of a corner from a circle.
+/// The largest distance of a corner from a circle.
 inline double off_circle(const Outline& outline, const Eigen::Vector2d& centre, double radius) {
   double most = 0;
   for (const auto& p : outline.corners) most = std::max(most, std::abs((p - centre).norm() - radius));

@@ -28,7 +28,7 @@ Drawing read_sheet(const std::string& content, const DrawingOptions& options = {
 }
 
 TEST(ShownShapes, AreThoseThatABrowserShows) {
-  // Each has one square of 40 mm in sight and something that is not.
+  // Each drawing has one square of 40 mm that is shown, and something that is not shown.
   const std::string inner = "<rect x='20' y='20' width='20' height='20'";
   const std::string small = inner + "/>";
   for (const std::string& hidden :
@@ -79,7 +79,7 @@ TEST(ShownShapes, WhatIsShownInSpiteOfItsGroupIsShown) {
     ASSERT_EQ(drawing.outlines.size(), 1U) << shown;
     EXPECT_EQ(drawing.left_out_count, 0U);
   }
-  // A clone takes over the fill of its use.
+  // A copy inherits the fill of its <use>.
   expect_error("outline.nothing_closed",
                [] { read_sheet("<defs><rect id='r' width='10' height='10'/></defs><use href='#r' fill='none'/>"); });
 }
@@ -113,12 +113,12 @@ TEST(ShownShapes, AreFilledAsTheirRuleSays) {
   EXPECT_EQ(united.outlines[0].corners.size(), 12U);
   EXPECT_EQ(united.united, 2U);
   EXPECT_NEAR(even_odd_area(united), 700, 1e-6);
-  // In different groups both stay, and it is told.
+  // In different groups both remain, with a warning.
   const Drawing apart =
       read_sheet("<g><rect x='25' y='10' width='10' height='40'/></g>" + plus.substr(plus.find("<rect", 1)));
   EXPECT_EQ(apart.outlines.size(), 2U);
   EXPECT_TRUE(warns_of(apart, "cross each other"));
-  // Regions are meant to cross the part.
+  // Regions may cross the part without a warning.
   for (const char* name : {"regions", "Regions"}) {
     const Drawing region =
         read_sheet(std::string("<g id='") + name + "'><rect x='25' y='10' width='10' height='40'/></g>" +
@@ -143,7 +143,7 @@ TEST(ShownShapes, AreFilledAsTheirRuleSays) {
 TEST(ShownShapes, OpenOnesThatAreFilledAreClosedAsBrowsersDo) {
   EXPECT_NEAR(even_odd_area(read_sheet("<path d='M10 10L50 10L50 50L10 50'/>")), 1600, 1e-9);
   EXPECT_NEAR(even_odd_area(read_sheet("<polyline points='10,10 50,10 50,50'/>")), 800, 1e-9);
-  // Two halves in two groups, each of which is a triangle to a browser.
+  // The two halves of a square lie in two groups; each is a filled triangle, as in a browser.
   EXPECT_NEAR(even_odd_area(read_sheet("<g><path d='M10 10L50 10L50 50'/></g><g><path d='M50 50L10 50L10 10'/></g>")),
               1600, 1e-6);
   // A line without a fill stays open.
@@ -170,19 +170,19 @@ TEST(ShownShapes, ClipPathsCut) {
   EXPECT_NEAR(even_odd_area(cut("<g style='clip-path: url(\"#c\")'>" + shown_square + "</g>")), 800, 1e-6);
   EXPECT_NEAR(even_odd_area(cut("<style>.k{clip-path:url(#c)}</style><g class='k'>" + shown_square + "</g>")), 800,
               1e-6);
-  // It lies in the coordinates of what it cuts, and clips within clips cut both.
+  // A clip path is in the coordinates of what it cuts, and nested clip paths both cut.
   EXPECT_NEAR(even_odd_area(cut("<g transform='scale(.5)' clip-path='url(#c)'>" + shown_square + "</g>")), 200, 1e-6);
   EXPECT_NEAR(even_odd_area(read_sheet(clip +
                                        "<clipPath id='d'><rect y='30' width='60' height='9'/></clipPath>"
                                        "<g clip-path='url(#d)'><g clip-path='url(#c)'>" +
                                        shown_square + "</g></g>")),
               180, 1e-6);
-  // A page around everything leaves all corners as they are.
+  // A clip path around everything changes no corner.
   const Drawing page = read_sheet("<clipPath id='p'><path d='M0 0H60V60H0Z'/></clipPath><g clip-path='url(#p)'>" +
                                   shown_square + "</g>");
   EXPECT_EQ(page.clipped, 0U);
   EXPECT_EQ(page.outlines.at(0).corners.size(), 4U);
-  // What is cut off as a whole is told.
+  // A shape that is cut off as a whole is named.
   EXPECT_EQ(cut("<rect x='40' y='10' width='5' height='5' clip-path='url(#c)'/>" + shown_square).left_out.at(0).reason,
             "a clip path hides all of it");
   expect_error("outline.unreadable", [&] {
@@ -200,7 +200,7 @@ TEST(ShownShapes, NestedDrawingsHaveTheirOwnCoordinates) {
       "preserveAspectRatio='xMidYMin'><rect width='5' height='50%'/></svg>");
   EXPECT_NEAR(even_odd_area(drawing), 100, 1e-9);
   EXPECT_LT((drawing.upper - Eigen::Vector2d(20, 50)).norm(), 1e-9);
-  // What lies beyond its edge is cut off.
+  // Everything beyond the edge of an inner drawing is cut off.
   EXPECT_NEAR(even_odd_area(read_sheet("<svg x='10' y='10' width='20' height='20'>" + shown_square + "</svg>")), 100,
               1e-6);
   EXPECT_NEAR(even_odd_area(read_sheet("<svg width='20' height='20' overflow='visible'>" + shown_square + "</svg>")),
@@ -245,12 +245,12 @@ TEST(ShownShapes, PixelsOfOldProgramsAreAskedFor) {
     options.unit = LengthUnit::mm;
     EXPECT_NEAR(read_drawing(text, options).upper.x(), resolution, 1e-9);
   }
-  // Others are read with what their standard says, and it is told.
+  // Files of other programs are read with 96 pixels per inch, as the standard says, and with a warning.
   const Drawing pixels = read_drawing("<svg width='96px' height='96px'><rect width='96' height='48'/></svg>");
   EXPECT_NEAR(pixels.upper.x(), 25.4, 1e-9);
   EXPECT_FALSE(pixels.unit_is_known);
   EXPECT_TRUE(warns_of(pixels, "1/96 inch"));
-  // A size in millimetres is a size whatever the program.
+  // A size in millimetres is used, whatever the program.
   std::string sized = illustrator;
   for (const char* side : {"width='72px'", "height='72px'"})
     sized.replace(sized.find(side) + std::string(side).size() - 5, 4, "72mm");

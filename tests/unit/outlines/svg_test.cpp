@@ -82,7 +82,7 @@ TEST(Svg, SubpathsAreCurvesOfTheirOwn) {
 TEST(Svg, CurvesStayWithinTheToleranceAndFewerCornersGiveUpNoMore) {
   for (const double tolerance : {1.0, 0.1, 0.01, 0.001}) {
     SCOPED_TRACE(tolerance);
-    // A circle in three ways: a circle, two arcs, and an ellipse that is turned.
+    // A circle is drawn as a circle, as two arcs, and as an ellipse that is rotated.
     const Drawing drawing = read(page(R"svg(<circle cx="50" cy="40" r="20"/>
       <path d="M20 10 A5 5 0 0 1 30 10 A5 5 0 0 1 20 10"/><ellipse rx="7" ry="7" transform="translate(80 60) rotate(30)"/>)svg"),
                                  tolerance);
@@ -103,15 +103,15 @@ TEST(Svg, CurvesStayWithinTheToleranceAndFewerCornersGiveUpNoMore) {
 }
 
 TEST(Svg, BezierCurvesHaveTheAreaOfTheirFormula) {
-  // Between a chord and a cubic curve with handles across it lie three fifths of the rectangle, by integration; between
-  // it and a quadratic curve two thirds of the triangle.
+  // Integration gives the areas: a cubic curve whose control points are corners of a rectangle encloses three fifths of
+  // it, and a quadratic curve two thirds of the triangle of its control points.
   const auto area_of = [](const char* data) { return std::abs(area(read(path(data), 1e-4).outlines.at(0))); };
   EXPECT_NEAR(area_of("M10 10 C10 20 40 20 40 10 Z"), 0.6 * 30 * 10, 1e-2);
   EXPECT_NEAR(area_of("M10 10 Q25 30 40 10 Z"), 2.0 / 3 * (30 * 20 / 2), 1e-2);
   EXPECT_NEAR(area_of("M10 10 q15 20 30 0 z"), 200, 1e-2);
-  // A quadratic curve is the cubic curve with handles two thirds of the way.
+  // A quadratic curve is a cubic curve whose control points lie at two thirds of the sides of its triangle.
   EXPECT_NEAR(area_of("M10 10 C20 23.333333333 30 23.333333333 40 10 Z"), 200, 1e-2);
-  // S and T mirror the handle before.
+  // S and T mirror the control point before.
   EXPECT_NEAR(area_of("M10 40 Q20 60 30 40 T50 40 L50 10 L10 10 Z"),
               area_of("M10 40 Q20 60 30 40 Q40 20 50 40 L50 10 L10 10 Z"), 1e-9);
   EXPECT_NEAR(area_of("M10 40 c0 10 20 10 20 0 s20 -10 20 0 V10 H10 Z"),
@@ -119,7 +119,7 @@ TEST(Svg, BezierCurvesHaveTheAreaOfTheirFormula) {
 }
 
 TEST(Svg, ArcsFollowTheirFlags) {
-  // Of the four arcs of radius 10 between two points at distance 10 two are small and two large.
+  // Two of the four arcs of radius 10 between two points at distance 10 are small, and two are large.
   const double small = 10 * 10 * (pi / 3 - std::sin(pi / 3)) / 2, whole = 100 * pi;
   const auto area_of = [](const char* flags) {
     return area(read(path(std::string("M40 40 A10 10 0 ") + flags + " 50 40 Z"), 1e-4).outlines.at(0));
@@ -129,10 +129,10 @@ TEST(Svg, ArcsFollowTheirFlags) {
   EXPECT_NEAR(area_of("1 1"), -(whole - small), 0.02);
   EXPECT_NEAR(area_of("1 0"), whole - small, 0.02);
   EXPECT_NEAR(area_of("01"), -small, 0.01) << "flags need no blanks";
-  // Radii too small to reach grow until they do; a radius of nothing is a straight line.
+  // Radii that are too small for the chord are enlarged; an arc with a radius of 0 is a straight line.
   EXPECT_NEAR(std::abs(area(read(path("M40 40a1 1 0 0 1 10 0z"), 1e-4).outlines.at(0))), 25 * pi / 2, 0.01);
   EXPECT_EQ(read(path("M40 40A0 5 0 0 1 50 40L50 50Z")).outlines.at(0).corners.size(), 3U);
-  // Half of an ellipse whose longer axis is turned onto y.
+  // Half of an ellipse whose longer axis is rotated to y.
   EXPECT_NEAR(std::abs(area(read(path("M40 30A10 5 90 0 1 40 50z"), 1e-4).outlines.at(0))), 50 * pi / 2, 0.01);
 }
 
@@ -142,7 +142,7 @@ TEST(Svg, RoundedRectanglesHaveTheirCorners) {
   EXPECT_NEAR(std::abs(area(drawing.outlines.at(0))), 600 - (4 - pi) * 24, 0.01);
   EXPECT_NEAR((drawing.lower - Eigen::Vector2d(10, 50)).norm(), 0, 1e-9);
   EXPECT_NEAR((drawing.upper - Eigen::Vector2d(40, 70)).norm(), 0, 1e-9);
-  // One radius stands for both, and neither is greater than half a side.
+  // A single radius applies to both axes, and neither radius exceeds half a side.
   EXPECT_NEAR(std::abs(area(read(page(R"svg(<rect width="30" height="20" ry="3"/>)svg"), 1e-4).outlines.at(0))),
               600 - (4 - pi) * 9, 0.01);
   EXPECT_NEAR(std::abs(area(read(page(R"svg(<rect width="20" height="20" rx="99"/>)svg"), 1e-4).outlines.at(0))),
@@ -179,7 +179,7 @@ TEST(Svg, SizesAreThoseOfThePage) {
   EXPECT_NEAR(width("width='2in' height='2in' viewBox='0 0 192 192'"), 25.4, 1e-9);
   EXPECT_NEAR(width("width='144pt' viewBox='0 0 192 192'"), 25.4, 1e-9);
   EXPECT_NEAR(width("width='100%' height='100%' viewBox='0 0 192 192'"), 25.4, 1e-9);
-  // A view box of other proportions lies in the middle of the page.
+  // A view box of another aspect ratio is centred on the page.
   const Drawing wide = width_of("width='400mm' height='192mm' viewBox='0 0 192 192'");
   EXPECT_NEAR(wide.lower.x(), 104 + 96, 1e-9);
   EXPECT_NEAR(wide.lower.y(), 48, 1e-9);
@@ -219,7 +219,7 @@ TEST(Svg, PolygonsAreFoundByIdsLabelsAndGroups) {
 }
 
 TEST(Svg, OpenCurvesOfOneGroupAreJoinedAndOthersTold) {
-  // Four sides in any order and direction close; one in another group, and one that is apart, do not.
+  // Sides in any order and direction close; one in another group, and one with a gap, do not.
   const Drawing drawing = read(page(R"svg(<g><path d="M10 10H30"/><line x1="30" y1="30" x2="30" y2="10.004"/>
     <polyline points="10,10 10,30 30,30"/></g><rect x="50" width="5" height="5"/>
     <g fill="none" stroke="#000"><line x1="40" y1="40" x2="60" y2="40"/></g>
@@ -239,7 +239,7 @@ TEST(Svg, WhatIsUsedIsDrawnAgain) {
                                                                                     {30, 80 - 37.795275590551178},
                                                                                     {30, 75 - 37.795275590551178},
                                                                                     {20, 75 - 37.795275590551178}});
-  // As if it were written there, in a group that is moved.
+  // A <use> draws as if its target were written there, in a group that is moved.
   const Drawing used = read(page(defined + R"svg(<use id="left" href="#pair" transform="rotate(30)" x="40" y="-10"/>
     <g id="right"><use id="small" href="#pair" transform="translate(70 40) scale(.5)"/></g>)svg"));
   const Drawing written = read(page(R"svg(<g transform="rotate(30) translate(40 -10)"><rect width="10" height="5"/>
@@ -258,7 +258,7 @@ TEST(Svg, WhatIsUsedIsDrawnAgain) {
 
 TEST(Svg, SymbolsFillTheSpaceOfTheirUse) {
   const std::string symbol = R"svg(<symbol id="s" viewBox="1 0 2 1"><rect x="1" width="2" height="1"/></symbol>)svg";
-  // Of the page's own size where the use has none; in the middle of a space of other proportions.
+  // Without a size of the <use>, the page's size counts. In a space of another aspect ratio, the symbol is centred.
   expect_corners(page(symbol + R"svg(<use href="#s"/>)svg"), {{0, 65}, {100, 65}, {100, 15}, {0, 15}});
   expect_corners(page(symbol + R"svg(<use href="#s" x="10" y="20" width="40" height="30"/>)svg"),
                  {{10, 55}, {50, 55}, {50, 35}, {10, 35}});

@@ -15,7 +15,7 @@ struct SideUse {
   int triangle, side;
 };
 
-// By their midpoints, of which there is one for each side.
+// The triangles at each side. The key is the node at the side's midpoint.
 std::map<int, std::vector<SideUse>> uses_of_sides(const PeriodicMesh& mesh) {
   std::map<int, std::vector<SideUse>> uses;
   for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
@@ -58,7 +58,7 @@ int windings(const Tiling& tiling, const std::vector<std::vector<Polygon>>& poly
   int winding = 0;
   for (const std::vector<Polygon>& of_tile : polygons) {
     for (const Polygon& copy : of_tile) {
-      // The translations that bring the point into the copy's bounds, in lattice coordinates.
+      // The range of translations, in lattice coordinates, that move the point into the bounds of the copy.
       Eigen::Array2d lower = Eigen::Array2d::Constant(INFINITY), upper = -lower;
       for (const Eigen::Vector2d& p : copy) {
         const Eigen::Array2d at = inverse * (p - point);
@@ -96,7 +96,7 @@ void expect_sound(const PeriodicMesh& mesh, const Structure& structure) {
   for (const auto& [middle, list] : uses) {
     ASSERT_LE(list.size(), 2u);
     if (list.size() == 1) continue;
-    // Moved by the same translation, the second triangle sees the side from its other end.
+    // The second triangle, translated to the first one, has the side in the opposite direction.
     const auto& [t, k] = list[0];
     const auto& [u, l] = list[1];
     const Eigen::Vector2d by = mesh.corner(t, 3 + k) - mesh.corner(u, 3 + l);
@@ -106,7 +106,7 @@ void expect_sound(const PeriodicMesh& mesh, const Structure& structure) {
   }
   expect_outline(mesh, structure, uses);
 
-  // A torus less its holes: corners - sides + triangles = -holes.
+  // The Euler characteristic of a torus with holes: corners - sides + triangles = -holes.
   std::ptrdiff_t holes = 0;
   for (const auto& of_tile : structure.holes) holes += static_cast<std::ptrdiff_t>(of_tile.size());
   const auto sides = static_cast<std::ptrdiff_t>(uses.size());

@@ -119,7 +119,7 @@ TEST(Export, TheSvgHasTheHolesOfItsCellsAndAFullRim) {
       if (area(polygon) > 0) rim = perimeter(polygon);
     }
     EXPECT_NEAR(-holes, 6 * (structure.cell_area - structure.solid_area), 1e-3) << family.id;
-    // Half a beam width all around six cells; corners change it little.
+    // The patch extends half a beam width beyond six cells; corners change its area little.
     const double expected = 6 * structure.cell_area + rim * structure.beam_width / 2;
     EXPECT_NEAR(outer, expected, 0.05 * rim * structure.beam_width) << family.id;
   }
@@ -142,7 +142,7 @@ TEST(Export, TheSvgsSizeIsTheSolidsInMillimetres) {
   EXPECT_NEAR(number_after(" height=\""), upper.y() - lower.y(), 1e-4);
   EXPECT_NE(svg.find("mm\" height"), std::string::npos);
   EXPECT_NE(svg.find("fill-rule=\"evenodd\""), std::string::npos);
-  // The page draws copies of a patch: their translations are in the file's coordinates, whose y points down.
+  // A web page draws copies of a patch by these translations. They are in the file's coordinates, whose y points down.
   std::istringstream translations(svg.substr(svg.find("data-translations=\"") + 19));
   for (int k = 0; k < 2; ++k) {
     double x = 0, y = 0;
@@ -166,7 +166,7 @@ TEST(Export, TheDxfHasTheSectionsOfR2000AndUniqueHandles) {
     if (pairs[k].code == 0 && pairs[k].value == "ENDSEC") {
       EXPECT_EQ(--depth, 0);
     }
-    // Behind $HANDSEED stands the next free handle, which is nobody's.
+    // The handle after $HANDSEED is the next free one, which no object has.
     if (pairs[k].code == 5) {
       EXPECT_TRUE(handles.insert(pairs[k].value).second) << pairs[k].value;
     }

@@ -60,7 +60,7 @@ TEST(Family, ThePlacedTilesCoverThePlaneExactlyOnce) {
       const auto tiles = tiles_of(tiling);
       for (int sample = 0; sample < 30; ++sample) {
         const Eigen::Vector2d point = tiling.lattice * Eigen::Vector2d(random.uniform(), random.uniform());
-        // Where a tile crosses itself, it covers its inverted part minus once, and its neighbours twice.
+        // A tile that crosses itself winds -1 times around its inverted part, which its neighbours cover twice.
         ASSERT_EQ(windings(tiling, tiles, point), 1) << family.id << " at " << point.transpose();
       }
       for (const Polygon& tile : tiling.tiles) {

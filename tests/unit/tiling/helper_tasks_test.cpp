@@ -40,7 +40,7 @@ TEST_F(TilingInHelpers, GivesTheBitsOfAMeshWhateverWasMeshedBeforeAndMostlyOfOne
       const MeshOptions options{.mesh_size = 0.8, .region = region};
       const PeriodicMesh here = make_mesh(structure, options);
       const PeriodicMesh there = mesh_structure(structure, options);
-      // Of triangles of equal size gmsh takes the one whose address is less: here there is other memory.
+      // gmsh orders triangles of equal size by their addresses in memory, which differ between processes.
       others += testing::identical(here, there) ? 0 : 1;
       ++meshes;
       testing::expect_sound(there, structure);
@@ -52,7 +52,7 @@ TEST_F(TilingInHelpers, GivesTheBitsOfAMeshWhateverWasMeshedBeforeAndMostlyOfOne
     }
   }
   EXPECT_LE(others, meshes / 8) << "of " << meshes;
-  // In the same helper in another order, then in one of their own each.
+  // The meshes are made again by the same helper in another order, then each by a new helper.
   for (std::size_t k = asked.size(); k-- > 0;)
     EXPECT_TRUE(testing::identical(mesh_structure(asked[k].first, asked[k].second), answers[k])) << k;
   for (std::size_t k = 0; k < asked.size(); ++k) {

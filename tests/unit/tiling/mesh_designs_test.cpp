@@ -20,10 +20,10 @@ std::string text(const std::vector<double>& parameters) {
   return result;
 }
 
-/// The codes by which designs in and around the box may be refused; anything else is a fault of ours.
+/// The codes with which designs in and around the box may be refused. Any other code is a bug.
 const std::set<std::string> refusals = {"tiling.cell_too_small", "tiling.hole_closed"};
 
-// Meshes the design or sees it refused for what it is. Returns whether it was meshed.
+// Meshes the design, or expects that it is refused with one of these codes. Returns whether it was meshed.
 bool mesh_or_refuse(const Family& family, const std::vector<double>& parameters, const MeshOptions& options) {
   SCOPED_TRACE(family.id + text(parameters));
   Structure structure;
@@ -88,7 +88,7 @@ TEST(MeshDesigns, TheSquareFamilyIsMeshedThroughItsSingularityAndWhereItsHolesCl
 }
 
 TEST(MeshDesigns, TilesWithSpikesInsideABeamGetNoSharpTriangles) {
-  // Two sides of the tile run almost along each other.
+  // Two sides of the tile are almost parallel and close to each other.
   const Structure structure = make_structure(family("IH01"), std::vector{0.289901, 0.500677, 0.093444, 0.409483});
   EXPECT_LT(statistics(mesh_structure(structure, {.corner_size = 1, .region = Region::tile})).smallest_angle,
             3 * degree);

@@ -63,7 +63,7 @@ TEST(Mesh, CornersAreGradedWithinHalfABeamWidth) {
         for (const Eigen::Vector2d& corner : holes[0]) {
           const Eigen::Vector2d apart = corner - (a + b) / 2;
           const Eigen::Vector2d shift = (mesh.lattice.inverse() * apart).array().round();
-          // The lattice is skewed: look around the rounded shift.
+          // The lattice is skewed, so that neighbours of the rounded shift are tried, too.
           for (int i = -1; i <= 1; ++i) {
             for (int j = -1; j <= 1; ++j) {
               distance = std::min(distance, (apart - mesh.lattice * (shift + Eigen::Vector2d(i, j))).norm());
@@ -126,7 +126,7 @@ TEST(Mesh, ARepeatedMeshIsSoundAndKeepsItsNodesOrder) {
           EXPECT_LT((copy - (cell.nodes.colwise() + by)).cwiseAbs().maxCoeff(), 1e-12);
         }
       }
-      // The same patch as a structure of its own: a larger cell with the tiles' copies.
+      // The same patch is a structure of its own: a larger cell with copies of the tiles.
       Structure larger = structure;
       larger.tiling.lattice = patch.lattice;
       larger.tiling.placements.clear();
@@ -170,7 +170,7 @@ TEST(Mesh, StatisticsDescribeTheMesh) {
   EXPECT_EQ(found.triangles, static_cast<int>(mesh.triangles.size()));
   EXPECT_NEAR(found.relative_density, structure.solid_area / structure.cell_area, 1e-6);
   EXPECT_GT(found.smallest_angle, 0.3);
-  EXPECT_LT(found.smallest_angle, 1.0472);  // that of equilateral triangles
+  EXPECT_LT(found.smallest_angle, 1.0472);  // the angle of equilateral triangles
   EXPECT_LT(found.shortest_side, found.longest_side);
 }
 
@@ -199,7 +199,7 @@ TEST(Mesh, MeshesTooLargeAreRefusedBeforeTheyAreMadeWithLimitAndEstimate) {
 }
 
 TEST(Mesh, TheEstimateOfNodesIsOfTheRightSize) {
-  // What a limit lets through, and what it refuses, differ by less than a factor of three from the truth.
+  // The estimate differs from the true number by less than a factor of three.
   for (const double corner_size : {1.0, 0.2, 0.01}) {
     const Structure structure = preset_structure("IH28");
     MeshOptions options = {.mesh_size = 0.4, .corner_size = corner_size};

@@ -23,7 +23,7 @@ Polygon clockwise(Polygon polygon) {
   return polygon;
 }
 
-/// Two plates that hang together by a strip of the width and the length.
+/// Two plates that are connected by a strip of the given width and length.
 Polygon dumbbell(double width, double length) {
   const double w = width / 2, l = length / 2;
   return {{-l - 4, -2}, {-l, -2}, {-l, -w}, {l, -w}, {l, -2}, {l + 4, -2},
@@ -36,21 +36,21 @@ TEST(NarrowPlaces, AreMeasuredBetweenWiderOnes) {
       const NarrowPlaces found = narrow_places({turned(dumbbell(0.25, length), angle)}, 0.3, usual);
       ASSERT_FALSE(found.below.empty()) << angle << ", " << length;
       for (const NarrowPlace& place : found.below) EXPECT_NEAR(place.width(), 0.25, 1e-12);
-      EXPECT_FALSE(found.least_of_rest.has_value());
+      EXPECT_FALSE(found.narrowest_other.has_value());
       const NarrowPlaces wide = narrow_places({turned(dumbbell(0.25, length), angle)}, 0.2, usual);
       EXPECT_TRUE(wide.below.empty());
-      EXPECT_NEAR(wide.least_of_rest.value_or(0), 0.25, 1e-12);
+      EXPECT_NEAR(wide.narrowest_other.value_or(0), 0.25, 1e-12);
     }
   }
 }
 
 TEST(NarrowPlaces, AreFoundHoweverWideTheyAre) {
-  EXPECT_NEAR(narrow_places({dumbbell(0.25, 3)}, 0, 1e-3).least_of_rest.value_or(0), 0.25, 1e-12);
-  EXPECT_NEAR(narrow_places({dumbbell(0.25, 3)}, 0, 50).least_of_rest.value_or(0), 0.25, 1e-12);
+  EXPECT_NEAR(narrow_places({dumbbell(0.25, 3)}, 0, 1e-3).narrowest_other.value_or(0), 0.25, 1e-12);
+  EXPECT_NEAR(narrow_places({dumbbell(0.25, 3)}, 0, 50).narrowest_other.value_or(0), 0.25, 1e-12);
 }
 
 TEST(NarrowPlaces, LieBetweenCornersThatAreAslant) {
-  // An hourglass whose two tips are offset: the distance of the tips is its width.
+  // The tips of this hourglass are offset. Their distance is its width.
   const Polygon hourglass = {{-5, -5}, {5, -5}, {0.1, -0.05}, {5, 5}, {-5, 5}, {-0.1, 0.05}};
   const NarrowPlaces found = narrow_places({hourglass}, 1, usual);
   ASSERT_EQ(found.below.size(), 1U);
@@ -67,17 +67,17 @@ TEST(NarrowPlaces, LieBetweenHoles) {
   const NarrowPlaces found = narrow_places(plate, 0.5, usual);
   ASSERT_FALSE(found.below.empty());
   for (const NarrowPlace& place : found.below) EXPECT_NEAR(place.width(), 0.4, 1e-12) << "the wall between two holes";
-  EXPECT_NEAR(found.least_of_rest.value_or(0), 0.6, 1e-12) << "the wall between a hole and the outline";
+  EXPECT_NEAR(found.narrowest_other.value_or(0), 0.6, 1e-12) << "the wall between a hole and the outline";
 }
 
 TEST(NarrowPlaces, AreNeitherAcuteCornersNorDeadEnds) {
-  // A spike and a stub of parallel sides on a plate, which are narrower than the limit, and a stub that tapers.
+  // On a plate there are a spike and a stub with parallel sides, both narrower than the limit, and a tapered stub.
   const Polygon plate = {{0, 0},   {10, 0}, {10, 4},  {7.05, 4},   {7, 6},      {6.95, 4}, {4.2, 4}, {4.2, 4.5},
                          {4, 4.5}, {4, 4},  {2.2, 4}, {2.15, 4.5}, {2.05, 4.5}, {2, 4},    {0, 4}};
   for (const double angle : {0.0, 0.4, 1.1}) {
     const NarrowPlaces found = narrow_places({turned(plate, angle)}, 0.5, usual);
     EXPECT_TRUE(found.below.empty()) << angle;
-    EXPECT_NEAR(found.least_of_rest.value_or(0), 4, 1e-9) << "the plate, which is wider where a stub stands on it";
+    EXPECT_NEAR(found.narrowest_other.value_or(0), 4, 1e-9) << "the plate, which is wider where a stub stands on it";
   }
 }
 
@@ -90,7 +90,7 @@ TEST(NarrowPlaces, AreInNoConvexSolidAndAllAroundARing) {
     bore.emplace_back(2.5 * std::cos(angle), 2.5 * std::sin(angle));
   }
   EXPECT_TRUE(narrow_places({circle}, 10, usual).below.empty());
-  // A ring is as wide everywhere, but for the sides of its circles.
+  // A ring has the same width everywhere, except that polygons replace its circles.
   const NarrowPlaces ring = narrow_places({circle, clockwise(bore)}, 0.6, usual);
   EXPECT_FALSE(ring.below.empty());
   for (const NarrowPlace& place : ring.below) EXPECT_NEAR(place.width(), 0.5, 1e-3);

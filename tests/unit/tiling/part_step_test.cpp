@@ -17,7 +17,7 @@ using supple::testing::expect_error;
 using supple::testing::places;
 using testing::preset_structure;
 
-/// What a CAD kernel makes of a file.
+/// Properties of a file's solid according to a CAD kernel.
 struct StepSolid {
   std::size_t solids = 0, faces = 0;
   double volume = 0;

@@ -47,8 +47,8 @@ bool is_inside(const Part& part, const Eigen::Vector2d& point) {
   return winding > 0;
 }
 
-/// How far (mm) the polygons cross themselves or each other: the least distance of a corner, from the other side, over
-/// the two sides that cross the farthest.
+/// The depth (mm) to which the polygons cross themselves or each other. The depth of two crossing sides is the smallest
+/// distance of an end of either side from the other side; the result is the largest depth.
 double depth_of_crossings(const SolidFace& face) {
   struct Side {
     Eigen::Vector2d a, b;
@@ -90,7 +90,7 @@ TEST_P(PartsOfEveryFamily, AreOnePieceOfTheSizeAskedFor) {
   EXPECT_NEAR(area_of(part.faces), part.solid_area, 1e-9);
   EXPECT_NEAR(volume_of_closed_stl(part_stl(part)), 2 * part.solid_area, 1e-3 * part.solid_area);
   EXPECT_EQ(size_words(part), "20 x 12 x 2 mm");
-  // Inside of the frame the density is the structure's, but for the cut cells.
+  // Inside the frame the density is that of the structure, except for cells that are cut.
   const auto& structure = design.filling.structure;
   const double inner = 18.8 * 10.8;
   const double density = (part.solid_area - (240 - inner)) / inner;
@@ -122,7 +122,7 @@ TEST(Part, TurnsItsTiling) {
   const Part turned = make_part(design);
   design.filling.orientation = 0;
   const Part straight = make_part(design);
-  // Half a turn about the middle maps the square onto itself.
+  // A rotation by 180 degrees about the middle maps the square onto itself.
   EXPECT_NEAR(turned.solid_area, straight.solid_area, 1e-6);
   for (const auto& polygon : turned.faces[0]) {
     const Eigen::Vector2d middle = (polygon[0] + polygon[1]) / 2;
@@ -142,7 +142,7 @@ TEST(Part, KeepsWholeTilesWhereAsked) {
   EXPECT_GE(part.lower.minCoeff(), -1e-9);
   EXPECT_LE(part.upper.maxCoeff(), 20 + 1e-9);
   EXPECT_LT((part.upper - part.lower).maxCoeff(), 20 - 1e-3) << "no tile ends where the outline runs";
-  // No beam is cut: every corner of the solid's outline is one of a beam's, none lies on the outline.
+  // No beam is cut: the corners of the solid are those of beams, and none lies on the outline.
   for (const auto& p : part.faces[0][0]) EXPECT_GT(std::min({p.x(), p.y(), 20 - p.x(), 20 - p.y()}), 1e-6);
   volume_of_closed_stl(part_stl(part));
 }
@@ -161,7 +161,7 @@ TEST(Part, HasSolidGripsAndPlates) {
 }
 
 TEST(Part, TellsWhichOfItsSolidsItHasLost) {
-  // Beams of 0.8 mm have tiles as wide as this coupon; ones of 0.3 mm hold on to both grips.
+  // With beams of 0.8 mm, tiles are as wide as this coupon. With beams of 0.3 mm, both grips are connected.
   PartDesign design = plate("IH21", 1, 1);
   const PartShape shape = tensile_coupon(10, 60, 8);
   design.outline = shape.outline;
@@ -177,7 +177,7 @@ TEST(Part, TellsWhichOfItsSolidsItHasLost) {
   EXPECT_TRUE(is_inside(broken, {5, 76 - middle}));
   design.frame = 1;
   EXPECT_TRUE(make_part(design).lost_solids.empty()) << "a frame holds it together";
-  // What lies outside of the outline is no solid of the part, and cannot be lost.
+  // A solid outside the outline does not belong to the part, and cannot be lost.
   design.frame = 0;
   design.filling.beam_width = 0.3;
   design.smallest_wall = 0.2;
@@ -223,23 +223,24 @@ TEST(Part, HasTheHolesOfItsOutline) {
 }
 
 TEST(Part, LeavesOutNarrowWallsAndCrumbs) {
-  // The outline cuts a sliver of a tenth of a millimetre off the beams.
+  // The outline cuts the beams to slivers of a tenth of a millimetre.
   PartDesign design = plate("IH22", 17.3, 13.1);
   design.smallest_wall = 0.3;
   const Part part = make_part(design);
   EXPECT_GT(part.trimmed_area, 0);
-  // Wherever the solid is, a disk of nearly the smallest wall fits within a quarter of it.
+  // Without a smallest wall, nothing is trimmed.
   design.smallest_wall = 0;
   const Part raw = make_part(design);
   EXPECT_EQ(raw.trimmed_area, 0);
   EXPECT_GE(raw.solid_area + raw.crumb_area, part.solid_area + part.crumb_area);
 }
 
-/// Corners on the line through their neighbours are dropped up to 1e-7 mm from it.
+/// Depth of crossings, mm, that is allowed, since corners within 1e-7 mm of the line through their neighbours are
+/// dropped.
 constexpr double deepest_crossing = 2e-7;
 
 TEST(Part, HasNoOutlineThatCrossesItselfWhereShortSidesBecamePoints) {
-  // The drawing of the part whose outline crossed itself by 3 um, and which no mesh filled.
+  // This part once had an outline that crossed itself by 3 um, which could not be meshed.
   PartDesign found;
   found.outline = {{{12.662092816130562, 2.0320829813959547},
                     {-2.9438794421038263, 8.259937856403983},
@@ -258,7 +259,7 @@ TEST(Part, HasNoOutlineThatCrossesItselfWhereShortSidesBecamePoints) {
   EXPECT_LE(depth_of_crossings(part.faces[0]), deepest_crossing);
   EXPECT_NEAR(volume_of_closed_stl(part_stl(part)), part.solid_area, 1e-3 * part.solid_area);
 
-  // Its neighbours, whose short sides lie elsewhere by some micrometres.
+  // Variants of the part have their short sides displaced by some micrometres.
   RandomStream random("neighbours of a part", 1);
   for (int k = 0; k < 100; ++k) {
     PartDesign design = found;
@@ -270,7 +271,7 @@ TEST(Part, HasNoOutlineThatCrossesItselfWhereShortSidesBecamePoints) {
 }
 
 TEST(Part, HasFacesThatDoNotCrossHoweverManyOfTheirSidesBecomePoints) {
-  // Rings of random teeth whose sides are about as long as those that become points.
+  // Rings with random teeth have sides about as long as those that become points.
   RandomStream random("rings of short sides", 1);
   for (int k = 0; k < 200; ++k) {
     std::vector<Polygon> rings(3);

@@ -38,7 +38,7 @@ TEST(RefinedMesh, OfAPatchIsThePatchOfTheRefinedMesh) {
 TEST(RefinedMesh, EveryTriangleSeesTheQuadraticFieldOfItsParent) {
   const PeriodicMesh cell = mesh_structure(preset_structure("IH01"), {.mesh_size = 1, .corner_size = 0.5});
   const RefinedMesh fine = refine(cell);
-  // Any values at the nodes are a quadratic field in each triangle.
+  // Any values at the nodes define a quadratic field in each triangle.
   Eigen::Matrix2Xd values(2, cell.nodes.cols());
   for (Eigen::Index i = 0; i < values.cols(); ++i) values.col(i) << std::sin(3.7 * static_cast<double>(i)), i % 5;
   const Eigen::Matrix2Xd prolonged = fine.prolong(values);

@@ -28,7 +28,7 @@ double distance_to_outline(const Polygon& polygon, const Eigen::Vector2d& p) {
   return least;
 }
 
-/// Of the first copy of a tile, by the index of its kind.
+/// The number of holes in the first copy of a tile.
 std::size_t holes_in(const Structure& structure, int tile) {
   const auto& placements = structure.tiling.placements;
   for (std::size_t k = 0; k < placements.size(); ++k) {
@@ -70,7 +70,7 @@ TEST(Structure, TheSolidHasTheAreaOfItsBeams) {
     for (const Placement& placement : structure.tiling.placements) {
       beams += structure.beam_width * perimeter(structure.tiling.tiles[placement.tile]) / 2;
     }
-    // Beams overlap where they meet: the default tiles are large against their width.
+    // Beams overlap where they meet, but little, since the default tiles are large compared with the beam width.
     EXPECT_LT(structure.solid_area, beams) << family.id;
     EXPECT_GT(structure.solid_area, 0.85 * beams) << family.id;
     EXPECT_NEAR(structure.cell_area, std::abs(structure.tiling.lattice.determinant()), 1e-12);
@@ -93,7 +93,7 @@ TEST(Structure, ScalesWithTheWidthOfItsBeams) {
     EXPECT_TRUE(wide.tiling.lattice.isApprox(3 * structure.tiling.lattice, 1e-15));
     EXPECT_DOUBLE_EQ(wide.cell_area, 9 * structure.cell_area);
     EXPECT_DOUBLE_EQ(wide.solid_area / wide.cell_area, structure.solid_area / structure.cell_area);
-    // Holes and placed tiles alike: what is measured on them has the areas that the structure says.
+    // The areas of scaled holes and tiles agree with those that the structure states.
     double holes = 0;
     for (const auto& of_tile : wide.holes)
       for (const Polygon& hole : of_tile) holes += std::abs(area(hole));
@@ -110,7 +110,7 @@ TEST(Structure, ScalesWithTheWidthOfItsBeams) {
 
 TEST(Structure, HolesOfTheSquareFamilyCloseAtHalfABeamWidth) {
   const auto at = [](double p) { return make_structure(family("square"), std::vector{p}); };
-  // Holes narrower than half a percent of the beam width are closed: 0.0005 in the parameter.
+  // Holes narrower than half a percent of the beam width are closed, which is 0.0005 of the parameter.
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_EQ(holes_in(at(sign * (0.0424 - 1e-6)), 0), 0u);
     EXPECT_EQ(holes_in(at(sign * (0.0424 + 6e-4)), 0), 1u);
@@ -133,7 +133,7 @@ TEST(Structure, TheSquareFamilyIsSymmetricInItsParameter) {
 TEST(Structure, AtItsSingularityTheSquareIsTwoCrossingDiagonals) {
   const Structure structure = make_structure(family("square"), std::vector{0.0});
   const double w = structure.beam_width;
-  // Two diagonals, which share a square at the centre and one at the corners.
+  // Two diagonals overlap in a square at the centre and in one at the corners.
   EXPECT_NEAR(structure.solid_area, 2 * std::sqrt(structure.cell_area * 2) * w - 2 * w * w, 1e-6);
 }
 
@@ -147,7 +147,7 @@ TEST(Structure, SolidAreaChangesContinuouslyThroughTheSingularity) {
 }
 
 TEST(Structure, TilesMayCrossThemselves) {
-  // A vertex of the tile lies just beyond a side.
+  // A vertex of the tile lies just beyond one of its sides.
   const Structure structure =
       make_structure(family("IH01"), std::vector{0.1802089117, 0.5506587018, 0.09055189846, 0.778137});
   EXPECT_TRUE(structure.tiles_cross);
@@ -155,7 +155,7 @@ TEST(Structure, TilesMayCrossThemselves) {
   EXPECT_FALSE(preset_structure("IH01").tiles_cross);
 }
 
-/// Whether the point is farther than half a beam width from every side of every translate of the cell's tiles.
+/// Whether the point is farther than half a beam width from all sides of all translates of the cell's tiles.
 bool clear_of_beams(const Structure& structure, const Eigen::Vector2d& point) {
   for (const Placement& placement : structure.tiling.placements) {
     const Polygon tile = placed(structure.tiling.tiles[placement.tile], placement);
@@ -170,7 +170,7 @@ bool clear_of_beams(const Structure& structure, const Eigen::Vector2d& point) {
 }
 
 TEST(Structure, ThePlaneIsSolidWithinHalfABeamWidthOfEverySideAndOpenFarFromThemAll) {
-  // Of crossing tiles as well: which points are solid does not depend on how tiles wind.
+  // This holds for crossing tiles, too: winding numbers of tiles do not decide which points are solid.
   const std::vector<std::pair<const char*, std::vector<double>>> designs = {
       {"IH01", {0.1802089117, 0.5506587018, 0.09055189846, 0.778137}},
       {"IH01", {0.097405, 0.406142, 0.05, 0.7675}},
@@ -190,7 +190,7 @@ TEST(Structure, ThePlaneIsSolidWithinHalfABeamWidthOfEverySideAndOpenFarFromThem
       ASSERT_TRUE(holes == 0 || holes == 1) << id;
       const bool clear = clear_of_beams(structure, point);
       EXPECT_TRUE(clear || holes == 0) << id << " at " << point.transpose();
-      // Square joints reach beyond the circle around a vertex.
+      // A few points differ, since square joints extend beyond the circle around a vertex.
       open += holes;
       differing += clear && holes == 0;
     }
@@ -209,8 +209,9 @@ TEST(Structure, HolesOfOverlappingTilesAreListedOnceAndWithinTheirTile) {
   }
 }
 
-/// The largest jump of the solid's area, as a share of the cell's, between two designs 1e-9 of the line apart, among
-/// those that bisection finds between `lower` and `upper`, where the area changes by more than `step` of the cell.
+/// The jump of the solid's area, as a ratio to the cell's, that bisection finds on a line of designs between `lower`
+/// and `upper` (fractions of the line). Bisection ends when the interval is 1e-9 long or the area changes by less than
+/// `step`.
 double largest_jump(const Family& type, const std::vector<double>& from, const std::vector<double>& to, double lower,
                     double upper, double step) {
   const auto density = [&](double t) {
@@ -239,7 +240,8 @@ TEST_P(LinesThroughTheBox, MeetNoJumpOfTheSolidsArea) {
   const Family& type = family(GetParam());
   RandomStream random("tiling.lines." + type.id, 6);
   constexpr int steps = 60;
-  // Of the cell's area: a hole may close when its width is half a percent of a beam's, a side when it is as short.
+  // The allowed jump as a ratio to the cell's area: at half a percent of a beam's width, holes may close and sides
+  // become points.
   constexpr double allowed = 2e-3;
   int seen = 0, crossing = 0;
   for (int line = 0; line < 6; ++line) {
@@ -274,7 +276,7 @@ INSTANTIATE_TEST_SUITE_P(Structure, LinesThroughTheBox,
                          [](const auto& instance) { return instance.param; });
 
 TEST(Structure, BeamsOfFoldedPartsAreKept) {
-  // The upper side of the trapezoid is so short that its neighbours cross before they reach it.
+  // The upper side of the trapezoid is so short that its neighbouring sides cross.
   const Structure structure = make_structure(family("IH67"), std::vector{0.2341, 1.0539});
   EXPECT_TRUE(structure.tiles_cross);
   const Polygon& tile = structure.tiling.tiles[0];
@@ -287,7 +289,7 @@ TEST(Structure, BeamsOfFoldedPartsAreKept) {
 }
 
 TEST(Structure, BeamsThatSwallowAHoleAreRefused) {
-  // Of a family like the square's, but in which holes must stay open.
+  // This family is like the square family, but its holes must stay open.
   Family closed = family("square");
   closed.holes_may_close = false;
   closed.parameters[0].preset = 0.03;
@@ -297,7 +299,7 @@ TEST(Structure, BeamsThatSwallowAHoleAreRefused) {
 }
 
 TEST(Structure, ATilesInsetCanFallApartIntoSeveralHoles) {
-  // An hourglass whose waist is narrower than a beam.
+  // The waist of this hourglass is narrower than a beam.
   Family hourglass;
   hourglass.id = "hourglass";
   hourglass.beam_width = 0.3;
@@ -317,7 +319,7 @@ TEST(Structure, HolesHaveSquareCornersAroundReentrantCornersOfTiles) {
   notched.beam_width = 0.3;
   notched.shape = [](std::span<const double>) {
     Tiling tiling;
-    const double half = 2 * (std::sqrt(2) - 1);  // of the notch's mouth: its tip has 45 degrees
+    const double half = 2 * (std::sqrt(2) - 1);  // half width of the notch's mouth, so that its tip has 45 degrees
     tiling.tiles = {{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2 + half}, {2, 2}, {0, 2 - half}}};
     tiling.placements = {{}};
     tiling.lattice = 4 * Eigen::Matrix2d::Identity();
@@ -325,7 +327,7 @@ TEST(Structure, HolesHaveSquareCornersAroundReentrantCornersOfTiles) {
   };
   const Structure structure = make_structure(notched, {});
   ASSERT_EQ(holes_in(structure, 0), 1u);
-  // The tip's corner is cut off at half a beam width: 135 degrees of turn end in two corners of 67.5.
+  // The tip's corner is cut off at half a beam width: one turn of 135 degrees becomes two of 67.5 degrees.
   ASSERT_EQ(structure.holes[0][0].size(), 8u);
   const double reach = 0.15 * std::tan(3 * std::numbers::pi / 16);
   for (const double side : {-1.0, 1.0}) {
@@ -372,7 +374,7 @@ TEST(CanBeBuilt, AgreesWithTheStructureThatIsMade) {
   for (const Family& family : families()) {
     RandomStream random("can be built " + family.id, 1);
     for (int draw = 0; draw < 60; ++draw) {
-      // Half of them beside the lower ends of the box, where holes close.
+      // Half of the parameters are near the lower bounds, where holes close.
       std::vector<double> parameters = random_parameters(family, random);
       if (draw % 2 == 0)
         for (std::size_t k = 0; k < parameters.size(); ++k)
@@ -393,7 +395,7 @@ TEST(CanBeBuilt, AgreesWithTheStructureThatIsMade) {
 }
 
 TEST(CanBeBuilt, AgreesWhereHolesAreAboutToClose) {
-  // Along this line the structure ceases to exist between two of the steps.
+  // On this line the structure ceases to exist between two of the steps.
   const Family& id = family("IH29");
   int changes = 0;
   bool before = false;

@@ -26,7 +26,7 @@ Tiling at(const Family& family, const Eigen::VectorXd& p) {
   return family.shape({p.data(), static_cast<std::size_t>(p.size())});
 }
 
-/// How many leave each design as it is, and how many make another one of it.
+/// The numbers of symmetries that map each design to itself, and of those that map it to another design.
 std::pair<int, int> counts(const std::string& id) {
   std::pair<int, int> counted;
   for (const auto& symmetry : symmetries(family(id)))
@@ -71,8 +71,8 @@ TEST(Symmetry, IsAGroupWithTheIdentityFirst) {
 }
 
 TEST(Symmetry, ExchangesMirrorImagesWhereAFamilyHasBoth) {
-  // A design and its mirror image are two designs of IH01 and IH28, whose tilings have no mirrors of their own, and two
-  // names of one in IH50 and IH22. The mirror images of IH21 are no designs of it.
+  // In IH01 and IH28, whose tilings have no mirror symmetry, a design and its mirror image are two designs. In IH50 and
+  // IH22, they are the same tiling with other parameters. The mirror images of IH21 are no designs of the family.
   EXPECT_EQ(counts("IH01"), std::pair(2, 2));
   EXPECT_EQ(counts("IH21"), std::pair(6, 0));
   EXPECT_EQ(counts("IH22"), std::pair(2, 2));

@@ -9,7 +9,7 @@ namespace {
 
 using supple::testing::expect_error;
 
-// The unit square as two triangles.
+// The unit square, divided into two triangles.
 TriangleSoup solid_square() {
   return {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .seam = {1, 1, 1, 1}, .triangles = {{0, 1, 2}, {0, 2, 3}}};
 }
@@ -28,7 +28,7 @@ TEST(TorusMesh, ASolidSquareHasOneCornerThreeSidesAndNoOutline) {
 
 TEST(TorusMesh, PointsMatchAcrossTheEdgeOfTheLatticesCoordinates) {
   TriangleSoup soup = solid_square();
-  // Rounding puts a point just below zero and its partner just below one, or on either side of it.
+  // Rounding may put a point just below zero, and its partner just below or above one.
   soup.points[0].x() -= 1e-13;
   soup.points[1].y() += 1e-13;
   EXPECT_EQ(wrap(soup, Eigen::Matrix2d::Identity(), 0).nodes.cols(), 4);

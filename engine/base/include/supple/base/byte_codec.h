@@ -10,8 +10,8 @@
 
 namespace supple {
 
-/// Writes numbers, texts and lists one after the other, in the machine's own byte order: for what one process tells
-/// another one of the same machine, not for files.
+/// Writes numbers, texts and lists one after the other, in the machine's own byte order: for messages between processes
+/// of one machine, not for files.
 class ByteWriter {
  public:
   template <class Number>
@@ -28,7 +28,7 @@ class ByteWriter {
     bytes_ += value;
     return *this;
   }
-  /// write(element) for each.
+  /// Writes the length of a list, then calls write(element) for each element.
   template <class List, class Write>
   ByteWriter& list(const List& values, const Write& write) {
     size(values.size());
@@ -48,7 +48,7 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// The reverse. Throws std::out_of_range where the bytes end early. Keeps a reference to them.
+/// Reads what a ByteWriter has written. Throws std::out_of_range if the bytes end early. Keeps a reference to them.
 class ByteReader {
  public:
   explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
@@ -64,11 +64,11 @@ class ByteReader {
     const std::size_t length = size();
     return {take(length), length};
   }
-  /// read() for each element of a list.
+  /// Reads the length of a list, then calls read() for each element.
   template <class Value, class Read>
   void list(std::vector<Value>& values, const Read& read) {
     const std::size_t count = size();
-    // Every element has a byte at least: a length that makes no sense is found before memory is asked for.
+    // Every element has at least one byte, so that an impossible length is found before memory is allocated.
     if (count > bytes_.size()) throw std::out_of_range("the bytes end early");
     values.reserve(count);
     for (std::size_t i = 0; i < count; ++i) values.push_back(read());

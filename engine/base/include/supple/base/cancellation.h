@@ -25,7 +25,7 @@ class CancellationToken {
   /// Throws Error "job.cancelled", "job.deadline_exceeded", "server.shutting_down" or "design.superseded" once a stop
   /// is requested.
   void throw_if_requested() const {
-    WatchedWork::looked();
+    WatchedWork::checked();
     if (requested()) throw_stop();
   }
 

@@ -20,7 +20,7 @@ class CostLedger {
   struct Effect {
     std::string name;
     bool ran = false;
-    std::string why;         ///< what decided: the request, or what the scene showed
+    std::string why;         ///< the reason: the request, or a property of the scene
     std::int64_t count = 0;  ///< how often it ran
     double seconds = 0;
   };
@@ -29,7 +29,7 @@ class CostLedger {
     double value = 0;
   };
 
-  /// Adds to the stage of that name, which is made at its first use. Stages keep the order of their first use.
+  /// Adds to the stage of that name, which is created at its first use. Stages stay in the order of their first use.
   void add_stage(std::string_view name, double seconds, std::int64_t count = 1);
   /// Adds to the effect of that name. `ran` is true if it was true in any call, and `why` keeps the latest text.
   void add_effect(std::string_view name, bool ran, std::string_view why, std::int64_t count = 0, double seconds = 0);

@@ -9,10 +9,10 @@
 
 namespace supple {
 
-/// Collects what is wrong with an input, so that one Error names all of it: the first 20 faults, and their number.
+/// Collects the faults of an input, so that one Error names the first 20 of them, and their number.
 class Faults {
  public:
-  static constexpr std::size_t most_details = 20;
+  static constexpr std::size_t max_details = 20;
 
   void add(std::string where, std::string message);
   void require(bool good, std::string where, std::string message) {
@@ -20,8 +20,8 @@ class Faults {
   }
   bool any() const { return total_ > 0; }
   std::size_t total() const { return total_; }
-  /// Whether further faults are counted and not named: what they say is not kept.
-  bool only_counts() const { return details_.size() == most_details; }
+  /// Whether further faults are only counted, and their messages dropped.
+  bool only_counts() const { return details_.size() == max_details; }
 
   /// Throws an Error with this code if there are any faults. Its sentence is "<where>: <message> (and 2 more)" for the
   /// first fault, with `whole` in place of an empty where.

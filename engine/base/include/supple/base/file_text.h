@@ -22,7 +22,7 @@ class FileText {
     text_ += after;
     return *this;
   }
-  /// A point in space, at the end of its line; of one in the plane the third coordinate is 0.
+  /// A point in space and the end of its line. The third coordinate of a point in the plane is 0.
   template <class Point>
   FileText& point(const Point& p) {
     number(p[0]).number(p[1]);
@@ -33,7 +33,7 @@ class FileText {
     return number(components, '"') << " format=\"ascii\">\n";
   }
   FileText& close_array() { return *this << "\n</DataArray>\n"; }
-  /// An array with one entry for each of `values`, which `entry` makes a number.
+  /// An array with the number entry(value) for each of `values`.
   template <class Values, class Entry>
   FileText& array(std::string_view type, std::string_view name, const Values& values, Entry entry) {
     open_array(type, name);

@@ -20,18 +20,18 @@ struct HelperOptions {
   std::uint64_t memory = 0;  ///< bytes of address space of each process; 0 means no limit
 };
 
-/// Processes that run what cannot be stopped within this process: libraries that do not look for stop requests, such as
-/// mesh generators and polygon clippers, and that could take the whole process down with them.
+/// Processes that run what cannot be stopped within this process: libraries that do not check for stop requests, such
+/// as mesh generators and polygon clippers, and whose crash would end the whole process.
 ///
-/// A task consists of a name and bytes, and its answer of bytes, which depend on these and not on earlier tasks: each
-/// task has a child of its own of a process that runs none itself. Some libraries order things by their addresses in
-/// memory, which would tell of what was done before. Processes are kept between tasks, so that a small task takes only
-/// one or two milliseconds longer than in this process. If no process is free, another one is started, up to the limit.
+/// A task consists of a name and bytes; its answer consists of bytes. The answer does not depend on earlier tasks: a
+/// helper process runs no task itself, but forks a child for each. Without this, earlier tasks would change the
+/// addresses in memory, by which some libraries order things. Processes are reused, so that a small task takes only one
+/// or two milliseconds longer than in this process. If no process is free, another one is started, up to the limit.
 /// Beyond the limit callers wait. A process whose task is stopped is killed with its child. All of them end with the
 /// process that started them, however that ends. Members may be called from any thread.
 ///
-/// This process becomes the one that waits for orphans among its descendants (PR_SET_CHILD_SUBREAPER), so that nothing
-/// is left of a helper that was killed.
+/// This process becomes the parent of orphans among its descendants (PR_SET_CHILD_SUBREAPER), so that it can wait for
+/// the child of a helper that was killed.
 class HelperProcesses {
  public:
   /// Starts the first process. Throws std::runtime_error if the program cannot be started.
@@ -46,7 +46,7 @@ class HelperProcesses {
   /// milliseconds after a stop is requested it throws what the token throws, and the process is gone.
   std::string run(std::string_view task, std::string_view request, const Execution& execution);
 
-  /// The numbers of running and of waiting processes, each of which leads a group of itself and its child.
+  /// The ids of busy and idle processes, each of which leads a process group of itself and its child.
   std::vector<int> process_ids() const;
 
  private:
@@ -58,7 +58,7 @@ class HelperProcesses {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::vector<std::unique_ptr<Process>> idle_;
-  std::map<const Process*, int> busy_;  ///< their numbers
+  std::map<const Process*, int> busy_;  ///< busy processes and their ids
   int starting_ = 0;
 };
 
@@ -73,8 +73,9 @@ std::string program_beside_this_one(const std::string& name);
 using HelperTask = std::function<std::string(std::string_view request)>;
 using HelperTasks = std::map<std::string, HelperTask, std::less<>>;
 
-/// The main function of a helper. It answers requests until the process that started it is gone, each in a child that
-/// begins as this process is now: what all tasks need may be done before. This process must have one thread.
+/// The main function of a helper. It answers requests until the process that started it ends. Each request has a forked
+/// child, which inherits the state of this process: preparations for all tasks may be made before the call. This
+/// process must have one thread.
 int serve_as_helper(int argc, char** argv, const HelperTasks& tasks);
 
 }  // namespace supple

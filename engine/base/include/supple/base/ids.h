@@ -4,7 +4,7 @@
 
 namespace supple {
 
-/// Strong indices into a mesh, for the borders of the engine.
+/// Strongly typed indices into a mesh, for the engine's interfaces.
 enum class VertexId : std::int32_t { none = -1 };
 enum class FaceId : std::int32_t { none = -1 };
 /// Halfedge 3 f + i runs from corner i to corner (i + 1) mod 3 of face f.

@@ -7,7 +7,7 @@
 #define SUPPLE_INLINE inline __attribute__((always_inline))
 #if defined(__x86_64__)
 #define SUPPLE_AVX2 __attribute__((target("avx2,fma")))
-/// The same for the few inner loops that gain from vectors of 64 bytes.
+/// The attribute of the few inner loops that gain from vectors of 64 bytes.
 #define SUPPLE_AVX512 __attribute__((target("avx512f,avx2,fma")))
 #else
 #define SUPPLE_AVX2
@@ -16,12 +16,12 @@
 
 namespace supple {
 
-/// Four doubles that are computed with together. They should not cross a function's border by value, other than that of
-/// a SUPPLE_INLINE one: calling conventions differ between processors.
+/// Four doubles that one instruction computes with. Only SUPPLE_INLINE functions should take or return them by value:
+/// calling conventions differ between processors.
 using Lanes = double __attribute__((vector_size(4 * sizeof(double))));
 inline constexpr int lanes = 4;
 
-// Vectors of four doubles as results of inlined functions only: their calling convention does not matter.
+// These functions are inlined, so that the calling convention of vectors, of which GCC warns, does not matter.
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wpsabi"
 SUPPLE_INLINE Lanes constant_lanes(double value) { return Lanes{value, value, value, value}; }

@@ -8,11 +8,12 @@
 
 namespace supple {
 
-/// Memory for `bytes` bytes, in large pages where the amount is worth it and the system allows. Throws std::bad_alloc.
+/// Allocates `bytes` bytes: 8 MiB or more in large pages, if the system allows it. Throws std::bad_alloc.
 void* allocate_large(std::size_t bytes);
 void free_large(void* memory) noexcept;
 
-/// For vectors of tens of megabytes that are filled once: page faults of 4 KiB each would cost more than the filling.
+/// An allocator for vectors of tens of megabytes that are filled once: page faults of 4 KiB each would cost more than
+/// the filling.
 template <typename T>
 struct LargePageAllocator {
   using value_type = T;
@@ -26,15 +27,15 @@ struct LargePageAllocator {
   }
   void deallocate(T* memory, std::size_t) noexcept { free_large(memory); }
 
-  /// Elements that nobody gives a value stay as they are: resize() of tens of megabytes that are overwritten at once
-  /// need not fill them first.
+  /// Elements without a given value are not initialized, so that resize() does not fill tens of megabytes that are
+  /// overwritten at once.
   template <typename U>
-  void construct(U* place) {
-    ::new (static_cast<void*>(place)) U;
+  void construct(U* element) {
+    ::new (static_cast<void*>(element)) U;
   }
   template <typename U, typename... Arguments>
-  void construct(U* place, Arguments&&... arguments) {
-    ::new (static_cast<void*>(place)) U(std::forward<Arguments>(arguments)...);
+  void construct(U* element, Arguments&&... arguments) {
+    ::new (static_cast<void*>(element)) U(std::forward<Arguments>(arguments)...);
   }
 
   template <typename U>

@@ -18,7 +18,7 @@ class MemoryAccount {
   /// Called with the bytes that were allocated since the last call, less those that were freed. The number is negative
   /// if more were freed. Any thread may call it. It must not allocate.
   virtual void add(std::int64_t bytes) noexcept = 0;
-  /// Whether a block of so many bytes may be allocated. It is asked for large blocks only, and must not allocate.
+  /// Whether a block of `bytes` bytes may be allocated. It is asked for large blocks only, and must not allocate.
   virtual bool allows(std::int64_t bytes) noexcept = 0;
 
   /// The account for which this thread works, or null.
@@ -45,31 +45,32 @@ constexpr std::size_t large_block = std::size_t{1} << 20;
 namespace detail {
 
 struct ThreadMemory {
-  MemoryAccount* account = nullptr;  ///< that this thread works for
-  MemoryAccount* gathered_for = nullptr;
-  std::int64_t gathered = 0;  ///< bytes that the latter has not heard of
+  MemoryAccount* account = nullptr;             ///< the account for which this thread works
+  MemoryAccount* unreported_account = nullptr;  ///< the account of `unreported`
+  std::int64_t unreported = 0;                  ///< bytes that have not been reported yet
 };
 extern constinit thread_local ThreadMemory thread_memory;
 
-/// Sums below this are gathered on the thread before the account hears of them.
-constexpr std::int64_t worth_telling = 256 << 10;
+/// Sums below this are gathered on the thread before they are reported to the account.
+constexpr std::int64_t min_reported_bytes = 256 << 10;
 
 bool ask_account(std::size_t bytes) noexcept;
-void tell_account() noexcept;
+void report_to_account() noexcept;
 
 }  // namespace detail
 
 inline MemoryAccount* MemoryAccount::of_this_thread() noexcept { return detail::thread_memory.account; }
 
-/// Whether an allocator may go on with a block of so many bytes. A nanosecond for most; does not allocate.
+/// Whether an allocator may allocate a block of `bytes` bytes. Takes a nanosecond for small blocks; does not allocate.
 inline bool may_allocate(std::size_t bytes) noexcept { return bytes < large_block || detail::ask_account(bytes); }
 
-/// An allocator's word on a block that it has given out (`bytes` positive) or is about to take back (negative), while
-/// this thread has an account.
+/// An allocator calls this for a block that it has given out (`bytes` positive) or is about to take back (negative),
+/// while this thread has an account.
 inline void note_block(std::int64_t bytes) noexcept {
   auto& memory = detail::thread_memory;
-  memory.gathered += bytes;
-  if (memory.gathered >= detail::worth_telling || memory.gathered <= -detail::worth_telling) detail::tell_account();
+  memory.unreported += bytes;
+  if (memory.unreported >= detail::min_reported_bytes || memory.unreported <= -detail::min_reported_bytes)
+    detail::report_to_account();
 }
 
 }  // namespace supple

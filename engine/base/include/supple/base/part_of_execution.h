@@ -4,12 +4,12 @@
 
 namespace supple {
 
-/// The execution of one part of a computation. Its progress from 0 to 1 is a stretch of the progress of the whole.
+/// The execution of one part of a computation. Its progress from 0 to 1 is an interval of the progress of the whole.
 class PartOfExecution {
  public:
-  /// The part begins at `first` of the whole and takes `share` of it.
-  PartOfExecution(const Execution& whole, double first, double share)
-      : progress_(whole.progress, first, share), execution_(whole) {
+  /// The interval is [first, first + length].
+  PartOfExecution(const Execution& whole, double first, double length)
+      : progress_(whole.progress, first, length), execution_(whole) {
     if (whole.progress) execution_.progress = &progress_;
   }
   PartOfExecution(const PartOfExecution&) = delete;
@@ -18,19 +18,22 @@ class PartOfExecution {
   const Execution& execution() const { return execution_; }
 
  private:
-  class Stretch : public ProgressSink {
+  class ProgressInterval : public ProgressSink {
    public:
-    Stretch(ProgressSink* outer, double first, double share) : outer_(outer), first_(first), share_(share) {}
-    void report(double fraction, std::string_view stage) override { outer_->report(first_ + share_ * fraction, stage); }
+    ProgressInterval(ProgressSink* outer, double first, double length)
+        : outer_(outer), first_(first), length_(length) {}
+    void report(double fraction, std::string_view stage) override {
+      outer_->report(first_ + length_ * fraction, stage);
+    }
     void publish(std::string_view partial) override { outer_->publish(partial); }
 
    private:
     ProgressSink* outer_;
     double first_;
-    double share_;
+    double length_;
   };
 
-  Stretch progress_;
+  ProgressInterval progress_;
   Execution execution_;
 };
 

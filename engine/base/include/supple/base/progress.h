@@ -4,11 +4,11 @@
 
 namespace supple {
 
-/// Is told how far a computation has come. It is called from the computing thread, and implementations return quickly.
+/// Receives the progress of a computation. It is called from the computing thread, and implementations return quickly.
 class ProgressSink {
  public:
   virtual ~ProgressSink() = default;
-  /// `fraction` in [0, 1] is the estimated share of the work that is done; `stage` names what runs now.
+  /// `fraction` in [0, 1] is the estimated fraction of the work that is done; `stage` names what runs now.
   virtual void report(double fraction, std::string_view stage) = 0;
   /// Receives an intermediate result, in a form that the receiver knows. The latest one counts. Most receivers ignore
   /// it.

@@ -7,7 +7,7 @@ namespace supple {
 
 /// A named stream of random numbers: the same name and seed give the same numbers on every machine.
 ///
-/// xoshiro256** (Blackman and Vigna 2018), seeded through splitmix64 from a hash of the name and the seed.
+/// The generator is xoshiro256** [Vigna2018], seeded through splitmix64 from a hash of the name and the seed.
 class RandomStream {
  public:
   RandomStream(std::string_view name, std::uint64_t seed);

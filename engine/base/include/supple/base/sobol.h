@@ -8,10 +8,10 @@ namespace supple {
 
 /// A scrambled Sobol sequence in up to eight dimensions: points that fill the unit cube evenly at every length.
 ///
-/// Direction numbers by Joe and Kuo (2008, new-joe-kuo-6); nested uniform scrambling by Owen (1995), with each bit's
-/// flip drawn from a hash of the seed, the dimension and the bits above it, so that point i needs no other. Of the
-/// first 2^m points, each of the 2^m equal intervals of every axis holds one. The same name, seed and index give the
-/// same point on every machine.
+/// The direction numbers are new-joe-kuo-6 [Joe2008]. Nested uniform scrambling [Owen1995] draws each bit's flip from a
+/// hash of the seed, the dimension and the bits above it, so that point i needs no other point. Each of the 2^m equal
+/// intervals of every axis holds one of the first 2^m points. The same name, seed and index give the same point on
+/// every machine.
 class SobolSequence {
  public:
   static constexpr int max_dimensions = 8;

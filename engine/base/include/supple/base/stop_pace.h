@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// Looks at a token at every 16384th call. It serves loops whose bodies take nanoseconds.
+/// Checks a token at every 16384th call. It serves loops whose bodies take nanoseconds.
 class StopPace {
  public:
   explicit StopPace(const CancellationToken& cancellation) : cancellation_(cancellation) {}
@@ -25,9 +25,8 @@ class StopPace {
   std::uint32_t calls_ = 0;
 };
 
-/// Sorts in parts that are then merged, and looks at the token before each of them, so that a stop waits for some
-/// milliseconds. The sort is not stable.
-/// O(n log n).
+/// Sorts in parts that are then merged, and checks the token before each of them, so that a stop request waits for some
+/// milliseconds. The sort is not stable. O(n log n).
 template <class Value, class Less = std::less<>>
 void sort_stoppably(std::span<Value> values, const CancellationToken& cancellation, const Less& less = {}) {
   constexpr std::size_t part = 1 << 16;

@@ -4,13 +4,12 @@
 
 namespace supple {
 
-/// The one place where compute threads are counted. Sets the size of the process's TBB pool; `count` < 1 means the
-/// machine's number of cores. Call once, before the first parallel work.
+/// Sets the number of compute threads, which is that of the process's TBB pool; `count` < 1 means the machine's number
+/// of cores. No other place sets it. Call once, before the first parallel work.
 void set_thread_count(int count);
 int thread_count();
 
-/// Calls body(i) for i in [0, n), in parallel within the counted threads. If there are exceptions, one reaches the
-/// caller.
+/// Calls body(i) for i in [0, n), in parallel on these threads. If there are exceptions, one reaches the caller.
 void parallel_for(int n, const std::function<void(int)>& body);
 
 }  // namespace supple

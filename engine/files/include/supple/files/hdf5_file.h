@@ -19,7 +19,7 @@ class Hdf5Handle {
   ~Hdf5Handle() { reset(); }
 
   std::int64_t get() const { return id_; }
-  /// Whether closing, which may write, succeeded.
+  /// Closes the object, which may write. Returns whether this succeeded.
   bool reset() noexcept;
 
  private:
@@ -51,7 +51,7 @@ class Hdf5Writer {
   void value(const std::string& name, std::int64_t value);
   void value(const std::string& name, double value);
   void value(const std::string& name, const std::string& value);
-  /// On the group or column of that name; "/" is the file.
+  /// An attribute of the group or column `object`; "/" is the file.
   void attribute(const std::string& object, const std::string& name, const std::string& text);
   void attribute(const std::string& object, const std::string& name, std::int64_t value);
   void close();
@@ -63,7 +63,7 @@ class Hdf5Writer {
   Hdf5Handle file_;
 };
 
-/// Reads the same. Every member throws "file.unreadable", with the name of what is missing or has another form.
+/// Reads such files. Every member throws "file.unreadable", with the name of what is missing or has another form.
 class Hdf5Reader {
  public:
   enum class Kind { integer, real, reals, text };
@@ -75,7 +75,7 @@ class Hdf5Reader {
   std::vector<std::string> members(const std::string& group) const;
   /// Whether the file itself has a member of this name (no path).
   bool contains(const std::string& name) const;
-  /// What form a member has: a single integer, real or text, or a list of reals.
+  /// The form of a member: a single integer, real or text, or a list of reals.
   Kind kind(const std::string& name) const;
   /// The column's values; it must have `components` columns as in Hdf5Writer::column and, unless `rows` < 0, as many
   /// rows.

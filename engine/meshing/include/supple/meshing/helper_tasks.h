@@ -7,8 +7,8 @@ namespace supple::meshing {
 /// The tasks that a helper process does for this room: it fills surfaces with tetrahedra.
 HelperTasks helper_tasks();
 
-/// Starts gmsh, which takes some milliseconds: children of this process begin with it. It meshes nothing yet and starts
-/// no thread.
+/// Starts gmsh, which takes some milliseconds, so that children of this process need not start it. Meshes nothing and
+/// starts no thread.
 void prepare_helper();
 
 }  // namespace supple::meshing

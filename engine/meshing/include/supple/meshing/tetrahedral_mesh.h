@@ -45,7 +45,7 @@ struct FillOptions {
 /// a solid, or a cavity if it lies inside an odd number of others. The orientation of the triangles does not matter, as
 /// long as neighbours agree. The same input gives the same mesh, bit by bit.
 /// A surface that is moved, turned, scaled or numbered in another way gets the same tetrahedra, which follow it: inner
-/// nodes agree to 1e-9 of its size. This needs vertices that can be told apart: a surface with symmetries may get
+/// nodes agree to 1e-9 of its size. This needs vertices that can be distinguished: a surface with symmetries may get
 /// another one of the fillings that its symmetries lead to when it is turned, but not when it is numbered in another
 /// way.
 ///

@@ -7,7 +7,7 @@
 
 namespace supple::tiling {
 
-/// What is written: `first` x `second` cells of a structure (each from 1 to 100). Lengths are in millimetres.
+/// The patch that is written: `first` x `second` cells of a structure (each from 1 to 100). Lengths are in millimetres.
 struct ExportOptions {
   int first = 2;
   int second = 2;

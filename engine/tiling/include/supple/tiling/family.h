@@ -40,24 +40,25 @@ struct Family {
   std::string id;  ///< e.g. "IH21"
   std::string description;
   std::vector<Parameter> parameters;
-  double beam_width = 0;  ///< in tiling units; printed_beam_width millimetres at scale
+  double beam_width = 0;  ///< in tiling units; scaled to printed_beam_width
   /// Whether tiles whose hole closes are part of the family. This is so for the family with a topological singularity.
   bool holes_may_close = false;
-  std::function<Tiling(std::span<const double>)> shape;  ///< does not check its input; use `tiling_of`
+  std::function<Tiling(std::span<const double>)> shape;  ///< the tiling at parameters, which `tiling_of` checks
 };
 
-/// The width of a beam at scale, as it is printed, in millimetres.
+/// The width of a beam to which structures are scaled, as it is printed, in millimetres.
 inline constexpr double printed_beam_width = 0.3;
 
-/// All families: IH01, IH21, IH22, IH28, IH29, IH50, IH67 and "square", whose topology changes at p = 0 (thesis 4.4.3).
+/// All families: IH01, IH21, IH22, IH28, IH29, IH50, IH67 and "square", whose topology changes at p = 0
+/// [Thesis, section 4.4.3].
 const std::vector<Family>& families();
 
-/// Throws "tiling.family_not_found" (which lists the known ones).
+/// The family with an id. Throws "tiling.family_not_found", which lists all families.
 const Family& family(std::string_view id);
 
 /// Checks the parameters and makes the tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (which
 /// names each parameter with its bounds and value) and "tiling.cell_too_small" (a tile has less than 10 % of the area
-/// of the default tile, and the family's holes may not close). `box_margin` widens the bounds by that share of their
+/// of the default tile, and the family's holes may not close). `box_margin` widens the bounds by this fraction of their
 /// width on either side, because training data surround the box. A tile's outline may cross itself; see
 /// `make_structure`.
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin = 0);

@@ -35,7 +35,7 @@ struct PeriodicMesh {
   };
   std::vector<Side> outline;
   int cells_first = 1;    ///< cells of the tiling along the first translation
-  int cells_second = 1;   ///< and along the second
+  int cells_second = 1;   ///< cells of the tiling along the second translation
   double mesh_size = 0;   ///< target length of a side away from corners, mm
   double beam_width = 0;  ///< mm
 
@@ -45,7 +45,7 @@ struct PeriodicMesh {
   Eigen::Vector2d corner(int t, int k) const;
 };
 
-/// Which region gmsh meshes at a time.
+/// The region that gmsh meshes at a time.
 enum class Region {
   automatic,  ///< by tile; if a triangle has an angle below 20 degrees, the better of tile and cell
   tile,  ///< each kind of tile once, between its outline (the beams' centre lines) and its holes; it is then copied
@@ -74,8 +74,8 @@ struct MeshOptions {
 /// estimate). Several threads may call it. If this process has helpers (`helper_processes`), the mesh is made in one of
 /// them: a stop request ends it at once, and what `HelperProcesses` throws is thrown. Otherwise calls wait for each
 /// other, because gmsh has one owner, and a stop request is noticed when gmsh has ended. Equal input gives equal meshes
-/// in helpers, bit by bit. Of a few structures, such as ones with triangles of equal size by symmetry, this process
-/// makes other meshes, which depend on the addresses of its memory and thus on what it did before.
+/// in helpers, bit by bit. Without helpers, meshes of a few structures, such as ones with triangles of equal size by
+/// symmetry, depend on the addresses in memory and thus on what the process did before.
 PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& options = {},
                             const Execution& execution = {});
 

@@ -8,10 +8,10 @@
 
 namespace supple::tiling {
 
-/// A mesh each of whose triangles is divided into four, and how displacements of the coarse mesh are read on it.
+/// A mesh whose triangles are divided into four, and the prolongation of displacements from the coarse mesh to it.
 ///
-/// Nodes of the coarse mesh keep their numbers and places: the old midpoints of sides become corners. Every quadratic
-/// displacement on the coarse mesh is one on the fine mesh too, with the values that `prolong` gives.
+/// Nodes of the coarse mesh keep their numbers and positions: the old midpoints of sides become corners. Every
+/// quadratic displacement on the coarse mesh is one on the fine mesh too, with the values that `prolong` gives.
 struct RefinedMesh {
   PeriodicMesh mesh;
   /// The displacement of fine node coarse_nodes + i is the sum of weights[j] times that of coarse node nodes[j].
@@ -26,8 +26,8 @@ struct RefinedMesh {
   Eigen::Matrix2Xd prolong(const Eigen::Matrix2Xd& coarse) const;
 };
 
-/// Divides every triangle at the midpoints of its sides. Symmetries, periods and the outline stay. Four times the
-/// triangles; O(n log n) for n triangles.
+/// Divides every triangle into four at the midpoints of its sides. Symmetries, periods and the outline stay. O(n log n)
+/// for n triangles.
 RefinedMesh refine(const PeriodicMesh& mesh);
 
 }  // namespace supple::tiling

@@ -15,7 +15,7 @@ struct Structure {
   double beam_width = printed_beam_width;  ///< mm
   double scale = 1;                        ///< mm per tiling unit
   Tiling tiling;                           ///< scaled to mm
-  /// For each placed tile of the cell the holes within it (counterclockwise), in their places. Together they are the
+  /// For each placed tile of the cell, the holes within it (counterclockwise) at their positions. Together they are the
   /// pieces of the plane outside all beams, one for each class of translates. A beam consists of the points within half
   /// a beam width of a side of a tile. Where sides meet at a re-entrant corner of a tile, a square joint closes the
   /// gap. A tile may have several holes. Holes narrower than 0.5 % of the beam width are left out, and sides of holes
@@ -25,7 +25,7 @@ struct Structure {
   /// tiles around it.
   bool tiles_cross = false;
   double cell_area = 0;   ///< mm^2
-  double solid_area = 0;  ///< mm^2 of the cell covered by material
+  double solid_area = 0;  ///< area of the cell covered by material, mm^2
 };
 
 /// Checks the parameters (see `tiling_of`) and makes the beams. The solid depends continuously on the parameters: its
@@ -37,8 +37,8 @@ Structure make_structure(const Family& family, std::span<const double> parameter
 /// The same structure with beams of another width in millimetres: everything else scales with it.
 Structure scaled(Structure structure, double beam_width);
 
-/// Whether the parameters lie within the family's box and `make_structure` makes a structure of them. Searches ask this
-/// for every design that they look at. It takes some microseconds if each tile has a point far from every beam, as
+/// Whether the parameters lie within the family's box and `make_structure` makes a structure of them. Searches call it
+/// for every design that they consider. It takes some microseconds if each tile has a point far from every beam, as
 /// nearly all tiles have. Otherwise it takes as long as `make_structure`.
 bool can_be_built(const Family& family, std::span<const double> parameters);
 

@@ -20,7 +20,7 @@ struct FamilySymmetry {
 };
 
 /// The symmetries that hold all over the family, beginning with the identity. They are found from the edges of the
-/// tiling at two places of the box, among the rotations by multiples of 30 degrees and the reflections in lines that
+/// tiling at two points of the box, among the rotations by multiples of 30 degrees and the reflections in lines that
 /// are 30 degrees apart. These are all symmetries of lattices of the plane that lie along the axes. Images may lie out
 /// of bounds. This takes milliseconds.
 std::vector<FamilySymmetry> symmetries(const Family& family);
