@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/base/error.h"
 
 namespace supple::testing {
@@ -21,6 +22,18 @@ Error expect_error(const std::string& code, Action&& action) {
   }
   ADD_FAILURE() << "expected the error " << code << ", but none was thrown";
   return Error("", "");
+}
+
+/// Runs `action` and expects it to end with Cancelled for that reason.
+template <typename Action>
+void expect_cancelled(StopReason reason, Action&& action) {
+  try {
+    std::forward<Action>(action)();
+  } catch (const Cancelled& stop) {
+    EXPECT_EQ(stop.reason(), reason) << stop.what();
+    return;
+  }
+  ADD_FAILURE() << "expected the action to be cancelled, but it ended";
 }
 
 /// Where the error's details lie, in order.

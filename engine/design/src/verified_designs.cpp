@@ -60,9 +60,11 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
       if (!coarse.allFinite()) continue;
       if (const auto change = relative_difference(fine, coarse)) errors[t] = simulation.error_ratio * *change;
     }
-  } catch (const Error& error) {
-    // A failed estimate does not fail the request. A cancelled request ends here.
-    if (error.code() == "job.cancelled") throw;
+  } catch (const Error&) {
+    // A failed estimate does not fail the request.
+  } catch (const Cancelled& stop) {
+    // The design is answered without the rest of the estimate if the deadline has passed.
+    if (stop.reason() != StopReason::deadline) throw;
   }
   return errors;
 }

@@ -65,10 +65,8 @@ class Run {
       if (next >= indices_.size()) return;
       try {
         finish(design_of_(indices_[next]));
-      } catch (const Error& error) {
-        if (cancellation_.requested() && error.code() != "file.write_failed") return;
-        failed_ = true;
-        throw;
+      } catch (const Cancelled&) {
+        return;
       } catch (...) {
         failed_ = true;
         throw;

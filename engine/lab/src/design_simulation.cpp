@@ -58,9 +58,6 @@ dataset::Row row_of(const microscale::State& state) {
   return row;
 }
 
-/// Whether an error concerns the run as a whole rather than one design.
-bool concerns_the_run(const Error& error) { return error.code().starts_with("job."); }
-
 std::vector<dataset::StageCost> costs_of(const CostLedger& ledger) {
   std::vector<dataset::StageCost> costs;
   for (const auto& stage : ledger.stages()) costs.push_back({stage.name, stage.seconds, stage.count});
@@ -113,8 +110,9 @@ void run_catching_failures(Work&& work, Failed&& failed) {
   try {
     work();
   } catch (const Error& error) {
-    if (concerns_the_run(error)) throw;
     failed(error.code(), error.what());
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& error) {

@@ -152,6 +152,10 @@ PlanarMesh triangulate(const std::vector<PlanarFace>& faces,
       messages += outcome_of(session, algorithm, "the triangles do not fill the region");
     } catch (const std::out_of_range&) {  // an element of nodes that were not listed
       messages += outcome_of(session, algorithm, "the mesh is incomplete");
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const Cancelled&) {
+      throw;
     } catch (...) {  // outside of its parallel regions gmsh throws strings, integers and exceptions
       messages += outcome_of(session, algorithm, "no mesh");
     }

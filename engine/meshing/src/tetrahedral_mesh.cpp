@@ -229,6 +229,10 @@ TetrahedralMesh fill_as_given(std::span<const Eigen::Vector3d> positions, std::s
       add_surfaces(positions, surface, solid);
       gmsh::model::mesh::generate(3);
       filling = read_filling(positions.size());
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const Cancelled&) {
+      throw;
     } catch (...) {  // gmsh throws strings, integers and exceptions
       execution.cancellation.throw_if_requested();
       throw_not_filled("no mesh: " + last_gmsh_error(session));

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <new>
 
+#include "supple/base/cancellation.h"
 #include "supple/problem/error_table.h"
 
 namespace supple::problem {
@@ -19,6 +20,19 @@ std::string plain_number(double value) {
 std::string as_pointer(const std::string& where) {
   if (where.empty() || where.front() == '/' || where.find(' ') != std::string::npos) return where;
   return "/" + where;
+}
+
+const char* code_of(StopReason reason) {
+  switch (reason) {
+    case StopReason::deadline:
+      return "job.deadline_exceeded";
+    case StopReason::shutdown:
+      return "server.shutting_down";
+    case StopReason::superseded:
+      return "design.superseded";
+    default:
+      return "job.cancelled";
+  }
 }
 
 }  // namespace
@@ -46,6 +60,8 @@ Problem problem_of(const std::exception_ptr& exception) {
     Problem problem{error.code(), error.what(), {}, {}, {}};
     for (const auto& detail : error.details()) problem.errors.push_back({as_pointer(detail.where), detail.message});
     return problem;
+  } catch (const Cancelled& stop) {
+    return {code_of(stop.reason()), stop.what(), {}, {}, {}};
   } catch (const std::bad_alloc&) {
     return {"server.out_of_memory", "There is not enough memory for this request.", {}, {}, 5};
   } catch (...) {

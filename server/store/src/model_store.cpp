@@ -213,8 +213,8 @@ neural::Model ModelStore::read_in_time(const std::function<neural::Model(const E
   } const join{*this, done, watch};
   try {
     return read(execution);
-  } catch (const Error& error) {
-    if (error.code() != "job.deadline_exceeded") throw;
+  } catch (const Cancelled& stop) {
+    if (stop.reason() != StopReason::deadline) throw;
     throw Error("file.unreadable",
                 "it takes more than " + std::to_string(options_.max_read_time.count()) + " s to read, and is damaged");
   }

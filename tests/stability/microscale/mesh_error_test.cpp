@@ -194,7 +194,7 @@ TEST(MeshErrorCases, ACancelledPathLeavesNothingBehind) {
     Execution execution;
     StopAt stop(execution.cancellation, reports);
     execution.progress = &stop;
-    ::supple::testing::expect_error("job.cancelled", [&] { simulator.run(load, execution); });
+    ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { simulator.run(load, execution); });
   }
   const SimulationResult found = simulator.run(load);
   ASSERT_EQ(found.states.size(), wanted.states.size());

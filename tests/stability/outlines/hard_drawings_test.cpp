@@ -14,6 +14,7 @@
 namespace supple::outlines {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 using supple::testing::places;
 
@@ -116,7 +117,7 @@ TEST(HardDrawings, WhatIsDrawnAgainIsBounded) {
 TEST(HardDrawings, AStopIsFollowedWithinTheText) {
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { read_drawing(page("<rect width='1' height='1'/>"), {}, execution); });
+  expect_cancelled(StopReason::cancelled, [&] { read_drawing(page("<rect width='1' height='1'/>"), {}, execution); });
 }
 
 TEST(HardDrawings, CuspsLoopsAndHandlesOnTheirEnds) {

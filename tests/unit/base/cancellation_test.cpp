@@ -10,6 +10,7 @@
 namespace supple {
 namespace {
 
+using testing::expect_cancelled;
 using testing::expect_error;
 
 TEST(Cancellation, LetsAComputationRunUntilAStopIsRequested) {
@@ -18,15 +19,15 @@ TEST(Cancellation, LetsAComputationRunUntilAStopIsRequested) {
   EXPECT_NO_THROW(token.throw_if_requested());
   token.request(StopReason::cancelled);
   EXPECT_TRUE(token.requested());
-  expect_error("job.cancelled", [&] { token.throw_if_requested(); });
+  expect_cancelled(StopReason::cancelled, [&] { token.throw_if_requested(); });
 }
 
 TEST(Cancellation, NamesTheReasonInTheError) {
   const CancellationToken deadline, shutdown;
   deadline.request(StopReason::deadline);
   shutdown.request(StopReason::shutdown);
-  expect_error("job.deadline_exceeded", [&] { deadline.throw_if_requested(); });
-  expect_error("server.shutting_down", [&] { shutdown.throw_if_requested(); });
+  expect_cancelled(StopReason::deadline, [&] { deadline.throw_if_requested(); });
+  expect_cancelled(StopReason::shutdown, [&] { shutdown.throw_if_requested(); });
 }
 
 TEST(Cancellation, KeepsTheFirstReason) {
@@ -78,7 +79,7 @@ TEST(Execution, CheckpointsReportProgressAndStopWhenAsked) {
   EXPECT_EQ(recorder.fractions, std::vector<double>{0.5});
   EXPECT_EQ(recorder.stages, std::vector<std::string>{"propagate"});
   execution.cancellation.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { execution.checkpoint(0.6, "propagate"); });
+  expect_cancelled(StopReason::cancelled, [&] { execution.checkpoint(0.6, "propagate"); });
   EXPECT_EQ(recorder.fractions.size(), 1u);
 }
 

@@ -18,6 +18,7 @@
 namespace supple {
 namespace {
 
+using testing::expect_cancelled;
 using testing::expect_error;
 
 HelperOptions options_of(int processes = 2) { return {SUPPLE_TEST_HELPER, processes, 0}; }
@@ -61,7 +62,7 @@ TEST(HelperProcesses, AreKilledOnceAStopIsRequestedAndReplaced) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     execution.cancellation.request(StopReason::deadline);
   });
-  expect_error("job.deadline_exceeded", [&] { helpers.run("spin", "", execution); });
+  expect_cancelled(StopReason::deadline, [&] { helpers.run("spin", "", execution); });
   stopper.join();
   EXPECT_FALSE(runs(process));
   EXPECT_FALSE(runs(-process)) << "nothing is left of its group, in which its child was";
@@ -104,7 +105,7 @@ TEST(HelperProcesses, WaitForEachOtherBeyondTheirNumberAndStopWaitingWhenAsked) 
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     second.cancellation.request(StopReason::cancelled);
   });
-  expect_error("job.cancelled", [&] { helpers.run("echo", "", second); });
+  expect_cancelled(StopReason::cancelled, [&] { helpers.run("echo", "", second); });
   stopper.join();
   first.cancellation.request(StopReason::cancelled);
   busy.join();

@@ -14,7 +14,7 @@ TEST(StopPace, LooksAtTheTokenWithinSomeThousandCalls) {
   StopPace pace(token);
   for (int i = 0; i < 100'000; ++i) pace.look();
   token.request(StopReason::cancelled);
-  testing::expect_error("job.cancelled", [&pace] {
+  testing::expect_cancelled(StopReason::cancelled, [&pace] {
     for (int i = 0; i < 20'000; ++i) pace.look();
   });
 }
@@ -32,7 +32,7 @@ TEST(SortStoppably, SortsAnyNumberOfValuesAndStopsWhenAsked) {
   }
   token.request(StopReason::deadline);
   std::vector<int> values(10, 0);
-  testing::expect_error("job.deadline_exceeded", [&] { sort_stoppably(values, token); });
+  testing::expect_cancelled(StopReason::deadline, [&] { sort_stoppably(values, token); });
 }
 
 }  // namespace

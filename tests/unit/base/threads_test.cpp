@@ -25,9 +25,9 @@ TEST(ParallelFor, OfNothingNeverRunsTheBody) {
 }
 
 TEST(ParallelFor, HandsAnExceptionToTheCaller) {
-  testing::expect_error("job.cancelled", [] {
+  testing::expect_cancelled(StopReason::cancelled, [] {
     parallel_for(1000, [](int i) {
-      if (i == 617) throw Error("job.cancelled", "stop");
+      if (i == 617) throw Cancelled(StopReason::cancelled);
     });
   });
 }

@@ -15,6 +15,7 @@
 namespace supple::design {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 using supple::testing::places;
 
@@ -379,7 +380,7 @@ TEST(InverseDesign, StopsWhenItIsTold) {
   const DesignProblem problem{{target_of(test, test.at({0.1, 0.5, 0.6}), Task::poisson)}, {}, {}};
   const CancellationToken token;
   token.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { find_design(test.space(), problem, {}, {.cancellation = token}); });
+  expect_cancelled(StopReason::cancelled, [&] { find_design(test.space(), problem, {}, {.cancellation = token}); });
 }
 
 TEST(InverseDesign, NamesTheParameterThatIsWrong) {

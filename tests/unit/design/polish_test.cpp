@@ -16,6 +16,7 @@
 namespace supple::design {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
@@ -303,7 +304,7 @@ TEST(Polish, StopsWhereItIsCancelled) {
   Missed missed;
   const CancellationToken token;
   token.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { missed.polished({}, {token}); });
+  expect_cancelled(StopReason::cancelled, [&] { missed.polished({}, {token}); });
 }
 
 TEST(Polish, GoesOnWithoutSimulatingAgain) {
@@ -541,20 +542,21 @@ TEST(VerifyDesigns, SayByHowMuchACoarserMeshChangesTheAnswer) {
 
 TEST(VerifyDesigns, StandWithoutTheEstimateThatFailsUnlessTheyAreCancelled) {
   TwoFamilies families;
-  const auto fails_with = [&](const char* code) {
-    families.simulations[1].coarser = [code](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
-      throw Error(code, "No estimate.");
-    };
+  families.simulations[1].coarser = [](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
+    throw Error("tiling.meshing_failed", "No estimate.");
   };
-  fails_with("tiling.meshing_failed");
   EXPECT_FALSE(families.verified({}).discretization_error.at(0));
   families.simulations[1].coarser = [](const auto&, const ProfileSamples& samples, const auto&) -> Eigen::VectorXd {
     return Eigen::VectorXd::Constant(static_cast<Eigen::Index>(samples.x.size()),
                                      std::numeric_limits<double>::quiet_NaN());
   };
   EXPECT_FALSE(families.verified({}).discretization_error.at(0));
-  fails_with("job.cancelled");
-  expect_error("job.cancelled", [&] { families.verified({}); });
+  for (const StopReason reason : {StopReason::cancelled, StopReason::shutdown, StopReason::superseded}) {
+    families.simulations[1].coarser = [reason](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
+      throw Cancelled(reason);
+    };
+    expect_cancelled(reason, [&] { families.verified({}); });
+  }
 }
 
 TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
@@ -566,7 +568,7 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   EXPECT_EQ(verified.ranking.size(), 2U);
   EXPECT_FALSE(verified.ranking[0].target_error);
   EXPECT_FALSE(verified.discretization_error.at(0));
-  expect_error("job.deadline_exceeded", [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
+  expect_cancelled(StopReason::deadline, [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
 }
 
 /// The simulation is stiffer than the network by the same factor everywhere, so that another modulus alone corrects it.

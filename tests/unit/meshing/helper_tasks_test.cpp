@@ -41,7 +41,8 @@ TEST_F(FillingInHelpers, EndsWhereAStopIsRequested) {
   const auto sphere = supple::testing::icosphere(2);
   Execution stopped;
   stopped.cancellation.request(StopReason::cancelled);
-  supple::testing::expect_error("job.cancelled", [&] { fill(sphere.positions(), sphere.faces(), {}, stopped); });
+  supple::testing::expect_cancelled(StopReason::cancelled,
+                                    [&] { fill(sphere.positions(), sphere.faces(), {}, stopped); });
 }
 
 }  // namespace

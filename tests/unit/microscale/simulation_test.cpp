@@ -17,6 +17,7 @@
 namespace supple::microscale {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 using supple::testing::places;
 using testing::draw;
@@ -446,7 +447,7 @@ TEST(Simulator, StopsWhereItIsAskedTo) {
   Simulator simulator(stiff_frame(), {});
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { simulator.run(UniaxialLoad{0, {1.1}}, execution); });
+  expect_cancelled(StopReason::cancelled, [&] { simulator.run(UniaxialLoad{0, {1.1}}, execution); });
 }
 
 }  // namespace

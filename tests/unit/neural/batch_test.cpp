@@ -124,7 +124,7 @@ TEST_F(Batches, StopWhereTheyAreAskedTo) {
   CancellationToken token;
   token.request(StopReason::cancelled);
   const std::vector<std::vector<double>> designs{{0.15, 0.65}};
-  testing::expect_error("job.cancelled", [&] {
+  testing::expect_cancelled(StopReason::cancelled, [&] {
     evaluate_batch(model, evaluator, {designs, strains_of(10)}, {.cancellation = token});
   });
 }

@@ -78,11 +78,11 @@ TEST_F(AddElements, LeavesOutTheRestWhereAnElementHasNoValue) {
 }
 
 TEST_F(AddElements, HandsAnExceptionToTheCaller) {
-  testing::expect_error("job.cancelled", [] {
+  testing::expect_cancelled(StopReason::cancelled, [] {
     add_elements<Local>(
         1000, 8,
         [](std::size_t i, Local&) {
-          if (i == 617) throw Error("job.cancelled", "stop");
+          if (i == 617) throw Cancelled(StopReason::cancelled);
         },
         [](std::size_t, const Local&) { return true; });
   });

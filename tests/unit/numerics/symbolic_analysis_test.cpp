@@ -42,7 +42,7 @@ TEST(SymbolicAnalysis, OfALargePatternIsTheSameInAHelperProcess) {
   const SymbolicAnalysis quick = analyse(matrix, {}, {}, OrderingSearch::quick);
   CancellationToken stopped;
   stopped.request(StopReason::cancelled);
-  ::supple::testing::expect_error("job.cancelled", [&] { analyse(matrix, {}, stopped); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { analyse(matrix, {}, stopped); });
   use_helper_processes(nullptr);
   EXPECT_EQ(quick.old_index,
             analyse_here(n, matrix.outerIndexPtr(), matrix.innerIndexPtr(), {}, OrderingSearch::quick).old_index);
@@ -88,7 +88,7 @@ TEST(ShiftedCholesky, StopsBetweenFrontsAndWithinThem) {
   cholesky.stop_with(token);
   ASSERT_TRUE(cholesky.factorize(matrix, 0));
   token.request(StopReason::deadline);
-  ::supple::testing::expect_error("job.deadline_exceeded", [&] { cholesky.factorize(matrix, 0); });
+  ::supple::testing::expect_cancelled(StopReason::deadline, [&] { cholesky.factorize(matrix, 0); });
   Eigen::MatrixXd front = Eigen::MatrixXd::Identity(64, 64);
   EXPECT_FALSE(partial_cholesky(front.data(), 64, 64, 64, token));
   EXPECT_TRUE(partial_cholesky(front.data(), 64, 64, 64)) << "a positive definite matrix";
@@ -100,7 +100,7 @@ TEST(HessianEntries, StopWhileTheySortTheirPlaces) {
   entries.stop_with(&token);
   for (int i = 0; i < 1000; ++i) entries.add(i, i, 1);
   token.request(StopReason::cancelled);
-  ::supple::testing::expect_error("job.cancelled", [&] { entries.matrix(1000); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { entries.matrix(1000); });
 }
 
 TEST(HessianEntries, StopWhileTheyAreAddedAndServeAgainAfterwards) {
@@ -119,11 +119,11 @@ TEST(HessianEntries, StopWhileTheyAreAddedAndServeAgainAfterwards) {
     entries.stop_with(&token);
     if (while_added) {
       token.request(StopReason::deadline);
-      ::supple::testing::expect_error("job.deadline_exceeded", [&] { add_all(entries); });
+      ::supple::testing::expect_cancelled(StopReason::deadline, [&] { add_all(entries); });
     } else {
       add_all(entries);
       token.request(StopReason::deadline);
-      ::supple::testing::expect_error("job.deadline_exceeded", [&] { entries.matrix(n); });
+      ::supple::testing::expect_cancelled(StopReason::deadline, [&] { entries.matrix(n); });
     }
     entries.stop_with(nullptr);
     for (int round = 0; round < 2; ++round) {

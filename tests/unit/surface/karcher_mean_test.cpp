@@ -15,6 +15,7 @@
 namespace supple::surface {
 namespace {
 
+using testing::expect_cancelled;
 using testing::expect_error;
 using testing::nearest_point;
 using testing::places;
@@ -323,7 +324,8 @@ TEST(KarcherMean, StopsWhenCancelledBetweenEvaluations) {
   Execution execution;
   CancelLater sink(execution.cancellation);
   execution.progress = &sink;
-  expect_error("job.cancelled", [&] { karcher_mean(scene.solver, random_problem(*scene.mesh, 5, 0), execution); });
+  expect_cancelled(StopReason::cancelled,
+                   [&] { karcher_mean(scene.solver, random_problem(*scene.mesh, 5, 0), execution); });
   EXPECT_EQ(sink.reports, 3);
 }
 

@@ -10,6 +10,7 @@
 namespace supple::surface {
 namespace {
 
+using testing::expect_cancelled;
 using testing::expect_error;
 
 /// A grid of 2 * 200 * 200 faces: more than are read between two looks for a stop.
@@ -42,20 +43,20 @@ TEST_F(StoppedReading, OfEveryFormatEndsWithTheStop) {
   stl += "endsolid\n";
   for (const std::string& bytes : {obj, ply, off, stl}) {
     EXPECT_EQ(load_mesh(bytes).face_count(), mesh.face_count());
-    expect_error("job.cancelled", [&] { read_mesh(bytes, detect_format(bytes), {}, stopped_); });
+    expect_cancelled(StopReason::cancelled, [&] { read_mesh(bytes, detect_format(bytes), {}, stopped_); });
   }
 }
 
 TEST_F(StoppedReading, AndBuildingReportingWritingAndRepairingToo) {
   const TriangleMesh mesh = large_mesh();
-  expect_error("job.cancelled", [&] { TriangleMesh::build(mesh.positions(), mesh.faces(), {}, stopped_); });
-  expect_error("job.cancelled", [&] { report(mesh, stopped_); });
-  expect_error("job.cancelled", [&] { write_obj(mesh, stopped_); });
-  expect_error("job.cancelled", [&] { write_ply(mesh, stopped_); });
+  expect_cancelled(StopReason::cancelled, [&] { TriangleMesh::build(mesh.positions(), mesh.faces(), {}, stopped_); });
+  expect_cancelled(StopReason::cancelled, [&] { report(mesh, stopped_); });
+  expect_cancelled(StopReason::cancelled, [&] { write_obj(mesh, stopped_); });
+  expect_cancelled(StopReason::cancelled, [&] { write_ply(mesh, stopped_); });
   TriangleSoup soup{mesh.positions(), mesh.faces(), {}};
   RepairOptions options;
   options.ask(Repair::weld);
-  expect_error("job.cancelled", [&] { repair_mesh(soup, options, {}, stopped_); });
+  expect_cancelled(StopReason::cancelled, [&] { repair_mesh(soup, options, {}, stopped_); });
 }
 
 }  // namespace

@@ -16,6 +16,7 @@
 namespace supple::tiling {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 
 Structure preset(std::string_view id) {
@@ -108,7 +109,7 @@ TEST_F(TilingInHelpers, EndsAPartWhereAStopIsRequested) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     execution.cancellation.request(StopReason::cancelled);
   });
-  expect_error("job.cancelled", [&] { make_part(design, execution); });
+  expect_cancelled(StopReason::cancelled, [&] { make_part(design, execution); });
   stopper.join();
 }
 
@@ -128,7 +129,7 @@ TEST_F(TilingInHelpers, EndsWhereAStopIsRequested) {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       execution.cancellation.request(StopReason::cancelled);
     });
-    expect_error("job.cancelled", [&] { write(structure, large, execution); });
+    expect_cancelled(StopReason::cancelled, [&] { write(structure, large, execution); });
     stopper.join();
   }
 }

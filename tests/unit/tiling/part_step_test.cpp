@@ -13,6 +13,7 @@
 namespace supple::tiling {
 namespace {
 
+using supple::testing::expect_cancelled;
 using supple::testing::expect_error;
 using supple::testing::places;
 using testing::preset_structure;
@@ -113,7 +114,7 @@ TEST(PartStep, StopsWhenAsked) {
   part.faces[0][0].resize(5'000, Eigen::Vector2d(1, 1));
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);
-  expect_error("job.cancelled", [&] { part_step(part, execution); });
+  expect_cancelled(StopReason::cancelled, [&] { part_step(part, execution); });
 }
 
 }  // namespace

@@ -162,8 +162,9 @@ TEST(Optimization, EndsForgottenWorkAtOnce) {
   options.weights.regularity = 1;
   const CancellationToken token;
   options.observer = [&](const OptimizationStep&, const Diagram&) { token.request(StopReason::cancelled); };
-  testing::expect_error(
-      "job.cancelled", [&] { optimize(solver, random_sites(solver.mesh(), 30, 1), options, {.cancellation = token}); });
+  testing::expect_cancelled(StopReason::cancelled, [&] {
+    optimize(solver, random_sites(solver.mesh(), 30, 1), options, {.cancellation = token});
+  });
 }
 
 TEST(Optimization, NamesWhatItRefuses) {

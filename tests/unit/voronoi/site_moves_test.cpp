@@ -104,7 +104,7 @@ TEST(SiteMoves, OfHeldSitesAreNotTriedAndThoseTakenLowerTheEnergyTogether) {
     EXPECT_TRUE(state.sites().points()[i].barycentric == start[i].barycentric) << "site " << i;
   const Execution stopped;
   stopped.cancellation.request(StopReason::cancelled);
-  testing::expect_error("job.cancelled", [&] { moves.pass(state, stopped); });
+  testing::expect_cancelled(StopReason::cancelled, [&] { moves.pass(state, stopped); });
 }
 
 TEST(SiteMoves, AreNotTriedWhereStepsSuffice) {

@@ -75,11 +75,12 @@ TEST(Crossings, AreNotLookedForOnceAStopIsRequested) {
   Execution execution;
   execution.cancellation = sink.token;
   execution.progress = &sink;
-  ::supple::testing::expect_error("job.cancelled", [&] { find_crossings(grid(20), std::nullopt, execution); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled,
+                                      [&] { find_crossings(grid(20), std::nullopt, execution); });
   EXPECT_EQ(sink.reports, 1) << "it stops within the first strand";
   const Weave weave = interlacing_squares_sheet(SquareType::all_fused, 4, 4);
-  ::supple::testing::expect_error("job.cancelled", [&] { layout_warnings(weave, execution); });
-  ::supple::testing::expect_error("job.cancelled", [&] { validate(weave, execution); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { layout_warnings(weave, execution); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { validate(weave, execution); });
 }
 
 TEST(Crossings, OfCurvesWithoutEndOfTurnsAreNotReached) {
@@ -90,7 +91,7 @@ TEST(Crossings, OfCurvesWithoutEndOfTurnsAreNotReached) {
   EXPECT_EQ(::supple::testing::places(error), std::vector<std::string>{"points"});
   Execution stopped;
   stopped.cancellation.request(StopReason::deadline);
-  ::supple::testing::expect_error("job.deadline_exceeded", [&] {
+  ::supple::testing::expect_cancelled(StopReason::deadline, [&] {
     StrandCurve curve({{0, 0}, {1, 1}, {2, 0}}, Ends::open, {0, 0}, stopped);
   });
 }

@@ -296,7 +296,7 @@ TEST(GcodeCheck, TellsHowFarItIsAndStopsWhenAsked) {
   EXPECT_TRUE(std::is_sorted(listener.fractions.begin(), listener.fractions.end()));
   listener.fractions.clear();
   listener.stop_after = 2;
-  ::supple::testing::expect_error("job.cancelled", [&] { check_gcode(text, limits(), execution); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled, [&] { check_gcode(text, limits(), execution); });
   EXPECT_EQ(listener.fractions.size(), 2U);
 }
 

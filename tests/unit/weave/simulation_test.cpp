@@ -251,7 +251,8 @@ TEST(Simulation, IsCancelledWhereItIsAskedToStop) {
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);
   SheetLoad load = posts_held(3);
-  ::supple::testing::expect_error("job.cancelled", [&] { simulate(strand_through_posts(), load, {}, execution); });
+  ::supple::testing::expect_cancelled(StopReason::cancelled,
+                                      [&] { simulate(strand_through_posts(), load, {}, execution); });
 }
 
 TEST(Drawing, ShowsEveryStrandAndCrossing) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <memory>
 
 #include "supple/base/watched_work.h"
@@ -8,6 +9,19 @@
 namespace supple {
 
 enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4 };
+
+/// Ends a computation that was asked to stop. It is no Error: code that handles a failed computation must not take a
+/// stopped one for it.
+class Cancelled : public std::exception {
+ public:
+  explicit Cancelled(StopReason reason) noexcept : reason_(reason) {}
+
+  StopReason reason() const noexcept { return reason_; }
+  const char* what() const noexcept override;
+
+ private:
+  StopReason reason_;
+};
 
 /// A flag that a computation shares with those who may stop it.
 ///
@@ -22,15 +36,13 @@ class CancellationToken {
   StopReason reason() const noexcept { return static_cast<StopReason>(reason_->load(std::memory_order_relaxed)); }
   bool requested() const noexcept { return reason() != StopReason::none; }
 
-  /// Throws Error "job.cancelled", "job.deadline_exceeded", "server.shutting_down" or "design.superseded" once a stop
-  /// is requested.
+  /// Throws Cancelled once a stop is requested.
   void throw_if_requested() const {
     WatchedWork::checked();
-    if (requested()) throw_stop();
+    if (requested()) throw Cancelled(reason());
   }
 
  private:
-  [[noreturn]] void throw_stop() const;
   std::shared_ptr<std::atomic<int>> reason_;
 };
 

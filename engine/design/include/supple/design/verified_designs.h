@@ -39,7 +39,7 @@ struct VerifiedDesigns {
 /// Ranks the best designs of `find_designs` by their simulated deviation, and polishes the first of them. A design
 /// whose simulation does not reach every sample comes after those whose simulation does.
 ///
-/// `simulations` has one entry for each space. If the deadline passes while polish is off, "job.deadline_exceeded" is
+/// `simulations` has one entry for each space. If the deadline passes while polish is off, Cancelled is
 /// thrown. Otherwise the answer is the best design so far. Costs one simulation for each family and each round, and a
 /// coarser one of the answer. Bills the effect "polish" and what the simulations bill.
 VerifiedDesigns verify_designs(

@@ -18,7 +18,7 @@ class StateListener {
 ///
 /// A design that the engine refuses, for example because of its shape, is returned as rejected, with the code and
 /// message of the error. A path that stops early records the reason, and the other paths are computed. Throws only
-/// "job.cancelled" if a stop is requested, and std::bad_alloc, because neither depends on the design alone.
+/// Cancelled if a stop is requested, and std::bad_alloc, because neither depends on the design alone.
 dataset::Design simulate_design(const DatasetOptions& options, const PlannedDesign& planned,
                                 const CancellationToken& cancellation = {}, StateListener* listener = nullptr);
 

@@ -53,7 +53,7 @@ struct ReferenceData {
 /// the network was trained are compared with the network without that correction. If there are searched designs, they
 /// get offsets of their own in the same way, with ratings of a fit that does not include them.
 ///
-/// Throws what `samples_of` throws, and "job.cancelled" if a stop is requested. Throws "dataset.different_recipe" if
+/// Throws what `samples_of` throws, and Cancelled if a stop is requested. Throws "dataset.different_recipe" if
 /// `references` are of another family or solid than `data`, or differ among each other. Throws "training.no_samples" if
 /// fewer than 4 designs were held out, or if a quantity has fewer than 50 states of held-out designs.
 CalibrationResult calibrate(neural::Model model, const ModelData& data, const CancellationToken& cancellation = {},
