@@ -22,7 +22,7 @@ python=/usr/bin/python3
 
 declare -A about=(
   [changes]="the table of what --changed runs, against this tree, and that tests/truth can fail"
-  [arrows]="includes run only along the house plan's arrows (by reading every file)"
+  [arrows]="includes run only along the house plan's arrows, and no class or function is too long (by reading every file)"
   [format]="clang-format has nothing to change"
   [single_files]="each source file compiles by itself and without a warning (missing includes, names that hide others)"
   [build]="the optimized build"
@@ -73,7 +73,7 @@ cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*
   'tests/*.h' 'tests/*.cpp'; }
 
 part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes tests/truth/test_truth.py; }
-part_arrows() { "$python" tests/arrows/check_includes.py; }
+part_arrows() { local status=0; "$python" tests/arrows/check_includes.py || status=1; "$python" tests/arrows/check_sizes.py || status=1; return $status; }
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
 part_single_files() {
   cmake --preset release -B build/single-files -DSUPPLE_BUILD_BENCH=ON -DSUPPLE_WARNINGS_AS_ERRORS=ON >build/configure-single-files.log 2>&1 ||

@@ -5,17 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "free_parameters.h"
-#include "modulus_choice.h"
-#include "structure_limits.h"
-#include "supple/design/inverse_design.h"
+#include "search_problem.h"
 
 namespace supple::design {
-
-/// Number of samples of each target at which candidates are compared. It is not a multiple of two or three. If it were,
-/// evenly spaced directions would give only a few different values for a structure with rotational symmetry by a
-/// quarter or a sixth of a turn.
-inline constexpr int coarse_samples = 11;
 
 /// The relative root mean square deviation of profiles, one for each target, from the targets. `outlier_threshold` is
 /// that of TargetResiduals. Infinite if a value is not finite.
@@ -26,17 +18,8 @@ double relative_deviation(const std::vector<SampledTarget>& targets, const std::
 /// are evaluated when they are first needed.
 class RankedCandidates {
  public:
-  /// The problem of a search. It must outlive the candidates.
-  struct Problem {
-    const DesignSpace& space;
-    const DesignOptions& options;
-    const FreeParameters& bounds;
-    const std::vector<SampledTarget>& targets;
-    const std::vector<double>& weights;
-    const ModulusChoice& moduli;
-    const LimitResiduals& limits;
-  };
-  explicit RankedCandidates(const Problem& problem) : problem_(problem) {}
+  /// The problem must outlive the candidates.
+  explicit RankedCandidates(const SearchProblem& problem) : problem_(problem) {}
 
   /// The targets with `coarse_samples` samples each.
   const std::vector<SampledTarget>& targets();
@@ -58,7 +41,7 @@ class RankedCandidates {
   double error(Eigen::Index candidate, double outlier_threshold) const;
   std::vector<double> orientations() const;
 
-  Problem problem_;
+  const SearchProblem& problem_;
   std::vector<SampledTarget> coarse_;
   /// Its rows are the samples in the first orientation, then those in the next one.
   std::shared_ptr<const Candidates::Table> table_;

@@ -75,6 +75,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
                                const DesignProblem& problem, std::vector<Design> ranking, const DesignOptions& search,
                                const VerificationPlan& plan, const Execution& execution,
                                const std::function<void(const Design&, const PolishRound&)>& on_round) {
+  if (ranking.empty()) return {};
   const bool corrects = plan.polish != Switch::off;
   const auto round_of = [&](const Design& design) -> OnPolishRound {
     if (!on_round) return {};

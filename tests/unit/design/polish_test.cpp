@@ -435,6 +435,13 @@ struct TwoFamilies {
   std::vector<std::size_t> told;
 };
 
+TEST(VerifyDesigns, GivesAnEmptyAnswerToAnEmptyRanking) {
+  const TwoFamilies families;
+  const auto nothing = verify_designs(families.spaces, families.simulations, families.problem, {}, {}, {});
+  EXPECT_TRUE(nothing.ranking.empty());
+  EXPECT_FALSE(nothing.polished);
+}
+
 TEST(SearchDesigns, SimulatesWhatItFindsWhereThereIsAPlanForIt) {
   TwoFamilies families;
   families.first_calls = families.second_calls = 0;

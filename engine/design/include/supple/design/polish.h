@@ -22,13 +22,17 @@ struct OrientedParameters {
 };
 
 struct PolishOptions {
-  /// Polishing ends once the simulated relative root mean square deviation is at most this.
+  /// Polishing ends once the simulated relative root mean square deviation is at most this. Reduce it if the polished
+  /// profile still visibly misses the target, but not below the noise of the simulations (about their mesh error).
   double tolerance = 2e-3;
-  /// Maximum number of samples of each target that are simulated. They are evenly spaced.
+  /// Maximum number of samples of each target that are simulated. They are evenly spaced. Increase it if the profile
+  /// has features between the samples; the time of a round is proportional to it.
   int samples = 12;
-  /// Maximum number of structures that are simulated, in addition to the design that the search found.
+  /// Maximum number of structures that are simulated, in addition to the design that the search found. Increase it if a
+  /// polish stops at round_limit while its rounds still improve. With 0 the design is simulated and not improved.
   int max_rounds = 30;
   /// Maximum time of polishing, s. A round is not started if it would end later, judging by the longest round so far.
+  /// Increase it if a polish stops at time_limit.
   double max_seconds = 120;
   double equilibrium_tolerance = 1e-10;  ///< as DesignOptions::equilibrium_tolerance
 };

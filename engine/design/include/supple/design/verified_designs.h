@@ -37,7 +37,8 @@ struct VerifiedDesigns {
 };
 
 /// Ranks the best designs of `find_designs` by their simulated deviation, and polishes the first of them. A design
-/// whose simulation does not reach every sample comes after those whose simulation does.
+/// whose simulation does not reach every sample comes after those whose simulation does. An empty ranking has an empty
+/// answer and no bill.
 ///
 /// `simulations` has one entry for each space. If the deadline passes while polish is off, Cancelled is
 /// thrown. Otherwise the answer is the best design so far. Costs one simulation for each family and each round, and a
