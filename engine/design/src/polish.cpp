@@ -41,8 +41,8 @@ template <class First>
 Polished improved(const DesignSpace& space, PolishRounds& rounds, const First& first) {
   try {
     return rounds.result(improve(rounds, OtherStarts(space, rounds), first()));
-  } catch (const Error& error) {
-    if (error.code() != "job.deadline_exceeded") throw;
+  } catch (const Cancelled& stop) {
+    if (stop.reason() != StopReason::deadline) throw;
     return rounds.result(PolishStop::deadline);
   }
 }

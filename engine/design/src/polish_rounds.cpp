@@ -118,14 +118,14 @@ void PolishRounds::run_simulation(const Eigen::VectorXd& parameters, SimulatedDe
       trial.deviation = rounds_.empty() ? trial.deviation : infinite;
       round.reason = "The network has no equilibrium at every sample.";
     }
-  } catch (const Error& error) {
-    if (!error.code().starts_with("tiling.") && !error.code().starts_with("simulation.")) {
-      if (error.code() == "job.deadline_exceeded") {
-        round.reason = "The deadline passed before the simulation had ended.";
-        record(std::move(round), begin);
-      }
-      throw;
+  } catch (const Cancelled& stop) {
+    if (stop.reason() == StopReason::deadline) {
+      round.reason = "The deadline passed before the simulation had ended.";
+      record(std::move(round), begin);
     }
+    throw;
+  } catch (const Error& error) {
+    if (!error.code().starts_with("tiling.") && !error.code().starts_with("simulation.")) throw;
     round.reason = error.what();
   }
 }

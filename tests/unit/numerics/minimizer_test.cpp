@@ -9,6 +9,7 @@
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 #include "supple/numerics/system.h"
+#include "support/expect_error.h"
 #include "test_functions.h"
 
 namespace supple::numerics {
