@@ -59,7 +59,7 @@ store::ModelStore::Options model_options(const ServerOptions& server) {
   return options;
 }
 
-void log_access(const http::Answered& answered) {
+void log_access(const http::AnsweredRequest& answered) {
   using routes::plain_text;
   spdlog::info("access {} {} {} {} {} {} {:.6f} s {} bytes", plain_text(answered.id), answered.address,
                plain_text(answered.key), plain_text(answered.method), plain_text(answered.path), answered.status,
@@ -100,7 +100,7 @@ class Process {
     router_ = routes::make_router(services_);
     server_ = std::make_unique<http::Server>(
         http, router_, routes::problem_response,
-        [this](const http::Answered& answered) {
+        [this](const http::AnsweredRequest& answered) {
           metrics_.count_request(answered.pattern, answered.method, answered.status, answered.seconds);
           audit_.note(answered);
           if (options_.access_log) log_access(answered);

@@ -58,7 +58,7 @@ void add_limits(CLI::App& app, ServerOptions& options) {
                    "Requests that are answered at the same time, a thread each")
       ->check(CLI::Range(1, 10000));
   group
-      ->add_option("--client-share", options.http.client_share,
+      ->add_option("--client-share", options.http.max_client_fraction,
                    "Share of connections and requests that one client may have")
       ->check(CLI::Range(0.01, 1.0));
   group

@@ -155,7 +155,7 @@ class Server::Implementation final : public httplib::Server {
         timeouts_{seconds(options.idle_seconds), seconds(std::min(options.head_seconds, options.request_seconds)),
                   seconds(options.request_seconds)},
         bodies_(max_arriving_bytes(),
-                static_cast<std::int64_t>(options.client_share * static_cast<double>(max_arriving_bytes()))),
+                static_cast<std::int64_t>(options.max_client_fraction * static_cast<double>(max_arriving_bytes()))),
         threads_(static_cast<std::size_t>(options.max_requests)),
         quick_(quick_threads),
         lobby_([this](Connection& connection) { admit(connection); },
@@ -243,17 +243,17 @@ class Server::Implementation final : public httplib::Server {
     HandlerStandIn(Implementation& server, Connection& connection, Exchange& exchange, Clock::time_point begin)
         : server_(server), connection_(connection), exchange_(exchange), begin_(begin) {}
 
-    void answer(const problem::Problem& problem, bool is_replaced) override {
+    void answer(const problem::Problem& problem, bool releases_slot) override {
       if (exchange_.claimed.exchange(true)) return;
       answered_ = true;
       const auto& request = connection_.request;
       auto response = server_.render_(problem);
       server_.add_headers(response, request.id);
       const std::chrono::duration<double> taken = Clock::now() - begin_;
-      if (is_replaced) {
+      if (releases_slot) {
         server_.release_slot(request.client, taken.count());
         server_.threads_.raise_limit();
-        replaced_ = true;
+        slot_is_released_ = true;
       }
       const auto status = response.status;
       if (request.method == "HEAD") response.body.clear();
@@ -261,7 +261,7 @@ class Server::Implementation final : public httplib::Server {
       server_.observe(connection_, exchange_, status, taken.count());
     }
     bool has_answered() const { return answered_; }
-    bool is_replaced() const { return replaced_; }
+    bool slot_is_released() const { return slot_is_released_; }
 
    private:
     Implementation& server_;
@@ -269,7 +269,7 @@ class Server::Implementation final : public httplib::Server {
     Exchange& exchange_;
     const Clock::time_point begin_;
     bool answered_ = false;
-    bool replaced_ = false;
+    bool slot_is_released_ = false;
   };
 
   /// Sends the last answer on a connection that another thread still uses.
@@ -303,7 +303,7 @@ class Server::Implementation final : public httplib::Server {
                : 0;
   }
   Clock::duration accept_silence() const { return Clock::now().time_since_epoch() - last_accept_.load(); }
-  int max_per_client(int all) const { return std::max(1, static_cast<int>(options_.client_share * all)); }
+  int max_per_client(int all) const { return std::max(1, static_cast<int>(options_.max_client_fraction * all)); }
 
   bool process_and_close_socket(socket_t socket) override {
     last_accept_ = Clock::now().time_since_epoch();
@@ -496,7 +496,7 @@ class Server::Implementation final : public httplib::Server {
       connection.request.stand_in = nullptr;
       if (handler_stand_in.has_answered()) {
         current = nullptr;
-        handler_stand_in.is_replaced() ? threads_.lower_limit() : release();
+        handler_stand_in.slot_is_released() ? threads_.lower_limit() : release();
         return After::answered_by_stand_in;
       }
       release();
@@ -614,12 +614,12 @@ class Server::Implementation final : public httplib::Server {
             sink.done();
             return !writer.client_gone();
           });
-    } else if (response.pieces && response.pieces->bytes > 0) {
-      const auto length = static_cast<std::size_t>(response.pieces->bytes);
+    } else if (response.piecewise_body && response.piecewise_body->bytes > 0) {
+      const auto length = static_cast<std::size_t>(response.piecewise_body->bytes);
       target.set_content_provider(
           length, response.content_type,
-          [pieces = *std::move(response.pieces)](std::size_t offset, std::size_t count, httplib::DataSink& sink) {
-            return send_pieces(pieces, offset, count, sink);
+          [body = *std::move(response.piecewise_body)](std::size_t offset, std::size_t count, httplib::DataSink& sink) {
+            return send_piecewise(body, offset, count, sink);
           });
     } else {
       target.body = std::move(response.body);
@@ -629,13 +629,14 @@ class Server::Implementation final : public httplib::Server {
 
   /// Sends all pieces in one call, because between two calls the library would cut the answer off if the server stops.
   /// Returns false if a piece cannot be read or sent.
-  static bool send_pieces(const Pieces& pieces, std::size_t offset, std::size_t count, httplib::DataSink& sink) {
+  static bool send_piecewise(const PiecewiseBody& body, std::size_t offset, std::size_t count,
+                             httplib::DataSink& sink) {
     constexpr std::size_t piece = 256 * 1024;
     std::string buffer(std::min(piece, count), '\0');
     try {
       for (const auto end = offset + count; offset < end;) {
         const auto bytes = std::min(piece, end - offset);
-        pieces.read(offset, buffer.data(), bytes);
+        body.read(offset, buffer.data(), bytes);
         if (!sink.write(buffer.data(), bytes)) return false;
         offset += bytes;
       }

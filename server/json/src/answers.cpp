@@ -22,7 +22,7 @@ void write_frame(JsonWriter& out, const TriangleMesh& mesh, FaceId face) {
 
 void write_field_accuracy(JsonWriter& out, surface::FieldMethod method, double allowed, double bound) {
   out.key("accuracy").begin_object();
-  out.field("method", method == surface::FieldMethod::windows ? "windows" : "edge_graph");
+  out.field("method", field_method_names.name_of(method));
   out.field("relative_error", allowed).key("relative_error_bound");
   std::isfinite(bound) ? out.number(bound) : out.null();
   out.end_object();

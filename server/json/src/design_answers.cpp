@@ -54,13 +54,13 @@ void write_model(JsonWriter& out, const DesignModel& model, bool with_hash) {
 
 /// Task, direction or strain, and measure.
 void write_kind(JsonWriter& out, const design::ProfileSamples& samples) {
-  out.field("task", design::to_string(samples.task));
+  out.field("task", task_names.name_of(samples.task));
   if (samples.task == design::Task::stress_strain) {
     out.field("direction", samples.direction);
   } else {
     out.field("strain", samples.strain);
   }
-  out.field("strain_measure", design::to_string(samples.measure));
+  out.field("strain_measure", strain_measure_names.name_of(samples.measure));
 }
 
 /// One target's profile by simulation beside the model's.

@@ -3,8 +3,8 @@
 #include <limits>
 #include <numbers>
 
-#include "document.h"
 #include "request_parts.h"
+#include "supple/json/structure_requests.h"
 
 namespace supple::json {
 namespace {
@@ -29,9 +29,6 @@ constexpr std::size_t max_materials = 16;
 constexpr double min_cell_size = 0.01;
 constexpr double max_cell_size = 2000;
 constexpr double default_range[2] = {-0.1, 0.2};
-
-const std::vector<std::string_view> task_names{"stress_strain", "stiffness", "poisson"};
-const std::vector<std::string_view> measure_names{"green", "engineering"};
 
 void read_text(Fields& fields, std::string_view name, std::string& out, std::size_t max_bytes) {
   const auto* value = fields.optional(name);
@@ -102,7 +99,7 @@ void read_spline(Fields& fields, design::Target& target) {
       target.control_points.push_back(point);
     }
   }
-  spline.choice("interpolation", target.interpolation, {"cubic", "monotone", "linear"});
+  spline.choice("interpolation", target.interpolation, interpolation_names);
   read_list(spline, "weights", target.weights);
   read_list(spline, "bands", target.bands);
   spline.finish();
@@ -115,7 +112,7 @@ void read_samples(Fields& fields, Samples& out, design::StrainMeasure& measure) 
   fields.choice("task", out.task, task_names);
   fields.number("direction", out.direction, -max_angle, max_angle);
   fields.number("strain", out.strain, min_strain, max_profile_strain, true);
-  fields.choice("strain_measure", measure, measure_names);
+  fields.choice("strain_measure", measure, strain_measure_names);
 }
 
 /// Reads a pair of numbers within [min, max], the lesser first.
@@ -173,9 +170,9 @@ MaterialSpec read_material(const Document& value, const std::string& pointer, Fa
   Fields fields(value, pointer, faults);
   read_text(fields, "name", material.name, max_name_bytes);
   read_modulus(fields, may_be_range, material);
-  int law = 0;
-  fields.choice("law", law, {"neo_hookean", "incompressible_plane_stress"});
-  material.is_neo_hookean = law == 0;
+  auto law = microscale::Law::neo_hookean;
+  fields.choice("law", law, law_names);
+  material.is_neo_hookean = law == microscale::Law::neo_hookean;
   double poisson_ratio = 0;
   if (fields.present("poisson_ratio")) {
     fields.number("poisson_ratio", poisson_ratio, -0.99, 0.499);
@@ -305,76 +302,64 @@ void read_options(Fields& fields, DesignRequest& request) {
 
 }  // namespace
 
-DesignRequest parse_design(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  DesignRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.several = fields.present("regions");
-  if (request.several) {
-    if (const auto* regions = fields.array("regions", true, 1, max_regions, "")) {
-      for (std::size_t i = 0; i < regions->size(); ++i) {
-        Fields inner((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
-        request.regions.push_back(read_region(inner));
-        inner.finish();
+DesignRequest parse_design(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<DesignRequest>(body, limits, cancellation, [&](Fields& fields, DesignRequest& request) {
+    request.several = fields.present("regions");
+    if (request.several) {
+      if (const auto* regions = fields.array("regions", true, 1, max_regions, "")) {
+        for (std::size_t i = 0; i < regions->size(); ++i) {
+          Fields inner((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
+          request.regions.push_back(read_region(inner));
+          inner.finish();
+        }
       }
+    } else {
+      request.regions.push_back(read_region(fields));
     }
-  } else {
-    request.regions.push_back(read_region(fields));
-  }
-  fields.boolean("verify", request.verify);
-  read_options(fields, request);
-  request.verification.options.equilibrium_tolerance = request.options.equilibrium_tolerance;
-  read_session(fields, request.session);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+    fields.boolean("verify", request.verify);
+    read_options(fields, request);
+    request.verification.options.equilibrium_tolerance = request.options.equilibrium_tolerance;
+    read_session(fields, request.session);
+  });
 }
 
-ProfileRequest parse_profile(std::string_view body, const Limits& limits) {
-  const auto owned = parse_document(body, limits);
-  const Document& document = owned;
-  ProfileRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  read_samples(fields, request.samples, request.samples.measure);
-  read_text(fields, "family", request.family, max_name_bytes);
-  read_text(fields, "model", request.model, max_name_bytes);
-  if (document.is_object() && fields.present("family") == fields.present("model")) {
-    faults.add("", "must have exactly one of \"family\" and \"model\"");
-  }
-  fields.required("parameters");
-  read_parameters(fields, "parameters", request.parameters);
-  const bool over_strain = request.samples.task == design::Task::stress_strain;
-  Eigen::Vector2d range(default_range[0], default_range[1]);
-  int samples = over_strain ? default_strains : default_directions;
-  if (const auto* value = fields.optional("range")) {
-    read_components(*value, fields.at("range"), faults, range, -max_angle, max_angle);
-    if (!over_strain) faults.add(fields.at("range"), "directions cover half a turn; leave it out or give \"x\"");
-  }
-  fields.integer("samples", samples, 2, max_profile_samples);
-  fields.numbers("x", request.samples.x, false, 1, max_profile_samples);
-  if (fields.present("x") && (fields.present("range") || fields.present("samples"))) {
-    faults.add(fields.at("x"), "must not stand beside \"range\" or \"samples\"");
-  }
-  if (!fields.present("x")) {
-    request.samples.x.resize(static_cast<std::size_t>(samples));
-    for (int i = 0; i < samples; ++i) {
-      request.samples.x[static_cast<std::size_t>(i)] =
-          over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
+ProfileRequest parse_profile(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<ProfileRequest>(body, limits, cancellation, [&](Fields& fields, ProfileRequest& request) {
+    read_samples(fields, request.samples, request.samples.measure);
+    read_text(fields, "family", request.family, max_name_bytes);
+    read_text(fields, "model", request.model, max_name_bytes);
+    if (fields.is_object() && fields.present("family") == fields.present("model")) {
+      fields.faults().add("", "must have exactly one of \"family\" and \"model\"");
     }
-  }
-  fields.number("orientation", request.samples.orientation, -max_angle, max_angle);
-  if (const auto* material = fields.optional("material"))
-    request.material = read_material(*material, fields.at("material"), faults, false);
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("equilibrium_tolerance", request.equilibrium_tolerance, 1e-14, 1e-4);
+    fields.required("parameters");
+    read_parameters(fields, "parameters", request.parameters);
+    const bool over_strain = request.samples.task == design::Task::stress_strain;
+    Eigen::Vector2d range(default_range[0], default_range[1]);
+    int samples = over_strain ? default_strains : default_directions;
+    if (const auto* value = fields.optional("range")) {
+      read_components(*value, fields.at("range"), fields.faults(), range, -max_angle, max_angle);
+      if (!over_strain)
+        fields.faults().add(fields.at("range"), "directions cover half a turn; leave it out or give \"x\"");
+    }
+    fields.integer("samples", samples, 2, max_profile_samples);
+    fields.numbers("x", request.samples.x, false, 1, max_profile_samples);
+    if (fields.present("x") && (fields.present("range") || fields.present("samples"))) {
+      fields.faults().add(fields.at("x"), "must not stand beside \"range\" or \"samples\"");
+    }
+    if (!fields.present("x")) {
+      request.samples.x.resize(static_cast<std::size_t>(samples));
+      for (int i = 0; i < samples; ++i) {
+        request.samples.x[static_cast<std::size_t>(i)] =
+            over_strain ? range[0] + (range[1] - range[0]) * i / (samples - 1) : std::numbers::pi * i / samples;
+      }
+    }
+    fields.number("orientation", request.samples.orientation, -max_angle, max_angle);
+    if (const auto* material = fields.optional("material"))
+      request.material = read_material(*material, fields.at("material"), fields.faults(), false);
+    nested(fields, "accuracy", [&](Fields& accuracy) {
+      accuracy.number("equilibrium_tolerance", request.equilibrium_tolerance, 1e-14, 1e-4);
+    });
   });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
 }
 
 }  // namespace supple::json

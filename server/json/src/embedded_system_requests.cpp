@@ -2,7 +2,6 @@
 
 #include <variant>
 
-#include "document.h"
 #include "request_parts.h"
 
 namespace supple::json {
@@ -26,8 +25,8 @@ void read_network_points(Fields& fields, const Limits& limits, EmbeddedSystemReq
     return fields.points("points", request.points.emplace<0>(), 1, limits.max_points, "--max-points");
   }
   read_builder(fields, "points", [&](Fields& builder) {
-    enum class Kind { per_face, poisson_disk, none } kind = Kind::none;
-    builder.choice("kind", kind, {"per_face", "poisson_disk"});
+    enum class Kind { none, per_face, poisson_disk } kind = Kind::none;
+    builder.choice("kind", kind, names_of<Kind>({{Kind::per_face, "per_face"}, {Kind::poisson_disk, "poisson_disk"}}));
     if (kind != Kind::poisson_disk) {
       // The field is known also where the kind is faulty, so that only the kind is reported.
       const auto* value = kind == Kind::none ? builder.optional("barycentric") : builder.required("barycentric");
@@ -75,7 +74,10 @@ void read_springs(Fields& fields, const Limits& limits, EmbeddedSystemRequest& r
   if (is_builder(fields, "springs")) {
     return read_builder(fields, "springs", [&](Fields& fields_of_builder) {
       auto& builder = request.springs.emplace<embedded::NeighbourSprings>();
-      fields_of_builder.choice("kind", builder.kind, {"adjacent_faces", "voronoi_dual"});
+      using Kind = embedded::NeighbourSprings::Kind;
+      fields_of_builder.choice(
+          "kind", builder.kind,
+          names_of<Kind>({{Kind::adjacent_faces, "adjacent_faces"}, {Kind::voronoi_dual, "voronoi_dual"}}));
       read_spring_constants(fields_of_builder, builder.rest_length, builder.weight);
     });
   }
@@ -92,7 +94,7 @@ void read_triangles(Fields& fields, const Limits& limits, EmbeddedSystemRequest&
   if (is_builder(fields, "triangles")) {
     return read_builder(fields, "triangles", [&](Fields& builder) {
       enum class Kind { voronoi_dual } kind = Kind::voronoi_dual;
-      builder.choice("kind", kind, {"voronoi_dual"});
+      builder.choice("kind", kind, names_of<Kind>({{Kind::voronoi_dual, "voronoi_dual"}}));
       request.triangles.emplace<embedded::DualTriangles>();
     });
   }
@@ -197,7 +199,10 @@ void read_host(Fields& fields, const Limits& limits, embedded::RelaxationOptions
   nested(fields, "host", [&](Fields& host) {
     host.required("kind");
     enum class Kind { rigid, shell, solid, moving } kind = Kind::rigid;
-    host.choice("kind", kind, {"rigid", "shell", "solid", "moving"});
+    host.choice(
+        "kind", kind,
+        names_of<Kind>(
+            {{Kind::rigid, "rigid"}, {Kind::shell, "shell"}, {Kind::solid, "solid"}, {Kind::moving, "moving"}}));
     if (kind == Kind::shell) read_shell(host, limits, options.host.emplace<embedded::ShellHost>());
     if (kind == Kind::solid) read_solid(host, limits, options.host.emplace<embedded::SolidHost>());
     if (kind == Kind::moving) read_moving(host, options.host.emplace<embedded::MovingHost>());
@@ -205,8 +210,8 @@ void read_host(Fields& fields, const Limits& limits, embedded::RelaxationOptions
 }
 
 void read_relaxation_options(Fields& fields, embedded::RelaxationOptions& options) {
-  fields.choice("method", options.method, {"newton", "lbfgs", "gradient_descent"});
-  fields.choice("spring_length", options.spring_length, {"geodesic", "euclidean"});
+  fields.choice("method", options.method, relaxation_method_names);
+  fields.choice("spring_length", options.spring_length, spring_length_names);
   nested(fields, "accuracy", [&](Fields& accuracy) {
     accuracy.number("tolerance", options.tolerance, 0, 1, true);
     accuracy.number("mollifier_length", options.mollifier_length, 0, 0.5, true);
@@ -225,23 +230,19 @@ void read_relaxation_options(Fields& fields, embedded::RelaxationOptions& option
 
 }  // namespace
 
-EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  EmbeddedSystemRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  read_network_points(fields, limits, request);
-  read_springs(fields, limits, request);
-  read_triangles(fields, limits, request);
-  read_membrane(fields, request);
-  read_indices(fields, "fixed_points", limits, request.fixed_points);
-  read_host(fields, limits, request.options);
-  read_relaxation_options(fields, request.options);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation) {
+  return read_request<EmbeddedSystemRequest>(body, limits, cancellation,
+                                             [&](Fields& fields, EmbeddedSystemRequest& request) {
+                                               fields.mesh_id(request.mesh);
+                                               read_network_points(fields, limits, request);
+                                               read_springs(fields, limits, request);
+                                               read_triangles(fields, limits, request);
+                                               read_membrane(fields, request);
+                                               read_indices(fields, "fixed_points", limits, request.fixed_points);
+                                               read_host(fields, limits, request.options);
+                                               read_relaxation_options(fields, request.options);
+                                             });
 }
 
 }  // namespace supple::json

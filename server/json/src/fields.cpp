@@ -63,6 +63,7 @@ std::string_view kind_of(const Document& value) {
 
 Fields::Fields(const Document& value, std::string pointer, Faults& faults)
     : pointer_(std::move(pointer)), faults_(faults) {
+  faults_.check_for_stop();
   if (value.is_object()) {
     object_ = &value;
   } else {
@@ -89,6 +90,7 @@ const Document* Fields::required(std::string_view name) {
 
 bool read_number(const Document& value, const std::string& pointer, Faults& faults, double& out, double min, double max,
                  bool min_excluded) {
+  faults.check_for_stop();
   if (!value.is_number()) {
     faults.add(pointer, "must be a number, not " + std::string(kind_of(value)));
     return false;
@@ -126,17 +128,19 @@ void Fields::boolean(std::string_view name, bool& out) {
   out = value->get<bool>();
 }
 
-std::optional<std::size_t> Fields::choice_index(std::string_view name, const std::vector<std::string_view>& choices) {
-  const auto* value = optional(name);
-  if (!value) return std::nullopt;
-  if (value->is_string()) {
-    const auto found = std::find(choices.begin(), choices.end(), value->get_ref<const std::string&>());
-    if (found != choices.end()) return static_cast<std::size_t>(found - choices.begin());
-  }
+std::string must_be_one_of(std::span<const std::string_view> names) {
   std::string list;
-  for (const auto& choice : choices) list += (list.empty() ? "" : ", ") + in_quotes(choice);
-  faults_.add(at(name), "must be one of " + list);
-  return std::nullopt;
+  for (const auto name : names) list += (list.empty() ? "" : ", ") + in_quotes(name);
+  return "must be one of " + list;
+}
+
+const std::string* Fields::one_of(std::string_view name, std::span<const std::string_view> choices) {
+  const auto* value = optional(name);
+  if (!value) return nullptr;
+  const auto* text = value->get_ptr<const std::string*>();
+  if (text && std::find(choices.begin(), choices.end(), *text) != choices.end()) return text;
+  faults_.add(at(name), must_be_one_of(choices));
+  return nullptr;
 }
 
 void Fields::mesh_id(std::string& out) {
@@ -223,6 +227,7 @@ void Fields::finish() {
 }
 
 std::int32_t read_array_index(const Document& value, const std::string& pointer, Faults& faults) {
+  faults.check_for_stop();
   if (is_index(value)) return value.get<std::int32_t>();
   faults.add(pointer, "must be an integer from 0 to 2147483647");
   return 0;

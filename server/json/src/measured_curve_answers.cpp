@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "answer_parts.h"
+#include "supple/json/design_requests.h"
+#include "supple/json/measured_curve_requests.h"
 
 namespace supple::json {
 namespace {
@@ -46,7 +48,7 @@ void write_table(JsonWriter& out, const design::MeasuredTable& table, const std:
                          : delimiter == ';'  ? "semicolon"
                          : delimiter == '\t' ? "tab"
                                              : "blank");
-  out.field("decimal_separator", table.decimal_separator == '.' ? "point" : "comma").field("encoding", encoding);
+  out.field("decimal_separator", decimal_separator_names.name_of(table.decimal_separator)).field("encoding", encoding);
   out.field("block", table.block).field("blocks", table.blocks);
   out.key("columns").begin_array();
   for (const auto& column : table.columns) write_column(out, column);
@@ -132,7 +134,7 @@ void write_notes(JsonWriter& out, const std::vector<design::MeasurementNote>& no
 std::string write_measured_curve(const MeasuredCurveAnswer& answer, const Bill& bill) {
   const auto& curve = answer.curve;
   JsonWriter out;
-  out.begin_object().field("task", design::to_string(answer.task));
+  out.begin_object().field("task", task_names.name_of(answer.task));
   const design::Measurements& measured = answer.measurements;
   if (measured.table) {
     write_table(out, *measured.table, answer.encoding);
@@ -145,7 +147,7 @@ std::string write_measured_curve(const MeasuredCurveAnswer& answer, const Bill& 
   }
   out.key("target").begin_object().key("control_points").begin_array();
   for (const auto& point : curve.control_points) out.numbers(point);
-  out.end_array().field("interpolation", numerics::to_string(curve.interpolation)).end_object();
+  out.end_array().field("interpolation", interpolation_names.name_of(curve.interpolation)).end_object();
   out.key("points").begin_array();
   const std::size_t n = curve.points.size(), drawn = std::min(n, max_drawn_points);
   for (std::size_t i = 0; i < drawn; ++i) out.numbers(curve.points[drawn < 2 ? 0 : i * (n - 1) / (drawn - 1)]);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "document.h"
 #include "request_parts.h"
 #include "supple/design/measured_text.h"
+#include "supple/json/design_requests.h"
 
 namespace supple::json {
 namespace {
@@ -102,9 +102,9 @@ void read_length(Fields& fields, std::string_view name, std::optional<double>& o
 
 /// Reads how a table is to be parsed.
 void read_table_fields(Fields& fields, design::MeasurementRequest& measurements) {
-  int decimal = 0;
-  fields.choice("decimal_separator", decimal, {"automatic", "point", "comma"});
-  if (decimal != 0) measurements.table.decimal_separator = decimal == 1 ? '.' : ',';
+  char separator = 0;
+  fields.choice("decimal_separator", separator, decimal_separator_names);
+  if (separator != 0) measurements.table.decimal_separator = separator;
   int block = -1;
   fields.integer("block", block, 0, max_blocks - 1);
   if (block >= 0) measurements.table.block = static_cast<std::size_t>(block);
@@ -127,53 +127,49 @@ void read_range(Fields& fields, design::ReductionOptions& options) {
 
 }  // namespace
 
-MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& limits) {
-  const auto owned = parse_document(body, limits);
-  const Document& document = owned;
-  MeasuredCurveRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  design::MeasurementRequest& measurements = request.measurements;
-  fields.choice("task", measurements.task, {"stress_strain", "stiffness", "poisson"});
-  measurements.text = read_text(fields, "text", body.size());
-  read_content(fields, body.size(), request);
-  read_points(fields, measurements.points);
-  const int given =
-      (fields.present("text") ? 1 : 0) + (fields.present("content") ? 1 : 0) + (fields.present("points") ? 1 : 0);
-  if (document.is_object() && given != 1)
-    faults.add("", "must have exactly one of \"text\", \"content\" and \"points\"");
-  nested(fields, "columns", [&](Fields& columns) {
-    read_column(columns, "x", measurements.x);
-    read_column(columns, "y", measurements.y);
-  });
-  nested(fields, "units", [&](Fields& units) {
-    measurements.x_unit = read_text(units, "x", max_unit_bytes);
-    measurements.y_unit = read_text(units, "y", max_unit_bytes);
-  });
-  nested(fields, "specimen", [&](Fields& specimen) {
-    read_length(specimen, "gauge_length", measurements.specimen.gauge_length);
-    read_length(specimen, "area", measurements.specimen.area);
-  });
-  read_table_fields(fields, measurements);
-  fields.choice("sense", measurements.sense, {"automatic", "tension", "compression"});
-  fields.choice("zero", measurements.zero, {"automatic", "first", "as_written"});
-  if (measurements.task != design::Task::stress_strain && measurements.sense != design::Sense::automatic)
-    faults.add(fields.at("sense"), "must not be given over directions: it belongs to stress over strain");
-  read_range(fields, request.options);
-  fields.choice("interpolation", request.options.interpolation, {"cubic", "monotone", "linear"});
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", request.options.tolerance, 1e-9, 1);
-    accuracy.integer("max_control_points", request.options.max_control_points, 2, 64);
-  });
-  nested(fields, "effects", [&](Fields& effects) {
-    effects.choice("origin", request.options.origin, switch_names);
-    effects.choice("loading", request.options.loading, switch_names);
-    effects.choice("rupture", request.options.rupture, switch_names);
-  });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+MeasuredCurveRequest parse_measured_curve(std::string_view body, const Limits& limits,
+                                          const CancellationToken& cancellation) {
+  return read_request<MeasuredCurveRequest>(
+      body, limits, cancellation, [&](Fields& fields, MeasuredCurveRequest& request) {
+        design::MeasurementRequest& measurements = request.measurements;
+        fields.choice("task", measurements.task, task_names);
+        measurements.text = read_text(fields, "text", body.size());
+        read_content(fields, body.size(), request);
+        read_points(fields, measurements.points);
+        const int given =
+            (fields.present("text") ? 1 : 0) + (fields.present("content") ? 1 : 0) + (fields.present("points") ? 1 : 0);
+        if (fields.is_object() && given != 1)
+          fields.faults().add("", "must have exactly one of \"text\", \"content\" and \"points\"");
+        nested(fields, "columns", [&](Fields& columns) {
+          read_column(columns, "x", measurements.x);
+          read_column(columns, "y", measurements.y);
+        });
+        nested(fields, "units", [&](Fields& units) {
+          measurements.x_unit = read_text(units, "x", max_unit_bytes);
+          measurements.y_unit = read_text(units, "y", max_unit_bytes);
+        });
+        nested(fields, "specimen", [&](Fields& specimen) {
+          read_length(specimen, "gauge_length", measurements.specimen.gauge_length);
+          read_length(specimen, "area", measurements.specimen.area);
+        });
+        read_table_fields(fields, measurements);
+        fields.choice("sense", measurements.sense, sense_names);
+        fields.choice("zero", measurements.zero, zero_names);
+        if (measurements.task != design::Task::stress_strain && measurements.sense != design::Sense::automatic)
+          fields.faults().add(fields.at("sense"),
+                              "must not be given over directions: it belongs to stress over strain");
+        read_range(fields, request.options);
+        fields.choice("interpolation", request.options.interpolation, interpolation_names);
+        nested(fields, "accuracy", [&](Fields& accuracy) {
+          accuracy.number("tolerance", request.options.tolerance, 1e-9, 1);
+          accuracy.integer("max_control_points", request.options.max_control_points, 2, 64);
+        });
+        nested(fields, "effects", [&](Fields& effects) {
+          effects.choice("origin", request.options.origin, switch_names);
+          effects.choice("loading", request.options.loading, switch_names);
+          effects.choice("rupture", request.options.rupture, switch_names);
+        });
+      });
 }
 
 }  // namespace supple::json

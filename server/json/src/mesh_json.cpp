@@ -6,8 +6,8 @@ namespace {
 
 void write_repair(JsonWriter& out, const surface::RepairOutcome& repair) {
   out.begin_object().key("made").begin_array();
-  for (std::size_t i = 0; i < surface::repair_names.size(); ++i)
-    if (repair.made(static_cast<surface::Repair>(i))) out.string(surface::repair_names[i]);
+  for (const auto& [kind, name] : repair_names)
+    if (repair.made(kind)) out.string(name);
   out.end_array()
       .field("welded_vertices", repair.welded_vertices)
       .field("weld_distance", repair.weld_distance)

@@ -1,6 +1,5 @@
 #include "supple/json/model_requests.h"
 
-#include "document.h"
 #include "request_parts.h"
 
 namespace supple::json {
@@ -66,48 +65,35 @@ void read_path(Fields& fields, std::string_view name, const Limits& limits, std:
 
 }  // namespace
 
-EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  EvaluationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  read_designs(fields, request.designs, limits);
-  read_strains(fields, request.strains, limits);
-  int derivatives = static_cast<int>(request.order);
-  fields.integer("derivatives", derivatives, 0, 2);
-  request.order = static_cast<neural::Order>(derivatives);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<EvaluationRequest>(body, limits, cancellation, [&](Fields& fields, EvaluationRequest& request) {
+    read_designs(fields, request.designs, limits);
+    read_strains(fields, request.strains, limits);
+    int derivatives = static_cast<int>(request.order);
+    fields.integer("derivatives", derivatives, 0, 2);
+    request.order = static_cast<neural::Order>(derivatives);
+  });
 }
 
-UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits) {
-  const auto owned = parse_document(body, limits);
-  const Document& document = owned;
-  UniaxialRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  if (const auto* parameters = fields.required("parameters")) {
-    read_design(*parameters, fields.at("parameters"), faults, request.parameters);
-  }
-  fields.required("direction");
-  fields.number("direction", request.direction, -max_angle, max_angle);
-  if (document.is_object() && fields.present("stretches") == fields.present("green_strains")) {
-    faults.add("", "must have exactly one of \"stretches\" and \"green_strains\"");
-  }
-  std::vector<double> stretches;
-  read_path(fields, "stretches", limits, stretches, min_stretch, max_stretch, false);
-  read_path(fields, "green_strains", limits, request.green_strains, min_uniaxial_strain, max_uniaxial_strain, true);
-  for (const double stretch : stretches) request.green_strains.push_back(neural::green_strain_of_stretch(stretch));
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", request.options.tolerance, min_tolerance, max_tolerance);
-    accuracy.integer("max_iterations", request.options.max_iterations, 1, max_solver_iterations);
+UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<UniaxialRequest>(body, limits, cancellation, [&](Fields& fields, UniaxialRequest& request) {
+    if (const auto* parameters = fields.required("parameters")) {
+      read_design(*parameters, fields.at("parameters"), fields.faults(), request.parameters);
+    }
+    fields.required("direction");
+    fields.number("direction", request.direction, -max_angle, max_angle);
+    if (fields.is_object() && fields.present("stretches") == fields.present("green_strains")) {
+      fields.faults().add("", "must have exactly one of \"stretches\" and \"green_strains\"");
+    }
+    std::vector<double> stretches;
+    read_path(fields, "stretches", limits, stretches, min_stretch, max_stretch, false);
+    read_path(fields, "green_strains", limits, request.green_strains, min_uniaxial_strain, max_uniaxial_strain, true);
+    for (const double stretch : stretches) request.green_strains.push_back(neural::green_strain_of_stretch(stretch));
+    nested(fields, "accuracy", [&](Fields& accuracy) {
+      accuracy.number("tolerance", request.options.tolerance, min_tolerance, max_tolerance);
+      accuracy.integer("max_iterations", request.options.max_iterations, 1, max_solver_iterations);
+    });
   });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
 }
 
 }  // namespace supple::json

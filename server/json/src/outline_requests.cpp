@@ -1,7 +1,6 @@
 #include "supple/json/outline_requests.h"
 
 #include "answer_parts.h"
-#include "document.h"
 #include "request_parts.h"
 
 namespace supple::json {
@@ -18,43 +17,37 @@ constexpr double max_resolution = 10'000;
 
 }  // namespace
 
-OutlineRequest parse_outlines(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  OutlineRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  if (const auto* text = fields.required("text")) {
-    if (text->is_string() && text->get_ref<const std::string&>().size() <= max_drawing_bytes) {
-      request.text = text->get<std::string>();
-    } else {
-      faults.add("/text", "must be a string of at most " + std::to_string(max_drawing_bytes) + " bytes");
+OutlineRequest parse_outlines(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<OutlineRequest>(body, limits, cancellation, [&](Fields& fields, OutlineRequest& request) {
+    if (const auto* text = fields.required("text")) {
+      if (text->is_string() && text->get_ref<const std::string&>().size() <= max_drawing_bytes) {
+        request.text = text->get<std::string>();
+      } else {
+        fields.faults().add("/text", "must be a string of at most " + std::to_string(max_drawing_bytes) + " bytes");
+      }
     }
-  }
-  fields.choice("format", request.options.format, {"automatic", "svg", "dxf"});
-  fields.choice("unit", request.options.unit, {"automatic", "mm", "cm", "m", "in", "ft", "pt", "px"});
-  if (fields.present("resolution")) {
-    double resolution = min_resolution;
-    fields.number("resolution", resolution, min_resolution, max_resolution);
-    request.options.resolution = resolution;
-  }
-  if (fields.present("width")) {
-    double width = min_drawing_width;
-    fields.number("width", width, min_drawing_width, max_drawing_width);
-    request.options.width = width;
-  }
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", request.options.tolerance, min_chord_error, max_chord_error);
+    fields.choice("format", request.options.format, drawing_format_names);
+    fields.choice("unit", request.options.unit, length_unit_names);
+    if (fields.present("resolution")) {
+      double resolution = min_resolution;
+      fields.number("resolution", resolution, min_resolution, max_resolution);
+      request.options.resolution = resolution;
+    }
+    if (fields.present("width")) {
+      double width = min_drawing_width;
+      fields.number("width", width, min_drawing_width, max_drawing_width);
+      request.options.width = width;
+    }
+    nested(fields, "accuracy", [&](Fields& accuracy) {
+      accuracy.number("tolerance", request.options.tolerance, min_chord_error, max_chord_error);
+    });
   });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
 }
 
 std::string write_outlines(const OutlineRequest& request, const outlines::Drawing& drawing, const Bill& bill) {
   const Eigen::Vector2d size = drawing.upper - drawing.lower;
   JsonWriter out;
-  out.begin_object().field("format", outlines::to_string(drawing.format)).key("polygons").begin_array();
+  out.begin_object().field("format", drawing_format_names.name_of(drawing.format)).key("polygons").begin_array();
   std::size_t corners = 0;
   for (const auto& outline : drawing.outlines) {
     corners += outline.corners.size();

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "answer_parts.h"
-#include "document.h"
 #include "request_parts.h"
 
 namespace supple::json {
@@ -113,42 +112,36 @@ PartRegionSpec read_region(Fields& fields, const Limits& limits) {
 
 }  // namespace
 
-PartRequest parse_part(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  PartRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  auto shape = read_shape(fields, request.solid_names);
-  request.design.outline = std::move(shape.outline);
-  request.design.solids = std::move(shape.solids);
-  request.filling = read_filling(fields, limits);
-  if (fields.present("direction")) {
-    fields.number("direction", request.direction.emplace(0), -1000, 1000);
-    if (request.solid_names.empty())
-      faults.add("/direction", "needs an outline with an axis of load: \"coupon\" or \"block\"");
-  }
-  double finest = request.filling.beam_width;
-  if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
-    for (std::size_t i = 0; i < regions->size(); ++i) {
-      Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), faults);
-      request.regions.push_back(read_region(region, limits));
-      region.finish();
-      finest = std::min(finest, request.regions.back().filling.beam_width);
+PartRequest parse_part(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<PartRequest>(body, limits, cancellation, [&](Fields& fields, PartRequest& request) {
+    auto shape = read_shape(fields, request.solid_names);
+    request.design.outline = std::move(shape.outline);
+    request.design.solids = std::move(shape.solids);
+    request.filling = read_filling(fields, limits);
+    if (fields.present("direction")) {
+      fields.number("direction", request.direction.emplace(0), -1000, 1000);
+      if (request.solid_names.empty())
+        fields.faults().add("/direction", "needs an outline with an axis of load: \"coupon\" or \"block\"");
     }
-  }
-  request.design.frame = length(fields, "frame", 0, true);
-  request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
-  fields.choice("rim", request.design.rim, {"clipped", "whole"});
-  request.design.smallest_wall = 2 * finest / 3;
-  fields.number("smallest_wall", request.design.smallest_wall, 0, max_beam_width);
-  fields.number("thickness", request.design.thickness, 1e-3, max_part_thickness);
-  nested(fields, "material",
-         [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
-  fields.boolean("svg", request.svg);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+    double finest = request.filling.beam_width;
+    if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
+      for (std::size_t i = 0; i < regions->size(); ++i) {
+        Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
+        request.regions.push_back(read_region(region, limits));
+        region.finish();
+        finest = std::min(finest, request.regions.back().filling.beam_width);
+      }
+    }
+    request.design.frame = length(fields, "frame", 0, true);
+    request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
+    fields.choice("rim", request.design.rim, rim_names);
+    request.design.smallest_wall = 2 * finest / 3;
+    fields.number("smallest_wall", request.design.smallest_wall, 0, max_beam_width);
+    fields.number("thickness", request.design.thickness, 1e-3, max_part_thickness);
+    nested(fields, "material",
+           [&](Fields& material) { material.number("density", request.material_density, 0, 25, true); });
+    fields.boolean("svg", request.svg);
+  });
 }
 
 double PartRequest::orientation_in_part(double orientation) const {

@@ -12,8 +12,8 @@
 // What several requests have in common.
 namespace supple::json {
 
-/// The values of an effect's switch, in the order of the enumerations that stand for them.
-inline const std::vector<std::string_view> switch_names{"automatic", "on", "off"};
+inline constexpr auto switch_names =
+    names_of<Switch>({{Switch::automatic, "automatic"}, {Switch::on, "on"}, {Switch::off, "off"}});
 
 /// The ranges of lengths, of factors of energies, of angles, and of strains and other plain numbers. Meshes are 1e-70
 /// to 1e70 mesh units wide: in these ranges, squares of their energies do not overflow.
@@ -31,6 +31,20 @@ inline constexpr double max_stretch = 4;
 
 /// The field "deadline" in seconds, or its default. Throws "request.limit_exceeded".
 double read_deadline(Fields& fields, const Limits& limits);
+
+/// Reads a request, of which read(fields, request) reads all fields but the deadline. Throws what requests.h says.
+template <class Request, class Read>
+Request read_request(std::string_view body, const Limits& limits, const CancellationToken& cancellation, Read read) {
+  const auto document = parse_document(body, limits, cancellation);
+  Faults faults(cancellation);
+  Fields fields(document, "", faults);
+  Request request;
+  read(fields, request);
+  request.deadline = read_deadline(fields, limits);
+  fields.finish();
+  faults.throw_if_any();
+  return request;
+}
 
 /// Whether the field holds an object, which stands in place of an array and says how to make one.
 bool is_builder(Fields& fields, std::string_view name);

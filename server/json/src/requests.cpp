@@ -4,7 +4,6 @@
 
 #include "document.h"
 #include "request_parts.h"
-#include "supple/base/stop_pace.h"
 #include "supple/problem/problem.h"
 
 namespace supple::json {
@@ -31,22 +30,22 @@ void read_pairs(Fields& fields, std::vector<GeodesicsRequest::Pair>& pairs, cons
 }
 
 void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) {
-  constexpr auto& names = surface::repair_names;
   surface::RepairOptions options;
-  const auto* entries = fields.array("repair", false, 1, names.size(), "");
+  const auto* entries = fields.array("repair", false, 1, repair_names.names().size(), "");
   for (std::size_t i = 0; entries && i < entries->size(); ++i) {
     const auto& entry = (*entries)[i];
     const auto* text = entry.get_ptr<const std::string*>();
-    const auto found = text ? std::find(names.begin(), names.end(), *text) : names.end();
+    const auto found = text ? repair_names.find(*text) : std::nullopt;
     const auto at = fields.at("repair") + "/" + std::to_string(i);
-    if (found != names.end()) {
-      options.asked[static_cast<std::size_t>(found - names.begin())] = true;
+    if (found) {
+      options.ask(*found);
     } else if (text && *text == surface::automatic_repair_name) {
       options.automatic = true;
       if (entries->size() > 1) fields.faults().add(at, R"("automatic" stands alone: it takes what is needed)");
     } else {
-      fields.faults().add(
-          at, R"(must be one of "automatic", "weld", "drop_degenerate", "drop_duplicates", "split_non_manifold")");
+      std::vector<std::string_view> names{surface::automatic_repair_name};
+      names.insert(names.end(), repair_names.names().begin(), repair_names.names().end());
+      fields.faults().add(at, must_be_one_of(names));
     }
   }
   if (fields.present("weld_tolerance")) {
@@ -61,92 +60,74 @@ void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) 
 
 }  // namespace
 
-GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  GeodesicsRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  read_pairs(fields, request.pairs, limits);
-  fields.integer("derivatives", request.derivatives, 0, 2);
-  fields.boolean("paths", request.paths);
-  nested(fields, "accuracy",
-         [&](Fields& accuracy) { accuracy.number("mollifier_length", request.mollifier_length, 0, 0.5, true); });
-  nested(fields, "effects", [&](Fields& effects) { effects.choice("mollifier", request.mollifier, switch_names); });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
-}
-
-GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  GeodesicFieldRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  fields.points("sources", request.sources, 1, limits.max_points, "--max-points");
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.choice("method", request.method, {"windows", "edge_graph"});
-    accuracy.number("relative_error", request.relative_error, 0, 1);
-    if (request.method == surface::FieldMethod::edge_graph && request.relative_error > 0) {
-      faults.add(accuracy.at("relative_error"), "is a guarantee that the method \"edge_graph\" cannot give");
-    }
+GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<GeodesicsRequest>(body, limits, cancellation, [&](Fields& fields, GeodesicsRequest& request) {
+    fields.mesh_id(request.mesh);
+    read_pairs(fields, request.pairs, limits);
+    fields.integer("derivatives", request.derivatives, 0, 2);
+    fields.boolean("paths", request.paths);
+    nested(fields, "accuracy",
+           [&](Fields& accuracy) { accuracy.number("mollifier_length", request.mollifier_length, 0, 0.5, true); });
+    nested(fields, "effects", [&](Fields& effects) { effects.choice("mollifier", request.mollifier, switch_names); });
   });
-  fields.number("max_distance", request.max_distance, min_length, max_length);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
 }
 
-KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  KarcherMeanRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  fields.points("points", request.points, 1, limits.max_points, "--max-points");
-  fields.numbers("weights", request.weights, false, 1, limits.max_points);
-  fields.number("tolerance", request.tolerance, 0, 1, true);
-  fields.integer("max_iterations", request.max_iterations, 1, 100'000);
-  fields.integer("starts", request.starts, 1, 1000);
-  if (fields.present("start")) {
-    request.start.emplace();
-    fields.point("start", *request.start, true);
-  } else {
-    fields.optional("start");
-  }
-  fields.choice("method", request.method, {"newton", "lbfgs", "gradient_descent"});
-  nested(fields, "effects", [&](Fields& effects) { effects.choice("kept_fields", request.kept_fields, switch_names); });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits,
+                                          const CancellationToken& cancellation) {
+  return read_request<GeodesicFieldRequest>(
+      body, limits, cancellation, [&](Fields& fields, GeodesicFieldRequest& request) {
+        fields.mesh_id(request.mesh);
+        fields.points("sources", request.sources, 1, limits.max_points, "--max-points");
+        nested(fields, "accuracy", [&](Fields& accuracy) {
+          accuracy.choice("method", request.method, field_method_names);
+          accuracy.number("relative_error", request.relative_error, 0, 1);
+          if (request.method == surface::FieldMethod::edge_graph && request.relative_error > 0) {
+            fields.faults().add(accuracy.at("relative_error"),
+                                "is a guarantee that the method \"edge_graph\" cannot give");
+          }
+        });
+        fields.number("max_distance", request.max_distance, min_length, max_length);
+      });
 }
 
-ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  ExponentialMapRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  fields.point("start", request.start, true);
-  fields.numbers("tangent", request.tangent, true, 2, 3);
-  fields.boolean("trace", request.trace);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation) {
+  return read_request<KarcherMeanRequest>(body, limits, cancellation, [&](Fields& fields, KarcherMeanRequest& request) {
+    fields.mesh_id(request.mesh);
+    fields.points("points", request.points, 1, limits.max_points, "--max-points");
+    fields.numbers("weights", request.weights, false, 1, limits.max_points);
+    fields.number("tolerance", request.tolerance, 0, 1, true);
+    fields.integer("max_iterations", request.max_iterations, 1, 100'000);
+    fields.integer("starts", request.starts, 1, 1000);
+    if (fields.present("start")) {
+      request.start.emplace();
+      fields.point("start", *request.start, true);
+    } else {
+      fields.optional("start");
+    }
+    fields.choice("method", request.method, minimization_method_names);
+    nested(fields, "effects",
+           [&](Fields& effects) { effects.choice("kept_fields", request.kept_fields, switch_names); });
+  });
+}
+
+ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation) {
+  return read_request<ExponentialMapRequest>(body, limits, cancellation,
+                                             [&](Fields& fields, ExponentialMapRequest& request) {
+                                               fields.mesh_id(request.mesh);
+                                               fields.point("start", request.start, true);
+                                               fields.numbers("tangent", request.tangent, true, 2, 3);
+                                               fields.boolean("trace", request.trace);
+                                             });
 }
 
 MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const surface::MeshLimits& mesh_limits,
                              const CancellationToken& cancellation) {
   const auto document = parse_document(body, limits, cancellation);
-  StopPace pace(cancellation);
   MeshUpload upload;
   auto& soup = upload.soup;
-  Faults faults;
+  Faults faults(cancellation);
   Fields fields(document, "", faults);
   const auto check_count = [](const Document* array, std::int64_t limit, const char* what, const char* setting) {
     if (array && static_cast<std::int64_t>(array->size()) > limit) {
@@ -165,7 +146,7 @@ MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const 
   if (vertices) {
     soup.positions.reserve(vertices->size());
     for (const auto& vertex : *vertices) {
-      pace.look();
+      faults.check_for_stop();
       if (is_triple(vertex, [](const Document& x) { return x.is_number(); })) {
         soup.positions.emplace_back(vertex[0].get<double>(), vertex[1].get<double>(), vertex[2].get<double>());
       } else {
@@ -179,7 +160,7 @@ MeshUpload parse_mesh_arrays(std::string_view body, const Limits& limits, const 
     };
     soup.faces.reserve(faces->size());
     for (const auto& face : *faces) {
-      pace.look();
+      faults.check_for_stop();
       if (is_triple(face, is_index)) {
         soup.faces.push_back({face[0].get<std::int32_t>(), face[1].get<std::int32_t>(), face[2].get<std::int32_t>()});
       } else {

@@ -6,7 +6,7 @@ namespace supple::json {
 
 std::string parse_sign_in(std::string_view body, const Limits& limits) {
   const auto document = parse_document(body, limits);
-  Faults faults;
+  Faults faults({});
   Fields fields(document, "", faults);
   std::string key;
   if (const auto* value = fields.required("key")) {

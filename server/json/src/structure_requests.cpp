@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "document.h"
 #include "request_parts.h"
 #include "supple/microscale/accurate_simulation.h"
 
@@ -36,7 +35,7 @@ void read_family(Fields& fields, std::string& out) {
 void read_mesh_options(Fields& fields, tiling::MeshOptions& mesh) {
   fields.number("mesh_size", mesh.mesh_size, min_mesh_size, max_mesh_size);
   fields.number("corner_size", mesh.corner_size, min_corner_size, 1);
-  fields.choice("mesh_region", mesh.region, {"automatic", "tile", "cell"});
+  fields.choice("mesh_region", mesh.region, region_names);
 }
 
 tiling::MeshOptions with_limit(tiling::MeshOptions mesh, int max_nodes) {
@@ -89,7 +88,7 @@ microscale::UniaxialLoad read_uniaxial(Fields& fields, const Limits& limits) {
   read_states(fields, "stretches", limits, load.stretches, [&](const auto& entry, const auto& pointer, auto& state) {
     return read_number(entry, pointer, fields.faults(), state, min_stretch, max_stretch);
   });
-  fields.choice("frame", load.frame, {"space", "material"});
+  fields.choice("frame", load.frame, load_frame_names);
   return load;
 }
 
@@ -148,7 +147,7 @@ void read_options(Fields& fields, SimulationRequest& request) {
   microscale::SimulationOptions& options = request.options;
   ErrorRequest asked;
   nested(fields, "material", [&](Fields& material) {
-    material.choice("law", options.material.law, {"neo_hookean", "incompressible_plane_stress"});
+    material.choice("law", options.material.law, law_names);
     material.number("youngs_modulus", options.material.youngs_modulus, 1e-6, 1e6);
     material.number("poisson_ratio", options.material.poisson_ratio, -0.99, 0.499);
   });
@@ -188,41 +187,29 @@ StructureSpec read_structure(Fields& fields, const Limits& limits) {
   return structure;
 }
 
-StructureRequest parse_structure(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  StructureRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.structure = read_structure(fields, limits);
-  fields.number("beam_width", request.beam_width, min_beam_width, max_beam_width);
-  read_cells(fields, request.files);
-  fields.number("height", request.files.height, min_height, max_height);
-  nested(fields, "mesh", [&](Fields& mesh) {
-    request.mesh.emplace().max_nodes = limits.max_mesh_nodes;
-    read_mesh_options(mesh, *request.mesh);
+StructureRequest parse_structure(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<StructureRequest>(body, limits, cancellation, [&](Fields& fields, StructureRequest& request) {
+    request.structure = read_structure(fields, limits);
+    fields.number("beam_width", request.beam_width, min_beam_width, max_beam_width);
+    read_cells(fields, request.files);
+    fields.number("height", request.files.height, min_height, max_height);
+    nested(fields, "mesh", [&](Fields& mesh) {
+      request.mesh.emplace().max_nodes = limits.max_mesh_nodes;
+      read_mesh_options(mesh, *request.mesh);
+    });
+    fields.boolean("svg", request.svg);
   });
-  fields.boolean("svg", request.svg);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
 }
 
-SimulationRequest parse_simulation(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  SimulationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.structure = read_structure(fields, limits);
-  read_load(fields, request.load, limits);
-  request.options.mesh = with_limit(microscale::extrapolated_mesh(), limits.max_mesh_nodes);
-  read_options(fields, request);
-  fields.choice("deformed", request.deformed, {"none", "json", "vtu"});
-  request.options.deformed_meshes = request.deformed != Deformed::none;
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+SimulationRequest parse_simulation(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
+  return read_request<SimulationRequest>(body, limits, cancellation, [&](Fields& fields, SimulationRequest& request) {
+    request.structure = read_structure(fields, limits);
+    read_load(fields, request.load, limits);
+    request.options.mesh = with_limit(microscale::extrapolated_mesh(), limits.max_mesh_nodes);
+    read_options(fields, request);
+    fields.choice("deformed", request.deformed, deformed_names);
+    request.options.deformed_meshes = request.deformed != Deformed::none;
+  });
 }
 
 }  // namespace supple::json

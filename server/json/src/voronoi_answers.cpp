@@ -1,7 +1,6 @@
 #include "supple/json/voronoi_answers.h"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "answer_parts.h"
@@ -184,9 +183,8 @@ class SimplifiedBorders {
 
 void write_diagram_accuracy(JsonWriter& out, const voronoi::DiagramOptions& options) {
   using Method = voronoi::DiagramMethod;
-  constexpr std::array<std::string_view, 3> names{"exact", "bounded", "edges"};
   const double error = options.method == Method::bounded ? options.relative_error : 0;
-  out.key("accuracy").begin_object().field("method", names.at(static_cast<std::size_t>(options.method)));
+  out.key("accuracy").begin_object().field("method", diagram_method_names.name_of(options.method));
   out.field("relative_error", error).key("relative_error_bound");
   options.method == Method::edges ? out.null() : out.number(error);
   out.field("border_deviation", options.border_deviation).end_object();

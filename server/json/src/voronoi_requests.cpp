@@ -1,6 +1,5 @@
 #include "supple/json/voronoi_requests.h"
 
-#include "document.h"
 #include "request_parts.h"
 #include "supple/problem/problem.h"
 
@@ -52,51 +51,43 @@ void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
 
 }  // namespace
 
-VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  VoronoiDiagramRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  read_sites(fields, limits, request.sites);
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.choice("method", request.options.method, {"exact", "bounded", "edges"});
-    accuracy.number("relative_error", request.options.relative_error, 0, max_diagram_error, true);
-    if (accuracy.present("relative_error") && request.options.method != voronoi::DiagramMethod::bounded)
-      faults.add(accuracy.at("relative_error"), "takes effect with the method \"bounded\" only");
-    read_border_deviation(accuracy, request.options.border_deviation);
-  });
-  fields.boolean("statistics", request.statistics);
-  fields.boolean("keep", request.keep);
-  read_include(fields, request.include, request.panel_scale);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation) {
+  return read_request<VoronoiDiagramRequest>(
+      body, limits, cancellation, [&](Fields& fields, VoronoiDiagramRequest& request) {
+        fields.mesh_id(request.mesh);
+        read_sites(fields, limits, request.sites);
+        nested(fields, "accuracy", [&](Fields& accuracy) {
+          accuracy.choice("method", request.options.method, diagram_method_names);
+          accuracy.number("relative_error", request.options.relative_error, 0, max_diagram_error, true);
+          if (accuracy.present("relative_error") && request.options.method != voronoi::DiagramMethod::bounded)
+            fields.faults().add(accuracy.at("relative_error"), "takes effect with the method \"bounded\" only");
+          read_border_deviation(accuracy, request.options.border_deviation);
+        });
+        fields.boolean("statistics", request.statistics);
+        fields.boolean("keep", request.keep);
+        read_include(fields, request.include, request.panel_scale);
+      });
 }
 
-VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  VoronoiOptimizationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  fields.mesh_id(request.mesh);
-  read_sites(fields, limits, request.sites);
-  auto& options = request.options;
-  read_objectives(fields, options.weights);
-  fields.number("target_length", options.edge_length, min_length, max_length);
-  read_indices(fields, "fixed_sites", limits, options.fixed_sites);
-  fields.choice("method", options.method, {"automatic", "gauss_newton", "lbfgs"});
-  nested(fields, "accuracy", [&](Fields& accuracy) {
-    accuracy.number("tolerance", options.tolerance, 0, 1, true);
-    read_border_deviation(accuracy, options.border_deviation);
-  });
-  fields.integer("max_iterations", options.max_iterations, 1, voronoi::most_optimization_iterations);
-  read_include(fields, request.include, request.panel_scale);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits,
+                                                      const CancellationToken& cancellation) {
+  return read_request<VoronoiOptimizationRequest>(
+      body, limits, cancellation, [&](Fields& fields, VoronoiOptimizationRequest& request) {
+        fields.mesh_id(request.mesh);
+        read_sites(fields, limits, request.sites);
+        auto& options = request.options;
+        read_objectives(fields, options.weights);
+        fields.number("target_length", options.edge_length, min_length, max_length);
+        read_indices(fields, "fixed_sites", limits, options.fixed_sites);
+        fields.choice("method", options.method, optimization_method_names);
+        nested(fields, "accuracy", [&](Fields& accuracy) {
+          accuracy.number("tolerance", options.tolerance, 0, 1, true);
+          read_border_deviation(accuracy, options.border_deviation);
+        });
+        fields.integer("max_iterations", options.max_iterations, 1, voronoi::most_optimization_iterations);
+        read_include(fields, request.include, request.panel_scale);
+      });
 }
 
 }  // namespace supple::json

@@ -23,7 +23,7 @@ void write_points(JsonWriter& out, const Points& points) {
 }
 
 void write_strand(JsonWriter& out, const weave::Strand& strand, const Execution& execution) {
-  out.begin_object().field("ends", weave::to_string(strand.curve.ends()));
+  out.begin_object().field("ends", ends_names.name_of(strand.curve.ends()));
   out.key("translation").numbers(strand.curve.translation());
   out.field("length", strand.curve.length()).field("radius", strand.radius).key("polyline");
   write_points(out, weave::polyline(strand.curve, execution));

@@ -1,6 +1,5 @@
 #include "weave_reader.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -17,9 +16,27 @@ constexpr int max_columns = 20'000;
 constexpr int max_cells_apart = 1000;
 constexpr std::size_t max_crossings = 1'000'000;
 constexpr std::size_t max_members = 1000;
-const std::vector<std::string_view> connection_names{"fused", "slides_x", "slides_y"};
-const std::vector<std::string_view> pattern_names{"regular", "interlacing_squares", "interlacing_circles",
-                                                  "actuated_rings", "printed_sample"};
+constexpr auto connection_names = names_of<weave::Connection>({{weave::Connection::fused, "fused"},
+                                                               {weave::Connection::slides_x, "slides_x"},
+                                                               {weave::Connection::slides_y, "slides_y"}});
+
+enum class Pattern { none, regular, squares, circles, rings, sample };
+constexpr auto pattern_names = names_of<Pattern>({{Pattern::regular, "regular"},
+                                                  {Pattern::squares, "interlacing_squares"},
+                                                  {Pattern::circles, "interlacing_circles"},
+                                                  {Pattern::rings, "actuated_rings"},
+                                                  {Pattern::sample, "printed_sample"}});
+
+using weave::Sample;
+constexpr auto sample_names = names_of<Sample>({{Sample::fused_grid, "fused_grid"},
+                                                {Sample::sliding_grid, "sliding_grid"},
+                                                {Sample::squares_1, "squares_1"},
+                                                {Sample::squares_2, "squares_2"},
+                                                {Sample::squares_3, "squares_3"},
+                                                {Sample::squares_4, "squares_4"},
+                                                {Sample::circles_fused, "circles_fused"},
+                                                {Sample::circles_sliding, "circles_sliding"},
+                                                {Sample::actuation, "actuation"}});
 
 void read_length(Fields& fields, std::string_view name, double& out) {
   fields.number(name, out, 0, max_weave_length, true);
@@ -85,10 +102,8 @@ std::optional<SheetSpec> read_sheet(Fields& fields, bool has_border) {
 }
 
 std::optional<weave::Connection> connection_in(const Document& value) {
-  if (!value.is_string()) return std::nullopt;
-  const auto found = std::find(connection_names.begin(), connection_names.end(), value.get_ref<const std::string&>());
-  if (found == connection_names.end()) return std::nullopt;
-  return static_cast<weave::Connection>(found - connection_names.begin());
+  const auto* text = value.get_ptr<const std::string*>();
+  return text ? connection_names.find(*text) : std::nullopt;
 }
 
 void read_connections(Fields& fields, weave::ConnectionBlock& block) {
@@ -109,7 +124,7 @@ void read_connections(Fields& fields, weave::ConnectionBlock& block) {
         block[row][column] = *connection;
       } else {
         fields.faults().add(fields.at("connections") + "/" + std::to_string(row) + "/" + std::to_string(column),
-                            "must be one of \"fused\", \"slides_x\", \"slides_y\"");
+                            must_be_one_of(connection_names.names()));
       }
     }
 }
@@ -148,11 +163,8 @@ CirclesSpec read_circles(Fields& fields) {
 
 SampleSpec read_sample(Fields& fields) {
   SampleSpec spec;
-  std::vector<std::string_view> names;
-  names.reserve(weave::all_samples.size());
-  for (const weave::Sample sample : weave::all_samples) names.push_back(to_string(sample));
   fields.required("sample");
-  fields.choice("sample", spec.sample, names);
+  fields.choice("sample", spec.sample, sample_names);
   return spec;
 }
 
@@ -165,7 +177,7 @@ StrandSpec read_strand(const Document& value, const std::string& pointer, Faults
       read_components((*points)[i], fields.at("points") + "/" + std::to_string(i), faults, strand.points[i],
                       -max_weave_length, max_weave_length);
   }
-  fields.choice("ends", strand.ends, {"open", "closed", "periodic"});
+  fields.choice("ends", strand.ends, ends_names);
   if (const auto* translation = fields.optional("translation"))
     read_components(*translation, fields.at("translation"), faults, strand.translation, -max_weave_length,
                     max_weave_length);
@@ -252,7 +264,6 @@ void read_source(Fields& fields, WeaveSpec& weave, const Limits& limits) {
     weave.source = read_layout(fields, limits);
     return;
   }
-  enum class Pattern { none = -1, regular, squares, circles, rings, sample };
   auto pattern = Pattern::none;
   fields.choice("pattern", pattern, pattern_names);
   switch (pattern) {
@@ -289,10 +300,8 @@ WeaveSpec read_weave(Fields& fields, const Limits& limits) {
     fields.faults().add(fields.at("weave"), "must have exactly one of \"pattern\" and \"strands\"");
     return weave;
   }
-  const bool known = !inner.present("pattern") ||
-                     (value->at("pattern").is_string() &&
-                      std::find(pattern_names.begin(), pattern_names.end(),
-                                value->at("pattern").get_ref<const std::string&>()) != pattern_names.end());
+  const auto* pattern = inner.present("pattern") ? value->at("pattern").get_ptr<const std::string*>() : nullptr;
+  const bool known = !inner.present("pattern") || (pattern && pattern_names.find(*pattern));
   read_source(inner, weave, limits);
   read_length(inner, "radius", weave.radius);
   nested(inner, "material", [&](Fields& material) {

@@ -167,72 +167,53 @@ void read_each(Fields& fields, std::string_view name, bool is_required, std::vec
 
 }  // namespace
 
-WeaveLayoutRequest parse_weave_layout(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  WeaveLayoutRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.weave = read_weave(fields, limits);
-  fields.boolean("svg", request.svg);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+WeaveLayoutRequest parse_weave_layout(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation) {
+  return read_request<WeaveLayoutRequest>(body, limits, cancellation, [&](Fields& fields, WeaveLayoutRequest& request) {
+    request.weave = read_weave(fields, limits);
+    fields.boolean("svg", request.svg);
+  });
 }
 
-WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  WeaveHomogenizationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.weave = read_weave(fields, limits);
-  auto& options = request.options;
-  fields.number("strain", options.strain, min_strain, max_strain);
-  if (options.strain == 0) faults.add(fields.at("strain"), "must not be 0");
-  read_directions(fields, options.directions);
-  enum class Shear { free, suppressed } shear = Shear::free;
-  fields.choice("shear", shear, {"free", "suppressed"});
-  options.shear_free = shear == Shear::free;
-  if (fields.present("thickness")) fields.number("thickness", options.thickness.emplace(1), 0, max_value, true);
-  fields.optional("thickness");
-  read_deformed(fields, options.directions.size(), "directions", options.deformed);
-  read_equilibrium_options(fields, options.equilibrium);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits,
+                                                      const CancellationToken& cancellation) {
+  return read_request<WeaveHomogenizationRequest>(
+      body, limits, cancellation, [&](Fields& fields, WeaveHomogenizationRequest& request) {
+        request.weave = read_weave(fields, limits);
+        auto& options = request.options;
+        fields.number("strain", options.strain, min_strain, max_strain);
+        if (options.strain == 0) fields.faults().add(fields.at("strain"), "must not be 0");
+        read_directions(fields, options.directions);
+        fields.choice("shear", options.shear_free, names_of<bool>({{true, "free"}, {false, "suppressed"}}));
+        if (fields.present("thickness")) fields.number("thickness", options.thickness.emplace(1), 0, max_value, true);
+        fields.optional("thickness");
+        read_deformed(fields, options.directions.size(), "directions", options.deformed);
+        read_equilibrium_options(fields, options.equilibrium);
+      });
 }
 
-WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  WeaveDeformationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.weave = read_weave(fields, limits);
-  read_gradients(fields, request.gradients);
-  read_deformed(fields, request.gradients.size(), "deformation gradients", request.deformed);
-  read_equilibrium_options(fields, request.options);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits,
+                                                const CancellationToken& cancellation) {
+  return read_request<WeaveDeformationRequest>(
+      body, limits, cancellation, [&](Fields& fields, WeaveDeformationRequest& request) {
+        request.weave = read_weave(fields, limits);
+        read_gradients(fields, request.gradients);
+        read_deformed(fields, request.gradients.size(), "deformation gradients", request.deformed);
+        read_equilibrium_options(fields, request.options);
+      });
 }
 
-WeaveSimulationRequest parse_weave_simulation(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  WeaveSimulationRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.weave = read_weave(fields, limits);
-  read_each(fields, "supports", true, request.supports, read_support);
-  read_each(fields, "forces", false, request.forces, read_force);
-  fields.integer("states", request.states, 1, static_cast<int>(limits.max_states));
-  fields.choice("deformed", request.deformed, {"none", "json", "obj", "vtu"});
-  read_equilibrium_options(fields, request.options);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+WeaveSimulationRequest parse_weave_simulation(std::string_view body, const Limits& limits,
+                                              const CancellationToken& cancellation) {
+  return read_request<WeaveSimulationRequest>(
+      body, limits, cancellation, [&](Fields& fields, WeaveSimulationRequest& request) {
+        request.weave = read_weave(fields, limits);
+        read_each(fields, "supports", true, request.supports, read_support);
+        read_each(fields, "forces", false, request.forces, read_force);
+        fields.integer("states", request.states, 1, static_cast<int>(limits.max_states));
+        fields.choice("deformed", request.deformed, deformed_strands_names);
+        read_equilibrium_options(fields, request.options);
+      });
 }
 
 }  // namespace supple::json

@@ -75,7 +75,9 @@ void read_printer(Fields& fields, weave::PrinterProfile& printer) {
     lift.number("bridge", printer.lift.bridge, 0, max_thickness);
   });
   nested(fields, "channel", [&](Fields& channel) {
-    channel.choice("shape", printer.channel.shape, {"triangle", "arc"});
+    using weave::ChannelShape;
+    channel.choice("shape", printer.channel.shape,
+                   names_of<ChannelShape>({{ChannelShape::triangle, "triangle"}, {ChannelShape::arc, "arc"}}));
     size(channel, "half_width", printer.channel.half_width);
     channel.number("longer", printer.channel.longer, 0, max_flow);
     size(channel, "apex", printer.channel.apex);
@@ -194,50 +196,41 @@ void read_limits(Fields& fields, weave::GcodeLimits& limits) {
 
 }  // namespace
 
-WeaveToolpathRequest parse_weave_toolpath(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  WeaveToolpathRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  request.weave = read_weave(fields, limits);
-  if (const auto* spec = std::get_if<SampleSpec>(&request.weave.source)) {
-    // The sample is printed as it once was, except where the request says otherwise.
-    const weave::PrintJob job = weave::printed_sample(spec->sample);
-    request.printer = job.profile;
-    request.options = job.options;
-  }
-  nested(fields, "printer", [&](Fields& printer) { read_printer(printer, request.printer); });
-  read_options(fields, limits, request);
-  request.include = read_include(fields);
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+WeaveToolpathRequest parse_weave_toolpath(std::string_view body, const Limits& limits,
+                                          const CancellationToken& cancellation) {
+  return read_request<WeaveToolpathRequest>(
+      body, limits, cancellation, [&](Fields& fields, WeaveToolpathRequest& request) {
+        request.weave = read_weave(fields, limits);
+        if (const auto* spec = std::get_if<SampleSpec>(&request.weave.source)) {
+          // The sample is printed as it once was, except where the request says otherwise.
+          const weave::PrintJob job = weave::printed_sample(spec->sample);
+          request.printer = job.profile;
+          request.options = job.options;
+        }
+        nested(fields, "printer", [&](Fields& printer) { read_printer(printer, request.printer); });
+        read_options(fields, limits, request);
+        request.include = read_include(fields);
+      });
 }
 
-GcodeReportRequest parse_gcode_report(std::string_view body, const Limits& limits) {
-  const auto document = parse_document(body, limits);
-  GcodeReportRequest request;
-  Faults faults;
-  Fields fields(document, "", faults);
-  if (const auto* gcode = fields.required("gcode")) {
-    if (gcode->is_string()) {
-      request.gcode = gcode->get_ref<const std::string&>();
-    } else {
-      faults.add(fields.at("gcode"), "must be a text, the content of a G-code file");
+GcodeReportRequest parse_gcode_report(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation) {
+  return read_request<GcodeReportRequest>(body, limits, cancellation, [&](Fields& fields, GcodeReportRequest& request) {
+    if (const auto* gcode = fields.required("gcode")) {
+      if (gcode->is_string()) {
+        request.gcode = gcode->get_ref<const std::string&>();
+      } else {
+        fields.faults().add(fields.at("gcode"), "must be a text, the content of a G-code file");
+      }
     }
-  }
-  const auto lines =
-      std::count_if(request.gcode.begin(), request.gcode.end(), [](char c) { return c == '\n' || c == '\r'; });
-  if (static_cast<std::size_t>(lines) > limits.max_gcode_lines)
-    problem::throw_limit("request.limit_exceeded", "The number of lines of G-code",
-                         static_cast<double>(limits.max_gcode_lines), static_cast<double>(lines), "",
-                         fields.at("gcode"));
-  nested(fields, "limits", [&](Fields& inner) { read_limits(inner, request.limits); });
-  request.deadline = read_deadline(fields, limits);
-  fields.finish();
-  faults.throw_if_any();
-  return request;
+    const auto lines =
+        std::count_if(request.gcode.begin(), request.gcode.end(), [](char c) { return c == '\n' || c == '\r'; });
+    if (static_cast<std::size_t>(lines) > limits.max_gcode_lines)
+      problem::throw_limit("request.limit_exceeded", "The number of lines of G-code",
+                           static_cast<double>(limits.max_gcode_lines), static_cast<double>(lines), "",
+                           fields.at("gcode"));
+    nested(fields, "limits", [&](Fields& inner) { read_limits(inner, request.limits); });
+  });
 }
 
 }  // namespace supple::json

@@ -10,7 +10,7 @@ constexpr int forbidden = 403;
 bool succeeded(int status) { return status >= 200 && status < 300; }
 
 /// Empty where nothing is to be said.
-std::string action_of(const http::Answered& answered) {
+std::string action_of(const http::AnsweredRequest& answered) {
   const bool session = answered.pattern == "/v1/session";
   if (session && answered.method == "POST") return succeeded(answered.status) ? "sign-in" : "sign-in-refused";
   if (answered.status == unauthorized || answered.status == forbidden) return "refused";
@@ -29,7 +29,7 @@ std::string plain_text(const std::string& text) {
   return plain;
 }
 
-std::string audit_line(const http::Answered& answered) {
+std::string audit_line(const http::AnsweredRequest& answered) {
   const auto action = action_of(answered);
   if (action.empty()) return {};
   const auto& object = action == "create" ? answered.location : answered.path;
@@ -38,7 +38,7 @@ std::string audit_line(const http::Answered& answered) {
          " object=" + plain_text(object) + " status=" + std::to_string(answered.status);
 }
 
-void AuditLog::note(const http::Answered& answered, Clock::time_point now) {
+void AuditLog::note(const http::AnsweredRequest& answered, Clock::time_point now) {
   const auto line = audit_line(answered);
   if (line.empty()) return;
   const std::lock_guard lock(mutex_);

@@ -3,9 +3,10 @@
 #include <memory>
 #include <optional>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
-#include "structure_spec.h"
+#include "request_pointers.h"
+#include "results.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/design/verified_designs.h"
 #include "supple/json/design_answers.h"
@@ -21,8 +22,8 @@ json::DesignModel name_of(const store::LoadedModel& model) {
 }
 
 /// The best model of each family, families in the order of their models' ids.
-std::vector<Model> models_by_family(const Services& services) {
-  const auto all = services.models->models();
+std::vector<Model> models_by_family(const store::ModelStore& store) {
+  const auto all = store.models();
   std::vector<const neural::Model*> models;
   models.reserve(all.size());
   for (const Model& model : all) models.push_back(&model->model);
@@ -32,8 +33,8 @@ std::vector<Model> models_by_family(const Services& services) {
 }
 
 /// The model of a family. Throws "design.no_model" with a pointer to the field.
-Model model_of_family(const Services& services, const std::string& family, const std::string& folder) {
-  const auto models = models_by_family(services);
+Model model_of_family(const store::ModelStore& store, const std::string& family, const std::string& region) {
+  const auto models = models_by_family(store);
   std::string known;
   for (const auto& model : models) {
     if (model->model.family == family) return model;
@@ -41,36 +42,32 @@ Model model_of_family(const Services& services, const std::string& family, const
   }
   const std::string text = "No model of the family " + family.substr(0, 100) +
                            " is loaded; there are models of: " + (known.empty() ? "none" : known) + ".";
-  throw Error("design.no_model", text, {{folder + "family", text}});
+  throw Error("design.no_model", text, {{region + "/family", text}});
 }
 
-Model model_by_id(const Services& services, const std::string& id, const std::string& folder) {
-  try {
-    return services.models->get(id);
-  } catch (const Error& error) {
-    throw Error(error.code(), error.what(), {{folder + "model", error.what()}});
-  }
+Model model_by_id(const store::ModelStore& store, const std::string& id, const std::string& region) {
+  return fault_of_field("model.", region + "/model", [&] { return store.get(id); });
 }
 
 /// One region with the models that it is searched in.
 struct Region {
   json::RegionSpec spec;
   std::vector<Model> models;
-  std::string folder;  ///< "/" or "/regions/3/"
+  std::string pointer;  ///< to its fields: "" or "/regions/3"
 };
 
-std::vector<Model> models_of(const Services& services, const json::RegionSpec& spec, const std::string& folder) {
-  if (!spec.model.empty()) return {model_by_id(services, spec.model, folder)};
-  if (spec.family != "any") return {model_of_family(services, spec.family, folder)};
+std::vector<Model> models_of(const store::ModelStore& store, const json::RegionSpec& spec, const std::string& region) {
+  if (!spec.model.empty()) return {model_by_id(store, spec.model, region)};
+  if (spec.family != "any") return {model_of_family(store, spec.family, region)};
   if (spec.problem.initial || !spec.problem.fixed.empty()) {
     const std::string field = spec.problem.initial ? "initial" : "fixed";
     throw Error("design.needs_family",
                 "The field " + field + " needs a family or a model: each has its own parameters.",
-                {{folder + field, "needs \"family\" or \"model\""}});
+                {{region + "/" + field, "needs \"family\" or \"model\""}});
   }
-  auto models = models_by_family(services);
+  auto models = models_by_family(store);
   if (models.empty())
-    throw Error("design.no_model", "No model is loaded.", {{folder + "family", "no model is loaded"}});
+    throw Error("design.no_model", "No model is loaded.", {{region + "/family", "no model is loaded"}});
   return models;
 }
 
@@ -78,18 +75,15 @@ std::vector<Model> models_of(const Services& services, const json::RegionSpec& s
 void check_targets(const Region& region) {
   const auto& targets = region.spec.problem.targets;
   for (std::size_t t = 0; t < targets.size(); ++t) {
-    try {
-      design::sample_target(targets[t]);
-    } catch (const Error& error) {
-      throw moved(error, t == 0 ? region.folder : region.folder + "also/" + std::to_string(t - 1) + "/");
-    }
+    const PointerMap pointers(t == 0 ? region.pointer : region.pointer + "/also/" + std::to_string(t - 1));
+    with_pointers({{"design.invalid_target", pointers}}, [&] { design::sample_target(targets[t]); });
   }
 }
 
 /// A structure's response is proportional to Young's modulus. Another law or Poisson's ratio of its material changes it
 /// in ways that a model does not know. Throws "design.other_material".
 void check_material(const json::MaterialSpec& material, const neural::Model& model, const std::string& pointer) {
-  /// As printed: a Poisson's ratio is hardly known better.
+  /// Half of the last digit as it is printed: a Poisson's ratio is hardly known better.
   constexpr double rounding = 0.005;
   const double known = model.provenance.poisson_ratio;
   const auto refuse = [&](const char* field, const std::string& what) {
@@ -107,7 +101,8 @@ void check_material(const json::MaterialSpec& material, const neural::Model& mod
 /// Checks the region's materials and hands their moduli to the search.
 void prepare_materials(Region& region) {
   for (const auto& material : region.spec.materials) {
-    for (const Model& model : region.models) check_material(material, model->model, region.folder + material.where);
+    for (const Model& model : region.models)
+      check_material(material, model->model, region.pointer + "/" + material.where);
     if (material.has_modulus) region.spec.problem.moduli.push_back(material.youngs_modulus);
   }
 }
@@ -134,15 +129,12 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
       execution.progress->publish(json::write_partial_round(found.spec.name, found.models[design.space], round));
     };
   }
-  try {
-    auto designs = design::search_designs(spaces, simulations, problem, execution, observer);
-    found.ranking = std::move(designs.ranking);
-    found.verification = std::move(designs.polished);
-    found.discretization_error = std::move(designs.discretization_error);
-  } catch (const Error& error) {
-    if (error.code().rfind("design.", 0) != 0 || error.details().empty()) throw;
-    throw moved(error, region.folder);
-  }
+  auto designs = with_pointers({{"design.", PointerMap(region.pointer)}}, [&] {
+    return design::search_designs(spaces, simulations, problem, execution, observer);
+  });
+  found.ranking = std::move(designs.ranking);
+  found.verification = std::move(designs.polished);
+  found.discretization_error = std::move(designs.discretization_error);
   return found;
 }
 
@@ -152,8 +144,8 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
   found.reserve(regions.size());
   const auto bill = billed(outer, [&](const Execution& execution) {
     for (std::size_t i = 0; i < regions.size(); ++i) {
-      const double share = 1 / static_cast<double>(regions.size());
-      const PartOfExecution part(execution, share * static_cast<double>(i), share);
+      const double fraction = 1 / static_cast<double>(regions.size());
+      const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
       found.push_back(search(regions[i], request, part.execution()));
     }
   });
@@ -163,25 +155,23 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
   return json_result(json::write_design(request, found, bill));
 }
 
-http::Response answer_design(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  auto request =
-      std::make_shared<json::DesignRequest>(json::parse_design(json_body(http_request), services.limits.json));
+PreparedComputation prepare_design(const EndpointRequest& asked, const Loader& loader) {
+  auto request = std::make_shared<const json::DesignRequest>(
+      json::parse_design(asked.body, loader.limits(), loader.cancellation()));
   auto regions = std::make_shared<std::vector<Region>>();
   for (std::size_t i = 0; i < request->regions.size(); ++i) {
-    Region region;
-    region.folder = request->several ? "/regions/" + std::to_string(i) + "/" : "/";
-    region.spec = request->regions[i];
-    region.models = models_of(services, region.spec, region.folder);
+    const auto pointer = request->several ? "/regions/" + std::to_string(i) : std::string();
+    const auto& spec = request->regions[i];
+    Region region{.spec = spec, .models = models_of(loader.models(), spec, pointer), .pointer = pointer};
     check_targets(region);
     prepare_materials(region);
     regions->push_back(std::move(region));
   }
-  jobs::Computation computation{"designs", {}, request->deadline, {}, request->session};
-  computation.run = [request, regions, metrics = services.metrics](const Execution& execution) {
-    return compute_design(*regions, *request, *metrics, execution);
-  };
-  return answer_computation(services, http_request, std::move(computation));
+  return {.deadline = request->deadline,
+          .session = request->session,
+          .run = [request, regions, &metrics = loader.metrics()](const Execution& execution) {
+            return compute_design(*regions, *request, metrics, execution);
+          }};
 }
 
 store::Result compute_profile(const store::LoadedModel& model, const json::ProfileRequest& request,
@@ -190,9 +180,9 @@ store::Result compute_profile(const store::LoadedModel& model, const json::Profi
   const auto bill = billed(outer, [&](const Execution& execution) {
     profile = design::evaluate_profile(model.model, model.evaluator, request.parameters, request.samples,
                                        request.equilibrium_tolerance, execution);
-    tell_error_bars(model.model, execution);
+    bill_error_bars(model.model, execution);
     const bool other_modulus = request.material && request.material->has_modulus;
-    tell_asked(execution, "modulus", other_modulus);
+    bill_requested(execution, "modulus", other_modulus);
     if (other_modulus)
       profile = design::scaled(std::move(profile), request.samples.task,
                                request.material->youngs_modulus.least / model.model.provenance.youngs_modulus);
@@ -202,11 +192,10 @@ store::Result compute_profile(const store::LoadedModel& model, const json::Profi
   return json_result(json::write_profile(name_of(model), request, profile, bill));
 }
 
-http::Response answer_profile(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  auto request = json::parse_profile(json_body(http_request), services.limits.json);
-  auto model = request.model.empty() ? model_of_family(services, request.family, "/")
-                                     : model_by_id(services, request.model, "/");
+PreparedComputation prepare_profile(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_profile(asked.body, loader.limits(), loader.cancellation());
+  auto model = request.model.empty() ? model_of_family(loader.models(), request.family, "")
+                                     : model_by_id(loader.models(), request.model, "");
   if (request.material) check_material(*request.material, model->model, "/material");
   const auto expected = static_cast<std::size_t>(model->evaluator.shape().parameters);
   if (request.parameters.size() != expected) {
@@ -214,26 +203,16 @@ http::Response answer_profile(Services& services, const http::Request& http_requ
                              " parameters, not " + std::to_string(request.parameters.size()) + ".";
     throw Error("design.parameter_count", text, {{"/parameters", text}});
   }
-  jobs::Computation computation{"profiles", {}, request.deadline, {}};
-  computation.run = [request = std::move(request), model = std::move(model),
-                     metrics = services.metrics](const Execution& execution) {
-    try {
-      return compute_profile(*model, request, *metrics, execution);
-    } catch (const Error& error) {
-      if (error.code() != "model.invalid_load") throw;
-      throw moved(error, "/");
-    }
-  };
-  return answer_computation(services, http_request, std::move(computation));
+  return {.deadline = request.deadline,
+          .run = [request = std::move(request), model = std::move(model), &metrics = loader.metrics()](
+                     const Execution& execution) { return compute_profile(*model, request, metrics, execution); }};
 }
 
 }  // namespace
 
 void add_design_routes(http::Router& router, Services& services) {
-  const http::BodyLimit json{services.limits.max_json, "--max-json"};
-  router.add({"POST", "/v1/designs", [&services](const http::Request& r) { return answer_design(services, r); }, json});
-  router.add(
-      {"POST", "/v1/profiles", [&services](const http::Request& r) { return answer_profile(services, r); }, json});
+  add_endpoint(router, services, {.path = "/v1/designs", .kind = "designs", .prepare = prepare_design});
+  add_endpoint(router, services, {.path = "/v1/profiles", .kind = "profiles", .prepare = prepare_profile});
 }
 
 }  // namespace supple::routes

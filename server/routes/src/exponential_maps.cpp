@@ -1,6 +1,7 @@
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
 #include "points.h"
+#include "results.h"
 
 namespace supple::routes {
 namespace {
@@ -18,27 +19,28 @@ store::Result compute(const json::ExponentialMapRequest& request, const store::L
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "trace");
     map = surface::exponential_map(mesh.mesh(), start, tangent, execution.cancellation, request.trace);
-    tell_asked(execution, "trace", request.trace);
+    bill_requested(execution, "trace", request.trace);
   });
   const Eigen::Vector2d within_face = surface::tangent_frame(mesh.mesh(), start.face).transpose() * tangent;
   return json_result(json::write_exponential_map(request, mesh.mesh(), map, within_face.stableNorm(), bill));
 }
 
+PreparedComputation prepare_exponential_map(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_exponential_map(asked.body, loader.limits(), loader.cancellation());
+  auto mesh = loader.mesh(request.mesh, request.deadline);
+  const auto start = PointResolver(loader, *mesh, request).resolve(request.start, "/start");
+  return {.mesh = request.mesh,
+          .deadline = request.deadline,
+          .run = [request = std::move(request), mesh = std::move(mesh), start](const Execution& execution) {
+            return compute(request, *mesh, start, execution);
+          }};
+}
+
 }  // namespace
 
 void add_exponential_map_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    auto request = json::parse_exponential_map(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    const auto start = PointResolver(services, http_request, *mesh, request).resolve(request.start, "/start");
-    jobs::Computation computation{"exponential-maps", request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), start](const Execution& execution) {
-      return compute(request, *mesh, start, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/exponential-maps", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/exponential-maps", .kind = "exponential-maps", .prepare = prepare_exponential_map});
 }
 
 }  // namespace supple::routes

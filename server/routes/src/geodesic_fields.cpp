@@ -2,15 +2,17 @@
 #include <cmath>
 #include <cstring>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
 #include "points.h"
+#include "results.h"
 
 namespace supple::routes {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the binary answer is the memory of the doubles");
 
+constexpr const char* binary_type = "application/octet-stream";
 constexpr double unreached_in_binary = -1;
 
 store::Result binary_result(const json::GeodesicFieldRequest& request, const surface::GeodesicField& field,
@@ -22,22 +24,20 @@ store::Result binary_result(const json::GeodesicFieldRequest& request, const sur
     distance = unreached_in_binary;
     ++unreached;
   }
-  store::Result result;
-  result.content_type = "application/octet-stream";
-  result.body.resize(distances.size() * sizeof(double));
-  std::memcpy(result.body.data(), distances.data(), result.body.size());
-  result.headers = {{"Supple-Vertices", std::to_string(distances.size())},
-                    {"Supple-Unreached", std::to_string(unreached)},
-                    {"Supple-Method", request.method == surface::FieldMethod::windows ? "windows" : "edge_graph"},
-                    {"Supple-Seconds", plain_number(bill.seconds)}};
+  std::string body(distances.size() * sizeof(double), '\0');
+  std::memcpy(body.data(), distances.data(), body.size());
+  auto result = file_result(binary_type, std::move(body), bill);
+  result.headers.emplace_back("Supple-Vertices", std::to_string(distances.size()));
+  result.headers.emplace_back("Supple-Unreached", std::to_string(unreached));
+  result.headers.emplace_back("Supple-Method", json::field_method_names.name_of(request.method));
   if (const double bound = field.relative_error_bound(); std::isfinite(bound)) {
     result.headers.emplace_back("Supple-Relative-Error-Bound", plain_number(bound));
   }
-  tell_largest_distance(result, request.points_in_space);
+  add_largest_distance(result, request.points_in_space);
   return result;
 }
 
-void tell_effects(const json::GeodesicFieldRequest& request, CostLedger* cost) {
+void bill_effects(const json::GeodesicFieldRequest& request, CostLedger* cost) {
   if (!cost) return;
   const bool graph = request.method == surface::FieldMethod::edge_graph;
   cost->add_effect("approximation", graph || request.relative_error > 0,
@@ -58,30 +58,33 @@ store::Result compute(const json::GeodesicFieldRequest& request, const store::Lo
     options.relative_error = request.relative_error;
     options.max_distance = request.max_distance;
     field = mesh.solver(execution).field(sources, options, execution);
-    tell_effects(request, execution.cost);
+    bill_effects(request, execution.cost);
   });
   if (binary) return binary_result(request, *field, bill);
   return json_result(json::write_geodesic_field(request, *field, bill));
 }
 
+PreparedComputation prepare_geodesic_field(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_geodesic_field(asked.body, loader.limits(), loader.cancellation());
+  auto mesh = loader.mesh(request.mesh, request.deadline);
+  auto sources = PointResolver(loader, *mesh, request).resolve(request.sources, "/sources");
+  return {.mesh = request.mesh,
+          .deadline = request.deadline,
+          .run = [request = std::move(request), mesh = std::move(mesh), sources = std::move(sources),
+                  binary = asked.format == binary_type](const Execution& execution) {
+            return compute(request, *mesh, sources, binary, execution);
+          }};
+}
+
 }  // namespace
 
 void add_geodesic_field_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    const auto type = http::negotiate(http_request.header("Accept"), {"application/json", "application/octet-stream"});
-    if (!type) throw Error("http.not_acceptable", "A field is sent as application/json or application/octet-stream.");
-    auto request = json::parse_geodesic_field(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto sources = PointResolver(services, http_request, *mesh, request).resolve(request.sources, "/sources");
-    jobs::Computation computation{"geodesic-fields", request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), sources = std::move(sources),
-                       binary = *type != "application/json"](const Execution& execution) {
-      return compute(request, *mesh, sources, binary, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/geodesic-fields", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/geodesic-fields",
+                .kind = "geodesic-fields",
+                .sends = "A field is sent as",
+                .formats = {"application/json", binary_type},
+                .prepare = prepare_geodesic_field});
 }
 
 }  // namespace supple::routes

@@ -95,7 +95,7 @@ bool is_local(const http::Request& request) {
 }
 
 void check_key(const Prepared& prepared, http::Request& request, const http::Route* route) {
-  if (!prepared.options.gate || !route || route->open || !prepared.options.gate->required()) return;
+  if (!prepared.options.gate || !route || route->needs_no_key || !prepared.options.gate->required()) return;
   if (route->pattern == "/metrics" && is_local(request)) return;
   const auto authorization = request.header("Authorization");
   const auto session = cookie_counts(prepared, request) ? session_of(request) : std::string();
@@ -103,7 +103,7 @@ void check_key(const Prepared& prepared, http::Request& request, const http::Rou
   if (!key) return;
   request.key = key->id;
   request.client = "key " + key->id;
-  request.sees_all = key->scopes.allow(access::Scope::admin);
+  request.is_admin = key->scopes.allow(access::Scope::admin);
   request.max_waiting_jobs = key->max_waiting_jobs;
   prepared.options.gate->allow(*key, only_reads(request.method) ? access::Scope::read : access::Scope::compute);
 }

@@ -35,8 +35,11 @@ void add_web_routes(http::Router& router, const std::string& folder);
 /// Throws "server.not_ready" until the store is open and the models are read, "server.shutting_down" at the end.
 void require_ready(const Services& services);
 
+/// Throws "http.unsupported_media_type" if the request's body is not application/json.
+void require_json(const http::Request& request);
+
 /// The body of an answer that is read from its file as it is sent.
-http::Pieces pieces_of(store::OpenContent content);
+http::PiecewiseBody body_of(store::OpenContent content);
 
 http::Response json_response(std::string body, int status = 200);
 
@@ -47,8 +50,5 @@ struct Page {
   std::string after;
 };
 Page read_page(const http::Request& request, std::initializer_list<std::string_view> more = {});
-
-/// A job as the contract describes it.
-std::string write_job(const jobs::JobStatus& status);
 
 }  // namespace supple::routes

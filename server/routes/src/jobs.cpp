@@ -1,6 +1,7 @@
-#include <functional>
+#include <optional>
 
 #include "handlers.h"
+#include "job_events.h"
 #include "ownership.h"
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
@@ -11,18 +12,11 @@ namespace {
 
 using store::JobState;
 
-constexpr double keep_alive_seconds = 10;
-constexpr double look_at_client_seconds = 1;
-
 /// The job that the path names, once it is sure that the request may see it.
 const std::string& job_parameter(const Services& services, const http::Request& request) {
   const auto& id = request.path_parameters.at("job");
   require_job(services, request, id);
   return id;
-}
-
-bool is_finished(const jobs::JobStatus& status) {
-  return status.record.state != JobState::accepted && status.record.state != JobState::running;
 }
 
 http::Response list(Services& services, const http::Request& request) {
@@ -69,7 +63,7 @@ http::Response result(Services& services, const http::Request& request) {
   auto stored = services.jobs->result(id);
   response.content_type = std::move(stored.content_type);
   response.headers = std::move(stored.headers);
-  response.pieces = pieces_of(std::move(stored.body));
+  response.piecewise_body = body_of(std::move(stored.body));
   return response;
 }
 
@@ -105,39 +99,6 @@ class StreamPlace {
   Services& services_;
 };
 
-std::string event(const char* name, const jobs::JobStatus& status) {
-  return "event: " + std::string(name) + "\ndata: " + write_job(status) + "\n\n";
-}
-
-/// Sends the events of a job until it is finished, for as long as `may_follow()`.
-void follow(Services& services, const std::string& id, const std::function<bool()>& may_follow,
-            http::StreamWriter& out) {
-  std::uint64_t version = 0;
-  std::uint64_t sent = 0;
-  auto last_sent = std::chrono::steady_clock::now();
-  try {
-    auto status = services.jobs->wait_for_change(id, version, 0);
-    while (!services.stopping && !out.client_gone() && may_follow()) {
-      if (is_finished(status)) {
-        out.write(event("finished", status));
-        return;
-      }
-      const auto now = std::chrono::steady_clock::now();
-      if (version != sent) {
-        if (!out.write(event("progress", status))) return;
-        sent = version;
-        last_sent = now;
-      } else if (now - last_sent > std::chrono::duration<double>(keep_alive_seconds)) {
-        if (!out.write(": still here\n\n")) return;
-        last_sent = now;
-      }
-      status = services.jobs->wait_for_change(id, version, look_at_client_seconds);
-    }
-  } catch (const Error&) {
-    // The job was removed while it was followed: the stream ends without the event "finished".
-  }
-}
-
 http::Response events(Services& services, const http::Request& request) {
   require_ready(services);
   const auto& id = job_parameter(services, request);
@@ -151,32 +112,15 @@ http::Response events(Services& services, const http::Request& request) {
     return !services.gate || services.gate->still_valid({authorization, session});
   };
   response.stream = [&services, id, may_follow, place](http::StreamWriter& out) {
-    follow(services, id, may_follow, out);
+    follow_job({.wait_for_change = [&](std::uint64_t& version,
+                                       double seconds) { return services.jobs->wait_for_change(id, version, seconds); },
+                .may_follow = [&] { return !services.stopping && may_follow(); }},
+               out);
   };
   return response;
 }
 
 }  // namespace
-
-std::string write_job(const jobs::JobStatus& status) {
-  const auto& record = status.record;
-  json::JsonWriter out;
-  out.begin_object().field("id", record.id).field("kind", record.kind);
-  if (!record.mesh.empty()) out.field("mesh", record.mesh);
-  out.field("state", store::state_name(record.state))
-      .field("progress", status.progress)
-      .field("stage", status.stage)
-      .field("created", json::time_text(record.created));
-  if (record.started) out.field("started", json::time_text(record.started));
-  if (record.finished) out.field("finished", json::time_text(record.finished));
-  if (record.expires) out.field("expires", json::time_text(record.expires));
-  out.field("deadline", record.deadline);
-  if (record.state == JobState::successful) out.field("result", "/v1/jobs/" + record.id + "/result");
-  if (!record.error.empty()) out.key("error").raw(record.error);
-  if (!status.partial.empty() && !is_finished(status)) out.key("partial").raw(status.partial);
-  out.end_object();
-  return out.take();
-}
 
 void add_job_routes(http::Router& router, Services& services) {
   const auto with = [&services](http::Response (*handler)(Services&, const http::Request&)) {

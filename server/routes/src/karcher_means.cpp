@@ -1,14 +1,15 @@
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
 #include "points.h"
+#include "results.h"
 
 namespace supple::routes {
 namespace {
 
-surface::KarcherProblem problem_of(const Services& services, const http::Request& http_request,
-                                   json::KarcherMeanRequest& request, const store::LoadedMesh& mesh) {
+surface::KarcherProblem problem_of(const Loader& loader, json::KarcherMeanRequest& request,
+                                   const store::LoadedMesh& mesh) {
   surface::KarcherProblem problem;
-  PointResolver points(services, http_request, mesh, request);
+  PointResolver points(loader, mesh, request);
   problem.points = points.resolve(request.points, "/points");
   problem.weights = request.weights;
   problem.method = request.method;
@@ -32,20 +33,21 @@ store::Result compute(const json::KarcherMeanRequest& request, const store::Load
   return json_result(json::write_karcher_mean(request, mesh.mesh(), mean, bill));
 }
 
+PreparedComputation prepare_karcher_mean(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_karcher_mean(asked.body, loader.limits(), loader.cancellation());
+  auto mesh = loader.mesh(request.mesh, request.deadline);
+  auto problem = problem_of(loader, request, *mesh);
+  return {.mesh = request.mesh,
+          .deadline = request.deadline,
+          .run = [request = std::move(request), mesh = std::move(mesh), problem = std::move(problem)](
+                     const Execution& execution) { return compute(request, *mesh, problem, execution); }};
+}
+
 }  // namespace
 
 void add_karcher_mean_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    auto request = json::parse_karcher_mean(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto problem = problem_of(services, http_request, request, *mesh);
-    jobs::Computation computation{"karcher-means", request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), problem = std::move(problem)](
-                          const Execution& execution) { return compute(request, *mesh, problem, execution); };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/karcher-means", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/karcher-means", .kind = "karcher-means", .prepare = prepare_karcher_mean});
 }
 
 }  // namespace supple::routes

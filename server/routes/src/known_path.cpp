@@ -8,7 +8,8 @@
 namespace supple::routes {
 namespace {
 
-constexpr double same_end = 1e-9;  // of the mesh's diagonal
+/// Two ends within this distance are the same; fraction of the mesh's diagonal.
+constexpr double max_end_distance = 1e-9;
 
 /// The faces that have the point: one, two on an edge, all around a vertex.
 std::vector<std::int32_t> faces_of(const surface::TriangleMesh& mesh, const surface::SurfacePoint& point) {
@@ -45,7 +46,7 @@ std::vector<surface::PathPoint> checked_path(PointResolver& points_of, const std
   const surface::TriangleMesh& mesh = points_of.mesh();
   auto points = points_of.resolve(path, pointer);
   const auto is_near = [&](const surface::SurfacePoint& a, const surface::SurfacePoint& b) {
-    return (surface::position(mesh, a) - surface::position(mesh, b)).norm() <= same_end * mesh.diagonal();
+    return (surface::position(mesh, a) - surface::position(mesh, b)).norm() <= max_end_distance * mesh.diagonal();
   };
   const auto last = points.size() - 1;
   if (!is_near(points.front(), from)) fail(pointer + "/0", "it does not begin at the pair's first point");

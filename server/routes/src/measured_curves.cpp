@@ -1,19 +1,21 @@
 #include <string>
 #include <utility>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
+#include "request_pointers.h"
+#include "results.h"
 #include "supple/json/measured_curve_answers.h"
 #include "supple/json/measured_curve_requests.h"
 
 namespace supple::routes {
 namespace {
 
-/// Pointer into the request for a place that the engine names.
-std::string pointer_of(const std::string& where, const json::MeasuredCurveRequest& request) {
-  if (where == "points" && request.measurements.text) return request.text_field;
-  if (where == "text") return request.text_field;
-  return where.starts_with('/') ? where : "/" + where;
+/// Of a table, the text is the field that its points came from too.
+PointerMap measurement_pointers(const json::MeasuredCurveRequest& request) {
+  std::vector<FieldPlace> places{{.field = "text", .pointer = request.text_field}};
+  if (request.measurements.text) places.push_back({.field = "points", .pointer = request.text_field});
+  return PointerMap("", std::move(places));
 }
 
 store::Result compute(const json::MeasuredCurveRequest& request, const Execution& outer) {
@@ -23,32 +25,26 @@ store::Result compute(const json::MeasuredCurveRequest& request, const Execution
   answer.encoding = request.encoding;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "reading");
-    try {
+    const PointerMap pointers = measurement_pointers(request);
+    with_pointers({{"design.invalid_measurement", pointers}, {"design.unreadable_table", pointers}}, [&] {
       answer.measurements = design::read_measurements(request.measurements, execution);
       answer.curve = design::reduce(answer.measurements.curve, request.options, execution);
-    } catch (const Error& error) {
-      if (error.code() != "design.invalid_measurement" && error.code() != "design.unreadable_table") throw;
-      auto details = error.details();
-      for (auto& detail : details) detail.where = pointer_of(detail.where, request);
-      throw Error(error.code(), error.what(), std::move(details));
-    }
+    });
   });
   return json_result(json::write_measured_curve(answer, bill));
+}
+
+PreparedComputation prepare_measured_curve(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_measured_curve(asked.body, loader.limits(), loader.cancellation());
+  return {.deadline = request.deadline,
+          .run = [request = std::move(request)](const Execution& execution) { return compute(request, execution); }};
 }
 
 }  // namespace
 
 void add_measured_curve_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    auto request = json::parse_measured_curve(json_body(http_request), services.limits.json);
-    jobs::Computation computation{"measured-curves", {}, request.deadline, {}};
-    computation.run = [request = std::move(request)](const Execution& execution) {
-      return compute(request, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/measured-curves", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/measured-curves", .kind = "measured-curves", .prepare = prepare_measured_curve});
 }
 
 }  // namespace supple::routes

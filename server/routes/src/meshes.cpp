@@ -1,7 +1,9 @@
+#include <functional>
 #include <optional>
 
 #include "entity_tag.h"
 #include "handlers.h"
+#include "immediate_answer.h"
 #include "ownership.h"
 #include "repair_query.h"
 #include "supple/json/answers.h"
@@ -12,13 +14,10 @@
 namespace supple::routes {
 namespace {
 
-std::optional<surface::MeshFormat> format_of(const std::string& media_type) {
-  if (media_type == "model/obj") return surface::MeshFormat::obj;
-  if (media_type == "model/off") return surface::MeshFormat::off;
-  if (media_type == "model/ply") return surface::MeshFormat::ply;
-  if (media_type == "model/stl") return surface::MeshFormat::stl;
-  return std::nullopt;
-}
+constexpr auto mesh_types = json::names_of<surface::MeshFormat>({{surface::MeshFormat::obj, "model/obj"},
+                                                                 {surface::MeshFormat::off, "model/off"},
+                                                                 {surface::MeshFormat::ply, "model/ply"},
+                                                                 {surface::MeshFormat::stl, "model/stl"}});
 
 const std::string& mesh_parameter(const http::Request& request) { return request.path_parameters.at("mesh"); }
 
@@ -50,7 +49,7 @@ json::MeshUpload read_upload(const http::Request& request, const RouteLimits& li
     if (asked) upload.repair = asked;
     return upload;
   }
-  const auto format = format_of(type).value_or(surface::detect_format(request.body));
+  const auto format = mesh_types.find(type).value_or(surface::detect_format(request.body));
   return {surface::read_mesh(request.body, format, limits.mesh, execution), asked};
 }
 
@@ -70,7 +69,7 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
       surface::write_ply(*mesh, execution),
       [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); }, request.key);
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
-  // Where the mesh was stored already, the stored warnings are those of another upload.
+  // If the mesh had been stored before, the stored warnings are those of that upload.
   auto response = json_response(json::write_mesh(record.id, record.created, report, repair ? &*repair : nullptr),
                                 is_new ? 201 : 200);
   response.set_header("Location", "/v1/meshes/" + record.id);
@@ -78,17 +77,28 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
   return response;
 }
 
-/// Runs within a slot, as a computation does: reading a large file takes as long as one, and its client may leave.
+/// Runs work on a mesh as a computation, because it may take as long as one and its client may leave. `takes_slot`:
+/// whether it waits for a compute slot.
+void run_now(const Services& services, const http::Request& request, const std::string& mesh, bool takes_slot,
+             const std::function<void(const Execution&)>& work) {
+  compute_now(services, request,
+              {.kind = "meshes",
+               .mesh = mesh,
+               .deadline = services.limits.json.default_deadline,
+               .run =
+                   [&](const Execution& execution) {
+                     work(execution);
+                     return store::Result{};
+                   },
+               .client = request.client,
+               .takes_slot = takes_slot});
+}
+
 http::Response create(Services& services, const http::Request& request) {
   require_ready(services);
   http::Response response;
-  jobs::Computation reading{"meshes", {}, services.limits.json.default_deadline, {}};
-  reading.client = request.client;
-  reading.run = [&](const Execution& execution) {
-    response = store_mesh(services, request, execution);
-    return store::Result{};
-  };
-  compute_now(services, request, reading);
+  run_now(services, request, {}, true,
+          [&](const Execution& execution) { response = store_mesh(services, request, execution); });
   return response;
 }
 
@@ -131,24 +141,12 @@ http::Response content(const Services& services, const http::Request& request) {
   if (matches(request.header("If-None-Match"), tag)) return not_modified(tag);
   http::Response response;
   response.content_type = *type;
-  if (as_obj) {
-    jobs::Computation writing{"meshes", id, services.limits.json.default_deadline, {}};
-    writing.client = request.client;
-    writing.run = [&](const Execution& execution) {
+  run_now(services, request, id, as_obj, [&](const Execution& execution) {
+    if (as_obj)
       response.body = surface::write_obj(services.meshes->get(id, execution)->mesh(), execution);
-      return store::Result{};
-    };
-    compute_now(services, request, writing);
-  } else {
-    jobs::Computation checking{"meshes", id, services.limits.json.default_deadline, {}};
-    checking.client = request.client;
-    checking.takes_slot = false;
-    checking.run = [&](const Execution& execution) {
-      response.pieces = pieces_of(services.store->open_mesh_content(id, execution.cancellation));
-      return store::Result{};
-    };
-    compute_now(services, request, checking);
-  }
+    else
+      response.piecewise_body = body_of(services.store->open_mesh_content(id, execution.cancellation));
+  });
   response.set_header("ETag", quoted(tag));
   response.set_header("Vary", "Accept");
   return response;

@@ -1,11 +1,12 @@
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
+#include "results.h"
 #include "supple/json/outline_requests.h"
 
 namespace supple::routes {
 namespace {
 
-void tell_effects(const json::OutlineRequest& request, const outlines::Drawing& drawing, CostLedger* cost) {
+void bill_effects(const json::OutlineRequest& request, const outlines::Drawing& drawing, CostLedger* cost) {
   if (!cost) return;
   cost->add_effect("rounding", drawing.rounded > 0,
                    drawing.rounded > 0 ? "some curves are bent" : "every curve is made of straight lines",
@@ -32,24 +33,21 @@ store::Result compute(const json::OutlineRequest& request, const Execution& oute
   outlines::Drawing drawing;
   const auto bill = billed(outer, [&](const Execution& execution) {
     drawing = outlines::read_drawing(request.text, request.options, execution);
-    tell_effects(request, drawing, execution.cost);
+    bill_effects(request, drawing, execution.cost);
   });
   return json_result(json::write_outlines(request, drawing, bill));
+}
+
+PreparedComputation prepare_outlines(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_outlines(asked.body, loader.limits(), loader.cancellation());
+  return {.deadline = request.deadline,
+          .run = [request = std::move(request)](const Execution& execution) { return compute(request, execution); }};
 }
 
 }  // namespace
 
 void add_outline_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    auto request = json::parse_outlines(json_body(http_request), services.limits.json);
-    jobs::Computation computation{"outlines", {}, request.deadline, {}};
-    computation.run = [request = std::move(request)](const Execution& execution) {
-      return compute(request, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/outlines", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services, {.path = "/v1/outlines", .kind = "outlines", .prepare = prepare_outlines});
 }
 
 }  // namespace supple::routes

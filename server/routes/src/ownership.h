@@ -10,7 +10,7 @@ namespace supple::routes {
 /// Whose things a request may see: the id of its key, or nothing where it may see those of all.
 inline const std::string& owner_filter(const http::Request& request) {
   static const std::string all;
-  return request.sees_all ? all : request.key;
+  return request.is_admin ? all : request.key;
 }
 
 /// Throws "mesh.not_found", with a pointer where one is given, as for a mesh that does not exist, where the request may

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
+#include "request_pointers.h"
+#include "results.h"
 #include "structure_spec.h"
 #include "supple/json/part_requests.h"
 
@@ -17,7 +19,7 @@ struct PartFormat {
   WritePart write;
 };
 
-constexpr PartFormat formats[] = {
+constexpr PartFormat part_formats[] = {
     {"image/svg+xml", "svg", [](const tiling::Part& part, const Execution&) { return tiling::part_svg(part); }},
     {"image/vnd.dxf", "dxf", [](const tiling::Part& part, const Execution&) { return tiling::part_dxf(part); }},
     {"application/dxf", "dxf", [](const tiling::Part& part, const Execution&) { return tiling::part_dxf(part); }},
@@ -25,61 +27,29 @@ constexpr PartFormat formats[] = {
     {"model/stl", "stl", tiling::part_stl},
     {"model/3mf", "3mf", tiling::part_3mf}};
 
-/// Null for JSON. Throws "http.not_acceptable".
-const PartFormat* format_of(const http::Request& request) {
-  std::vector<std::string_view> offered{"application/json"};
-  for (const auto& format : formats) offered.push_back(format.media_type);
-  const auto type = http::negotiate(request.header("Accept"), offered);
-  if (!type) {
-    throw Error("http.not_acceptable",
-                "A part is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf, model/step, "
-                "model/stl or model/3mf.");
-  }
-  const auto* const found = std::find_if(std::begin(formats), std::end(formats),
-                                         [&](const PartFormat& format) { return format.media_type == *type; });
-  return found == std::end(formats) ? nullptr : found;
-}
-
-tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const std::string& folder) {
-  try {
-    return {make_structure(spec.structure), spec.beam_width, request.orientation_in_part(spec.orientation)};
-  } catch (const Error& error) {
-    auto details = error.details();
-    for (auto& detail : details)
-      detail.where = folder + "structure" + (detail.where.starts_with('/') ? "" : "/") + detail.where;
-    throw Error(error.code(), error.what(), std::move(details));
-  }
+tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const std::string& owner) {
+  return {make_structure(spec.structure, PointerMap(owner + "/structure")), spec.beam_width,
+          request.orientation_in_part(spec.orientation)};
 }
 
 tiling::PartDesign design_of(const json::PartRequest& request) {
   tiling::PartDesign design = request.design;
-  design.filling = filling_of(request, request.filling, "/");
+  design.filling = filling_of(request, request.filling, "");
   for (std::size_t i = 0; i < request.regions.size(); ++i) {
     const auto& region = request.regions[i];
-    design.regions.push_back(
-        {region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i) + "/")});
+    design.regions.push_back({region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i))});
   }
   return design;
 }
 
-/// make(), whose faults point into the request.
-template <class Make>
-auto pointing_into_request(const Make& make) -> decltype(make()) {
-  try {
-    return make();
-  } catch (const Error& error) {
-    if (error.code() != "tiling.part") throw;
-    auto details = error.details();
-    for (auto& detail : details) {
-      if (detail.where.starts_with("outline/")) detail.where.insert(7, "/polygons");
-      if (detail.where.starts_with("solids/")) detail.where = "outline";
-      detail.where.insert(0, "/");
-    }
-    throw Error(error.code(), error.what(), std::move(details));
-  }
+/// The outline's polygons are an array in the engine and a field of the outline in requests, and so are its solids.
+PointerMap part_pointers() {
+  const auto polygon = [](std::size_t i) { return "/outline/polygons/" + std::to_string(i); };
+  return PointerMap("", {{.field = "outline", .pointer = {}, .pointer_of_entry = polygon},
+                         {.field = "solids", .pointer = "/outline", .rest = FieldPlace::Rest::dropped}});
 }
 
-void tell_effects(const tiling::PartDesign& design, const tiling::Part& part, CostLedger* cost) {
+void bill_effects(const tiling::PartDesign& design, const tiling::Part& part, CostLedger* cost) {
   if (!cost) return;
   cost->add_effect("frame", design.frame > 0,
                    design.frame > 0 ? "the request gives its width" : "the request asks for none");
@@ -111,42 +81,45 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
   std::string file, svg;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "part");
-    part = pointing_into_request([&] {
-      const StageTimer timer(execution.cost, "part");
-      return tiling::make_part(design, execution);
+    with_pointers({{"tiling.part", part_pointers()}}, [&] {
+      {
+        const StageTimer timer(execution.cost, "part");
+        part = tiling::make_part(design, execution);
+      }
+      bill_effects(design, part, execution.cost);
+      execution.checkpoint(0.7, "export");
+      const StageTimer timer(execution.cost, "export");
+      if (format) file = format->write(part, execution);
+      if (!format && request.svg) svg = tiling::part_svg(part);
     });
-    tell_effects(design, part, execution.cost);
-    execution.checkpoint(0.7, "export");
-    const StageTimer timer(execution.cost, "export");
-    if (format) file = pointing_into_request([&] { return format->write(part, execution); });
-    if (!format && request.svg) svg = tiling::part_svg(part);
   });
   if (!format) return json_result(json::write_part(request, part, request.svg ? &svg : nullptr, bill));
-  store::Result result;
-  result.content_type = format->media_type;
-  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)},
-                    {"Content-Disposition", "attachment; filename=\"" + file_name(request, part, *format) + "\""}};
+  auto result = file_result(format->media_type, std::move(file), bill);
+  result.headers.emplace_back("Content-Disposition",
+                              "attachment; filename=\"" + file_name(request, part, *format) + "\"");
   if (const std::string message = json::part_message(request, part); !message.empty())
     result.headers.emplace_back("Supple-Message", message);
-  result.body = std::move(file);
   return result;
+}
+
+PreparedComputation prepare_part(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_part(asked.body, loader.limits(), loader.cancellation());
+  auto design = design_of(request);
+  return {
+      .deadline = request.deadline,
+      .run = [request = std::move(request), design = std::move(design), format = file_of(part_formats, asked.format)](
+                 const Execution& execution) { return compute(request, design, format, execution); }};
 }
 
 }  // namespace
 
 void add_part_route(http::Router& router, Services& services) {
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    const auto* const format = format_of(http_request);
-    auto request = json::parse_part(json_body(http_request), services.limits.json);
-    auto design = design_of(request);
-    jobs::Computation computation{"parts", {}, request.deadline, {}};
-    computation.run = [request = std::move(request), design = std::move(design), format](const Execution& execution) {
-      return compute(request, design, format, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/parts", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/parts",
+                .kind = "parts",
+                .sends = "A part is sent as",
+                .formats = json_or(part_formats),
+                .prepare = prepare_part});
 }
 
 }  // namespace supple::routes

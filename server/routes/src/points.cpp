@@ -2,27 +2,23 @@
 
 #include <algorithm>
 
-#include "computation_route.h"
-#include "supple/base/error.h"
+#include "request_pointers.h"
+#include "results.h"
 
 namespace supple::routes {
 
 surface::NearestPoint PointResolver::nearest(const Eigen::Vector3d& position) {
-  if (search_ == nullptr) search_ = &nearest_search(services_, http_request_, id_, mesh_, deadline_);
+  if (search_ == nullptr) search_ = &loader_.nearest_search(id_, mesh_, deadline_);
   return search_->find(position);
 }
 
 surface::SurfacePoint PointResolver::resolve(const json::PointSpec& point, const std::string& pointer) {
-  // What ends a computation is no fault of the point.
   if (point.position) placed_.push_back({pointer, nearest(*point.position)});
-  try {
+  return fault_of_field("point.", pointer, [&] {
     if (point.position) return surface::checked_point(mesh(), placed_.back().nearest.point, pointer);
     if (point.by_vertex) return surface::vertex_point(mesh(), VertexId{point.index});
     return surface::checked_point(mesh(), {FaceId{point.index}, point.barycentric}, pointer);
-  } catch (const Error& error) {
-    // The engine names the point as it sees fit; a client is pointed to the field of its own request.
-    throw Error(error.code(), error.what(), {{pointer, error.what()}});
-  }
+  });
 }
 
 std::vector<surface::SurfacePoint> PointResolver::resolve(const std::vector<json::PointSpec>& points,
@@ -35,7 +31,7 @@ std::vector<surface::SurfacePoint> PointResolver::resolve(const std::vector<json
   return resolved;
 }
 
-void tell_largest_distance(store::Result& result, const std::vector<json::PlacedPoint>& placed) {
+void add_largest_distance(store::Result& result, const std::vector<json::PlacedPoint>& placed) {
   double largest = 0;
   for (const auto& point : placed) largest = std::max(largest, point.nearest.distance);
   if (!placed.empty()) result.headers.emplace_back("Supple-Largest-Distance", plain_number(largest));

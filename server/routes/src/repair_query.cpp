@@ -1,10 +1,10 @@
 #include "repair_query.h"
 
-#include <algorithm>
 #include <charconv>
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/json/requests.h"
 
 namespace supple::routes {
 namespace {
@@ -19,13 +19,13 @@ std::string read_repairs(std::string_view text, RepairOptions& options) {
   }
   while (true) {
     const auto comma = text.find(',');
-    const auto found = std::find(surface::repair_names.begin(), surface::repair_names.end(), text.substr(0, comma));
-    if (found == surface::repair_names.end()) {
+    const auto repair = json::repair_names.find(text.substr(0, comma));
+    if (!repair) {
       std::string names;
-      for (const auto name : surface::repair_names) names.append(names.empty() ? "" : ", ").append(name);
+      for (const auto name : json::repair_names.names()) names.append(names.empty() ? "" : ", ").append(name);
       return "takes automatic, or some of " + names + ", separated by commas";
     }
-    options.asked[static_cast<std::size_t>(found - surface::repair_names.begin())] = true;
+    options.ask(*repair);
     if (comma == std::string_view::npos) return {};
     text.remove_prefix(comma + 1);
   }

@@ -52,7 +52,15 @@ void require_ready(const Services& services) {
   }
 }
 
-http::Pieces pieces_of(store::OpenContent content) {
+void require_json(const http::Request& request) {
+  const auto type = http::media_type(request.header("Content-Type"));
+  if (type == "application/json") return;
+  // A request without a type is refused too: a page of another site may send it without asking.
+  throw Error("http.unsupported_media_type", "This request takes a body of Content-Type application/json, not " +
+                                                 (type.empty() ? "one without a type" : type.substr(0, 80)) + ".");
+}
+
+http::PiecewiseBody body_of(store::OpenContent content) {
   const auto bytes = content.size();
   return {bytes, [content = std::move(content)](std::uint64_t offset, char* to, std::size_t count) {
             content.read(offset, to, count);

@@ -19,7 +19,7 @@ http::Response health(const Services& services) {
   json::JsonWriter out;
   out.begin_object().field("status", "ok").field("version", services.version).field("uptime_seconds", uptime(services));
   const auto load = services.load ? services.load() : http::Load{};
-  out.field("silence_seconds", std::max(load.silence, load.accept_silence)).end_object();
+  out.field("silence_seconds", std::max(load.reader_silence_seconds, load.accept_silence_seconds)).end_object();
   return json_response(out.take());
 }
 
@@ -65,8 +65,8 @@ http::Response metrics_text(const Services& services) {
     snapshot.connections = load.connections;
     snapshot.answering = load.answering;
     snapshot.evicted = static_cast<std::int64_t>(load.evicted);
-    snapshot.lobby_silence = load.silence;
-    snapshot.listener_silence = load.accept_silence;
+    snapshot.lobby_silence = load.reader_silence_seconds;
+    snapshot.listener_silence = load.accept_silence_seconds;
   }
   if (services.memory) {
     snapshot.used_bytes = services.memory->used();

@@ -1,6 +1,5 @@
 #include <optional>
 
-#include "computation_route.h"
 #include "handlers.h"
 #include "supple/access/gate.h"
 #include "supple/json/json_writer.h"
@@ -10,7 +9,8 @@
 namespace supple::routes {
 namespace {
 
-constexpr std::uint64_t most_bytes = 4096;  // of a body that holds a key
+/// Limit for a body that holds a key.
+constexpr std::uint64_t max_sign_in_bytes = 4096;
 
 http::Response session_response(bool required, const access::Key* key) {
   json::JsonWriter out;
@@ -49,7 +49,8 @@ http::Response show(const Services& services, const http::Request& request) {
 }
 
 http::Response sign_in(const Services& services, const http::Request& request) {
-  const auto key = json::parse_sign_in(json_body(request), services.limits.json);
+  require_json(request);
+  const auto key = json::parse_sign_in(request.body, services.limits.json);
   if (!services.gate || !services.gate->required()) return session_response(false, nullptr);
   const auto session = services.gate->sign_in(key);
   auto response = session_response(true, &session.key);
@@ -76,7 +77,7 @@ void add_session_routes(http::Router& router, Services& services) {
                 std::move(body), false, true});
   };
   add("GET", show, {});
-  add("POST", sign_in, {most_bytes, ""});
+  add("POST", sign_in, {max_sign_in_bytes, ""});
   add("DELETE", sign_out, {});
 }
 

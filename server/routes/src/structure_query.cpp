@@ -1,5 +1,6 @@
 #include "structure_query.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -9,12 +10,12 @@ namespace supple::routes {
 namespace {
 
 // The ranges of api/openapi.yaml.
-constexpr std::size_t longest_list = 1000;
-constexpr int most_cells = 100;
-constexpr double least_beam_width = 0.01;
-constexpr double largest_beam_width = 100;
-constexpr double least_height = 1e-3;
-constexpr double largest_height = 1000;
+constexpr std::size_t max_list_length = 1000;  // characters
+constexpr int max_cells = 100;
+constexpr double min_beam_width = 0.01;  // mm
+constexpr double max_beam_width = 100;
+constexpr double min_height = 1e-3;  // mm
+constexpr double max_height = 1000;
 
 template <class Number>
 std::optional<Number> read_number(std::string_view text) {
@@ -24,7 +25,7 @@ std::optional<Number> read_number(std::string_view text) {
   return value;
 }
 
-/// The numbers between commas; nothing where one of them is none.
+/// The numbers between commas; nullopt if one of them is no number.
 template <class Number>
 std::optional<std::vector<Number>> read_list(std::string_view text) {
   std::vector<Number> values;
@@ -39,17 +40,17 @@ std::optional<std::vector<Number>> read_list(std::string_view text) {
 }
 
 std::string read_parameters(const std::string& text, const json::Limits& limits, StructureQuery& query) {
-  query.parameters = text.size() <= longest_list ? read_list<double>(text) : std::nullopt;
+  query.parameters = text.size() <= max_list_length ? read_list<double>(text) : std::nullopt;
   if (query.parameters && query.parameters->size() <= limits.max_parameters) return {};
   return "takes at most " + std::to_string(limits.max_parameters) + " numbers separated by commas, in at most " +
-         std::to_string(longest_list) + " characters";
+         std::to_string(max_list_length) + " characters";
 }
 
 std::string read_cells(const std::string& text, StructureQuery& query) {
   const auto counts = read_list<int>(text);
-  const auto fits = [](int count) { return count >= 1 && count <= most_cells; };
+  const auto fits = [](int count) { return count >= 1 && count <= max_cells; };
   if (!counts || counts->size() != 2 || !fits((*counts)[0]) || !fits((*counts)[1])) {
-    return "takes two integers from 1 to " + std::to_string(most_cells) + " separated by a comma";
+    return "takes two integers from 1 to " + std::to_string(max_cells) + " separated by a comma";
   }
   query.files.first = (*counts)[0];
   query.files.second = (*counts)[1];
@@ -57,33 +58,28 @@ std::string read_cells(const std::string& text, StructureQuery& query) {
 }
 
 std::string read_format(const std::string& text, StructureQuery& query) {
-  if (text == "svg") {
-    query.format = {"image/svg+xml", tiling::write_svg};
-  } else if (text == "dxf") {
-    query.format = {"image/vnd.dxf", tiling::write_dxf};
-  } else if (text == "stl") {
-    query.format = {"model/stl", tiling::write_stl};
-  } else {
-    return "takes svg, dxf or stl";
-  }
+  const auto format = std::find_if(std::begin(structure_formats), std::end(structure_formats),
+                                   [&](const StructureFormat& one) { return one.ending == text; });
+  if (format == std::end(structure_formats)) return "takes svg, dxf or stl";
+  query.format = *format;
   return {};
 }
 
 std::string read_height(const std::string& text, StructureQuery& query) {
   const auto height = read_number<double>(text);
-  if (!height || !(*height >= least_height && *height <= largest_height)) return "takes a number from 0.001 to 1000";
+  if (!height || !(*height >= min_height && *height <= max_height)) return "takes a number from 0.001 to 1000";
   query.files.height = *height;
   return {};
 }
 
 std::string read_beam_width(const std::string& text, StructureQuery& query) {
   const auto width = read_number<double>(text);
-  if (!width || !(*width >= least_beam_width && *width <= largest_beam_width)) return "takes a number from 0.01 to 100";
+  if (!width || !(*width >= min_beam_width && *width <= max_beam_width)) return "takes a number from 0.01 to 100";
   query.beam_width = *width;
   return {};
 }
 
-/// What is wrong with a query parameter; empty where it has been read.
+/// What is wrong with a query parameter; empty if it has been read.
 std::string read(const std::string& name, const std::string& text, const json::Limits& limits, StructureQuery& query) {
   if (name == "parameters") return read_parameters(text, limits, query);
   if (name == "beam_width") return read_beam_width(text, query);

@@ -9,30 +9,17 @@ std::vector<double> presets_of(const tiling::Family& family) {
   return presets;
 }
 
-const tiling::Family& find_family(const std::string& id) {
-  try {
-    return tiling::family(id);
-  } catch (const Error& error) {
-    throw Error(error.code(), error.what(), {{"/family", error.what()}});
-  }
-}
-
 }  // namespace
 
-tiling::Structure make_structure(const json::StructureSpec& spec) {
-  const auto& family = find_family(spec.family);
+tiling::Structure make_structure(const json::StructureSpec& spec, const PointerMap& pointers) {
+  const auto& family = *fault_of_field("tiling.family_not_found", pointers.pointer("family"),
+                                       [&] { return &tiling::family(spec.family); });
   try {
     return tiling::make_structure(family, spec.parameters ? *spec.parameters : presets_of(family));
   } catch (const Error& error) {
-    if (!error.details().empty()) throw;
-    throw Error(error.code(), error.what(), {{"/parameters", error.what()}});
+    if (!error.details().empty()) throw pointers(error);
+    throw Error(error.code(), error.what(), {{pointers.pointer("parameters"), error.what()}});
   }
-}
-
-Error moved(const Error& error, const std::string& folder) {
-  auto details = error.details();
-  for (auto& detail : details) detail.where = folder + detail.where;
-  return {error.code(), error.what(), std::move(details)};
 }
 
 const std::vector<tiling::Structure>& preset_structures() {

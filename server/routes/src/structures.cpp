@@ -1,8 +1,9 @@
-#include <algorithm>
 #include <optional>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
+#include "immediate_answer.h"
+#include "results.h"
 #include "structure_query.h"
 #include "structure_spec.h"
 #include "supple/json/structure_answers.h"
@@ -11,37 +12,17 @@
 namespace supple::routes {
 namespace {
 
-constexpr StructureFormat file_formats[] = {{"image/svg+xml", tiling::write_svg},
-                                            {"image/vnd.dxf", tiling::write_dxf},
-                                            {"application/dxf", tiling::write_dxf},
-                                            {"model/stl", tiling::write_stl}};
-/// How long a file behind a link may be kept: it changes only with the version of the server.
+/// How long a file behind a link may be cached: it changes only with the version of the server.
 constexpr const char* link_cache_control = "public, max-age=3600";
-
-/// Null for JSON. Throws "http.not_acceptable".
-const StructureFormat* negotiate_format(const http::Request& request) {
-  std::vector<std::string_view> offered{"application/json"};
-  for (const auto& format : file_formats) offered.push_back(format.media_type);
-  const auto type = http::negotiate(request.header("Accept"), offered);
-  if (!type) {
-    throw Error("http.not_acceptable",
-                "A structure is sent as application/json, image/svg+xml, image/vnd.dxf, application/dxf or model/stl.");
-  }
-  const auto* const found = std::find_if(std::begin(file_formats), std::end(file_formats),
-                                         [&](const StructureFormat& format) { return format.media_type == *type; });
-  return found == std::end(file_formats) ? nullptr : found;
-}
 
 store::Result write_file(const tiling::ExportOptions& files, const tiling::Structure& structure,
                          const StructureFormat& format, const Execution& outer) {
-  store::Result result;
+  std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const StageTimer timer(execution.cost, "export");
-    result.body = format.write(structure, files, execution);
+    body = format.write(structure, files, execution);
   });
-  result.content_type = format.media_type;
-  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
-  return result;
+  return file_result(format.media_type, std::move(body), bill);
 }
 
 store::Result describe(const json::StructureRequest& request, const tiling::Structure& structure,
@@ -52,47 +33,51 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
     if (request.mesh) {
       execution.checkpoint(0, "meshing");
       const StageTimer timer(execution.cost, "meshing");
-      mesh = {*request.mesh, with_mesh_pointers("/mesh/", [&] {
-                return tiling::statistics(tiling::mesh_structure(structure, *request.mesh, execution));
-              })};
+      mesh = {*request.mesh,
+              with_pointers(
+                  {{"tiling.mesh_option", PointerMap("/mesh")}, {"tiling.mesh_too_large", PointerMap("/mesh")}},
+                  [&] { return tiling::statistics(tiling::mesh_structure(structure, *request.mesh, execution)); })};
     }
     if (request.svg) {
       execution.checkpoint(0.9, "export");
       const StageTimer timer(execution.cost, "export");
       svg = tiling::write_svg(structure, request.files, execution);
     }
-    tell_asked(execution, "mesh", request.mesh.has_value());
-    tell_asked(execution, "svg", request.svg);
+    bill_requested(execution, "mesh", request.mesh.has_value());
+    bill_requested(execution, "svg", request.svg);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_structure(structure, mesh ? &*mesh : nullptr, svg ? &*svg : nullptr, bill));
 }
 
-/// The structure that a link names: what is wrong with its parameters is told of the query's.
-tiling::Structure linked_structure(const std::string& family, const std::optional<std::vector<double>>& parameters) {
-  try {
-    return make_structure({family, parameters});
-  } catch (const Error& error) {
-    auto details = error.details();
-    for (auto& detail : details) detail.where = "query " + detail.where.substr(detail.where.find_first_not_of('/'));
-    throw Error(error.code(), error.what(), std::move(details));
-  }
-}
-
 http::Response link(Services& services, const http::Request& http_request) {
   require_ready(services);
+  const auto begin = Loader::Clock::now();
   const auto& family = http_request.path_parameters.at("family");
   tiling::family(family);  // in the path: whatever the query says, an unknown one is not found
   const auto query = read_structure_query(http_request, services.limits.json);
-  jobs::Computation computation{"structures", {}, services.limits.json.default_deadline, {}};
-  computation.client = http_request.client;
-  computation.run = [query, structure = tiling::scaled(linked_structure(family, query.parameters), query.beam_width)](
-                        const Execution& execution) {
-    return write_file(query.files, structure, query.format, execution);
-  };
-  auto response = answer_immediately(services, http_request, computation);
+  const PointerMap pointers("", {{.field = "parameters", .pointer = "query parameters"}});
+  const auto structure = tiling::scaled(make_structure({family, query.parameters}, pointers), query.beam_width);
+  const jobs::Computation computation{
+      .kind = "structures",
+      .mesh = {},
+      .deadline = services.limits.json.default_deadline,
+      .run = [&](const Execution& execution) { return write_file(query.files, structure, query.format, execution); },
+      .client = http_request.client};
+  auto response = answer_immediately(services, http_request, computation, seconds_since(begin));
   response.set_header("Cache-Control", link_cache_control);
   return response;
+}
+
+PreparedComputation prepare_structure(const EndpointRequest& asked, const Loader& loader) {
+  auto request = json::parse_structure(asked.body, loader.limits(), loader.cancellation());
+  auto structure = tiling::scaled(make_structure(request.structure, PointerMap("")), request.beam_width);
+  return {.deadline = request.deadline,
+          .run = [request = std::move(request), structure = std::move(structure),
+                  format = file_of(structure_formats, asked.format)](const Execution& execution) {
+            return format ? write_file(request.files, structure, *format, execution)
+                          : describe(request, structure, execution);
+          }};
 }
 
 }  // namespace
@@ -114,20 +99,12 @@ void add_structure_routes(http::Router& router, Services& services) {
               "/v1/families/{family}/structure",
               [&services](const http::Request& request) { return link(services, request); },
               {}});
-  const auto handler = [&services](const http::Request& http_request) {
-    require_ready(services);
-    const auto* const format = negotiate_format(http_request);
-    auto request = json::parse_structure(json_body(http_request), services.limits.json);
-    auto structure = tiling::scaled(make_structure(request.structure), request.beam_width);
-    jobs::Computation computation{"structures", {}, request.deadline, {}};
-    computation.run = [request = std::move(request), structure = std::move(structure),
-                       format](const Execution& execution) {
-      return format ? write_file(request.files, structure, *format, execution)
-                    : describe(request, structure, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
-  };
-  router.add({"POST", "/v1/structures", handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/structures",
+                .kind = "structures",
+                .sends = "A structure is sent as",
+                .formats = json_or(structure_formats),
+                .prepare = prepare_structure});
 }
 
 }  // namespace supple::routes

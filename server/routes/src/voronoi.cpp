@@ -1,13 +1,12 @@
-#include <algorithm>
-#include <array>
 #include <memory>
 #include <optional>
 #include <variant>
 
-#include "computation_route.h"
+#include "diagram_cache.h"
+#include "endpoint.h"
 #include "handlers.h"
-#include "kept_diagrams.h"
 #include "points.h"
+#include "results.h"
 #include "state_pace.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/json/voronoi_answers.h"
@@ -18,30 +17,28 @@ namespace {
 
 using Sites = std::vector<surface::SurfacePoint>;
 
-/// What the statistics of a diagram and its file take of the whole computation, as far as progress is concerned.
-constexpr double statistics_share = 0.3;
+/// Fraction of the progress of a computation that the statistics of a diagram take.
+constexpr double statistics_fraction = 0.3;
 
-enum class DiagramFile { none, obj, vtu, svg, csv };
-constexpr std::array<std::string_view, 5> diagram_types{"application/json", "model/obj", "application/x-vtu+xml",
-                                                        "image/svg+xml", "text/csv"};
-
-/// Throws "http.not_acceptable".
-DiagramFile negotiate_diagram_file(const http::Request& request) {
-  const auto type = http::negotiate(request.header("Accept"), {diagram_types.begin(), diagram_types.end()});
-  if (!type) {
-    throw Error("http.not_acceptable",
-                "A Voronoi diagram is sent as application/json, model/obj, application/x-vtu+xml, image/svg+xml or "
-                "text/csv.");
-  }
-  return static_cast<DiagramFile>(std::find(diagram_types.begin(), diagram_types.end(), *type) - diagram_types.begin());
-}
+/// A kind of file of a diagram: its media type, and what writes it. The scale is that of the panels, in mm per mesh
+/// unit.
+struct DiagramFormat {
+  std::string_view media_type;
+  std::string (*write)(const surface::TriangleMesh&, const voronoi::Diagram&, double panel_scale);
+};
+constexpr DiagramFormat diagram_formats[] = {
+    {"model/obj", [](const auto& mesh, const auto& diagram, double) { return voronoi::write_obj(mesh, diagram); }},
+    {"application/x-vtu+xml",
+     [](const auto& mesh, const auto& diagram, double) { return voronoi::write_vtu(mesh, diagram); }},
+    {"image/svg+xml",
+     [](const auto&, const auto& diagram, double scale) { return voronoi::write_panels_svg(diagram, scale); }},
+    {"text/csv", [](const auto&, const auto& diagram, double) { return voronoi::write_panels_csv(diagram); }}};
 
 /// The sites one by one, or none yet where they are random, which is part of the computation.
 template <class Request>
-std::optional<Sites> given_sites(const Services& services, const http::Request& http_request,
-                                 const store::LoadedMesh& mesh, Request& request) {
+std::optional<Sites> given_sites(const Loader& loader, const store::LoadedMesh& mesh, Request& request) {
   if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.sites))
-    return PointResolver(services, http_request, mesh, request).resolve(*given, "/sites");
+    return PointResolver(loader, mesh, request).resolve(*given, "/sites");
   return std::nullopt;
 }
 
@@ -53,55 +50,46 @@ Sites sites_of(const surface::TriangleMesh& mesh, const json::SitesSpec& spec, c
   return voronoi::random_sites(mesh, random.count, random.seed);
 }
 
-std::string write_diagram_file(DiagramFile file, const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram,
-                               double panel_scale, const Execution& execution) {
+std::string write_diagram_file(const DiagramFormat& format, const surface::TriangleMesh& mesh,
+                               const voronoi::Diagram& diagram, double panel_scale, const Execution& execution) {
   execution.checkpoint(1, "export");
   const StageTimer timer(execution.cost, "export");
-  if (file == DiagramFile::obj) return voronoi::write_obj(mesh, diagram);
-  if (file == DiagramFile::vtu) return voronoi::write_vtu(mesh, diagram);
-  if (file == DiagramFile::svg) return voronoi::write_panels_svg(diagram, panel_scale);
-  return voronoi::write_panels_csv(diagram);
-}
-
-store::Result file_result(DiagramFile file, std::string body, const std::vector<json::PlacedPoint>& placed,
-                          const json::Bill& bill) {
-  store::Result result;
-  result.body = std::move(body);
-  result.content_type = diagram_types.at(static_cast<std::size_t>(file));
-  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
-  tell_largest_distance(result, placed);
-  return result;
+  return format.write(mesh, diagram, panel_scale);
 }
 
 store::Result compute(const json::VoronoiDiagramRequest& request,
                       const std::shared_ptr<const store::LoadedMesh>& loaded, const std::optional<Sites>& given,
-                      DiagramFile file, const json::Limits& limits, KeptDiagrams& kept, const Execution& outer) {
+                      const DiagramFormat* format, const json::Limits& limits, DiagramCache& cache,
+                      const Execution& outer) {
   const store::LoadedMesh& mesh = *loaded;
   voronoi::Diagram diagram;
   std::optional<voronoi::DiagramStatistics> statistics;
   std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const auto sites = sites_of(mesh.mesh(), request.sites, given, execution.cost);
-    const bool measured = request.statistics && file == DiagramFile::none;
-    const double first = measured ? 1 - statistics_share : 1;
+    const bool measured = request.statistics && !format;
+    const double first = measured ? 1 - statistics_fraction : 1;
     const PartOfExecution dividing(execution, 0, first);
-    diagram = request.keep ? kept.diagram(loaded, request.options, sites, dividing.execution())
+    diagram = request.keep ? cache.diagram(loaded, request.options, sites, dividing.execution())
                            : voronoi::diagram(mesh.solver(outer), sites, request.options, dividing.execution());
     if (measured) {
-      const PartOfExecution measuring(execution, first, statistics_share);
+      const PartOfExecution measuring(execution, first, statistics_fraction);
       const StageTimer timer(execution.cost, "statistics");
       statistics = voronoi::statistics(mesh.solver(outer), diagram, measuring.execution());
     }
-    if (file != DiagramFile::none)
-      body = write_diagram_file(file, mesh.mesh(), diagram, request.panel_scale, execution);
+    if (format) body = write_diagram_file(*format, mesh.mesh(), diagram, request.panel_scale, execution);
     const bool bounded = request.options.method == voronoi::DiagramMethod::bounded;
     if (execution.cost)
       execution.cost->add_effect(
           "approximation", bounded,
           bounded ? "the request allows a relative error" : "the request asks for exact borders");
-    tell_asked(execution, "statistics", request.statistics);
+    bill_requested(execution, "statistics", request.statistics);
   });
-  if (file != DiagramFile::none) return file_result(file, std::move(body), request.points_in_space, bill);
+  if (format) {
+    auto result = file_result(format->media_type, std::move(body), bill);
+    add_largest_distance(result, request.points_in_space);
+    return result;
+  }
   const auto* numbers = statistics ? &*statistics : nullptr;
   return json_result(json::write_voronoi_diagram(request, mesh.mesh(), diagram, numbers, bill, limits));
 }
@@ -125,7 +113,8 @@ class DiagramPublisher {
 
 store::Result compute(const json::VoronoiOptimizationRequest& request,
                       const std::shared_ptr<const store::LoadedMesh>& loaded, const std::optional<Sites>& given,
-                      DiagramFile file, const json::Limits& limits, KeptDiagrams& /*kept*/, const Execution& outer) {
+                      const DiagramFormat* format, const json::Limits& limits, DiagramCache& /*cache*/,
+                      const Execution& outer) {
   const store::LoadedMesh& mesh = *loaded;
   voronoi::Optimization optimization;
   std::string body;
@@ -134,34 +123,37 @@ store::Result compute(const json::VoronoiOptimizationRequest& request,
     auto options = request.options;
     if (execution.progress) options.observer = DiagramPublisher(*execution.progress, mesh.mesh());
     optimization = voronoi::optimize(mesh.solver(outer), std::move(sites), options, execution);
-    if (file != DiagramFile::none)
-      body = write_diagram_file(file, mesh.mesh(), optimization.diagram, request.panel_scale, execution);
+    if (format) body = write_diagram_file(*format, mesh.mesh(), optimization.diagram, request.panel_scale, execution);
   });
-  if (file == DiagramFile::none)
-    return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
-  auto result = file_result(file, std::move(body), request.points_in_space, bill);
+  if (!format) return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
+  auto result = file_result(format->media_type, std::move(body), bill);
+  add_largest_distance(result, request.points_in_space);
   result.headers.emplace_back("Supple-Stopped", optimization.stopped);
   return result;
 }
 
 template <class Request>
 void add_voronoi_route(http::Router& router, Services& services, const std::string& kind,
-                       Request (*parse)(std::string_view, const json::Limits&)) {
-  const auto kept = std::make_shared<KeptDiagrams>();
-  const auto handler = [&services, kind, parse, kept](const http::Request& http_request) {
-    require_ready(services);
-    const auto file = negotiate_diagram_file(http_request);
-    auto request = parse(json_body(http_request), services.limits.json);
-    auto mesh = load_mesh(services, http_request, request.mesh, request.deadline);
-    auto given = given_sites(services, http_request, *mesh, request);
-    jobs::Computation computation{kind, request.mesh, request.deadline, {}};
-    computation.run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), file, kept,
-                       limits = services.limits.json](const Execution& execution) {
-      return compute(request, mesh, given, file, limits, *kept, execution);
-    };
-    return answer_computation(services, http_request, std::move(computation));
+                       Request (*parse)(std::string_view, const json::Limits&, const CancellationToken&)) {
+  const auto prepare = [parse, cache = std::make_shared<DiagramCache>()](const EndpointRequest& asked,
+                                                                         const Loader& loader) -> PreparedComputation {
+    auto request = parse(asked.body, loader.limits(), loader.cancellation());
+    auto mesh = loader.mesh(request.mesh, request.deadline);
+    auto given = given_sites(loader, *mesh, request);
+    return {
+        .mesh = request.mesh,
+        .deadline = request.deadline,
+        .run = [request = std::move(request), mesh = std::move(mesh), given = std::move(given), cache,
+                format = file_of(diagram_formats, asked.format), limits = loader.limits()](const Execution& execution) {
+          return compute(request, mesh, given, format, limits, *cache, execution);
+        }};
   };
-  router.add({"POST", "/v1/" + kind, handler, {services.limits.max_json, "--max-json"}});
+  add_endpoint(router, services,
+               {.path = "/v1/" + kind,
+                .kind = kind,
+                .sends = "A Voronoi diagram is sent as",
+                .formats = json_or(diagram_formats),
+                .prepare = prepare});
 }
 
 }  // namespace

@@ -1,4 +1,3 @@
-#include <charconv>
 #include <limits>
 #include <utility>
 
@@ -15,9 +14,10 @@ Error no_place(const std::string& where, const std::string& message) {
   return {"weave.invalid_load", where.substr(1) + " " + message, {{where, message}}};
 }
 
-class Finder {
+/// Finds the places that each form of a place means.
+class PlaceFinder {
  public:
-  Finder(const Weave& weave, std::string where) : weave_(weave), where_(std::move(where)) {}
+  PlaceFinder(const Weave& weave, std::string where) : weave_(weave), where_(std::move(where)) {}
 
   std::vector<Place> operator()(const json::StrandCoordinate& at) const {
     check_strand(at.strand);
@@ -49,19 +49,7 @@ class Finder {
 };
 
 std::vector<Place> find_places(const json::PlaceSpec& at, const Weave& weave, const std::string& where) {
-  return std::visit(Finder(weave, where + "/at"), at);
-}
-
-/// "supports/7 and what follows" with the 7 replaced.
-template <class Number>
-std::string renumbered(const std::string& text, const std::string& name, Number number) {
-  const std::size_t at = text.find(name);
-  if (at == std::string::npos) return text;
-  const char* const digits = text.data() + at + name.size();
-  std::size_t index = 0;
-  const auto end = std::from_chars(digits, text.data() + text.size(), index).ptr;
-  if (end == digits) return text;
-  return text.substr(0, at + name.size()) + std::to_string(number(index)) + std::string(end);
+  return std::visit(PlaceFinder(weave, where + "/at"), at);
 }
 
 }  // namespace
@@ -100,19 +88,16 @@ PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& 
   return placed;
 }
 
-Error moved_to_request(const Error& error, const PlacedLoad& placed) {
-  const auto support = [&](std::size_t i) { return placed.places.at(i).support; };
-  const auto force = [&](std::size_t i) { return placed.force_of.at(i); };
-  auto details = error.details();
-  for (auto& detail : details) {
-    detail.message = renumbered(detail.message, "supports/", support);
-    detail.where = renumbered(renumbered(detail.where, "supports/", support), "forces/", force);
-    if (detail.where == "lattice") detail.where = "weave";
-    detail.where = "/" + detail.where;
-  }
-  std::string sentence = error.what();
-  if (!details.empty()) sentence = details.front().where.substr(1) + " " + details.front().message;
-  return {error.code(), sentence, std::move(details)};
+PointerMap load_pointers(const PlacedLoad& placed) {
+  const auto support = [&places = placed.places](std::size_t i) {
+    return "/supports/" + std::to_string(places.at(i).support);
+  };
+  const auto force = [&force_of = placed.force_of](std::size_t i) {
+    return "/forces/" + std::to_string(force_of.at(i));
+  };
+  return PointerMap("", {{.field = "supports", .pointer = {}, .pointer_of_entry = support},
+                         {.field = "forces", .pointer = {}, .pointer_of_entry = force},
+                         {.field = "lattice", .pointer = "/weave"}});
 }
 
 }  // namespace supple::routes

@@ -5,36 +5,21 @@
 #include <limits>
 #include <utility>
 
-#include "structure_spec.h"
+#include "request_pointers.h"
 
 namespace supple::routes {
 namespace {
 
 using weave::Weave;
 
-/// Calls make() and moves what it says about `field` to the field's place.
-template <class Make>
-auto with_pointers(const std::string& folder, Make make) {
-  try {
-    return make();
-  } catch (const Error& error) {
-    throw moved(error, folder);
-  }
+/// Columns are a parameter of patterns in the engine and a field of the sheet in requests.
+PointerMap pattern_pointers() {
+  return PointerMap("/weave", {{.field = "columns", .pointer = "/weave/sheet/columns"},
+                               {.field = "radius", .pointer = "/weave/circle_radius"}});
 }
 
-/// Patterns know columns and rows as numbers of their own; on the wire they are a sheet's.
-Error pattern_fault(const Error& error) {
-  auto details = error.details();
-  for (auto& detail : details) {
-    if (detail.where == "columns") detail.where = "sheet/columns";
-    if (detail.where == "radius") detail.where = "circle_radius";
-    detail.where = "/weave/" + detail.where;
-  }
-  return {error.code(), error.what(), std::move(details)};
-}
-
-/// Pieces of all curves of a layout, which take some 100 bytes each.
-constexpr std::size_t most_pieces = weave::StrandCurve::most_pieces;
+/// Limit for the pieces of all curves of a layout, which take some 100 bytes each.
+constexpr std::size_t max_pieces = weave::StrandCurve::most_pieces;
 
 Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& execution) {
   Weave weave;
@@ -43,13 +28,13 @@ Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& exec
   std::size_t pieces = 0;
   for (std::size_t s = 0; s < spec.strands.size(); ++s) {
     const auto& strand = spec.strands[s];
-    weave.strands.push_back(with_pointers("/weave/strands/" + std::to_string(s) + "/", [&] {
+    weave.strands.push_back(with_pointers({{"weave.", PointerMap("/weave/strands/" + std::to_string(s))}}, [&] {
       return weave::Strand{weave::StrandCurve(strand.points, strand.ends, strand.translation, execution),
                            strand.radius.value_or(radius)};
     }));
     pieces += weave.strands.back().curve.knots().size() - 1;
-    if (pieces > most_pieces) {
-      const std::string message = "turn so often that their curves have more than " + std::to_string(most_pieces) +
+    if (pieces > max_pieces) {
+      const std::string message = "turn so often that their curves have more than " + std::to_string(max_pieces) +
                                   " pieces together, the limit";
       throw Error("weave.invalid_layout", "The strands " + message + ".", {{"/weave/strands", message}});
     }
@@ -59,8 +44,8 @@ Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& exec
     if (weave.lattice && !(weave.lattice->determinant() > 0))
       throw Error("weave.invalid_layout", "The lattice must be of positive determinant.",
                   {{"/weave/lattice", "must be of positive determinant"}});
-    weave.crossings =
-        with_pointers("/weave/", [&] { return weave::find_crossings(weave.strands, weave.lattice, execution); });
+    weave.crossings = with_pointers({{"weave.", PointerMap("/weave")}},
+                                    [&] { return weave::find_crossings(weave.strands, weave.lattice, execution); });
     return weave;
   }
   for (const auto& members : *spec.crossings) {
@@ -107,7 +92,7 @@ Weave lay_out(const json::SampleSpec& spec, const Execution&) { return weave::pr
 
 Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius, execution);
-  try {
+  return with_pointers({{"weave.", pattern_pointers()}}, [&] {
     Weave weave = std::visit(
         [&](const auto& source) {
           if constexpr (std::is_same_v<std::decay_t<decltype(source)>, json::LayoutSpec>)
@@ -118,9 +103,7 @@ Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
         spec.source);
     for (auto& strand : weave.strands) strand.radius = spec.radius;
     return weave;
-  } catch (const Error& error) {
-    throw pattern_fault(error);
-  }
+  });
 }
 
 void apply(const json::SlidingRange& range, weave::CrossingMember& member) {
@@ -151,17 +134,17 @@ void override_connections(const std::vector<json::CrossingOverride>& overrides, 
   }
 }
 
-/// Strands and listed crossings that are laid out within milliseconds, whatever they look like: a straight strand is
-/// one piece, while the pieces of a curve and their crossings have no such bound.
-constexpr int few_strands = 100;
-constexpr std::size_t few_straight_strands = 16;
-constexpr std::size_t few_crossings = 1000;
+/// Up to these limits, strands and listed crossings are laid out within milliseconds, whatever they look like. A
+/// straight strand is one piece, while the pieces of a curve and their crossings have no such bound.
+constexpr int max_small_strands = 100;
+constexpr std::size_t max_small_straight_strands = 16;
+constexpr std::size_t max_small_crossings = 1000;
 
-/// More strands than any pattern may have are refused before they are made.
+/// A sheet of more strands than any pattern may have is refused before they are made, and is small therefore.
 bool is_small(const std::optional<json::SheetSpec>& sheet) {
   if (!sheet) return true;
   const double cells = static_cast<double>(sheet->columns) * sheet->rows;
-  return cells <= few_strands || cells > weave::most_pattern_strands;
+  return cells <= max_small_strands || cells > weave::most_pattern_strands;
 }
 bool is_small(const json::RegularSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::SquaresSpec& spec) { return is_small(spec.sheet); }
@@ -169,15 +152,17 @@ bool is_small(const json::CirclesSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::RingsSpec&) { return true; }
 bool is_small(const json::SampleSpec&) { return true; }
 bool is_small(const json::LayoutSpec& spec) {
-  if (spec.strands.size() > few_straight_strands || (spec.crossings && spec.crossings->size() > few_crossings))
+  if (spec.strands.size() > max_small_straight_strands ||
+      (spec.crossings && spec.crossings->size() > max_small_crossings))
     return false;
   return std::all_of(spec.strands.begin(), spec.strands.end(), [](const json::StrandSpec& strand) {
     return strand.points.size() <= (strand.ends == weave::Ends::open ? 2 : 1);
   });
 }
 
-/// Loops slide a share of the way unless the request says otherwise; other strands as far as their neighbours let them.
-std::optional<double> sliding_share(const json::WeaveSpec& spec) {
+/// Fraction of the distance to the next crossing that strands may slide. Without one in the request, loops have a
+/// default, and other strands slide as far as their neighbours let them.
+std::optional<double> sliding_fraction(const json::WeaveSpec& spec) {
   if (spec.sliding_share) return spec.sliding_share;
   const bool loops =
       std::holds_alternative<json::SquaresSpec>(spec.source) || std::holds_alternative<json::CirclesSpec>(spec.source);
@@ -191,9 +176,9 @@ Weave make_weave(const json::WeaveSpec& spec, const Execution& execution) {
   Weave weave = lay_out(spec, execution);
   weave.material = spec.material;
   override_connections(spec.overrides, weave);
-  with_pointers("/weave/", [&] { validate(weave, execution); });
-  if (const auto share = sliding_share(spec)) limit_sliding(weave, *share, execution);
-  // What crossings say themselves counts before the share.
+  with_pointers({{"weave.", PointerMap("/weave")}}, [&] { validate(weave, execution); });
+  if (const auto fraction = sliding_fraction(spec)) limit_sliding(weave, *fraction, execution);
+  // The ranges that crossings have themselves take precedence over the fraction.
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source); layout && layout->crossings)
     for (std::size_t c = 0; c < weave.crossings.size(); ++c)
       for (std::size_t m = 0; m < weave.crossings[c].members.size(); ++m)
@@ -207,7 +192,7 @@ Weave make_weave(const json::WeaveSpec& spec, const Execution& execution) {
 
 void refuse_small_faulty_weave(const json::WeaveSpec& spec) {
   const bool small = std::visit([](const auto& source) { return is_small(source); }, spec.source);
-  if (small && spec.overrides.size() <= few_crossings) make_weave(spec, {});
+  if (small && spec.overrides.size() <= max_small_crossings) make_weave(spec, {});
 }
 
 }  // namespace supple::routes

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <memory>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
-#include "structure_spec.h"
+#include "request_pointers.h"
+#include "results.h"
 #include "supple/json/weave_toolpath_answers.h"
 #include "supple/json/weave_toolpath_requests.h"
 #include "supple/weave/gcode.h"
@@ -12,70 +13,49 @@
 namespace supple::routes {
 namespace {
 
-constexpr const char* gcode_type = "text/x-gcode";
-
 using json::WeaveToolpathRequest;
 using weave::Weave;
 
-enum class Form { json, gcode, svg };
+/// A kind of file of a toolpath: its media type, and what writes it.
+struct ToolpathFormat {
+  std::string_view media_type;
+  std::string (*write)(const weave::Toolpath&, const weave::PrinterProfile&);
+};
+constexpr ToolpathFormat toolpath_formats[] = {
+    {"text/x-gcode", [](const auto& path, const auto& printer) { return to_gcode(path, printer); }},
+    {svg_type, [](const auto& path, const auto&) { return to_svg(path); }}};
 
-/// Throws "http.not_acceptable".
-Form wanted_form(const http::Request& request) {
-  const auto type = http::negotiate(request.header("Accept"), {"application/json", gcode_type, svg_type});
-  if (!type)
-    throw Error("http.not_acceptable", "A toolpath is sent as application/json, text/x-gcode or image/svg+xml.");
-  if (*type == gcode_type) return Form::gcode;
-  return *type == svg_type ? Form::svg : Form::json;
+/// The engine knows an overrun by its strand, and a request has a list of overruns.
+PointerMap option_pointers_of(const WeaveToolpathRequest& request) {
+  const auto overrun = [&strands = request.overrun_strands](std::size_t strand) {
+    const auto entry = std::find(strands.begin(), strands.end(), static_cast<int>(strand)) - strands.begin();
+    return "/overruns/" + std::to_string(entry);
+  };
+  return PointerMap("",
+                    {{.field = "overruns", .pointer = {}, .pointer_of_entry = overrun, .of_entry_itself = "/strand"}});
 }
 
-/// Overruns of single strands by their place in the request.
-Error option_fault(const Error& error, const WeaveToolpathRequest& request) {
-  const std::string overruns = "overruns/";
-  auto details = error.details();
-  for (auto& detail : details) {
-    if (detail.where.rfind(overruns, 0) == 0) {
-      std::size_t digits = 0;
-      const int strand = std::stoi(detail.where.substr(overruns.size()), &digits);
-      const auto& strands = request.overrun_strands;
-      const auto entry = std::find(strands.begin(), strands.end(), strand) - strands.begin();
-      const std::string field = detail.where.substr(overruns.size() + digits);
-      detail.where = overruns + std::to_string(entry) + (field.empty() ? "/strand" : field);
-    }
-    detail.where = "/" + detail.where;
+/// Strands and crossings have pointers if the request has them; a message names those that a pattern laid out.
+PointerMap print_pointers(const json::WeaveSpec& spec) {
+  const auto entry_of = [](const char* array) {
+    return [array](std::size_t i) { return std::string("/weave/") + array + "/" + std::to_string(i); };
+  };
+  std::vector<FieldPlace> places{{.field = "bed", .pointer = "/printer/bed"}};
+  if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) {
+    places.push_back({.field = "strands", .pointer = {}, .pointer_of_entry = entry_of("strands")});
+    if (layout->crossings)
+      places.push_back({.field = "crossings", .pointer = {}, .pointer_of_entry = entry_of("crossings")});
   }
-  return {error.code(), error.what(), std::move(details)};
-}
-
-/// Strands and crossings are pointed to where the request has them; what a pattern laid out is named in the message.
-Error print_fault(const Error& error, const json::WeaveSpec& spec) {
-  const auto* layout = std::get_if<json::LayoutSpec>(&spec.source);
-  auto details = error.details();
-  for (auto& detail : details) {
-    const bool strand = detail.where.rfind("strands/", 0) == 0;
-    const bool crossing = detail.where.rfind("crossings/", 0) == 0;
-    if (detail.where == "bed") {
-      detail.where = "/printer/bed";
-    } else if (layout && (strand || (crossing && layout->crossings))) {
-      detail.where = "/weave/" + detail.where;
-    } else {
-      detail.message = detail.where + " " + detail.message;
-      detail.where = "/weave";
-    }
-  }
-  return {error.code(), error.what(), std::move(details)};
+  places.push_back({.field = {}, .pointer = "/weave", .rest = FieldPlace::Rest::in_message});
+  return PointerMap("", std::move(places));
 }
 
 /// Throws the faults of the engine with pointers into the request, and "request.limit_exceeded" beyond the limit.
 weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, const json::Limits& limits,
                      const Execution& execution) {
-  weave::Toolpath path;
-  try {
-    path = toolpath(weave, request.printer, request.options, execution);
-  } catch (const Error& error) {
-    if (error.code() == "weave.invalid_option") throw option_fault(error, request);
-    if (error.code() == "weave.not_printable") throw print_fault(error, request.weave);
-    throw;
-  }
+  auto path = with_pointers(
+      {{"weave.invalid_option", option_pointers_of(request)}, {"weave.not_printable", print_pointers(request.weave)}},
+      [&] { return toolpath(weave, request.printer, request.options, execution); });
   std::size_t points = 0;
   for (const weave::Move& move : path.moves) points += move.points.size();
   if (points > limits.max_print_points)
@@ -84,22 +64,21 @@ weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, co
   return path;
 }
 
-store::Result file(const WeaveToolpathRequest& request, Form form, const json::Limits& limits, const Execution& outer) {
-  store::Result result;
+store::Result file(const WeaveToolpathRequest& request, const ToolpathFormat& format, const json::Limits& limits,
+                   const Execution& outer) {
+  std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "layout");
     const Weave weave = make_weave(request.weave, {execution.cancellation});
     const weave::Toolpath path = plan(request, weave, limits, execution);
     execution.checkpoint(0.5, "export");
     const StageTimer timer(execution.cost, "export");
-    result.body = form == Form::gcode ? to_gcode(path, request.printer) : to_svg(path);
+    body = format.write(path, request.printer);
   });
-  result.content_type = form == Form::gcode ? gcode_type : svg_type;
-  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
-  return result;
+  return file_result(format.media_type, std::move(body), bill);
 }
 
-void tell_effects(const WeaveToolpathRequest& request, const weave::Toolpath& path, const Execution& execution) {
+void bill_effects(const WeaveToolpathRequest& request, const weave::Toolpath& path, const Execution& execution) {
   if (!execution.cost) return;
   const weave::ToolpathStatistics& s = path.statistics;
   execution.cost->add_effect("priming", s.priming_length > 0,
@@ -111,8 +90,8 @@ void tell_effects(const WeaveToolpathRequest& request, const weave::Toolpath& pa
                                                   : "the request asks for neither a frame nor grips");
   execution.cost->add_effect("channels", s.channels > 0, s.channels > 0 ? "strands slide" : "no strand slides",
                              s.channels);
-  tell_asked(execution, "svg", request.include.svg);
-  tell_asked(execution, "moves", request.include.moves);
+  bill_requested(execution, "svg", request.include.svg);
+  bill_requested(execution, "moves", request.include.moves);
 }
 
 store::Result describe(const WeaveToolpathRequest& request, const json::Limits& limits, const Execution& outer) {
@@ -143,7 +122,7 @@ store::Result describe(const WeaveToolpathRequest& request, const json::Limits& 
       const StageTimer timer(execution.cost, "check");
       check = check_gcode(gcode, limits_of(request.printer, weave), {execution.cancellation});
     }
-    tell_effects(request, path, execution);
+    bill_effects(request, path, execution);
     execution.checkpoint(1, "");
   });
   const json::ToolpathFiles files{request.include.gcode ? &gcode : nullptr, request.include.svg ? &svg : nullptr,
@@ -165,42 +144,35 @@ store::Result report(const json::GcodeReportRequest& request, const Execution& o
   return json_result(json::write_gcode_report(found, bill));
 }
 
-http::Response answer_toolpath(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  const Form form = wanted_form(http_request);
-  auto request = json::parse_weave_toolpath(json_body(http_request), services.limits.json);
-  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
-  try {
-    validate(request.printer);
-  } catch (const Error& error) {
-    throw moved(error, "/printer/");
-  }
-  jobs::Computation computation{"weave-toolpaths", {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const WeaveToolpathRequest>(std::move(request)), form,
-                     limits = services.limits.json](const Execution& execution) {
-    return form == Form::json ? describe(*request, limits, execution) : file(*request, form, limits, execution);
-  };
-  return answer_computation(services, http_request, std::move(computation));
+PreparedComputation prepare_toolpath(const EndpointRequest& asked, const Loader& loader) {
+  auto request = std::make_shared<const WeaveToolpathRequest>(
+      json::parse_weave_toolpath(asked.body, loader.limits(), loader.cancellation()));
+  if (asked.becomes_job) refuse_small_faulty_weave(request->weave);
+  with_pointers({{"weave.invalid_option", PointerMap("/printer")}}, [&] { validate(request->printer); });
+  return {.deadline = request->deadline,
+          .run = [request, format = file_of(toolpath_formats, asked.format),
+                  limits = loader.limits()](const Execution& execution) {
+            return format ? file(*request, *format, limits, execution) : describe(*request, limits, execution);
+          }};
 }
 
-http::Response answer_report(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  auto request = json::parse_gcode_report(json_body(http_request), services.limits.json);
-  jobs::Computation computation{"gcode-reports", {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const json::GcodeReportRequest>(std::move(request))](
-                        const Execution& execution) { return report(*request, execution); };
-  return answer_computation(services, http_request, std::move(computation));
+PreparedComputation prepare_report(const EndpointRequest& asked, const Loader& loader) {
+  auto request = std::make_shared<const json::GcodeReportRequest>(
+      json::parse_gcode_report(asked.body, loader.limits(), loader.cancellation()));
+  return {.deadline = request->deadline,
+          .run = [request](const Execution& execution) { return report(*request, execution); }};
 }
 
 }  // namespace
 
 void add_weave_toolpath_routes(http::Router& router, Services& services) {
-  const http::BodyLimit json{services.limits.max_json, "--max-json"};
-  const auto add = [&](const char* path, http::Response (*answer)(Services&, const http::Request&)) {
-    router.add({"POST", path, [&services, answer](const http::Request& r) { return answer(services, r); }, json});
-  };
-  add("/v1/weave-toolpaths", answer_toolpath);
-  add("/v1/gcode-reports", answer_report);
+  add_endpoint(router, services,
+               {.path = "/v1/weave-toolpaths",
+                .kind = "weave-toolpaths",
+                .sends = "A toolpath is sent as",
+                .formats = json_or(toolpath_formats),
+                .prepare = prepare_toolpath});
+  add_endpoint(router, services, {.path = "/v1/gcode-reports", .kind = "gcode-reports", .prepare = prepare_report});
 }
 
 }  // namespace supple::routes

@@ -1,7 +1,9 @@
 #include <memory>
 
-#include "computation_route.h"
+#include "endpoint.h"
 #include "handlers.h"
+#include "request_pointers.h"
+#include "results.h"
 #include "supple/base/part_of_execution.h"
 #include "supple/weave/drawing.h"
 #include "supple/weave/layout_warnings.h"
@@ -12,13 +14,6 @@ namespace {
 
 using weave::Weave;
 
-/// Throws "http.not_acceptable".
-bool wants_picture(const http::Request& request) {
-  const auto type = http::negotiate(request.header("Accept"), {"application/json", svg_type});
-  if (!type) throw Error("http.not_acceptable", "A layout is sent as application/json or image/svg+xml.");
-  return *type == svg_type;
-}
-
 /// The weave of a request, billed as the stage "layout".
 Weave lay_out_billed(const json::WeaveSpec& spec, const Execution& execution) {
   execution.checkpoint(0, "layout");
@@ -28,8 +23,8 @@ Weave lay_out_billed(const json::WeaveSpec& spec, const Execution& execution) {
 
 /// The same at the beginning of a computation that takes much longer.
 Weave lay_out_first(const json::WeaveSpec& spec, const Execution& execution) {
-  constexpr double share = 0.02;
-  const PartOfExecution part(execution, 0, share);
+  constexpr double fraction = 0.02;  // of the progress
+  const PartOfExecution part(execution, 0, fraction);
   return lay_out_billed(spec, part.execution());
 }
 
@@ -53,20 +48,18 @@ void check_polylines(const Weave& weave, const json::Limits& limits) {
 }
 
 store::Result draw(const json::WeaveSpec& spec, const json::Limits& limits, const Execution& outer) {
-  store::Result result;
+  std::string body;
   const auto bill = billed(outer, [&](const Execution& execution) {
     const Weave weave = lay_out_billed(spec, execution);
     check_polylines(weave, limits);
     const StageTimer timer(execution.cost, "export");
-    result.body = to_svg(weave, execution);
+    body = to_svg(weave, execution);
   });
-  result.content_type = svg_type;
-  result.headers = {{"Supple-Seconds", plain_number(bill.seconds)}};
-  return result;
+  return file_result(svg_type, std::move(body), bill);
 }
 
-/// Whether crossings had to be found.
-void tell_search(const json::WeaveSpec& spec, CostLedger* cost) {
+/// Bills whether crossings had to be found.
+void bill_search(const json::WeaveSpec& spec, CostLedger* cost) {
   if (!cost) return;
   const auto* layout = std::get_if<json::LayoutSpec>(&spec.source);
   cost->add_effect("crossing_search", layout && !layout->crossings,
@@ -96,8 +89,8 @@ store::Result describe(const json::WeaveLayoutRequest& request, const json::Limi
       const StageTimer timer(execution.cost, "export");
       svg = to_svg(weave, execution);
     }
-    tell_search(request.weave, execution.cost);
-    tell_asked(execution, "svg", request.svg);
+    bill_search(request.weave, execution.cost);
+    bill_requested(execution, "svg", request.svg);
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_layout(weave, warnings, request.svg ? &svg : nullptr, bill, outer));
@@ -118,15 +111,12 @@ void check_deformed(const Weave& weave, int segments, std::size_t states, const 
                          static_cast<double>(limits.max_deformed), points, "", "/deformed");
 }
 
-/// Options of the engine by their place in the request.
-Error option_fault(const Error& error) {
-  auto details = error.details();
-  for (auto& detail : details) {
-    const bool direct = detail.where == "strain" || detail.where == "thickness" ||
-                        detail.where.rfind("directions", 0) == 0 || detail.where.rfind("deformed", 0) == 0;
-    detail.where = (direct ? "/" : "/accuracy/") + detail.where;
-  }
-  return {error.code(), error.what(), std::move(details)};
+/// Some options of the engine are fields of the request itself, the others of its "accuracy".
+PointersOfCode option_pointers() {
+  return {"weave.invalid_option", PointerMap("/accuracy", {{.field = "strain", .pointer = "/strain"},
+                                                           {.field = "thickness", .pointer = "/thickness"},
+                                                           {.field = "directions", .pointer = "/directions"},
+                                                           {.field = "deformed", .pointer = "/deformed"}})};
 }
 
 store::Result homogenize(const json::WeaveHomogenizationRequest& request, const json::Limits& limits,
@@ -136,12 +126,8 @@ store::Result homogenize(const json::WeaveHomogenizationRequest& request, const 
   const auto bill = billed(outer, [&](const Execution& execution) {
     weave = lay_out_periodic(request.weave, execution);
     check_deformed(weave, request.options.equilibrium.segments, request.options.deformed.size(), limits);
-    try {
-      responses = weave::homogenize(weave, request.options, execution);
-    } catch (const Error& error) {
-      if (error.code() != "weave.invalid_option") throw;
-      throw option_fault(error);
-    }
+    responses =
+        with_pointers({option_pointers()}, [&] { return weave::homogenize(weave, request.options, execution); });
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_homogenization(request, weave, responses, bill));
@@ -153,12 +139,9 @@ store::Result deform(const json::WeaveDeformationRequest& request, const json::L
   const auto bill = billed(outer, [&](const Execution& execution) {
     weave = lay_out_periodic(request.weave, execution);
     check_deformed(weave, request.options.segments, request.deformed.size(), limits);
-    try {
-      states = weave::deform_cells(weave, request.gradients, request.options, request.deformed, execution);
-    } catch (const Error& error) {
-      if (error.code() != "weave.invalid_option") throw;
-      throw option_fault(error);
-    }
+    states = with_pointers({option_pointers()}, [&] {
+      return weave::deform_cells(weave, request.gradients, request.options, request.deformed, execution);
+    });
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_deformation(request, weave, states, bill));
@@ -174,68 +157,59 @@ store::Result simulate(const json::WeaveSimulationRequest& request, const json::
     placed = place_load(request, weave, limits, execution);
     if (request.deformed != json::DeformedStrands::none)
       check_deformed(weave, request.options.segments, static_cast<std::size_t>(request.states), limits);
-    try {
-      result = weave::simulate(weave, placed.load, request.options, execution);
-    } catch (const Error& error) {
-      if (error.code() == "weave.invalid_load") throw moved_to_request(error, placed);
-      if (error.code() == "weave.invalid_option") throw option_fault(error);
-      throw;
-    }
+    result = with_pointers({option_pointers(), {"weave.invalid_load", load_pointers(placed)}},
+                           [&] { return weave::simulate(weave, placed.load, request.options, execution); });
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_simulation(request, weave, placed.places, result, bill));
 }
 
-http::Response answer_layout(Services& services, const http::Request& http_request) {
-  require_ready(services);
-  const bool picture = wants_picture(http_request);
-  auto request = json::parse_weave_layout(json_body(http_request), services.limits.json);
-  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
-  jobs::Computation computation{"weave-layouts", {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const json::WeaveLayoutRequest>(std::move(request)), picture,
-                     limits = services.limits.json](const Execution& execution) {
-    return picture ? draw(request->weave, limits, execution) : describe(*request, limits, execution);
-  };
-  return answer_computation(services, http_request, std::move(computation));
+/// The computation of a request about a weave. Where it becomes a job, a weave that is laid out at once and is faulty
+/// is refused before.
+template <class Request, class Run>
+PreparedComputation computation_on_weave(const EndpointRequest& asked, Request request, Run run) {
+  if (asked.becomes_job) refuse_small_faulty_weave(request.weave);
+  return {.deadline = request.deadline,
+          .run = [request = std::make_shared<const Request>(std::move(request)), run](const Execution& execution) {
+            return run(*request, execution);
+          }};
 }
 
-/// Reads a request, refuses what can be refused at once, and computes.
+PreparedComputation prepare_layout(const EndpointRequest& asked, const Loader& loader) {
+  return computation_on_weave(
+      asked, json::parse_weave_layout(asked.body, loader.limits(), loader.cancellation()),
+      [picture = asked.format == svg_type, limits = loader.limits()](const auto& request, const Execution& execution) {
+        return picture ? draw(request.weave, limits, execution) : describe(request, limits, execution);
+      });
+}
+
 template <class Request>
-http::Response answer(Services& services, const http::Request& http_request, const char* kind,
-                      Request (*parse)(std::string_view, const json::Limits&),
-                      store::Result (*compute)(const Request&, const json::Limits&, const Execution&)) {
-  require_ready(services);
-  Request request = parse(json_body(http_request), services.limits.json);
-  if (becomes_job(http_request)) refuse_small_faulty_weave(request.weave);
-  jobs::Computation computation{kind, {}, request.deadline, {}};
-  computation.run = [request = std::make_shared<const Request>(std::move(request)), limits = services.limits.json,
-                     compute](const Execution& execution) { return compute(*request, limits, execution); };
-  return answer_computation(services, http_request, std::move(computation));
-}
-
-http::Response answer_homogenization(Services& services, const http::Request& http_request) {
-  return answer(services, http_request, "weave-homogenizations", json::parse_weave_homogenization, homogenize);
-}
-
-http::Response answer_deformation(Services& services, const http::Request& http_request) {
-  return answer(services, http_request, "weave-deformations", json::parse_weave_deformation, deform);
-}
-
-http::Response answer_simulation(Services& services, const http::Request& http_request) {
-  return answer(services, http_request, "weave-simulations", json::parse_weave_simulation, simulate);
+Endpoint weave_endpoint(const std::string& kind,
+                        Request (*parse)(std::string_view, const json::Limits&, const CancellationToken&),
+                        store::Result (*compute)(const Request&, const json::Limits&, const Execution&)) {
+  return {.path = "/v1/" + kind,
+          .kind = kind,
+          .prepare = [parse, compute](const EndpointRequest& asked, const Loader& loader) {
+            return computation_on_weave(
+                asked, parse(asked.body, loader.limits(), loader.cancellation()),
+                [compute, limits = loader.limits()](const Request& request, const Execution& execution) {
+                  return compute(request, limits, execution);
+                });
+          }};
 }
 
 }  // namespace
 
 void add_weave_routes(http::Router& router, Services& services) {
-  const http::BodyLimit json{services.limits.max_json, "--max-json"};
-  const auto add = [&](const char* path, http::Response (*answer)(Services&, const http::Request&)) {
-    router.add({"POST", path, [&services, answer](const http::Request& r) { return answer(services, r); }, json});
-  };
-  add("/v1/weave-layouts", answer_layout);
-  add("/v1/weave-homogenizations", answer_homogenization);
-  add("/v1/weave-deformations", answer_deformation);
-  add("/v1/weave-simulations", answer_simulation);
+  add_endpoint(router, services,
+               {.path = "/v1/weave-layouts",
+                .kind = "weave-layouts",
+                .sends = "A layout is sent as",
+                .formats = {"application/json", svg_type},
+                .prepare = prepare_layout});
+  add_endpoint(router, services, weave_endpoint("weave-homogenizations", json::parse_weave_homogenization, homogenize));
+  add_endpoint(router, services, weave_endpoint("weave-deformations", json::parse_weave_deformation, deform));
+  add_endpoint(router, services, weave_endpoint("weave-simulations", json::parse_weave_simulation, simulate));
 }
 
 }  // namespace supple::routes

@@ -193,7 +193,7 @@ class HttpServerTest : public testing::Test {
                   [read](const Request&) {
                     Response response;
                     response.content_type = "text/plain";
-                    response.pieces = Pieces{length_of_pieces, read};
+                    response.piecewise_body = PiecewiseBody{length_of_pieces, read};
                     return response;
                   },
                   {}});
@@ -205,7 +205,7 @@ class HttpServerTest : public testing::Test {
           response.status = problem::status_of(problem);
           return response;
         },
-        [this](const Answered& answered) {
+        [this](const AnsweredRequest& answered) {
           const std::lock_guard lock(report_mutex_);
           if (answered.key == "mine") last_ = answered;
           ++observed_;
@@ -221,7 +221,7 @@ class HttpServerTest : public testing::Test {
           }
           if (request.host == "evil") throw Error("http.misdirected_request", "Not this server.");
           request.key = request.header("X-Key");
-          if (request.key == "none" && route && !route->open) throw Error("access.key_required", "No key.");
+          if (request.key == "none" && route && !route->needs_no_key) throw Error("access.key_required", "No key.");
           if (const auto client = request.header("X-Client"); !client.empty()) request.client = client;
         });
     port_ = server_->bind();
@@ -273,7 +273,7 @@ class HttpServerTest : public testing::Test {
   std::atomic<bool> release_{false};
   std::mutex report_mutex_;  ///< needed because the server reports on threads of its own
   std::string reported_;
-  Answered last_;  ///< last answer to a request with the key "mine"
+  AnsweredRequest last_;  ///< last answer to a request with the key "mine"
 };
 
 TEST_F(HttpServerTest, AnswersManyRequestsOnOneConnection) {
@@ -409,7 +409,7 @@ TEST_F(HttpServerTest, ServesSixtyFourConnectionsAtTheSameTime) {
 
 TEST_F(HttpServerTest, ClosesTheConnectionThatHasWaitedLongestWhereRoomIsNeeded) {
   options_.max_connections = 2;
-  options_.client_share = 1;
+  options_.max_client_fraction = 1;
   start();
   Client first(port_);
   Client second(port_);
@@ -427,7 +427,7 @@ TEST_F(HttpServerTest, ClosesTheConnectionThatHasWaitedLongestWhereRoomIsNeeded)
 
 TEST_F(HttpServerTest, LetsAClientWithMoreThanItsShareMakeRoomItself) {
   options_.max_connections = 4;
-  options_.client_share = 0.5;
+  options_.max_client_fraction = 0.5;
   start();
   Client other(port_, 2);
   for (int i = 0; i < 5000 && server_->connections() < 1; ++i) std::this_thread::sleep_for(1ms);
@@ -444,7 +444,7 @@ TEST_F(HttpServerTest, LetsAClientWithMoreThanItsShareMakeRoomItself) {
 
 TEST_F(HttpServerTest, RefusesOneConnectionTooManyWithAProblemWhereAllAreBusy) {
   options_.max_connections = 2;
-  options_.client_share = 1;
+  options_.max_client_fraction = 1;
   start();
   Client first(port_);
   Client second(port_);
@@ -488,7 +488,7 @@ TEST_F(HttpServerTest, WritesToNoFileThatIsOpenedAfterItHasStopped) {
 
 TEST_F(HttpServerTest, RefusesRequestsBeyondThoseItAnswersAndBeyondAClientsShare) {
   options_.max_requests = 4;
-  options_.client_share = 0.5;
+  options_.max_client_fraction = 0.5;
   start();
   Client first(port_);
   Client second(port_);
@@ -560,7 +560,7 @@ TEST_F(HttpServerTest, ReservesOfABodyWhatHasArrived) {
 TEST_F(HttpServerTest, BoundsBodiesThatDoNotArriveForEachClientAndForAll) {
   budget::MemoryBudget memory(1'000'000, 600'000);
   options_.memory = &memory;
-  options_.client_share = 0.5;
+  options_.max_client_fraction = 0.5;
   start();
   std::vector<std::unique_ptr<Client>> waiting;
   const auto begin = [&](std::uint32_t client) {
@@ -622,8 +622,8 @@ TEST_F(HttpServerTest, ClosesWhereOneOfTheOptionsOfTheConnectionIsClose) {
 TEST_F(HttpServerTest, SaysHowLongItHasNotLookedAtWhatArrives) {
   start();
   std::this_thread::sleep_for(200ms);
-  EXPECT_LT(server_->load().silence, 10);
-  EXPECT_GE(server_->load().silence, 0);
+  EXPECT_LT(server_->load().reader_silence_seconds, 10);
+  EXPECT_GE(server_->load().reader_silence_seconds, 0);
 }
 
 TEST_F(HttpServerTest, AnswersForAHandlerThatIsHeldAndDropsWhatItReturnsLater) {
@@ -699,8 +699,8 @@ TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongI
     ADD_FAILURE() << line << " is not told: " << told;
   };
   start();
-  for (int i = 0; i < 200 && (i < 15 || server_->load().accept_silence > 0.9); ++i) std::this_thread::sleep_for(100ms);
-  EXPECT_LE(server_->load().accept_silence, 1) << "also where nobody comes";
+  for (int i = 0; i < 200 && (i < 15 || server_->load().accept_silence_seconds > 0.9); ++i) std::this_thread::sleep_for(100ms);
+  EXPECT_LE(server_->load().accept_silence_seconds, 1) << "also where nobody comes";
   Client held(port_);
   held.send(
       "GET /hello/a HTTP/1.1\r\nHost: held\r\n\r\n");  // the guard blocks the reading thread when this head arrives
@@ -708,8 +708,8 @@ TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongI
   wait_until_told(reads + "has been silent for ");
   Client other(port_);  // the accepting thread now waits for an eviction
   wait_until_told(accepts + "has been silent for ");
-  EXPECT_GE(server_->load().silence, 1);
-  EXPECT_GE(server_->load().accept_silence, 1);
+  EXPECT_GE(server_->load().reader_silence_seconds, 1);
+  EXPECT_GE(server_->load().accept_silence_seconds, 1);
   release_guard_ = true;
   wait_until_told(reads + "was silent for ");
   wait_until_told(accepts + "was silent for ");

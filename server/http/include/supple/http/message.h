@@ -30,9 +30,9 @@ class StandIn {
  public:
   virtual ~StandIn() = default;
   /// Sends the problem without waiting for the client, then closes the connection; what the handler returns later is
-  /// discarded. With `is_replaced`, the late handler no longer counts towards --max-requests, and one more thread may
+  /// discarded. With `releases_slot`, the late handler no longer counts towards --max-requests, and one more thread may
   /// run. Any thread may call, once at most. The handler must not return before this call has.
-  virtual void answer(const problem::Problem& problem, bool is_replaced) = 0;
+  virtual void answer(const problem::Problem& problem, bool releases_slot) = 0;
 };
 
 /// A request that has been read completely.
@@ -49,7 +49,7 @@ struct Request {
   std::string client;           ///< identity for limits per client: the address, or "key ID" if a key was sent
   std::string key;              ///< id of the key that was sent; empty if none is needed
   /// Whether the request may see and delete what any key owns. Without keys every request may.
-  bool sees_all = true;
+  bool is_admin = true;
   int max_waiting_jobs = 0;  ///< limit of the request's key; 0: only the limit of the queue counts
 
   /// The value of a header (name in any case); empty if it is absent. Repeated headers are joined by ", ".
@@ -69,7 +69,7 @@ class StreamWriter {
 };
 
 /// A body of known length that is read and sent piece by piece, so that it is never in memory as a whole.
-struct Pieces {
+struct PiecewiseBody {
   std::uint64_t bytes = 0;
   /// Writes `count` bytes, from `offset` on. An exception cuts the answer off and closes the connection, because the
   /// head has been sent. The handler therefore checks beforehand what it can.
@@ -82,7 +82,7 @@ struct Response {
   std::string body;
   std::vector<std::pair<std::string, std::string>> headers;
   std::string key;  ///< for the log: id of a key that the handler has found, such as at a sign-in; mostly empty
-  std::optional<Pieces> pieces;  ///< sent instead of `body`, with a Content-Length
+  std::optional<PiecewiseBody> piecewise_body;  ///< sent instead of `body`, with a Content-Length
   /// Used instead of `body`: writes the answer piece by piece, on the thread that answers the request.
   std::function<void(StreamWriter&)> stream;
 

@@ -22,9 +22,9 @@ struct Route {
   std::string method;
   std::string pattern;  ///< "/v1/meshes/{mesh}/content": a name in braces stands for one path segment
   Handler handler;
-  BodyLimit body;      ///< 0 bytes: the route takes no body
-  bool probe = false;  ///< cheap, and needed while the server is busy: has threads of its own
-  bool open = false;   ///< needs no key, even if other routes do
+  BodyLimit body;             ///< 0 bytes: the route takes no body
+  bool probe = false;         ///< cheap, and needed while the server is busy: has threads of its own
+  bool needs_no_key = false;  ///< even if other routes need one
 };
 
 /// Finds the route of a request by comparing path segments. Routes are added before the server runs.

@@ -16,9 +16,10 @@ struct ServerOptions {
   int port = 8080;             ///< 0: any free port
   int max_connections = 1024;  ///< connections that are open at the same time; setting --max-connections
   int max_requests = 256;      ///< requests that are answered at the same time, one thread each; setting --max-requests
-  double client_share = 0.75;  ///< fraction of the connections and requests that one client may have; --client-share
-  double idle_seconds = 75;    ///< an idle persistent connection is closed after this
-  double head_seconds = 15;    ///< a request whose head takes longer to arrive is refused
+  double max_client_fraction =
+      0.75;                     ///< fraction of the connections and requests that one client may have; --client-share
+  double idle_seconds = 75;     ///< an idle persistent connection is closed after this
+  double head_seconds = 15;     ///< a request whose head takes longer to arrive is refused
   double request_seconds = 60;  ///< a request that takes longer to arrive is refused
   double write_seconds = 60;    ///< a client that takes nothing of its answer for this long is disconnected
   int requests_per_connection = 1'000'000;
@@ -31,7 +32,7 @@ struct ServerOptions {
 };
 
 /// Record of a request that has been answered.
-struct Answered {
+struct AnsweredRequest {
   std::string id;       ///< id of the request, 16 hexadecimal digits: the answer's header Supple-Request-Id
   std::string address;  ///< address of the sender
   std::string key;      ///< id of the request's key; empty if none was needed or accepted
@@ -47,10 +48,10 @@ struct Answered {
 /// How busy a server is.
 struct Load {
   int connections = 0;
-  int answering = 0;          ///< requests that are being answered, except probes
-  std::uint64_t evicted = 0;  ///< connections that were closed to make room for others
-  double silence = 0;         ///< seconds since the thread that reads requests last woke up
-  double accept_silence = 0;  ///< seconds since the thread that accepts connections last woke up
+  int answering = 0;                  ///< requests that are being answered, except probes
+  std::uint64_t evicted = 0;          ///< connections that were closed to make room for others
+  double reader_silence_seconds = 0;  ///< since the thread that reads requests last woke up
+  double accept_silence_seconds = 0;  ///< since the thread that accepts connections last woke up
 };
 
 /// An HTTP/1.1 server over a Router. Every error becomes a problem, and `render` makes the response of it. This
@@ -63,7 +64,7 @@ class Server {
   /// Makes the response for a problem (application/problem+json).
   using Render = std::function<Response(const problem::Problem&)>;
   /// Called after every answered request, on the thread that answered it.
-  using Observe = std::function<void(const Answered&)>;
+  using Observe = std::function<void(const AnsweredRequest&)>;
   /// Called with the text of an unexpected exception, which the client is not told.
   using Report = std::function<void(const std::string& text)>;
   /// Called before a body is read: may set the request's key and client, and throws to refuse it. The route is null if

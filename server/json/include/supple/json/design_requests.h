@@ -5,13 +5,25 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/design/inverse_design.h"
 #include "supple/design/verified_designs.h"
 #include "supple/json/limits.h"
+#include "supple/json/name_table.h"
 
 /// The requests of inverse design as types; they are read like those of requests.h and throw the same. Whether targets
 /// make sense and parameters fit the family is not checked here.
 namespace supple::json {
+
+inline constexpr auto task_names = names_of<design::Task>({{design::Task::stress_strain, "stress_strain"},
+                                                           {design::Task::stiffness, "stiffness"},
+                                                           {design::Task::poisson, "poisson"}});
+inline constexpr auto strain_measure_names = names_of<design::StrainMeasure>(
+    {{design::StrainMeasure::green, "green"}, {design::StrainMeasure::engineering, "engineering"}});
+inline constexpr auto interpolation_names =
+    names_of<numerics::Interpolation>({{numerics::Interpolation::cubic, "cubic"},
+                                       {numerics::Interpolation::monotone, "monotone"},
+                                       {numerics::Interpolation::linear, "linear"}});
 
 /// A material that a structure may be made of.
 struct MaterialSpec {
@@ -48,7 +60,7 @@ struct DesignRequest {
   /// Whether designs are simulated: the request asks for it, or switches their polish on.
   bool simulates() const { return verify || verification.polish == Switch::on; }
 };
-DesignRequest parse_design(std::string_view body, const Limits& limits);
+DesignRequest parse_design(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
 
 struct ProfileRequest {
   std::string family;  ///< exactly one of family and model is not empty
@@ -59,6 +71,6 @@ struct ProfileRequest {
   double equilibrium_tolerance = 1e-10;
   double deadline = 0;
 };
-ProfileRequest parse_profile(std::string_view body, const Limits& limits);
+ProfileRequest parse_profile(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

@@ -16,6 +16,13 @@
 /// Whether points lie on the mesh and springs join existing points is not checked here.
 namespace supple::json {
 
+inline constexpr auto relaxation_method_names =
+    names_of<embedded::RelaxationMethod>({{embedded::RelaxationMethod::newton, "newton"},
+                                          {embedded::RelaxationMethod::lbfgs, "lbfgs"},
+                                          {embedded::RelaxationMethod::gradient_descent, "gradient_descent"}});
+inline constexpr auto spring_length_names = names_of<embedded::SpringLength>(
+    {{embedded::SpringLength::geodesic, "geodesic"}, {embedded::SpringLength::euclidean, "euclidean"}});
+
 struct EmbeddedSystemRequest {
   std::string mesh;
   std::variant<std::vector<PointSpec>, embedded::PointsInFaces, embedded::PoissonDiskPoints> points;
@@ -28,6 +35,7 @@ struct EmbeddedSystemRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits);
+EmbeddedSystemRequest parse_embedded_system(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/limits.h"
 #include "supple/neural/evaluator.h"
 #include "supple/neural/uniaxial.h"
@@ -18,7 +19,8 @@ struct EvaluationRequest {
   neural::Order order = neural::Order::stress;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits);
+EvaluationRequest parse_evaluation(std::string_view body, const Limits& limits,
+                                   const CancellationToken& cancellation = {});
 
 struct UniaxialRequest {
   std::vector<double> parameters;
@@ -27,6 +29,6 @@ struct UniaxialRequest {
   neural::UniaxialOptions options;
   double deadline = 0;
 };
-UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits);
+UniaxialRequest parse_uniaxial(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

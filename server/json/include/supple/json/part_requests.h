@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/answers.h"
 #include "supple/json/limits.h"
 #include "supple/json/structure_requests.h"
@@ -13,6 +14,9 @@
 /// Parts, as requests and answers; read like those of requests.h. Whether outlines and structures make sense is not
 /// checked here.
 namespace supple::json {
+
+inline constexpr auto rim_names =
+    names_of<tiling::Rim>({{tiling::Rim::clipped, "clipped"}, {tiling::Rim::whole, "whole"}});
 
 /// A structure that fills an area.
 struct FillingSpec {
@@ -43,7 +47,7 @@ struct PartRequest {
   /// The direction of the design (rad) that lies along the load; none where the shape has no axis of load.
   std::optional<double> tested_direction() const;
 };
-PartRequest parse_part(std::string_view body, const Limits& limits);
+PartRequest parse_part(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
 
 /// Message about a part that is not all that was asked for, with remedies; empty where it is.
 std::string part_message(const PartRequest& request, const tiling::Part& part);

@@ -11,6 +11,7 @@
 #include "supple/base/cancellation.h"
 #include "supple/base/effect_switch.h"
 #include "supple/json/limits.h"
+#include "supple/json/name_table.h"
 #include "supple/surface/geodesic_field.h"
 #include "supple/surface/karcher_mean.h"
 #include "supple/surface/mesh_io.h"
@@ -19,9 +20,13 @@
 
 /// The requests of api/openapi.yaml as types. Each `parse_*` reads a body completely and collects every fault: they
 /// throw "request.not_utf8", "request.malformed_json", "request.too_deep", "request.too_many_values",
-/// "request.limit_exceeded" and "request.invalid", the last with a JSON pointer for each field. Unknown fields are
-/// faults. Whether a point lies on the mesh is not checked here.
+/// "request.limit_exceeded" and "request.invalid", the last with a JSON pointer for each field, and the error of a stop
+/// request. Unknown fields are faults. Whether a point lies on the mesh is not checked here.
 namespace supple::json {
+
+/// The deadline in seconds of a body that has not been parsed yet, which bounds its parsing: its outermost field
+/// "deadline", at most the largest one, or the default where that is missing or no number. O(bytes), about 1 ns each.
+double peek_deadline(std::string_view body, const Limits& limits);
 
 /// A point as a client writes it.
 struct PointSpec {
@@ -39,6 +44,18 @@ struct PlacedPoint {
 
 using supple::Switch;
 
+inline constexpr auto field_method_names = names_of<surface::FieldMethod>(
+    {{surface::FieldMethod::windows, "windows"}, {surface::FieldMethod::edge_graph, "edge_graph"}});
+inline constexpr auto minimization_method_names =
+    names_of<surface::MinimizationMethod>({{surface::MinimizationMethod::newton, "newton"},
+                                           {surface::MinimizationMethod::lbfgs, "lbfgs"},
+                                           {surface::MinimizationMethod::gradient_descent, "gradient_descent"}});
+inline constexpr auto repair_names =
+    names_of<surface::Repair>({{surface::Repair::weld, "weld"},
+                               {surface::Repair::drop_degenerate, "drop_degenerate"},
+                               {surface::Repair::drop_duplicates, "drop_duplicates"},
+                               {surface::Repair::split_non_manifold, "split_non_manifold"}});
+
 struct GeodesicsRequest {
   struct Pair {
     PointSpec from;
@@ -54,7 +71,8 @@ struct GeodesicsRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits);
+GeodesicsRequest parse_geodesics(std::string_view body, const Limits& limits,
+                                 const CancellationToken& cancellation = {});
 
 struct GeodesicFieldRequest {
   std::string mesh;
@@ -65,7 +83,8 @@ struct GeodesicFieldRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
-GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits);
+GeodesicFieldRequest parse_geodesic_field(std::string_view body, const Limits& limits,
+                                          const CancellationToken& cancellation = {});
 
 struct KarcherMeanRequest {
   std::string mesh;
@@ -80,7 +99,8 @@ struct KarcherMeanRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
-KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits);
+KarcherMeanRequest parse_karcher_mean(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation = {});
 
 struct ExponentialMapRequest {
   std::string mesh;
@@ -90,7 +110,8 @@ struct ExponentialMapRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
-ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits);
+ExponentialMapRequest parse_exponential_map(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation = {});
 
 /// The key of {"key": "supple_..."}, whatever it is. No message repeats it.
 std::string parse_sign_in(std::string_view body, const Limits& limits);

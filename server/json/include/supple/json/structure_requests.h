@@ -5,7 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/limits.h"
+#include "supple/json/name_table.h"
 #include "supple/microscale/simulation.h"
 #include "supple/tiling/export.h"
 #include "supple/tiling/mesh.h"
@@ -13,6 +15,14 @@
 /// The requests about structures as types; they are read like those of requests.h and throw the same. Whether a family
 /// exists and its parameters give a structure is not checked here.
 namespace supple::json {
+
+inline constexpr auto region_names = names_of<tiling::Region>(
+    {{tiling::Region::automatic, "automatic"}, {tiling::Region::tile, "tile"}, {tiling::Region::cell, "cell"}});
+inline constexpr auto load_frame_names = names_of<microscale::LoadFrame>(
+    {{microscale::LoadFrame::space, "space"}, {microscale::LoadFrame::material, "material"}});
+inline constexpr auto law_names =
+    names_of<microscale::Law>({{microscale::Law::neo_hookean, "neo_hookean"},
+                               {microscale::Law::incompressible_plane_stress, "incompressible_plane_stress"}});
 
 /// A member of a family; without parameters the family's default.
 struct StructureSpec {
@@ -28,9 +38,12 @@ struct StructureRequest {
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-StructureRequest parse_structure(std::string_view body, const Limits& limits);
+StructureRequest parse_structure(std::string_view body, const Limits& limits,
+                                 const CancellationToken& cancellation = {});
 
 enum class Deformed { none, json, vtu };
+inline constexpr auto deformed_names =
+    names_of<Deformed>({{Deformed::none, "none"}, {Deformed::json, "json"}, {Deformed::vtu, "vtu"}});
 
 struct SimulationRequest {
   StructureSpec structure;
@@ -43,6 +56,7 @@ struct SimulationRequest {
   Deformed deformed = Deformed::none;
   double deadline = 0;
 };
-SimulationRequest parse_simulation(std::string_view body, const Limits& limits);
+SimulationRequest parse_simulation(std::string_view body, const Limits& limits,
+                                   const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

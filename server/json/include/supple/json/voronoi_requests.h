@@ -14,6 +14,15 @@
 /// lie on the mesh is not checked here.
 namespace supple::json {
 
+inline constexpr auto diagram_method_names =
+    names_of<voronoi::DiagramMethod>({{voronoi::DiagramMethod::exact, "exact"},
+                                      {voronoi::DiagramMethod::bounded, "bounded"},
+                                      {voronoi::DiagramMethod::edges, "edges"}});
+inline constexpr auto optimization_method_names =
+    names_of<voronoi::OptimizationMethod>({{voronoi::OptimizationMethod::automatic, "automatic"},
+                                           {voronoi::OptimizationMethod::gauss_newton, "gauss_newton"},
+                                           {voronoi::OptimizationMethod::lbfgs, "lbfgs"}});
+
 struct RandomSites {
   std::int64_t count = 0;
   std::uint64_t seed = 1;
@@ -38,7 +47,8 @@ struct VoronoiDiagramRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits);
+VoronoiDiagramRequest parse_voronoi_diagram(std::string_view body, const Limits& limits,
+                                            const CancellationToken& cancellation = {});
 
 struct VoronoiOptimizationRequest {
   std::string mesh;
@@ -49,6 +59,7 @@ struct VoronoiOptimizationRequest {
   std::vector<PlacedPoint> points_in_space;
   double deadline = 0;
 };
-VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits);
+VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, const Limits& limits,
+                                                      const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

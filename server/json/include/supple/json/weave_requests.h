@@ -7,7 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/limits.h"
+#include "supple/json/name_table.h"
 #include "supple/weave/homogenization.h"
 #include "supple/weave/patterns.h"
 #include "supple/weave/printed_samples.h"
@@ -16,6 +18,9 @@
 /// The requests about weaves as types; they are read like those of requests.h and throw the same. Whether strands meet
 /// and indices exist is not checked here. Lengths are in mm.
 namespace supple::json {
+
+inline constexpr auto ends_names = names_of<weave::Ends>(
+    {{weave::Ends::open, "open"}, {weave::Ends::closed, "closed"}, {weave::Ends::periodic, "periodic"}});
 
 struct StrandSpec {
   std::vector<Eigen::Vector2d> points;
@@ -99,14 +104,16 @@ struct WeaveLayoutRequest {
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-WeaveLayoutRequest parse_weave_layout(std::string_view body, const Limits& limits);
+WeaveLayoutRequest parse_weave_layout(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation = {});
 
 struct WeaveHomogenizationRequest {
   WeaveSpec weave;
   weave::HomogenizationOptions options;
   double deadline = 0;
 };
-WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits);
+WeaveHomogenizationRequest parse_weave_homogenization(std::string_view body, const Limits& limits,
+                                                      const CancellationToken& cancellation = {});
 
 struct WeaveDeformationRequest {
   WeaveSpec weave;
@@ -115,7 +122,8 @@ struct WeaveDeformationRequest {
   weave::EquilibriumOptions options;
   double deadline = 0;
 };
-WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits);
+WeaveDeformationRequest parse_weave_deformation(std::string_view body, const Limits& limits,
+                                                const CancellationToken& cancellation = {});
 
 /// The places at which a support or a force acts.
 struct StrandCoordinate {
@@ -146,6 +154,10 @@ struct WeaveForceSpec {
 };
 
 enum class DeformedStrands { none, json, obj, vtu };
+inline constexpr auto deformed_strands_names = names_of<DeformedStrands>({{DeformedStrands::none, "none"},
+                                                                          {DeformedStrands::json, "json"},
+                                                                          {DeformedStrands::obj, "obj"},
+                                                                          {DeformedStrands::vtu, "vtu"}});
 
 struct WeaveSimulationRequest {
   WeaveSpec weave;
@@ -156,6 +168,7 @@ struct WeaveSimulationRequest {
   DeformedStrands deformed = DeformedStrands::json;
   double deadline = 0;
 };
-WeaveSimulationRequest parse_weave_simulation(std::string_view body, const Limits& limits);
+WeaveSimulationRequest parse_weave_simulation(std::string_view body, const Limits& limits,
+                                              const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

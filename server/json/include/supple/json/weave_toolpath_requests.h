@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/cancellation.h"
 #include "supple/json/weave_requests.h"
 #include "supple/weave/gcode_check.h"
 #include "supple/weave/toolpath.h"
@@ -26,13 +27,15 @@ struct WeaveToolpathRequest {
   ToolpathParts include;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 };
-WeaveToolpathRequest parse_weave_toolpath(std::string_view body, const Limits& limits);
+WeaveToolpathRequest parse_weave_toolpath(std::string_view body, const Limits& limits,
+                                          const CancellationToken& cancellation = {});
 
 struct GcodeReportRequest {
   std::string gcode;
   weave::GcodeLimits limits;
   double deadline = 0;
 };
-GcodeReportRequest parse_gcode_report(std::string_view body, const Limits& limits);
+GcodeReportRequest parse_gcode_report(std::string_view body, const Limits& limits,
+                                      const CancellationToken& cancellation = {});
 
 }  // namespace supple::json

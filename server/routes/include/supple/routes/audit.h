@@ -12,7 +12,7 @@ namespace supple::routes {
 /// What the audit log says of an answered request: who made, deleted or was refused what, and signed in or out; empty
 /// where it says nothing, as of what only reads or computes. It knows a key by its id; no part of a secret, no query
 /// and no body is in it. One line of plain characters, whatever a stranger has sent.
-std::string audit_line(const http::Answered& answered);
+std::string audit_line(const http::AnsweredRequest& answered);
 
 /// Writes the audit log. Of refusals, which strangers can cause at will, at most `most_refusals` a second get a line of
 /// their own; the next line after them says how many more there were. Any thread may call.
@@ -23,7 +23,7 @@ class AuditLog {
   static constexpr int most_refusals = 20;
 
   explicit AuditLog(Write write) : write_(std::move(write)) {}
-  void note(const http::Answered& answered, Clock::time_point now = Clock::now());
+  void note(const http::AnsweredRequest& answered, Clock::time_point now = Clock::now());
 
  private:
   const Write write_;

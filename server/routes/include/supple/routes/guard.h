@@ -32,7 +32,7 @@ bool is_loopback(const std::string& name);
 ///
 /// Then the key, of the header Authorization or of the session that the cookie names: what only reads (GET, HEAD) needs
 /// the scope read, all else compute. Open routes need no key, and /metrics none where it is asked for on the machine
-/// itself. Of requests that have a key it sets `key`, `client`, `sees_all` and `max_waiting_jobs`. Throws
+/// itself. Of requests that have a key it sets `key`, `client`, `is_admin` and `max_waiting_jobs`. Throws
 /// "access.key_required", "access.key_invalid", "access.scope", "access.rate".
 http::Server::Guard make_guard(GuardOptions options);
 

@@ -1,0 +1,184 @@
+#include "endpoint.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "handlers.h"
+#include "immediate_answer.h"
+#include "job_events.h"
+#include "results.h"
+#include "supple/routes/resume.h"
+
+namespace supple::routes {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Bytes of a body up to which it is parsed outside of the compute slots. That takes a tenth of a second at most, as
+/// 40 MB take 2 to 4 seconds; no request waits so long for others that compute.
+constexpr std::size_t max_bytes_at_once = 1 << 20;
+
+http::Response accepted(const jobs::JobStatus& status) {
+  auto response = json_response(write_job(status), 202);
+  response.set_header("Location", "/v1/jobs/" + status.record.id);
+  response.set_header("Retry-After", "1");
+  return response;
+}
+
+/// The media type of the answer. Throws "http.not_acceptable".
+std::string_view negotiate_format(const Endpoint& endpoint, const http::Request& request) {
+  const auto& formats = endpoint.formats;
+  if (formats.size() == 1) return formats.front();
+  if (const auto format = http::negotiate(request.header("Accept"), formats)) return *format;
+  std::string list(formats.front());
+  for (std::size_t i = 1; i < formats.size(); ++i)
+    list.append(i + 1 < formats.size() ? ", " : " or ").append(formats[i]);
+  throw Error("http.not_acceptable", endpoint.sends + " " + list + ".");
+}
+
+/// What makes two requests of the same client one job: its header Idempotency-Key and what it asks for.
+void identify(jobs::Computation& computation, const Endpoint& endpoint, const http::Request& request,
+              std::string_view format) {
+  const auto key = request.header("Idempotency-Key");
+  if (key.empty()) return;
+  constexpr std::size_t max_length = 255;
+  const auto is_plain = [](char c) { return c > ' ' && c <= '~'; };
+  if (key.size() > max_length || !std::all_of(key.begin(), key.end(), is_plain)) {
+    throw Error("request.invalid_parameter",
+                "The header Idempotency-Key takes 1 to 255 printable ASCII characters without spaces.");
+  }
+  computation.idempotency_key = store::sha256(request.key + "\n" + key);
+  std::string asked = request.method + " " + request.path + "\n";
+  for (const auto& [name, value] : request.query) asked.append(name).append("=").append(value).append("\n");
+  // The first format is left out, as it is in the hashes of earlier versions.
+  if (format != endpoint.formats.front()) asked.append("Accept: ").append(format).append("\n");
+  computation.request_hash = store::sha256(asked + store::sha256(request.body));
+}
+
+/// What a later process can make the job of this request from again.
+jobs::RequestOfJob request_of_job(const http::Request& request) {
+  return {{request.method, request.path, request.query, request.header("Content-Type"), request.header("Accept")},
+          request.body};
+}
+
+EndpointRequest endpoint_request(const http::Request& request, std::string_view format, bool becomes_job) {
+  return {
+      .body = request.body, .path_parameters = request.path_parameters, .format = format, .becomes_job = becomes_job};
+}
+
+/// The handler of an endpoint's route. It is a class so that a route's endpoint can be found in its handler.
+class EndpointHandler {
+ public:
+  EndpointHandler(Services& services, Endpoint endpoint) : services_(services), endpoint_(std::move(endpoint)) {}
+
+  /// Answers as the header Prefer asks for: immediately, or with 202 and a job.
+  http::Response operator()(const http::Request& request) const {
+    require_ready(services_);
+    const auto begin = Clock::now();
+    const auto format = negotiate_format(endpoint_, request);
+    require_json(request);
+    const auto preference = http::parse_preference(request.header("Prefer"), services_.limits.max_wait);
+    const bool becomes_job = preference.respond_async || preference.wait;
+    auto computation = computation_of(request, prepare(request, endpoint_request(request, format, becomes_job), begin));
+    if (!becomes_job) {
+      // The deadline of an immediate answer counts from the request's arrival: reading a large body takes part of it.
+      // The deadline of a job counts from its acceptance.
+      computation.deadline = remaining_seconds(computation.deadline, begin);
+      return answer_immediately(services_, request, computation, seconds_since(begin));
+    }
+    identify(computation, endpoint_, request, format);
+    return answer_with_job(request, std::move(computation), preference);
+  }
+
+  /// The computation of a stored job, on a thread that computes.
+  jobs::Computation repeat(const http::Request& request, const Execution& execution) const {
+    require_json(request);
+    const Loader loader(services_, request, execution);
+    return computation_of(
+        request, endpoint_.prepare(endpoint_request(request, negotiate_format(endpoint_, request), true), loader));
+  }
+
+ private:
+  PreparedComputation prepare(const http::Request& request, const EndpointRequest& asked,
+                              Clock::time_point begin) const {
+    if (request.body.size() <= max_bytes_at_once) {
+      const Loader loader(services_, request, begin);
+      return endpoint_.prepare(asked, loader);
+    }
+    PreparedComputation prepared;
+    compute_now(services_, request,
+                {.kind = endpoint_.kind,
+                 .mesh = {},
+                 .deadline = remaining_seconds(json::peek_deadline(request.body, services_.limits.json), begin),
+                 .run =
+                     [&](const Execution& execution) {
+                       const Loader loader(services_, request, execution);
+                       prepared = endpoint_.prepare(asked, loader);
+                       return store::Result{};
+                     },
+                 .client = request.client});
+    return prepared;
+  }
+
+  jobs::Computation computation_of(const http::Request& request, PreparedComputation prepared) const {
+    // Sessions of two keys that have the same name are two.
+    if (!prepared.session.empty() && !request.key.empty()) prepared.session = request.key + " " + prepared.session;
+    return {.kind = endpoint_.kind,
+            .mesh = std::move(prepared.mesh),
+            .deadline = prepared.deadline,
+            .run = std::move(prepared.run),
+            .session = std::move(prepared.session),
+            .client = request.client,
+            .owner = request.key,
+            .bytes = static_cast<std::int64_t>(request.body.size()),
+            .max_waiting = request.max_waiting_jobs};
+  }
+
+  http::Response answer_with_job(const http::Request& request, jobs::Computation computation,
+                                 const http::Preference& preference) const {
+    http::Response response;
+    if (preference.wait && *preference.wait > 0) {
+      const auto hung_up = [peer = request.peer] { return peer.hung_up(); };
+      auto outcome =
+          services_.jobs->run_within(std::move(computation), *preference.wait, hung_up, request_of_job(request));
+      response = outcome.result ? response_of(std::move(*outcome.result)) : accepted(outcome.job);
+      response.set_header("Preference-Applied", "wait=" + plain_number(*preference.wait));
+    } else {
+      response = accepted(services_.jobs->submit(std::move(computation), request_of_job(request)));
+      response.set_header("Preference-Applied", preference.respond_async ? "respond-async" : "wait=0");
+    }
+    return response;
+  }
+
+  Services& services_;
+  const Endpoint endpoint_;
+};
+
+}  // namespace
+
+void add_endpoint(http::Router& router, Services& services, Endpoint endpoint) {
+  auto path = endpoint.path;
+  router.add({"POST",
+              std::move(path),
+              EndpointHandler(services, std::move(endpoint)),
+              {services.limits.max_json, "--max-json"}});
+}
+
+jobs::Computation computation_of(const http::Router& router, const store::JobRecord& job, store::StoredRequest stored,
+                                 const Execution& execution) {
+  http::Request request;
+  request.method = std::move(stored.request.method);
+  request.path = std::move(stored.request.path);
+  request.query = std::move(stored.request.query);
+  request.client = job.client;
+  request.body = std::move(stored.body);
+  request.headers = {{"Content-Type", std::move(stored.request.content_type)},
+                     {"Accept", std::move(stored.request.accept)}};
+  auto match = router.find(request.method, request.path);
+  request.path_parameters = std::move(match.path_parameters);
+  const auto* const handler = match.route->handler.target<EndpointHandler>();
+  if (!handler) throw Error("job.interrupted", "The server stopped before the job had finished.");
+  return handler->repeat(request, execution);
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+
+#include "supple/http/message.h"
+#include "supple/jobs/job_queue.h"
+#include "supple/routes/services.h"
+
+namespace supple::routes {
+
+/// Computes on this thread, as JobQueue::run_now does, for the client of the request: the computation is stopped once
+/// that has hung up, and the client is answered at its deadline, whether it stops or not.
+store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
+                          jobs::Profile* profile = nullptr);
+
+/// Answers a computation with 200, whatever the request prefers. `reading_seconds` is what its preparation took.
+http::Response answer_immediately(Services& services, const http::Request& request,
+                                  const jobs::Computation& computation, double reading_seconds);
+
+/// The response that has a result.
+http::Response response_of(store::Result result);
+
+inline double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// What is left at least of a deadline in seconds that counts from `begin`: one that has passed is told so.
+inline double remaining_seconds(double deadline, std::chrono::steady_clock::time_point begin) {
+  constexpr double min_seconds = 1e-3;
+  return std::max(min_seconds, deadline - seconds_since(begin));
+}
+
+}  // namespace supple::routes

@@ -1,0 +1,42 @@
+#include "loader.h"
+
+#include "immediate_answer.h"
+#include "ownership.h"
+#include "request_pointers.h"
+
+namespace supple::routes {
+
+std::shared_ptr<const store::LoadedMesh> Loader::mesh(const std::string& id, double deadline) const {
+  require_mesh(services_, request_, id, "/mesh");
+  return fault_of_field("mesh.not_found", "/mesh", [&] {
+    auto mesh = services_.meshes->find(id);
+    if (!mesh) run(id, deadline, [&](const Execution& execution) { mesh = services_.meshes->get(id, execution); });
+    return mesh;
+  });
+}
+
+const surface::NearestPointSearch& Loader::nearest_search(const std::string& id, const store::LoadedMesh& mesh,
+                                                          double deadline) const {
+  // A search of up to this size is made within some milliseconds, for which no request waits until others have
+  // computed.
+  constexpr std::int64_t max_faces_at_once = 20'000;
+  const bool waits = execution_ || mesh.mesh().face_count() > max_faces_at_once;
+  if (waits && !mesh.has_nearest()) run(id, deadline, [&](const Execution& execution) { mesh.nearest(execution); });
+  return mesh.nearest();
+}
+
+void Loader::run(const std::string& mesh, double deadline, const std::function<void(const Execution&)>& work) const {
+  if (execution_) return work(*execution_);
+  compute_now(services_, request_,
+              {.kind = "meshes",
+               .mesh = mesh,
+               .deadline = remaining_seconds(deadline, begin_),
+               .run =
+                   [&](const Execution& execution) {
+                     work(execution);
+                     return store::Result{};
+                   },
+               .client = request_.client});
+}
+
+}  // namespace supple::routes

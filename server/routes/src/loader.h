@@ -1,0 +1,54 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "supple/base/execution.h"
+#include "supple/http/message.h"
+#include "supple/routes/services.h"
+#include "supple/store/mesh_cache.h"
+#include "supple/surface/nearest_point.h"
+
+namespace supple::routes {
+
+/// Gives an endpoint what it prepares a computation from: the server's limits and models, and the meshes that the
+/// request may see.
+class Loader {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  /// For a thread that answers `request`, which it began at `begin`, and computes nothing yet. What takes long is done
+  /// within a compute slot and the deadline, and for as long as the client is there.
+  Loader(const Services& services, const http::Request& request, Clock::time_point begin)
+      : services_(services), request_(request), begin_(begin) {}
+  /// For a thread that computes: `execution` stops what it loads.
+  Loader(const Services& services, const http::Request& request, const Execution& execution)
+      : services_(services), request_(request), execution_(&execution) {}
+
+  const json::Limits& limits() const { return services_.limits.json; }
+  const store::ModelStore& models() const { return *services_.models; }
+  metrics::Metrics& metrics() const { return *services_.metrics; }
+  /// Stops the parsing of a body.
+  CancellationToken cancellation() const { return execution_ ? execution_->cancellation : CancellationToken(); }
+
+  /// The mesh of a computation with this deadline in seconds. Throws "mesh.not_found" with a pointer to the field, also
+  /// where the request may not see the mesh, and what ends a computation.
+  std::shared_ptr<const store::LoadedMesh> mesh(const std::string& id, double deadline) const;
+
+  /// The search for nearest points of a mesh, which is made at its first use. Throws what ends a computation.
+  const surface::NearestPointSearch& nearest_search(const std::string& id, const store::LoadedMesh& mesh,
+                                                    double deadline) const;
+
+ private:
+  /// Runs what takes long and concerns a mesh.
+  void run(const std::string& mesh, double deadline, const std::function<void(const Execution&)>& work) const;
+
+  const Services& services_;
+  const http::Request& request_;
+  Clock::time_point begin_{};
+  const Execution* execution_ = nullptr;  ///< null for a thread that computes nothing yet
+};
+
+}  // namespace supple::routes
