@@ -4,66 +4,40 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <numeric>
 #include <set>
-#include <string_view>
-#include <unordered_map>
 #include <utility>
 
-#include "areas.h"
-#include "grid_cells.h"
+#include "shape_areas.h"
 
 namespace supple::outlines {
 namespace {
 
 /// Distance below which corners are merged, in tolerances.
 constexpr double min_corner_distance = 1e-3;
-/// Smallest area of an outline, in squares of the tolerance.
-constexpr double min_area = 1;
 /// Number of corners above which an outline is simplified.
 constexpr std::size_t max_corners_not_simplified = 1'000;
-/// Distance below which sides touch, in tolerances.
-constexpr double contact_distance = 1e-4;
-/// Relative difference below which areas are equal.
-constexpr double area_difference = 1e-6;
 /// Relative difference between the area of a joined outline and the sum of what its open curves fill one by one, above
 /// which a warning is given.
 constexpr double max_filling_difference = 0.01;
-/// Number of places that a warning names.
-constexpr std::size_t max_named_places = 3;
 
 class ShapeMaker {
  public:
   ShapeMaker(const RawDrawing& drawing, double tolerance, const Execution& execution)
-      : drawing_(drawing),
-        tolerance_(tolerance),
-        execution_(execution),
-        areas_(tolerance, largest_coordinate(drawing)) {}
+      : drawing_(drawing), tolerance_(tolerance), execution_(execution), areas_(drawing, tolerance, execution) {}
 
   Shapes make() {
     std::vector<Polyline> polylines = flattened();
     Chains chains = joined(polylines, tolerance_, execution_);
     result_.duplicate_lines = chains.duplicates.size();
     for (const std::size_t k : chains.duplicates)
-      leave_out(polylines[k].source->description, "it lies over another line");
+      result_.leave_out(polylines[k].source->description, "it lies over another line");
     warn_of_branches(chains);
     close(polylines, chains);
-    unite_crossing();
+    unite_crossing(result_, areas_);
     return std::move(result_);
   }
 
  private:
-  static double largest_coordinate(const RawDrawing& drawing) {
-    double largest = 1e-9;
-    for (const Curve& curve : drawing.curves) {
-      largest = std::max(largest, curve.begin.cwiseAbs().maxCoeff());
-      for (const Piece& piece : curve.pieces)
-        for_each_control_point(piece,
-                               [&largest](const Point& p) { largest = std::max(largest, p.cwiseAbs().maxCoeff()); });
-    }
-    return largest;
-  }
-
   std::vector<Polyline> flattened() {
     Flattener flattener(tolerance_);
     std::vector<Polyline> polylines;
@@ -76,7 +50,7 @@ class ShapeMaker {
       Points points = flattener.flatten(curve);
       const double error = flattener.take_chord_error();
       if (points.size() < 2) {
-        leave_out(curve.description, "it has no length");
+        result_.leave_out(curve.description, "it has no length");
         continue;
       }
       polylines.push_back({std::move(points), curve.closed, &curve, 1, error});
@@ -123,7 +97,7 @@ class ShapeMaker {
       for (const std::size_t member : chains.members[k]) {
         const Polyline& own = polylines[member];
         const Curve& curve = *own.source;
-        if (curve.is_filled && std::abs(area_of(own.points)) >= min_area * tolerance_ * tolerance_) {
+        if (curve.is_filled && std::abs(area_of(own.points)) >= areas_.min_area()) {
           Polyline closed = own;
           closed.closed = true;
           add(std::move(closed));
@@ -149,13 +123,9 @@ class ShapeMaker {
       filled += std::abs(area_of(polylines[member].points));
     }
     const double whole = std::abs(area_of(polyline.points));
-    if (filled > min_area * tolerance_ * tolerance_ && std::abs(filled - whole) > max_filling_difference * whole)
+    if (filled > areas_.min_area() && std::abs(filled - whole) > max_filling_difference * whole)
       result_.warnings.push_back("Curves that are filled one by one were joined to one outline, at " +
                                  polyline.source->description + ".");
-  }
-
-  bool is_tiny(const Points& points) const {
-    return points.size() < 3 || std::abs(area_of(points)) < min_area * tolerance_ * tolerance_;
   }
 
   /// Merges corners that coincide, and simplifies a polygon that has very many corners.
@@ -167,7 +137,7 @@ class ShapeMaker {
     }
     const double remaining_tolerance = tolerance_ - polyline.error;
     Points simple = remaining_tolerance > 0 ? simplified(polyline.points, remaining_tolerance) : polyline.points;
-    if (is_tiny(simple) || simple.size() == polyline.points.size()) {
+    if (areas_.is_tiny(simple) || simple.size() == polyline.points.size()) {
       result_.chord_error = std::max(result_.chord_error, polyline.error);
       return;
     }
@@ -187,7 +157,7 @@ class ShapeMaker {
         result_.joined += loop.curves;
       }
       if (loop.points.size() < 3) {
-        leave_out_tiny(loop.source->description);
+        result_.leave_out_tiny(loop.source->description);
       } else {
         shape.polygons.push_back(std::move(loop.points));
       }
@@ -195,45 +165,16 @@ class ShapeMaker {
     if (shape.polygons.empty()) return;
     fill(shape, first.rule);
     apply_clip(shape, first.clip.get());
-    drop_tiny(shape);
+    areas_.drop_tiny(shape, result_);
     if (!shape.polygons.empty()) result_.shapes.push_back(std::move(shape));
-  }
-
-  /// Counts a curve that is left out, and records the reason for the first ones.
-  void leave_out(const std::string& description, const char* reason) {
-    ++result_.left_out_count;
-    if (result_.left_out.size() < Drawing::max_left_out) result_.left_out.push_back({description, reason});
-  }
-
-  void leave_out_tiny(const std::string& description) {
-    ++result_.tiny;
-    leave_out(description, "it has no area");
-  }
-
-  void drop_tiny(Shape& shape) {
-    const auto dropped = std::erase_if(shape.polygons, [this](const Points& points) { return is_tiny(points); });
-    for (std::size_t k = 0; k < dropped; ++k) leave_out_tiny(shape.curve->description);
-  }
-
-  /// Whether a polygon of the shape crosses or touches itself or another one.
-  bool has_contacts(const Shape& shape) const {
-    const double distance = contact_distance * tolerance_;
-    const auto itself = [&](const Points& points) { return touches_itself(points, distance, execution_); };
-    if (std::any_of(shape.polygons.begin(), shape.polygons.end(), itself)) return true;
-    if (shape.polygons.size() < 2) return false;
-    std::vector<const Points*> polygons;
-    for (const Points& points : shape.polygons) polygons.push_back(&points);
-    std::vector<std::size_t> owners(polygons.size());
-    std::iota(owners.begin(), owners.end(), 0U);
-    return !contacts(polygons, owners, distance, execution_).empty();
   }
 
   /// Replaces what `rule` fills by polygons that do not cross or touch, for which the even-odd rule gives the same
   /// area.
   void fill(Shape& shape, FillRule rule) {
-    drop_tiny(shape);
-    if (has_contacts(shape)) {
-      shape.polygons = areas_.filled(shape.polygons, rule);
+    areas_.drop_tiny(shape, result_);
+    if (areas_.has_contacts(shape)) {
+      shape.polygons = areas_.arithmetic().filled(shape.polygons, rule);
     } else if (rule == FillRule::nonzero && shape.polygons.size() > 1) {
       drop_inner_polygons(shape);
     }
@@ -244,7 +185,7 @@ class ShapeMaker {
     std::vector<Box> boxes;
     std::vector<int> windings;
     for (const Points& points : shape.polygons) {
-      boxes.push_back(outlines::box_of(points));
+      boxes.push_back(box_of(points));
       windings.push_back(area_of(points) > 0 ? 1 : -1);
     }
     std::vector<std::size_t> retained;
@@ -257,8 +198,8 @@ class ShapeMaker {
       }
       if ((outer_winding == 0) == (outer_winding + windings[i] == 0)) {
         ++result_.inner_polygons;
-        leave_out(shape.curve->description,
-                  "a curve of it lies within another one of the same direction, and both are filled (nonzero)");
+        result_.leave_out(shape.curve->description,
+                          "a curve of it lies within another one of the same direction, and both are filled (nonzero)");
       } else {
         retained.push_back(i);
       }
@@ -280,12 +221,12 @@ class ShapeMaker {
     for (const auto& [element, curves] : elements) {
       std::vector<Points> polygons;
       for (const Curve* curve : curves) polygons.push_back(flattener.flatten(*curve));
-      Area own = areas_.filled(polygons, curves[0]->rule);
-      if (curves[0]->clip) own = areas_.intersection(own, area_of_clip(*curves[0]->clip));
-      whole = whole.empty() ? own : areas_.united(whole, own);
+      Area own = areas_.arithmetic().filled(polygons, curves[0]->rule);
+      if (curves[0]->clip) own = areas_.arithmetic().intersection(own, area_of_clip(*curves[0]->clip));
+      whole = whole.empty() ? own : areas_.arithmetic().united(whole, own);
     }
     result_.chord_error = std::max(result_.chord_error, flattener.take_chord_error());
-    if (clip.outer) whole = areas_.intersection(whole, area_of_clip(*clip.outer));
+    if (clip.outer) whole = areas_.arithmetic().intersection(whole, area_of_clip(*clip.outer));
     return clips_[&clip] = std::move(whole);
   }
 
@@ -296,144 +237,41 @@ class ShapeMaker {
     for (const Points& points : shape.polygons) box.include(points);
     // A rectangle around the shape cuts nothing. Many programs write a clip path around the whole page.
     if (area.size() == 1 && area[0].size() == 4) {
-      const Box page = outlines::box_of(area[0]);
+      const Box page = box_of(area[0]);
       const Eigen::Vector2d sides = page.upper - page.lower;
       if (page.contains(box) && std::abs(area_of(area[0]) - sides.prod()) <= area_difference * sides.prod()) return;
     }
-    const double before = AreaArithmetic::size(areas_.filled(shape.polygons, FillRule::evenodd));
-    Area remaining = areas_.intersection(shape.polygons, area);
+    const double before = AreaArithmetic::size(areas_.arithmetic().filled(shape.polygons, FillRule::evenodd));
+    Area remaining = areas_.arithmetic().intersection(shape.polygons, area);
     const double after = AreaArithmetic::size(remaining);
     if (after >= before * (1 - area_difference)) return;
     ++result_.clipped;
-    if (after <= min_area * tolerance_ * tolerance_) {
-      leave_out(shape.curve->description, "a clip path hides all of it");
+    if (after <= areas_.min_area()) {
+      result_.leave_out(shape.curve->description, "a clip path hides all of it");
       remaining.clear();
     }
     shape.polygons = std::move(remaining);
   }
 
-  /// Drops polygons that lie over others, and unites the shapes of one group that cross.
-  void unite_crossing() {
-    drop_duplicate_polygons();
-    auto& shapes = result_.shapes;
-    std::vector<const Points*> polygons;
-    std::vector<std::size_t> owners;
-    for (std::size_t k = 0; k < shapes.size(); ++k) {
-      for (const Points& points : shapes[k].polygons) {
-        polygons.push_back(&points);
-        owners.push_back(k);
-      }
-    }
-    std::set<std::pair<std::size_t, std::size_t>> pairs;
-    for (const auto& [i, j] : contacts(polygons, owners, contact_distance * tolerance_, execution_))
-      pairs.insert(std::minmax(owners[i], owners[j]));
-    std::vector<std::size_t> parents(shapes.size());
-    std::iota(parents.begin(), parents.end(), 0U);
-    const auto root = [&parents](std::size_t k) {
-      while (parents[k] != k) k = parents[k] = parents[parents[k]];
-      return k;
-    };
-    std::size_t checked_pairs = 0;
-    std::vector<std::string> crossing_groups;
-    std::vector<std::size_t> crossing;
-    for (const auto& [i, j] : pairs) {
-      if (checked_pairs++ % curves_between_checks == 0) execution_.cancellation.throw_if_requested();
-      if (!overlap(shapes[i], shapes[j])) continue;
-      if (shapes[i].curve->group == shapes[j].curve->group) {
-        parents[std::max(root(i), root(j))] = std::min(root(i), root(j));
-        crossing.push_back(i);
-        crossing.push_back(j);
-      } else if (!is_region(shapes[i]) && !is_region(shapes[j])) {
-        crossing_groups.push_back(shapes[i].curve->description + " and " + shapes[j].curve->description);
-      }
-    }
-    if (!crossing_groups.empty()) {
-      std::string words = crossing_groups[0];
-      for (std::size_t k = 1; k < std::min(crossing_groups.size(), max_named_places); ++k)
-        words += "; " + crossing_groups[k];
-      result_.warnings.push_back("Shapes of different groups or layers cross each other: " + words +
-                                 (crossing_groups.size() > max_named_places ? "; and others" : "") +
-                                 ". In one outline, what lies within two of them is a hole.");
-    }
-    std::sort(crossing.begin(), crossing.end());
-    crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
-    result_.united = crossing.size();
-    for (const std::size_t k : crossing) {
-      if (root(k) == k) continue;
-      Shape& whole = shapes[root(k)];
-      whole.polygons = areas_.united(whole.polygons, shapes[k].polygons);
-      for (const std::string& name : shapes[k].names) {
-        const bool known = std::find(whole.names.begin(), whole.names.end(), name) != whole.names.end();
-        if (!known && whole.names.size() < max_names) whole.names.push_back(name);
-      }
-      shapes[k].polygons.clear();
-    }
-    for (Shape& shape : shapes) {
-      if (!shape.polygons.empty()) drop_tiny(shape);
-    }
-    std::erase_if(shapes, [](const Shape& shape) { return shape.polygons.empty(); });
-  }
-
-  /// Whether a shape is in a group or layer called "regions", in small letters or capitals. Such a shape may cross the
-  /// part of which it is a region.
-  static bool is_region(const Shape& shape) {
-    constexpr std::string_view regions = "regions";
-    const auto is_same_letter = [](char a, char small) { return a == small || (a >= 'A' && a - 'A' + 'a' == small); };
-    return std::any_of(shape.curve->names.begin(), shape.curve->names.end(), [&](const std::string& name) {
-      return std::equal(name.begin(), name.end(), regions.begin(), regions.end(), is_same_letter);
-    });
-  }
-
-  /// Whether two shapes have an area in common, and neither contains the other.
-  bool overlap(const Shape& a, const Shape& b) const {
-    const double both = AreaArithmetic::size(areas_.intersection(a.polygons, b.polygons));
-    if (both <= min_area * tolerance_ * tolerance_) return false;
-    const double first = AreaArithmetic::size(areas_.filled(a.polygons, FillRule::evenodd));
-    const double second = AreaArithmetic::size(areas_.filled(b.polygons, FillRule::evenodd));
-    return both < std::min(first, second) * (1 - area_difference);
-  }
-
-  void drop_duplicate_polygons() {
-    // Polygons by the cell in which the lower corner of their box lies. Cells are much larger than the distance of
-    // equal corners, so that mostly one cell is searched.
-    const double size = 16 * tolerance_;
-    std::unordered_map<GridCell, std::vector<const Points*>, GridCell::Hash> cells;
-    cells.reserve(result_.shapes.size());
-    for (Shape& shape : result_.shapes) {
-      std::vector<Points> retained;
-      retained.reserve(shape.polygons.size());
-      for (Points& points : shape.polygons) {
-        const Box box = outlines::box_of(points);
-        const bool found = any_cell_near(box.lower, tolerance_, size, [&](const GridCell& cell) {
-          const auto near = cells.find(cell);
-          return near != cells.end() && std::any_of(near->second.begin(), near->second.end(), [&](const Points* known) {
-                   return is_same_curve(*known, points, tolerance_, true);
-                 });
-        });
-        if (found) {
-          ++result_.duplicate_polygons;
-          leave_out(shape.curve->description, "it lies over another outline, which counts once");
-          continue;
-        }
-        retained.push_back(std::move(points));
-        cells[cell_of(box.lower, size)].push_back(&retained.back());
-      }
-      // The pointers in `cells` stay valid: `retained` never reallocates, and moving a vector leaves its elements in
-      // place.
-      shape.polygons = std::move(retained);
-    }
-    std::erase_if(result_.shapes, [](const Shape& shape) { return shape.polygons.empty(); });
-  }
-
   const RawDrawing& drawing_;
   double tolerance_;
   const Execution& execution_;
-  AreaArithmetic areas_;
+  ShapeAreas areas_;
   std::map<const Clip*, Area> clips_;
   Shapes result_;
 };
 
 }  // namespace
+
+void Shapes::leave_out(const std::string& description, const char* reason) {
+  ++left_out_count;
+  if (left_out.size() < Drawing::max_left_out) left_out.push_back({description, reason});
+}
+
+void Shapes::leave_out_tiny(const std::string& description) {
+  ++tiny;
+  leave_out(description, "it has no area");
+}
 
 Box Shapes::box() const {
   Box box;

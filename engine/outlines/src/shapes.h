@@ -37,6 +37,9 @@ struct Shapes {
   std::vector<std::string> warnings;
 
   Box box() const;
+  /// Counts a curve that is left out, and records the reason for the first ones.
+  void leave_out(const std::string& description, const char* reason);
+  void leave_out_tiny(const std::string& description);
 };
 
 /// Flattens and joins the curves of a drawing, applies filling rules and clip paths, and unites the shapes of one group

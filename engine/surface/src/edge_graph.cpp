@@ -1,7 +1,7 @@
 #include "edge_graph.h"
 
 #include "bucket_queue.h"
-#include "window_search.h"
+#include "vertex_table.h"
 
 namespace supple::surface {
 namespace {

@@ -145,7 +145,7 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   settings.keep_windows = options.keep_windows;
   settings.relative_error = options.relative_error;
   settings.limit = options.max_distance;
-  settings.known = options.known_distances;
+  settings.known_distances = options.known_distances;
   {
     const StageTimer timer(execution.cost, "search");
     search->run(data->sources, {}, settings, execution);

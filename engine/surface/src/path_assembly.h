@@ -3,9 +3,9 @@
 #include <optional>
 #include <span>
 
+#include "search_target.h"
 #include "supple/surface/geodesic.h"
 #include "supple/surface/path_start.h"
-#include "window_search.h"
 
 namespace supple::surface {
 

@@ -1,7 +1,8 @@
+#include "search_target.h"
+
 #include <numbers>
 
 #include "near_vertex.h"
-#include "window_search.h"
 
 namespace supple::surface {
 namespace {

@@ -1,12 +1,14 @@
+#include "border_bends.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 
-#include "border_curve.h"
 #include "border_rounding.h"
 #include "planar_cross.h"
 #include "planar_face.h"
+#include "quadrature.h"
 
 namespace supple::voronoi {
 namespace {
@@ -18,8 +20,6 @@ constexpr double bend_margin = 1e-7;
 constexpr std::size_t max_bend_samples = 8;
 constexpr std::size_t max_bends = 96;
 constexpr int max_transition_steps = 10;
-/// Relative to the distance: rounding error of the lengths of two paths.
-constexpr double length_rounding = 1e-14;
 /// Maximum length of a part of a border per length of its chord. The paths to the ends of a longer part tell nothing
 /// about other paths in between.
 constexpr double max_arc_ratio = 1.25;
@@ -43,108 +43,86 @@ BendWidths widths_for_areas(double area) {
 
 }  // namespace
 
-void BorderCurve::find_bends(bool all) {
-  if (extra_images_ == 0 || find_bend_by_ends()) return;
-  bends_.clear();
-  sources_of_parts_.clear();
-  bool probed = false;
-  if (!all) {
-    // Three quadrature points tell whether there are bends that affect the area or the drawing.
-    nodes_.clear();
-    probes_ = {};
-    has_nodes_ = find_nodes(0, 0, 1, 0, -1);
-    if (has_nodes_ && !is_visible(accuracy_.bulge)) return;
-    for (std::size_t i = 0; i < probes_.size() && has_nodes_; ++i) probes_[i] = nodes_[i].point;
-    probed = probes_.front().left.arrival >= 0;
-  }
-  failed_ = !find_bends_by_probes(all, probed);
-}
-
-/// Finds bends between sample points, which are the quadrature points in probes_ if `probed`. Returns false if the
-/// border is not found.
-bool BorderCurve::find_bends_by_probes(bool all, bool probed) {
-  std::array<LabelledPoint, max_bend_samples + 1> samples;
-  const std::size_t last =
-      probed ? 1 + probes_.size() : std::min(2 * static_cast<std::size_t>(extra_images_), max_bend_samples);
-  for (std::size_t i = 1; i < last; ++i) {
-    double fraction = static_cast<double>(i) / static_cast<double>(last);
-    Point point;
-    if (probed) {
-      fraction = three_nodes[i - 1];
-      point = probes_[i - 1];
-    } else if (!find_point(fraction, point)) {
-      return false;
-    }
-    samples[i] = labelled(fraction, point);
-  }
-  for (const std::size_t end : {std::size_t{0}, last}) {
-    const double fraction = end == 0 ? bend_margin : 1 - bend_margin;
-    Point point;
-    if (!find_point(fraction, point, &samples[end == 0 ? 1 : last - 1].sources)) return false;
-    if (std::abs(point.height) > max_end_rise * bend_margin * length_) return false;
-    samples[end] = labelled(fraction, point);
-  }
-  for (std::size_t i = 0; i < last; ++i)
-    if (!find_bends_between(samples[i], samples[i + 1], all)) return false;
-  sources_of_parts_.push_back(samples[last].sources);
-  return true;
-}
-
-/// Sets `result` to an end of the border with its pseudo-sources. Returns false if no path reaches it.
-bool BorderCurve::find_labelled_end(bool at_end, LabelledPoint& result) const {
-  Point point;
-  point.place = at_end ? Vector2d(begin_ + chord_) : begin_;
-  measure(point);
-  if (point.left.arrival < 0 || point.right.arrival < 0) return false;
-  result = labelled(at_end ? 1 : 0, point);
-  return true;
-}
-
-/// Finds the bend, if any, when at most one pseudo-source differs between the ends of the border. It need not lie over
-/// the chord. Returns false if paths from other pseudo-sources may be shorter in between.
-bool BorderCurve::find_bend_by_ends() {
+bool BendSearch::find_by_ends() {
   LabelledPoint first;
   LabelledPoint last;
   if (!find_labelled_end(false, first) || !find_labelled_end(true, last)) return false;
-  const bool same_left = same(first.sources[0], last.sources[0]);
-  const bool same_right = same(first.sources[1], last.sources[1]);
+  const bool same_left = tracer_.same(first.sources[0], last.sources[0]);
+  const bool same_right = tracer_.same(first.sources[1], last.sources[1]);
   if (same_left && same_right) {
     if (!is_shortest_between(first, last, first.sources, first.sources)) return false;
-    sources_of_parts_.push_back(first.sources);
-    set_part(0, first.place, last.place);
-    excludes_other_paths_ = true;
+    found_.sources_of_parts.push_back(first.sources);
     return true;
   }
   if (!same_left && !same_right) return false;
   LabelledPoint transition;
-  if (!find_transition(first, last, same_left ? 1 : 0, transition) || !is_on_border(transition, tie_gap * size_))
+  if (!find_transition(first, last, same_left ? 1 : 0, transition) ||
+      !tracer_.is_on_border(transition, tie_gap * tracer_.size()))
     return false;
-  const double margin = bend_margin * length_;
+  const double margin = bend_margin * tracer_.length();
   if ((transition.place - first.place).norm() <= margin || (transition.place - last.place).norm() <= margin)
     return false;
   if (!is_shortest_between(first, transition, first.sources, last.sources) ||
       !is_shortest_between(transition, last, last.sources, first.sources))
     return false;
-  add_bend(transition.place, transition.sources[0].length_to(transition.place), first.sources);
-  sources_of_parts_.push_back(last.sources);
-  excludes_other_paths_ = true;
+  add_bend(transition, first.sources);
+  found_.sources_of_parts.push_back(last.sources);
+  return true;
+}
+
+bool BendSearch::find_by_samples(bool all, std::span<const BorderPoint> probes, int extra_images) {
+  const bool probed = !probes.empty();
+  std::array<LabelledPoint, max_bend_samples + 1> samples;
+  const std::size_t last =
+      probed ? 1 + probes.size() : std::min(2 * static_cast<std::size_t>(extra_images), max_bend_samples);
+  for (std::size_t i = 1; i < last; ++i) {
+    double fraction = static_cast<double>(i) / static_cast<double>(last);
+    BorderPoint point;
+    if (probed) {
+      fraction = three_nodes[i - 1];
+      point = probes[i - 1];
+    } else if (!tracer_.find_point(fraction, point)) {
+      return false;
+    }
+    samples[i] = tracer_.labelled(fraction, point);
+  }
+  for (const std::size_t end : {std::size_t{0}, last}) {
+    const double fraction = end == 0 ? bend_margin : 1 - bend_margin;
+    BorderPoint point;
+    if (!tracer_.find_point(fraction, point, &samples[end == 0 ? 1 : last - 1].sources)) return false;
+    if (std::abs(point.height) > max_end_rise * bend_margin * tracer_.length()) return false;
+    samples[end] = tracer_.labelled(fraction, point);
+  }
+  for (std::size_t i = 0; i < last; ++i)
+    if (!find_bends_between(samples[i], samples[i + 1], all)) return false;
+  found_.sources_of_parts.push_back(samples[last].sources);
+  return true;
+}
+
+/// Sets `result` to an end of the border with its pseudo-sources. Returns false if no path reaches it.
+bool BendSearch::find_labelled_end(bool at_end, LabelledPoint& result) const {
+  BorderPoint point;
+  point.place = at_end ? tracer_.end() : tracer_.begin();
+  tracer_.measure(point);
+  if (point.left.arrival < 0 || point.right.arrival < 0) return false;
+  result = tracer_.labelled(at_end ? 1 : 0, point);
   return true;
 }
 
 /// Whether no other paths can be shorter between two points of the border that both have the pseudo-sources `sources`.
 /// The pseudo-sources `others` do not count.
-bool BorderCurve::is_shortest_between(const LabelledPoint& first, const LabelledPoint& last,
-                                      const PseudoSources& sources, const PseudoSources& others) const {
+bool BendSearch::is_shortest_between(const LabelledPoint& first, const LabelledPoint& last,
+                                     const PseudoSources& sources, const PseudoSources& others) const {
   const double length = max_arc_ratio * (last.place - first.place).norm();
   for (const std::size_t side : {0, 1}) {
     const PseudoSource& own = sources[side];
     const double own_at_first = own.length_to(first.place);
     const double own_at_last = own.length_to(last.place);
-    for (const std::int32_t i : side == 0 ? from_left_ : from_right_) {
-      const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(i)];
+    for (const std::int32_t i : tracer_.arrivals_on(side)) {
+      const surface::FaceArrival& arrival = tracer_.arrival(i);
       // No path of an arrival is shorter than the straight line from its image.
       const PseudoSource other{arrival.image, arrival.sigma};
-      if (same(other, own) || same(other, others[side])) continue;
+      if (tracer_.same(other, own) || tracer_.same(other, others[side])) continue;
       const double at_first = other.length_to(first.place);
       const double at_last = other.length_to(last.place);
       // The gradients of |x - S| and |x - T|, S and T the pseudo-sources, differ by at most 2 |S - T| / (|x - S| + |x -
@@ -152,59 +130,36 @@ bool BorderCurve::is_shortest_between(const LabelledPoint& first, const Labelled
       const double sum =
           std::min(own_at_first + at_first, own_at_last + at_last) - own.distance - other.distance - length;
       const double gain = 0.5 * (own_at_first + own_at_last - at_first - at_last);
-      if (!(sum > 0 && gain + length * (other.place - own.place).norm() / sum <= tie_gap * size_)) return false;
+      if (!(sum > 0 && gain + length * (other.place - own.place).norm() / sum <= tie_gap * tracer_.size()))
+        return false;
     }
   }
   return true;
 }
 
-BorderCurve::PseudoSource BorderCurve::pseudo_source_of(const SiteDistance& shortest, const Vector2d& place) const {
-  const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(shortest.arrival)];
-  const Vector2d& turn = arrival.turns_at(place);
-  return {turn, arrival.sigma + (turn - arrival.image).norm()};
-}
-
-BorderCurve::PseudoSources BorderCurve::pseudo_sources_at(const Point& point) const {
-  return {pseudo_source_of(point.left, point.place), pseudo_source_of(point.right, point.place)};
-}
-
-BorderCurve::LabelledPoint BorderCurve::labelled(double fraction, const Point& point) const {
-  return {fraction, point.height, point.place, pseudo_sources_at(point)};
-}
-
-bool BorderCurve::same(const PseudoSource& one, const PseudoSource& other) const {
-  const double tolerance = same_image * size_;
-  return (one.place - other.place).squaredNorm() <= tolerance * tolerance &&
-         std::abs(one.distance - other.distance) <= tolerance;
-}
-
-bool BorderCurve::same(const PseudoSources& one, const PseudoSources& other) const {
-  return same(one[0], other[0]) && same(one[1], other[1]);
-}
-
-void BorderCurve::add_bend(const Vector2d& place, double distance, const PseudoSources& before) {
-  bends_.push_back({within_face(corners_, place), distance});
-  sources_of_parts_.push_back(before);
+void BendSearch::add_bend(const LabelledPoint& bend, const PseudoSources& before) {
+  found_.bends.push_back({within_face(tracer_.corners(), bend.place), bend.sources[0].length_to(bend.place)});
+  found_.sources_of_parts.push_back(before);
 }
 
 /// Finds the bends between two points of the border. Where one pseudo-source changes, equations give the place. If
 /// paths from a third one are shorter there, the interval is divided. Returns false if the border is not found.
-bool BorderCurve::find_bends_between(LabelledPoint first, const LabelledPoint& last, bool all) {
-  while (!same(first.sources, last.sources)) {
-    if (bends_.size() >= max_bends) return false;
+bool BendSearch::find_bends_between(LabelledPoint first, const LabelledPoint& last, bool all) {
+  while (!tracer_.same(first.sources, last.sources)) {
+    if (found_.bends.size() >= max_bends) return false;
     double division = 0.5;
     bool found = false;
     bool smooth = true;
     for (std::size_t side = 0; side < 2 && !found; ++side) {
-      if (same(first.sources[side], last.sources[side])) continue;
+      if (tracer_.same(first.sources[side], last.sources[side])) continue;
       smooth = smooth && is_smooth_transition(first.sources[side], last.sources[side]);
       LabelledPoint transition;
       if (!find_transition(first, last, side, transition) ||
           !(transition.fraction > first.fraction && transition.fraction < last.fraction))
         continue;
-      found = is_on_border(transition, tie_gap * size_) && has_no_bend_between(first, transition);
+      found = tracer_.is_on_border(transition, tie_gap * tracer_.size()) && has_no_bend_between(first, transition);
       if (found) {
-        add_bend(transition.place, transition.sources[0].length_to(transition.place), first.sources);
+        add_bend(transition, first.sources);
         first = transition;
         first.sources[side] = last.sources[side];
       } else {
@@ -212,18 +167,19 @@ bool BorderCurve::find_bends_between(LabelledPoint first, const LabelledPoint& l
       }
     }
     if (found) continue;
-    const BendWidths widths = all ? widths_for_derivatives : widths_for_areas(accuracy_.area / (size_ * size_));
+    const BendWidths widths =
+        all ? widths_for_derivatives : widths_for_areas(accuracy_.area / (tracer_.size() * tracer_.size()));
     if (!(last.fraction - first.fraction > (smooth ? widths.turn : widths.bend))) {
-      add_bend(last.place, last.sources[0].length_to(last.place), first.sources);
+      add_bend(last, first.sources);
       return true;
     }
     division = std::clamp(division, min_part_fraction, 1 - min_part_fraction);
     // If the ends are close to each other, the border between them is nearly straight.
-    Point point;
+    BorderPoint point;
     point.height = first.height + division * (last.height - first.height);
     const double fraction = first.fraction + division * (last.fraction - first.fraction);
-    if (!find_point(fraction, point)) return false;
-    const LabelledPoint between = labelled(fraction, point);
+    if (!tracer_.find_point(fraction, point)) return false;
+    const LabelledPoint between = tracer_.labelled(fraction, point);
     if (!find_bends_between(first, between, all)) return false;
     first = between;
   }
@@ -232,26 +188,29 @@ bool BorderCurve::find_bends_between(LabelledPoint first, const LabelledPoint& l
 
 /// Whether the border has no bend between two points. Next to a vertex at which paths turn, other places satisfy the
 /// equations of a bend too.
-bool BorderCurve::has_no_bend_between(const LabelledPoint& first, const LabelledPoint& last) const {
+bool BendSearch::has_no_bend_between(const LabelledPoint& first, const LabelledPoint& last) const {
   const double fraction = 0.5 * (first.fraction + last.fraction);
-  const Vector2d base = begin_ + fraction * chord_;
-  const auto [below, above] = heights_within_face(base);
-  const double height = equidistant_height(first.sources, base, 0.5 * (first.height + last.height), below, above);
-  return is_on_border({fraction, height, base + height * normal_, first.sources}, same_image * size_);
+  const Vector2d base = tracer_.begin() + fraction * tracer_.chord();
+  const auto [below, above] = tracer_.heights_within_face(base);
+  const double height =
+      tracer_.equidistant_height(first.sources, base, 0.5 * (first.height + last.height), below, above);
+  return tracer_.is_on_border({fraction, height, base + height * tracer_.normal(), first.sources},
+                              same_image * tracer_.size());
 }
 
 /// Whether the paths from one pseudo-source pass through the other one, so that the border stays smooth at the
 /// transition.
-bool BorderCurve::is_smooth_transition(const PseudoSource& one, const PseudoSource& other) const {
-  return std::abs(std::abs(one.distance - other.distance) - (one.place - other.place).norm()) <= same_image * size_;
+bool BendSearch::is_smooth_transition(const PseudoSource& one, const PseudoSource& other) const {
+  return std::abs(std::abs(one.distance - other.distance) - (one.place - other.place).norm()) <=
+         same_image * tracer_.size();
 }
 
 /// Finds the transition by Newton's method: the place where the border with the pseudo-sources of `first` reaches the
 /// places to which the pseudo-source of `last` is as near, for the site on `side` (0: left). A smooth transition lies
 /// on the line through both pseudo-sources instead. Returns false if there is no such place in the face near the
 /// border's ends.
-bool BorderCurve::find_transition(const LabelledPoint& first, const LabelledPoint& last, std::size_t side,
-                                  LabelledPoint& transition) const {
+bool BendSearch::find_transition(const LabelledPoint& first, const LabelledPoint& last, std::size_t side,
+                                 LabelledPoint& transition) const {
   const PseudoSource& one = first.sources[side];
   const PseudoSource& other = last.sources[side];
   const PseudoSource& opposite = first.sources[1 - side];
@@ -279,27 +238,17 @@ bool BorderCurve::find_transition(const LabelledPoint& first, const LabelledPoin
                                    gap_gradient.x() * residual_here - residual_gradient.x() * gap) /
                           -determinant;
     place += step;
-    if (!((place - begin_).squaredNorm() < 4 * length_ * length_)) return false;
-    if (step.squaredNorm() > curve_rounding * curve_rounding * size_ * size_) continue;
-    transition.fraction = (place - begin_).dot(chord_) / (length_ * length_);
-    transition.height = (place - begin_).dot(normal_);
+    if (!((place - tracer_.begin()).squaredNorm() < 4 * tracer_.length() * tracer_.length())) return false;
+    if (step.squaredNorm() > curve_rounding * curve_rounding * tracer_.size() * tracer_.size()) continue;
+    transition.fraction = (place - tracer_.begin()).dot(tracer_.chord()) / (tracer_.length() * tracer_.length());
+    transition.height = (place - tracer_.begin()).dot(tracer_.normal());
     transition.place = place;
     transition.sources = first.sources;
     // Lengths are defined beyond the face too, where they may be equal at other places.
-    const auto [below, above] = heights_within_face(begin_ + transition.fraction * chord_);
+    const auto [below, above] = tracer_.heights_within_face(tracer_.begin() + transition.fraction * tracer_.chord());
     return transition.height > below && transition.height < above;
   }
   return false;
-}
-
-/// Whether the shortest paths from both sites come from the point's pseudo-sources, up to `tolerance`: others are not
-/// shorter, and these exist.
-bool BorderCurve::is_on_border(const LabelledPoint& point, double tolerance) const {
-  const double left = point.sources[0].length_to(point.place);
-  const double right = point.sources[1].length_to(point.place);
-  tolerance += length_rounding * left;
-  return distances_.is_distance(from_left_, left_, point.place, left, tolerance) &&
-         distances_.is_distance(from_right_, right_, point.place, right, tolerance);
 }
 
 }  // namespace supple::voronoi

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 
 #include "border_rounding.h"
-#include "planar_cross.h"
 #include "planar_face.h"
 
 namespace supple::voronoi {
@@ -13,9 +12,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int max_curve_steps = 60;
 constexpr int max_curve_halvings = 8;
-constexpr int max_height_steps = 8;
 /// Relative to the chord: a part that is higher than division_bulge, or steeper at an end than division_slope, is
 /// divided where its slope is at most top_slope.
 constexpr double division_bulge = 0.05;
@@ -38,71 +35,67 @@ constexpr double end_error = 2e-3;
 
 }  // namespace
 
-/// The arrival, of several from one image, that reaches both ends of the border straight, and so all of it; null if
-/// there is none.
-const surface::FaceArrival* BorderCurve::straight_arrival(const Active& active) const {
-  const Vector2d end = begin_ + chord_;
-  for (const std::int32_t i : active) {
-    const surface::FaceArrival& arrival = distances_.arrivals()[static_cast<std::size_t>(i)];
-    if (&arrival.turns_at(begin_) == &arrival.image && &arrival.turns_at(end) == &arrival.image) return &arrival;
-  }
-  return nullptr;
-}
-
 void BorderCurve::set_chord(const Vector2d& begin, const Vector2d& end) {
-  begin_ = begin;
-  chord_ = end - begin;
-  length_ = chord_.norm();
-  if (length_ > min_curve_length * size_) normal_ = Vector2d(-chord_.y(), chord_.x()) / length_;
+  tracer_.set_chord(begin, end);
   is_bisector_ = false;
-  part_sources_ = nullptr;
   has_nodes_ = false;
 }
 
 void BorderCurve::set_border(const Vector2d& begin, const Vector2d& end, std::int32_t left, std::int32_t right,
                              const Active& active) {
   set_chord(begin, end);
-  left_ = left;
-  right_ = right;
-  extra_images_ = 0;
   failed_ = false;
   excludes_other_paths_ = false;
   bends_.clear();
-  sources_of_parts_.clear();
-  if (!(length_ > min_curve_length * size_)) return;
-  // Borders must have bulges below a quarter of their length; others are divided first.
-  const Vector2d middle = begin_ + 0.5 * chord_;
-  const double radius = 0.6 * length_;
-  const double tolerance = same_image * size_;
-  extra_images_ = distances_.prune_site(active, left, middle, radius, tolerance, from_left_) +
-                  distances_.prune_site(active, right, middle, radius, tolerance, from_right_);
-  if (extra_images_ > 0) return;
-  const surface::FaceArrival* from_left = straight_arrival(from_left_);
-  const surface::FaceArrival* from_right = straight_arrival(from_right_);
-  if (from_left == nullptr || from_right == nullptr) return;
-  sources_of_parts_.push_back(
-      {PseudoSource{from_left->image, from_left->sigma}, PseudoSource{from_right->image, from_right->sigma}});
+  extra_images_ = tracer_.set_sites(left, right, active);
+  if (extra_images_ > 0 || !(length() > min_curve_length * tracer_.size())) return;
+  const auto sources = tracer_.straight_sources();
+  if (!sources) return;
+  bends_.sources_of_parts.push_back(*sources);
   set_part(0, begin, end);
 }
 
 void BorderCurve::set_part(std::size_t number, const Vector2d& begin, const Vector2d& end) {
   set_chord(begin, end);
-  if (number >= sources_of_parts_.size()) return;
-  part_sources_ = &sources_of_parts_[number];
-  is_bisector_ = std::abs((*part_sources_)[0].distance - (*part_sources_)[1].distance) <= tie_gap * size_;
+  if (number >= bends_.sources_of_parts.size()) return;
+  const PseudoSources& sources = bends_.sources_of_parts[number];
+  tracer_.set_sources(&sources);
+  is_bisector_ = std::abs(sources[0].distance - sources[1].distance) <= tie_gap * tracer_.size();
+}
+
+void BorderCurve::find_bends(bool all) {
+  if (extra_images_ == 0) return;
+  BendSearch search(tracer_, accuracy_, bends_);
+  if (search.find_by_ends()) {
+    excludes_other_paths_ = true;
+    if (bends_.bends.empty()) set_part(0, tracer_.begin(), tracer_.end());
+    return;
+  }
+  bool probed = false;
+  if (!all) {
+    // Three quadrature points tell whether there are bends that affect the area or the drawing.
+    nodes_.clear();
+    probes_ = {};
+    has_nodes_ = find_nodes(0, 0, 1, 0, -1);
+    if (has_nodes_ && !is_visible(accuracy_.bulge)) return;
+    for (std::size_t i = 0; i < probes_.size() && has_nodes_; ++i) probes_[i] = nodes_[i].point;
+    probed = probes_.front().left.arrival >= 0;
+  }
+  failed_ = !search.find_by_samples(
+      all, probed ? std::span<const BorderPoint>(probes_) : std::span<const BorderPoint>(), extra_images_);
 }
 
 const std::vector<BorderCurve::Node>& BorderCurve::nodes() {
   if (has_nodes_) return nodes_;
   has_nodes_ = true;
   nodes_.clear();
-  if (!(length_ > min_curve_length * size_)) return use_straight_nodes();
+  if (!(tracer_.length() > min_curve_length * tracer_.size())) return use_straight_nodes();
   const bool found = is_bisector_ || find_nodes(0, 0, 1, 0, max_curve_halvings);
   if (is_bisector_) use_straight_nodes();
-  if (found && (part_sources_ == nullptr || (lies_over_chord() && is_reached_from_part_sources()))) return nodes_;
+  if (found && (tracer_.sources() == nullptr || (lies_over_chord() && is_reached_from_part_sources()))) return nodes_;
   // Paths from other pseudo-sources are shorter in between: the border has bends that were not found.
   failed_ = true;
-  part_sources_ = nullptr;
+  tracer_.set_sources(nullptr);
   is_bisector_ = false;
   nodes_.clear();
   return find_nodes(0, 0, 1, 0, max_curve_halvings) ? nodes_ : use_straight_nodes();
@@ -111,8 +104,8 @@ const std::vector<BorderCurve::Node>& BorderCurve::nodes() {
 const std::vector<BorderCurve::Node>& BorderCurve::use_straight_nodes() {
   nodes_.clear();
   for (std::size_t i = 0; i < three_nodes.size(); ++i) {
-    Point point;
-    point.place = begin_ + three_nodes[i] * chord_;
+    BorderPoint point;
+    point.place = tracer_.begin() + three_nodes[i] * tracer_.chord();
     nodes_.push_back({point, three_weights[i]});
   }
   return nodes_;
@@ -122,12 +115,12 @@ const std::vector<BorderCurve::Node>& BorderCurve::use_straight_nodes() {
 /// focus may not.
 bool BorderCurve::lies_over_chord() const {
   if (std::all_of(nodes_.begin(), nodes_.end(),
-                  [&](const Node& node) { return std::abs(node.point.height) <= level_bulge * length_; }))
+                  [&](const Node& node) { return std::abs(node.point.height) <= level_bulge * tracer_.length(); }))
     return true;
-  const PseudoSources& sources = *part_sources_;
-  for (const Vector2d& end : {begin_, Vector2d(begin_ + chord_)}) {
+  const PseudoSources& sources = *tracer_.sources();
+  for (const Vector2d& end : {tracer_.begin(), tracer_.end()}) {
     const Vector2d gradient = (end - sources[0].place).normalized() - (end - sources[1].place).normalized();
-    if (!(gradient.dot(normal_) < 0)) return false;
+    if (!(gradient.dot(tracer_.normal()) < 0)) return false;
   }
   return true;
 }
@@ -139,7 +132,8 @@ bool BorderCurve::is_reached_from_part_sources() const {
   if (extra_images_ == 0) return true;
   const bool all = !excludes_other_paths_ || is_visible(accuracy_.bulge);
   for (std::size_t i = all ? 0 : 1; i < nodes_.size(); i += all ? 1 : three_nodes.size())
-    if (!is_on_border({0, 0, nodes_[i].point.place, *part_sources_}, same_image * size_)) return false;
+    if (!tracer_.is_on_border({0, 0, nodes_[i].point.place, *tracer_.sources()}, same_image * tracer_.size()))
+      return false;
   return true;
 }
 
@@ -152,31 +146,32 @@ bool BorderCurve::is_visible(double deviation) const {
 
 bool BorderCurve::needs_division() {
   const std::vector<Node>& all = nodes();
-  if (part_sources_ == nullptr || is_bisector_) return false;
-  return std::any_of(all.begin(), all.end(),
-                     [&](const Node& node) { return std::abs(node.point.height) > division_bulge * length_; }) ||
-         std::abs(slope_at(begin_)) > division_slope || std::abs(slope_at(begin_ + chord_)) > division_slope;
+  if (tracer_.sources() == nullptr || is_bisector_) return false;
+  return std::any_of(
+             all.begin(), all.end(),
+             [&](const Node& node) { return std::abs(node.point.height) > division_bulge * tracer_.length(); }) ||
+         std::abs(slope_at(tracer_.begin())) > division_slope || std::abs(slope_at(tracer_.end())) > division_slope;
 }
 
 /// Slope of the part, whose pseudo-sources are known, over its chord at one of its places.
 double BorderCurve::slope_at(const Vector2d& place) const {
   const Vector2d gradient =
-      (place - (*part_sources_)[0].place).normalized() - (place - (*part_sources_)[1].place).normalized();
-  const double across = gradient.dot(normal_);
-  return across == 0 ? 0 : -gradient.dot(chord_) / (across * length_);
+      (place - (*tracer_.sources())[0].place).normalized() - (place - (*tracer_.sources())[1].place).normalized();
+  const double across = gradient.dot(tracer_.normal());
+  return across == 0 ? 0 : -gradient.dot(tracer_.chord()) / (across * tracer_.length());
 }
 
-bool BorderCurve::find_top(Bend& top) const {
+bool BorderCurve::find_top(BorderBend& top) const {
   double before = 0;
   double after = 1;
   double height = 0;
-  const double slope_at_begin = slope_at(begin_);
+  const double slope_at_begin = slope_at(tracer_.begin());
   for (int halving = 0; halving < max_top_halvings; ++halving) {
     const double fraction = 0.5 * (before + after);
-    Point point;
+    BorderPoint point;
     point.height = height;
-    if (!find_point(fraction, point)) return false;
-    top = {within_face(corners_, point.place), point.left.distance};
+    if (!tracer_.find_point(fraction, point)) return false;
+    top = {within_face(tracer_.corners(), point.place), point.left.distance};
     height = point.height;
     const double slope = slope_at(point.place);
     if (std::abs(slope) <= top_slope) return true;
@@ -185,7 +180,7 @@ bool BorderCurve::find_top(Bend& top) const {
   return true;
 }
 
-const std::vector<BorderCurve::Bend>& BorderCurve::arc() {
+const std::vector<BorderBend>& BorderCurve::arc() {
   arc_.clear();
   if (is_visible(accuracy_.deviation)) add_arc(0, 0, 1, 0, max_arc_halvings);
   return arc_;
@@ -194,15 +189,15 @@ const std::vector<BorderCurve::Bend>& BorderCurve::arc() {
 void BorderCurve::add_arc(double begin, double height_at_begin, double end, double height_at_end, int halvings) {
   const double middle = 0.5 * (begin + end);
   const double chord = 0.5 * (height_at_begin + height_at_end);
-  Point point;
+  BorderPoint point;
   point.height = chord;
-  if (!find_point(middle, point)) {
+  if (!tracer_.find_point(middle, point)) {
     failed_ = true;
     return;
   }
   if (halvings == 0 || 2 * std::abs(point.height - chord) <= accuracy_.deviation) return;
   add_arc(begin, height_at_begin, middle, point.height, halvings - 1);
-  arc_.push_back({within_face(corners_, point.place), point.left.distance});
+  arc_.push_back({within_face(tracer_.corners(), point.place), point.left.distance});
   add_arc(middle, point.height, end, height_at_end, halvings - 1);
 }
 
@@ -214,15 +209,16 @@ bool BorderCurve::find_nodes(double begin, double height_at_begin, double end, d
   Points points;
   // Heights over the chord of this interval, in units of its length.
   std::array<double, three_nodes.size()> relative_heights{};
-  const double length = (end - begin) * length_;
+  const double length = (end - begin) * tracer_.length();
   for (const std::size_t i : {1, 0, 2}) {
     const double along = three_nodes[i];
     const double chord = (1 - along) * height_at_begin + along * height_at_end;
     // The search begins on the parabola through both ends and the middle.
     points[i].height = chord + (i == 1 ? 0 : 4 * along * (1 - along) * relative_heights[1] * length);
-    const PseudoSources guess = i == 1 || part_sources_ != nullptr ? PseudoSources{} : pseudo_sources_at(points[1]);
-    if (!find_point(begin + along * (end - begin), points[i], i == 1 ? nullptr : &guess)) return false;
-    if (!(std::abs(points[i].height) < length_)) return false;
+    const PseudoSources guess =
+        i == 1 || tracer_.sources() != nullptr ? PseudoSources{} : tracer_.pseudo_sources_at(points[1]);
+    if (!tracer_.find_point(begin + along * (end - begin), points[i], i == 1 ? nullptr : &guess)) return false;
+    if (!(std::abs(points[i].height) < tracer_.length())) return false;
     relative_heights[i] = (points[i].height - chord) / length;
   }
   const double parabola = 4 * three_nodes[0] * (1 - three_nodes[0]) * relative_heights[1];
@@ -252,101 +248,18 @@ bool BorderCurve::find_nodes(double begin, double height_at_begin, double end, d
 /// Whether the pseudo-sources at an end of the border differ from those at the nearest quadrature point.
 bool BorderCurve::has_bends_near_ends(const Points& points) const {
   for (const bool at_end : {false, true}) {
-    Point end;
-    end.place = at_end ? Vector2d(begin_ + chord_) : begin_;
-    measure(end);
-    if (!same(pseudo_sources_at(at_end ? points.back() : points.front()), pseudo_sources_at(end))) return true;
+    BorderPoint end;
+    end.place = at_end ? tracer_.end() : tracer_.begin();
+    tracer_.measure(end);
+    if (!tracer_.same(tracer_.pseudo_sources_at(at_end ? points.back() : points.front()),
+                      tracer_.pseudo_sources_at(end)))
+      return true;
   }
   return false;
 }
 
 bool BorderCurve::append_nodes(const Points& points, double begin, double end) {
   for (std::size_t i = 0; i < three_nodes.size(); ++i) nodes_.push_back({points[i], three_weights[i] * (end - begin)});
-  return true;
-}
-
-/// Heights between which the normal through a place of the chord lies in the face, with a small margin.
-std::pair<double, double> BorderCurve::heights_within_face(const Vector2d& base) const {
-  double backwards = -std::numeric_limits<double>::infinity();
-  double forwards = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vector2d side = corners_[(i + 1) % 3] - corners_[i];
-    const double inwards = cross(side, normal_);
-    if (inwards == 0) continue;
-    const double height = -std::max(cross(side, base - corners_[i]), 0.0) / inwards;
-    if (inwards > 0)
-      backwards = std::max(backwards, height);
-    else
-      forwards = std::min(forwards, height);
-  }
-  return {backwards - min_curve_length * size_, forwards + min_curve_length * size_};
-}
-
-/// Computes the distances of the point from both sites.
-void BorderCurve::measure(Point& point) const {
-  if (part_sources_ == nullptr) {
-    point.left = distances_.from_site(from_left_, left_, point.place);
-    point.right = distances_.from_site(from_right_, right_, point.place);
-    return;
-  }
-  const auto distance_from = [&](const PseudoSource& source) {
-    const Vector2d from = point.place - source.place;
-    const double length = from.norm();
-    return SiteDistance{source.distance + length, length > 0 ? Vector2d(from / length) : Vector2d::Zero()};
-  };
-  point.left = distance_from((*part_sources_)[0]);
-  point.right = distance_from((*part_sources_)[1]);
-}
-
-/// The height in (below, above), over a place of the chord, at which the paths from both pseudo-sources are equally
-/// long. Newton's method starts at `height`, which is also the result if it fails.
-double BorderCurve::equidistant_height(const PseudoSources& sources, const Vector2d& base, double height, double below,
-                                       double above) const {
-  double found = height;
-  for (int step = 0; step < max_height_steps; ++step) {
-    const Vector2d place = base + found * normal_;
-    const Vector2d from_left = place - sources[0].place;
-    const Vector2d from_right = place - sources[1].place;
-    const double left = from_left.norm();
-    const double right = from_right.norm();
-    const double across = from_left.dot(normal_) / left - from_right.dot(normal_) / right;
-    const double change = (sources[1].distance + right - sources[0].distance - left) / across;
-    found += change;
-    if (!(across < 0) || !(found > below && found < above) || !(std::abs(found) < length_)) return height;
-    if (std::abs(change) <= curve_rounding * size_) break;
-  }
-  return found;
-}
-
-/// Finds the border over a point of the chord. The search starts at the height in `point`, or at that of the guessed
-/// pseudo-sources. Each step goes to the height that is equally far from the present pseudo-sources, until these stay
-/// the same. The steps are bracketed, because they may alternate about a bend.
-bool BorderCurve::find_point(double fraction, Point& point, const PseudoSources* guess) const {
-  const Vector2d base = begin_ + fraction * chord_;
-  // Lengths are defined beyond the face too, where they may be equal at other places.
-  auto [below, above] = heights_within_face(base);
-  if (guess != nullptr && part_sources_ == nullptr)
-    point.height = equidistant_height(*guess, base, point.height, below, above);
-  for (int step = 0; step < max_curve_steps; ++step) {
-    point.place = base + point.height * normal_;
-    measure(point);
-    const double gap = point.left.distance - point.right.distance;
-    const Vector2d gradient = point.left.gradient - point.right.gradient;
-    const double across = gradient.dot(normal_);
-    if (!std::isfinite(gap)) return false;
-    // Towards the left cell the left site gets nearer, unless both are equally near everywhere.
-    if (!(across < 0)) return std::abs(gap) <= tie_gap * size_;
-    point.stretch = gradient.norm() / -across;
-    const double change = -gap / across;
-    if (std::abs(change) <= curve_rounding * size_) return true;
-    (gap > 0 ? below : above) = point.height;
-    double next = point.height + change;
-    if (part_sources_ == nullptr) next = equidistant_height(pseudo_sources_at(point), base, next, below, above);
-    if (!(next > below && next < above)) next = 0.5 * (below + above);
-    if (!(std::abs(next) < length_)) return false;
-    if (next == point.height) return true;
-    point.height = next;
-  }
   return true;
 }
 

@@ -18,7 +18,7 @@ class PolylineTracer {
 
   /// Adds the bend-free part of this number, which the curve has been set to. A strongly curved part is divided.
   void add_part(std::size_t number, const Vector2d& begin, const Vector2d& end, int divisions) {
-    BorderCurve::Bend top;
+    BorderBend top;
     if (divisions == 0 || !curve_.needs_division() || !curve_.find_top(top)) return add_flat_part(begin, end);
     curve_.set_part(number, begin, top.place);
     add_part(number, begin, top.place, divisions - 1);
@@ -41,7 +41,7 @@ class PolylineTracer {
         line_.samples.push_back({left_, right_, node.point.place, part,
                                  node.point.place - 0.5 * node.point.height * curve_.normal(), area_weight});
     }
-    const std::vector<BorderCurve::Bend>& arc = curve_.arc();
+    const std::vector<BorderBend>& arc = curve_.arc();
     if (arc.empty()) {
       line_.area += area;
       line_.lengths.push_back(length);

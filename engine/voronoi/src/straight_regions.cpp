@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "equal_length_roots.h"
 #include "planar_cross.h"
@@ -27,6 +28,8 @@ constexpr double tied_length_tolerance = 1e-11;
 /// Relative to the chord: maximum height of a border for which slivers are accurate.
 constexpr double max_sliver_height = 0.03;
 constexpr int max_sliver_steps = 20;
+/// Relative to the face: minimum length of a chord that has slivers.
+constexpr double min_sliver_chord = 1e-9;
 
 /// The points between `from` and `to` where |x - a| - |x - b| = c, c > 0, as fractions in (0, 1), ascending.
 LineRoots roots_between(const Vector2d& a, const Vector2d& b, double c, const Vector2d& from, const Vector2d& to) {
@@ -49,6 +52,80 @@ LineRoots roots_between(const Vector2d& a, const Vector2d& b, double c, const Ve
   }
   if (roots.count == 2 && roots.fractions[1] < roots.fractions[0]) std::swap(roots.fractions[0], roots.fractions[1]);
   return roots;
+}
+
+/// The border |x - a| - |x - b| = c, c > 0, of two arrivals with the images a and b. The paths from a, which has the
+/// smaller sigma, are longer within the face.
+struct Hyperbola {
+  Vector2d a, b;
+  double c = 0;
+
+  /// Difference of the lengths at x: positive where the arrival from b is shorter.
+  double gap(const Vector2d& x) const { return (x - a).norm() - (x - b).norm() - c; }
+  /// The largest difference of lengths at a corner, which tells most reliably to which arrival a part belongs.
+  double largest_gap(const Polygon& part) const {
+    double largest = 0;
+    for (const Vector2d& corner : part) {
+      const double at = gap(corner);
+      if (std::abs(at) > std::abs(largest)) largest = at;
+    }
+    return largest;
+  }
+};
+
+/// A polygon's boundary with the points at which a hyperbola cuts it.
+struct CutBoundary {
+  Polygon corners;                ///< the polygon's corners and the cuts, in order
+  std::vector<std::size_t> cuts;  ///< indices of the cuts
+
+  /// The polygon from one corner to another.
+  Polygon between(std::size_t begin, std::size_t end) const {
+    Polygon part;
+    for (std::size_t i = begin;; i = (i + 1) % corners.size()) {
+      part.push_back(corners[i]);
+      if (i == end) return part;
+    }
+  }
+};
+
+CutBoundary cut_by(const Hyperbola& border, const Polygon& polygon) {
+  CutBoundary boundary;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2d& from = polygon[i];
+    const Vector2d& to = polygon[(i + 1) % polygon.size()];
+    boundary.corners.push_back(from);
+    const LineRoots roots = roots_between(border.a, border.b, border.c, from, to);
+    for (std::size_t k = 0; k < roots.count; ++k) {
+      boundary.cuts.push_back(boundary.corners.size());
+      boundary.corners.push_back(from + roots.fractions[k] * (to - from));
+    }
+  }
+  return boundary;
+}
+
+using Slivers = std::array<Sliver, three_nodes.size()>;
+
+/// The slivers between the border and its chord, without their arrivals; none if the border is too strongly curved.
+std::optional<Slivers> slivers_between(const Hyperbola& border, const Vector2d& begin, const Vector2d& chord,
+                                       double size) {
+  const double length = chord.norm();
+  const Vector2d normal(-chord.y() / length, chord.x() / length);
+  Slivers slivers;
+  for (std::size_t k = 0; k < three_nodes.size(); ++k) {
+    const Vector2d base = begin + three_nodes[k] * chord;
+    double height = 0;
+    for (int step = 0; step < max_sliver_steps; ++step) {
+      const Vector2d x = base + height * normal;
+      const double slope = normal.dot((x - border.a).normalized() - (x - border.b).normalized());
+      const double change = -border.gap(x) / slope;
+      if (!std::isfinite(change) || std::abs(height + change) > length) return std::nullopt;
+      height += change;
+      if (std::abs(change) <= region_tolerance * size) break;
+    }
+    if (std::abs(height) > max_sliver_height * length) return std::nullopt;
+    slivers[k] = {-1, -1, base + 0.5 * height * normal, three_weights[k] * height * length};
+  }
+  return slivers;
 }
 
 }  // namespace
@@ -251,85 +328,45 @@ void StraightRegions::divide_by_bisectors(const Polygon& polygon, const Active& 
 
 bool StraightRegions::divide_by_hyperbola(const Polygon& polygon, std::int32_t one, std::int32_t other) {
   const auto& arrivals = distances_.arrivals();
-  // The paths of the arrival with the smaller sigma are longer within the face: |x - a| - |x - b| = c > 0.
   if (arrivals[static_cast<std::size_t>(one)].sigma > arrivals[static_cast<std::size_t>(other)].sigma)
     std::swap(one, other);
-  const Vector2d& a = arrivals[static_cast<std::size_t>(one)].image;
-  const Vector2d& b = arrivals[static_cast<std::size_t>(other)].image;
-  const double c = arrivals[static_cast<std::size_t>(other)].sigma - arrivals[static_cast<std::size_t>(one)].sigma;
-  const auto gap = [&](const Vector2d& x) { return (x - a).norm() - (x - b).norm() - c; };
-  Polygon boundary;
-  std::vector<std::size_t> cuts;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d& from = polygon[i];
-    const Vector2d& to = polygon[(i + 1) % polygon.size()];
-    boundary.push_back(from);
-    const LineRoots roots = roots_between(a, b, c, from, to);
-    for (std::size_t k = 0; k < roots.count; ++k) {
-      cuts.push_back(boundary.size());
-      boundary.push_back(from + roots.fractions[k] * (to - from));
-    }
-  }
-  const auto part_between = [&](std::size_t begin, std::size_t end) {
-    Polygon part;
-    for (std::size_t i = begin;; i = (i + 1) % boundary.size()) {
-      part.push_back(boundary[i]);
-      if (i == end) return part;
-    }
-  };
-  // The largest difference of lengths at a corner, which tells most reliably to which arrival a part belongs.
-  const auto largest_gap = [&](const Polygon& part) {
-    double largest = 0;
-    for (const Vector2d& corner : part) {
-      const double at = gap(corner);
-      if (std::abs(at) > std::abs(largest)) largest = at;
-    }
-    return largest;
-  };
-  const auto nearer = [&](double at) { return at > 0 ? other : one; };
+  const FaceArrival& longer = arrivals[static_cast<std::size_t>(one)];
+  const FaceArrival& shorter = arrivals[static_cast<std::size_t>(other)];
+  const Hyperbola border{longer.image, shorter.image, shorter.sigma - longer.sigma};
+  const CutBoundary boundary = cut_by(border, polygon);
+  const std::vector<std::size_t>& cuts = boundary.cuts;
+  const auto nearer = [&](double gap) { return gap > 0 ? other : one; };
   if (cuts.size() < 2) {
     // If the border passes through a corner, its crossing with a side may be missing there.
     double least = 0;
     double greatest = 0;
     for (const Vector2d& corner : polygon) {
-      least = std::min(least, gap(corner));
-      greatest = std::max(greatest, gap(corner));
+      least = std::min(least, border.gap(corner));
+      greatest = std::max(greatest, border.gap(corner));
     }
     if (cuts.size() == 1 && least < -region_tolerance * size_ && greatest > region_tolerance * size_) return false;
-    add(polygon, nearer(largest_gap(polygon)));
+    add(polygon, nearer(border.largest_gap(polygon)));
     return true;
   }
   if (cuts.size() > 2) return false;
-  const Polygon first = part_between(cuts[0], cuts[1]);
-  const Polygon second = part_between(cuts[1], cuts[0]);
-  // The chord goes from the second cut to the first, with `first` on its left.
-  const Vector2d& begin = boundary[cuts[1]];
-  const Vector2d chord = boundary[cuts[0]] - begin;
-  const double length = chord.norm();
-  const bool is_short = !(length > 1e-9 * size_);
+  const Polygon first = boundary.between(cuts[0], cuts[1]);
+  const Polygon second = boundary.between(cuts[1], cuts[0]);
   // A part at a corner through which the border passes is too small to decide by its own gap.
-  const double at_first = largest_gap(first);
-  const double at_second = largest_gap(second);
+  const double at_first = border.largest_gap(first);
+  const double at_second = border.largest_gap(second);
   const std::int32_t left = std::abs(at_first) > std::abs(at_second) ? nearer(at_first) : nearer(-at_second);
   const std::int32_t right = left == one ? other : one;
-  std::array<Sliver, three_nodes.size()> slivers;
-  if (!is_short) {
-    const Vector2d normal(-chord.y() / length, chord.x() / length);
-    for (std::size_t k = 0; k < three_nodes.size(); ++k) {
-      const Vector2d base = begin + three_nodes[k] * chord;
-      double height = 0;
-      for (int step = 0; step < max_sliver_steps; ++step) {
-        const Vector2d x = base + height * normal;
-        const double slope = normal.dot((x - a).normalized() - (x - b).normalized());
-        const double change = -gap(x) / slope;
-        if (!std::isfinite(change) || std::abs(height + change) > length) return false;
-        height += change;
-        if (std::abs(change) <= region_tolerance * size_) break;
-      }
-      if (std::abs(height) > max_sliver_height * length) return false;
-      slivers[k] = {left, right, base + 0.5 * height * normal, three_weights[k] * height * length};
+  // The chord goes from the second cut to the first, with `first` on its left.
+  const Vector2d& begin = boundary.corners[cuts[1]];
+  const Vector2d chord = boundary.corners[cuts[0]] - begin;
+  if (chord.norm() > min_sliver_chord * size_) {
+    auto slivers = slivers_between(border, begin, chord, size_);
+    if (!slivers) return false;
+    for (Sliver& sliver : *slivers) {
+      sliver.loses = left;
+      sliver.gains = right;
+      slivers_.push_back(sliver);
     }
-    slivers_.insert(slivers_.end(), slivers.begin(), slivers.end());
   }
   add(first, left);
   add(second, right);
