@@ -1,9 +1,9 @@
-// Licences of the packages whose code is in the bundle: most ask that their text goes where the code goes.
+// Licences of the packages whose code is in the bundle. Most licences require that their text is distributed with the code.
 import { existsSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import type { Plugin } from "vite";
 
-/** The folder of the package that a module belongs to; null for the editor's own. */
+/** The folder of the package that contains a module; null for modules of the editor. */
 function packageOf(module: string): string | null {
   return /^\0?(.*\/node_modules\/(?:@[^/]+\/)?[^/]+)\//.exec(module)?.[1] ?? null;
 }
@@ -15,7 +15,7 @@ function noticeOf(folder: string): string {
   return `${name} ${version} (${license})\n\n${readFileSync(join(folder, file), "utf8").trim()}\n`;
 }
 
-/** Writes the licences of all packages that a built page contains, as one text file beside it. */
+/** A plugin that writes the licences of all bundled packages to a text file beside the built page. */
 export function licences(fileName: string): Plugin {
   return {
     name: "licences",

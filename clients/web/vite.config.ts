@@ -1,7 +1,7 @@
 import { defineConfig } from "vitest/config";
 import { licences } from "./licences";
 
-// Where `npm run dev` finds a server; the built editor asks the one that serves it.
+// The server for `npm run dev`. The built editor uses the server that serves it.
 const server = process.env.SUPPLE_SERVER ?? "http://127.0.0.1:8080";
 const proxied = ["/v1", "/healthz", "/readyz", "/openapi.yaml"];
 
@@ -15,7 +15,7 @@ export default defineConfig({
   },
   build: {
     target: "es2022",
-    // Pictures and meshes stay files: the server's policy lets pages load nothing from data.
+    // Pictures and meshes stay files, because the server's content security policy forbids data URLs.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,

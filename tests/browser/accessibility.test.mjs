@@ -1,4 +1,4 @@
-// What can be checked of a page's accessibility by rules, in both colours and on a small screen.
+// Checks of accessibility rules on all pages, in both colour schemes and on a small screen.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -12,16 +12,16 @@ const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.
 setUp({ webgl: true });
 
 async function violations(page) {
-  // The rules are put into the page by the browser itself, which its policy on scripts does not concern.
+  // The browser evaluates the rules in the page, to which the content security policy of the page does not apply.
   await page.evaluate(axe);
   const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
   return violations.map((found) => `${found.id}: ${found.help}\n  ${found.nodes.map((node) => `${node.html.slice(0, 160)} | ${node.any.map((check) => check.message).join("; ")}`).join("\n  ")}`);
 }
 
-/** Without transitions, so that colours are looked at as they are and not on their way. */
+/** Disables transitions, so that colours are checked in their final state. */
 const STILL = { reducedMotion: "reduce" };
 
-/** What one page breaks in light and in dark colours, which it takes from the system while it is open. `name`: of its pictures. */
+/** The violations of a page in the light and the dark colour scheme, which follow the system's. `name`: name of the pictures. */
 async function violationsInBothColours(page, name) {
   const found = [];
   for (const colorScheme of ["dark", "light"]) {
@@ -124,7 +124,7 @@ async function severalMaterials({ page }) {
   await until(async () => (await page.locator(".result .facts dt", { hasText: /^Material$/ }).count()) === 1, "the material that was found");
 }
 
-/** A part of a drawing, and a drawing that was refused. */
+/** Shows a part made from a drawing, and a drawing that was refused. */
 async function drawnPart(design) {
   const drawing = (content) => `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">${content}</svg>`;
   await design.drop(".preview", drawing('<rect width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/>'), "plate.svg");
@@ -139,14 +139,14 @@ async function furtherTarget(design) {
   await design.settled();
 }
 
-/** The dialog of a print with all of its settings in sight. */
+/** Opens the print dialog and unfolds all of its settings. */
 async function openPrint(page) {
   await page.getByRole("button", { name: "Print", exact: true }).click();
   await page.locator(".print .facts dd").first().waitFor();
   for (const group of await page.locator(".print .more summary").all()) await group.click();
 }
 
-/** A Voronoi diagram with a chosen site and all that can be set of it in sight. */
+/** Opens a page with a Voronoi diagram, a chosen site and unfolded settings. */
 async function scatteredSites(options) {
   const page = await openPage(browser, `${server.url}/#/mesh`, options);
   await page.getByRole("button", { name: "Sample" }).click();

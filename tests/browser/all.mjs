@@ -1,8 +1,8 @@
-// Runs files of tests one after another with one server and one browser of each kind for all of them, so that each starts once:
+// Runs test files one after another with one shared server and one shared browser of each kind, so that each starts only once:
 //
-//     node tests/browser/all.mjs [file ...]     without files all of this folder
+//     node tests/browser/all.mjs [file ...]     runs all files of this folder if none are named
 //
-// `node --test FILE` runs a file alone, with a server and a browser of its own.
+// `node --test FILE` runs one file with its own server and browser.
 import { spawn } from "node:child_process";
 import { readdir } from "node:fs/promises";
 import path from "node:path";
@@ -11,7 +11,7 @@ import { launchServer, Server } from "./harness.mjs";
 
 const folder = path.dirname(fileURLToPath(import.meta.url));
 
-/** Runs node's tests of a file; returns its exit status and what it printed. */
+/** Runs the tests of a file with node. Returns the exit status and the output. */
 function run(file, shared) {
   return new Promise((resolve) => {
     let output = "";

@@ -1,4 +1,4 @@
-// Designs by drawing: targets, sliders, history, what follows what.
+// The design page: drawn targets, sliders, history, and updates of results.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { withDesign } from "./design_page.mjs";
@@ -93,7 +93,7 @@ describe("stress over strain", () => {
 
   it("says which part of a target is out of reach", () =>
     withDesign(async (design, page) => {
-      // Of a family whose model is trusted for what the closest design does.
+      // This family is chosen because its model is trusted for the response of the closest design.
       await page.getByLabel("Family of tilings").selectOption("IH29");
       await until(async () => (await design.family()) === "IH29", "a design of IH29");
       await design.settled();
@@ -107,7 +107,7 @@ describe("stress over strain", () => {
       await design.button("Snap to the closest reachable").click();
       await until(async () => (await page.locator(".result .chip").textContent()) === "Within the model’s error", "a target that is reached");
       await design.settled();
-      // The point at rest stays there, whatever pulls at it.
+      // The control point at rest cannot be moved.
       const all = await design.handles.evaluateAll((handles) => handles.map((one) => one.getAttribute("aria-valuetext")));
       const rest = all.findIndex((words) => /at rest/.test(words));
       assert.ok(rest >= 0, all.join("; "));
@@ -150,7 +150,7 @@ describe("parameters", () => {
       await until(async () => (await design.curve("achieved")) !== curve, "the profile of the parameters");
       await until(async () => (await page.locator(".result .chip").textContent()) === "Set by hand", "word of it");
       assert.equal(await page.locator(".parameters .number").first().inputValue(), "0.11");
-      // A field shows the value that is used.
+      // A field shows the clamped value.
       await page.locator(".parameters .number").first().fill("9");
       await page.keyboard.press("Enter");
       const most = await page.locator(".parameters .number").first().getAttribute("max");
@@ -175,11 +175,11 @@ describe("parameters", () => {
   it("belong to the family that is chosen, and the ranking names all", () =>
     withDesign(async (design, page) => {
       await page.getByLabel("Stiffness", { exact: true }).check();
-      // The ranking of the task before is not shown beside this one: it would have families looked at for another target.
+      // The ranking of the previous task is not shown with the new one, because it is for another target.
       await page.locator(".plot.polar").waitFor();
       await until(async () => (await page.locator(".ranking li:visible").count()) >= 2, "a ranking of both families");
       await design.settled();
-      // The other family is laid over, then looked at; the ranking stays.
+      // The other family is first overlaid, then shown; the ranking stays.
       const other = page.locator(".ranking li", { has: page.locator(".rank:not([aria-current])") }).first();
       const family = await other.locator(".rank-name").textContent();
       await page.getByRole("button", { name: `Overlay the curve of ${family}` }).click();
@@ -220,7 +220,7 @@ describe("profiles over direction", () => {
         const angles = page.designs.asked.at(-1).target.control_points.map((point) => point[0]);
         assert.ok(angles.every((angle) => angle >= 0 && angle < Math.PI));
         await picture(page, `design-${task}`);
-        // Pulled through the centre a point stays on its side.
+        // A point that is dragged through the centre stays on its side.
         const [left, top] = await design.centre(1);
         await design.drag(1, (box.x + box.width / 2 - left) * 1.6, (box.y + box.height / 2 - top) * 1.6, () => until(async () => {
           const held = await page.locator(".handle.selected .dot").boundingBox();

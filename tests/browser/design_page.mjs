@@ -1,8 +1,8 @@
-// The design page as a person meets it: what can be read there, and done.
+// A page object for the design page: reads its contents and performs the user's actions.
 import assert from "node:assert/strict";
 import { browser, closePage, openPage, picture, server, until, WAIT_MS } from "./harness.mjs";
 
-/** Numbers as the page writes them, with its own minus. */
+/** A number from the page's text, which has a typographic minus. */
 export function number(text) {
   return Number(text.replace("−", "-").replace(/[^\d.eE-]/g, ""));
 }
@@ -20,7 +20,7 @@ export class DesignPage {
     this.status = page.locator(".plot-card .status");
   }
 
-  /** Nothing is searched for, and a design is shown. */
+  /** Waits until no search is running and a design is shown. */
   async settled(wait = WAIT_MS) {
     await this.page.locator(".result .family").waitFor({ timeout: wait });
     await until(async () => {
@@ -28,7 +28,7 @@ export class DesignPage {
       if ((await this.page.evaluate(() => window.designsAtOnce.running)) > 0) return false;
       return (await this.page.locator(".result .chip").textContent()) !== "Searching";
     }, "the end of the search", wait);
-    // What the answer changed is drawn before the next picture.
+    // The page draws the answer before the next repaint of the browser.
     await this.page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
   }
 
@@ -63,21 +63,21 @@ export class DesignPage {
     return [box.x + box.width / 2, box.y + box.height / 2];
   }
 
-  /** The middle one of the control points that can be moved. The point at rest cannot, and how many there are before it is the page's choice. */
+  /** Index of the middle one of the movable control points, which are all except the one at rest. */
   async movable() {
     const words = await this.handles.evaluateAll((all) => all.map((handle) => handle.getAttribute("aria-valuetext")));
     const free = words.flatMap((text, index) => (/at rest/.test(text) ? [] : [index]));
     return free[Math.floor(free.length / 2)];
   }
 
-  /** Moves a point; a test that takes hold of the one at rest would wait for what cannot happen, or find that nothing has changed. */
+  /** Drags a control point. Fails for the point at rest, which cannot be moved. */
   async drag(index, right, down, on) {
     const words = await this.pointWords(index);
     assert.doesNotMatch(words, /at rest/, `control point ${index + 1} cannot be moved`);
     await this.pull(index, right, down, on);
   }
 
-  /** Takes hold of a point, brought into view, and pulls at it in steps; `on` is called before it is let go. */
+  /** Scrolls a control point into view and drags it in steps. `on` is called before the release. */
   async pull(index, right, down, on = async () => {}) {
     const { mouse } = this.page;
     await this.handles.nth(index).locator(".dot").scrollIntoViewIfNeeded();
@@ -92,7 +92,7 @@ export class DesignPage {
     await mouse.up();
   }
 
-  /** Double-clicks on the first line or path of a kind that reaches across the plot, at a share of its length or beyond, beside all control points. */
+  /** Double-clicks the first element of a selector that spans the plot, at a fraction of its length, or further if a control point is there. */
   async doubleClickOn(selector, share) {
     const [x, y] = await this.page.locator(selector).evaluateAll((lines, at) => {
       const across = lines.find((line) => line.getBoundingClientRect().width > 100);
@@ -106,7 +106,7 @@ export class DesignPage {
     await this.page.mouse.dblclick(x, y);
   }
 
-  /** Drags a file over the first element of a kind and lets it go there; what was marked meanwhile is in `window.marked`. */
+  /** Drags a file over the first element of a selector and drops it there. `window.marked` receives the classes of the highlighted element. */
   async drop(selector, text, name) {
     await this.page.evaluate(([wanted, content, file]) => {
       const data = new DataTransfer();
@@ -137,8 +137,8 @@ export class DesignPage {
 }
 
 /**
- * Does something on a page that has been opened for it, and leaves a picture where that fails. `Kind`: the page with what else a
- * file of tests can do on it.
+ * Opens a page, runs an action on it, and takes a picture if the action fails. `Kind`: the page object, a subclass of DesignPage with the
+ * helpers of a test file.
  */
 export async function withDesign(act, { Kind = DesignPage, url = server.url, ...options } = {}) {
   const design = await Kind.open(browser, url, options);

@@ -1,4 +1,4 @@
-// Drawings as the shape of a part, and files that are dropped: each goes to what it is for, and a refusal stands where it was dropped.
+// Drawings as the shape of a part, and dropped files: each is used by its type, and a refusal is shown where it was dropped.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage, withDesign } from "./design_page.mjs";
@@ -9,9 +9,9 @@ setUp();
 /** A plate of 60 mm by 40 mm with a round hole. */
 const PLATE = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><rect id="plate" width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/></svg>`;
 const OPEN = `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><polyline points="0,0 10,0 10,10" fill="none" stroke="black"/></svg>`;
-/** A plate of an inch whose pixels were 1/72 inch. */
+/** A square plate of one inch, in pixels of 1/72 inch. */
 const PIXELS = `<!-- Generator: Adobe Illustrator 15.0 --><svg xmlns="http://www.w3.org/2000/svg" width="72px" height="72px" viewBox="0 0 72 72"><rect id="plate" width="72" height="72"/></svg>`;
-/** A square of 20 mm, as a CAD program writes it. */
+/** A square of 20 mm in the DXF format of CAD programs. */
 const SQUARE = [
   "0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", "4", "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES", "0", "LWPOLYLINE", "8", "square", "90", "4", "70", "1",
   ...[[0, 0], [20, 0], [20, 20], [0, 20]].flatMap(([x, y]) => ["10", x, "20", y]), "0", "ENDSEC", "0", "EOF", "",
@@ -26,7 +26,7 @@ class DrawingPage extends DesignPage {
     await until(async () => words.test(await this.part.textContent()), String(words));
   }
 
-  /** The refusal in sight, and the card above it. */
+  /** The text of the refusal, and the class of the card above it. */
   async refusal() {
     const note = this.page.locator(".drop-problem");
     await note.waitFor();
@@ -109,7 +109,7 @@ describe("a field that someone is writing in", () => {
       const width = design.part.getByLabel("Width of the drawing, mm");
       await width.fill("30");
       await width.press("Tab");
-      // The width's answer shows all settings of the part again.
+      // The answer to the width updates all fields of the part, except the one that is being edited.
       await design.part.getByLabel("Thickness, mm", { exact: true }).fill("8");
       answer();
       await design.saysOfThePart(/30 × 20 mm\./);
@@ -117,7 +117,7 @@ describe("a field that someone is writing in", () => {
       assert.equal(await thickness.inputValue(), "8");
       await thickness.press("Tab");
       await design.saysOfThePart(/Size30 × 20 × 8 mm/);
-      // What was written and taken back leaves the field to the page again.
+      // After an edit that was undone, the page updates the field again.
       await thickness.fill("9");
       await thickness.fill("8");
       await thickness.press("Tab");

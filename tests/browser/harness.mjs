@@ -1,4 +1,4 @@
-// A real server with the built editor, and a real browser. Everything that a page should never say is a failure.
+// The test harness: a real server with the built editor, and a real browser. Unexpected messages of a page are failures.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { mkdir, mkdtemp, rm, copyFile } from "node:fs/promises";
@@ -14,10 +14,10 @@ const ROOT = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..")
 const BUILD = process.env.SUPPLE_BUILD ?? path.join(ROOT, "build/release");
 const SERVER = path.join(BUILD, "server/supple-server");
 const EDITOR = process.env.SUPPLE_EDITOR ?? path.join(ROOT, "clients/web/dist");
-/** Models of two families: enough for a choice, few enough for a quick search over all. */
+/** Models of two families, which offer a choice and still allow quick searches over all families. */
 const MODELS = ["ih29.h5", "ih67.h5"];
 const START_MS = 60_000;
-/** Where pictures of the pages go; none are taken without it. */
+/** Folder for pictures of the pages; without it none are taken. */
 const SCREENS = process.env.SUPPLE_SCREENS;
 export const WAIT_MS = 60_000;
 
@@ -29,9 +29,9 @@ async function freePort() {
   return port;
 }
 
-/** supple-server on a port that it keeps over restarts. */
+/** A supple-server whose port stays the same over restarts. */
 export class Server {
-  /** `keys`: it answers holders of a key alone, which is `key`. */
+  /** Starts a server. `keys`: it requires a key, which is then in `key`. */
   static async start({ keys = false, models = MODELS } = {}) {
     for (const file of [SERVER, path.join(EDITOR, "index.html")]) assert.ok(existsSync(file), `${file} is missing: build it first`);
     const server = new Server();
@@ -57,7 +57,7 @@ export class Server {
       try {
         if ((await fetch(`${this.url}/readyz`)).ok) return;
       } catch {
-        // not yet
+        // the server is not ready yet
       }
       await new Promise((resolve) => setTimeout(resolve, 50));
     }
@@ -79,15 +79,15 @@ export class Server {
 }
 
 /**
- * WebGL is computed by the processor here. The rest of a page is drawn without it, in half the time: Debian's Chromium would
- * have the emulated device draw that too. Its pictures are still put together there, for to read each one back takes longer.
+ * WebGL runs on the CPU here. The rest of a page is rasterized without the emulated device, which takes half the time; Debian's Chromium
+ * would use the device for it by default. Compositing still uses the device, because reading each picture back takes longer.
  */
 const WEBGL = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-rasterization"];
 
 function optionsOf(webgl) {
   return {
     executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", ...(webgl ? WEBGL : ["--disable-gpu"])], // root in a container has no sandbox
+    args: ["--no-sandbox", ...(webgl ? WEBGL : ["--disable-gpu"])], // root has no sandbox in a container
   };
 }
 
@@ -95,18 +95,18 @@ export function launch({ webgl = false } = {}) {
   return chromium.launch(optionsOf(webgl));
 }
 
-/** A browser to which several files of tests connect, each with pages of its own. */
+/** A browser to which several test files connect, each with its own pages. */
 export function launchServer({ webgl = false } = {}) {
   return chromium.launchServer(optionsOf(webgl));
 }
 
-/** What all.mjs has started for all files: the server's address and those of the browsers. */
+/** The addresses of the shared server and browsers that all.mjs has started. */
 const SHARED = process.env.SUPPLE_SHARED ? JSON.parse(process.env.SUPPLE_SHARED) : undefined;
 
-/** What a file of tests works with: there before its first test, left or ended after its last. */
+/** Server and browser of a test file. They are set before the first test, and closed or left after the last. */
 export let server;
 export let browser;
-/** `own`: the file stops its server on the way. It never shares one that asks for keys or has other models, either. */
+/** Sets up server and browser for a test file. The server is not shared if it requires keys, if it has other models, or with `own`, for tests that stop it. */
 export function setUp(options = {}) {
   const shares = SHARED && !options.own && !options.keys && !options.models;
   before(async () => {
@@ -115,13 +115,13 @@ export function setUp(options = {}) {
     browser = SHARED ? await chromium.connect(options.webgl ? SHARED.webgl : SHARED.plain) : await launch(options);
   });
   after(async () => {
-    await browser?.close(); // a shared one loses the pages of this file, and goes on
+    await browser?.close(); // a shared browser keeps running and closes only the pages of this file
     await server?.close();
     if (downloads) await rm(downloads, { recursive: true, force: true });
   });
 }
 
-/** Where files from a shared browser are kept: it does not tell where its own are. */
+/** Folder for downloads from a shared browser, which does not report the paths of its own copies. */
 let downloads;
 let fileCount = 0;
 function keepDownloads(page) {
@@ -132,10 +132,10 @@ function keepDownloads(page) {
   });
 }
 
-/** What the console may say: that a request failed is the page's business, and it must show it. */
+/** Allowed messages of the console. Failed requests are among them, because pages handle and show these. */
 const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL Driver Message/];
 
-/** A page that remembers what it complained about, and which designs were asked for. */
+/** Opens a page that records its complaints and the requests for designs. */
 export async function openPage(browser, url, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
   const page = await context.newPage();
@@ -155,7 +155,7 @@ export async function openPage(browser, url, options = {}) {
   page.on("requestfinished", (request) => {
     if (isDesign(request)) ++page.designs.answered;
   });
-  // Counted where they are sent: what the browser reports of a request's end may come after the next one's beginning.
+  // Requests are counted in the page, because the browser may report the end of one after the beginning of the next.
   await page.addInitScript(() => {
     window.designsAtOnce = { running: 0, most: 0 };
     const send = window.fetch;
@@ -183,8 +183,8 @@ export async function picture(page, name) {
 }
 
 /**
- * Answers requests to `path` that `holds` is true of by a job that never ends and is as far as the test says: `tell(progress, stage)`
- * before the first of them and whenever it goes on. Pages ask after it, since it has no events.
+ * Answers requests to `path` for which `holds` is true with a job that never ends. The test sets its progress with `tell(progress, stage)`,
+ * also before the first request. The job has no event stream, so that pages poll it.
  */
 export async function heldJob(page, path, holds = () => true) {
   const job = { id: "held", kind: "designs", state: "running", progress: 0, stage: "", created: "2026-01-01T00:00:00Z", deadline: 600 };
@@ -199,7 +199,7 @@ export async function heldJob(page, path, holds = () => true) {
   };
 }
 
-/** From now on keeps what a screen reader is given to say, however soon the next sentences follow; calling the result gives all of it. */
+/** Records all announcements to screen readers from now on, even short-lived ones. The returned function gives them. */
 export async function announcements(page) {
   await page.evaluate(() => {
     const region = document.getElementById("announcements");
@@ -209,7 +209,7 @@ export async function announcements(page) {
   return () => page.evaluate(() => window.heard);
 }
 
-/** From now on keeps what the first element of a kind says, however soon it says something else; calling the result gives all of it. */
+/** Records all texts of the first element of a selector from now on, even short-lived ones. The returned function gives them. */
 export async function wordsOf(page, selector) {
   await page.evaluate((wanted) => {
     window.said = [];
@@ -221,7 +221,7 @@ export async function wordsOf(page, selector) {
   return () => page.evaluate(() => window.said);
 }
 
-/** Waits until check() gives something true, and returns it. */
+/** Waits until check() returns a truthy value, and returns that. */
 export async function until(check, what, wait = WAIT_MS) {
   const end = Date.now() + wait;
   for (;;) {

@@ -1,9 +1,9 @@
-// How long somebody who drags a control point waits for the tiling: from the mouse's event to the picture after the tiling was
-// redrawn, in a real browser, on the real page, by a real server with all models.
+// The latency of a dragged control point: from the mouse event to the repaint after the tiling was redrawn, in a real browser with the
+// real page and a real server with all models.
 //
 //     node latency.mjs ../../docs/bench
 //
-// writes editor-latency.csv and editor-latency.md there. The numbers mean something on a machine without other work alone.
+// writes editor-latency.csv and editor-latency.md there. The numbers are meaningful only on an otherwise idle machine.
 import { readdir, writeFile } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
@@ -11,10 +11,10 @@ import { fileURLToPath } from "node:url";
 import { DesignPage } from "./design_page.mjs";
 import { launch, Server } from "./harness.mjs";
 
-/** Of three parameters, between the families of one and of four; the searches between the drags are those of this family. */
+/** A family with three parameters; families have one to four. The searches between the drags are of this family. */
 const FAMILY = "IH22";
 const REDRAW_MS = 5_000;
-/** Far enough that the design changes, by another length each time, there and back again. */
+/** Lengths of the drags, which go back and forth. They differ, and are long enough that the design changes. */
 const PIXELS = [9, 14, 19, 24];
 const ASKED_MS = 100;
 
@@ -25,7 +25,7 @@ if (!folder || !(DRAGS > 0)) {
   process.exit(1);
 }
 
-/** Runs in the page: remembers when the mouse last moved, and when what was drawn after that could be seen. */
+/** Runs in the page: records the time of the last mouse event, and the times at which the drawings after it became visible. */
 function watch() {
   const seen = { mouse: NaN, curve: NaN, tiling: NaN };
   window.seen = seen;
@@ -35,7 +35,7 @@ function watch() {
   const note = (what) => {
     if (Number.isNaN(seen.mouse) || !Number.isNaN(seen[what])) return;
     const before = seen.mouse;
-    // The task after the next frame's callbacks runs when that frame has been drawn.
+    // A task that is queued in an animation frame runs after that frame was drawn.
     requestAnimationFrame(() => setTimeout(() => {
       if (before === seen.mouse) seen[what] = performance.now();
     }));
@@ -59,7 +59,7 @@ async function measureDrag(design, index, pixels) {
   return { curve: curve - mouse, tiling: redrawn ? tiling - mouse : NaN };
 }
 
-/** The value that a share of all is below, between neighbours in proportion. */
+/** A quantile of values, with linear interpolation between neighbours. */
 function quantile(values, share) {
   const sorted = [...values].sort((a, b) => a - b);
   const at = share * (sorted.length - 1);
@@ -97,7 +97,7 @@ const curves = rows.map((row) => row.curve).filter(Number.isFinite);
 const ms = (value) => `${Math.round(value)} ms`;
 const [median, p90] = [quantile(known, 0.5), quantile(known, 0.9)];
 const cores = os.cpus();
-// The load after it is the measurement itself.
+// Only the load before the measurement counts, because the measurement itself causes load.
 const busy = load[0] > 0.5 * cores.length;
 const table = (name, values) => `| ${name} | ${ms(quantile(values, 0.5))} | ${ms(quantile(values, 0.9))} | ${ms(Math.max(...values))} |`;
 await writeFile(path.join(folder, "editor-latency.csv"), `${["drag,pixels,curve_ms,tiling_ms,load", ...rows.map(({ drag, pixels, curve, tiling, load: now }) =>

@@ -1,4 +1,4 @@
-// What a design is made of, how it lies and how large it is: given by a person, or left to the search.
+// Material, orientation, size and limits of a design, given by the user or chosen by the search.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage, number, withDesign } from "./design_page.mjs";
@@ -17,7 +17,7 @@ class MadePage extends DesignPage {
     return this.page.locator("details.made");
   }
 
-  /** Writes into a field as a person does, and waits for the answer. */
+  /** Enters a value into a field and waits for the answer. */
   async write(label, value) {
     await this.fill(label, value);
     await this.settled();
@@ -37,7 +37,7 @@ class MadePage extends DesignPage {
     return this.card.getByLabel(label, { exact: true }).inputValue();
   }
 
-  /** What the card of the result says; undefined where it says nothing of it. */
+  /** The value of a term in the card of the result; undefined if the term is missing. */
   async fact(term) {
     const rows = this.page.locator(".result .facts dt", { hasText: new RegExp(`^${term}$`) });
     return (await rows.count()) === 0 ? undefined : rows.locator("+ dd").textContent();
@@ -48,7 +48,7 @@ function withPage(act, options) {
   return withDesign(act, { Kind: MadePage, ...options });
 }
 
-/** The address of the page with a target that is so many times as stiff. */
+/** The address of the page with a target that is `times` times as stiff. */
 async function stiffer(times) {
   const design = await DesignPage.open(browser, server.url);
   const { page } = design;
@@ -76,9 +76,9 @@ describe("the material", () => {
       assert.ok((await design.deviation()) < 6, `${await design.deviation()} %`);
       await design.card.scrollIntoViewIfNeeded();
       await picture(page, "made-range");
-      // The link has what was asked for and what was found.
+      // The link has both the range and the modulus that was found.
       await until(() => /modulus=13,900&.*found-modulus=\d/.test(page.url()), "the modulus in the link");
-      // Parameters by hand keep the modulus that was found.
+      // Parameters set by hand keep the modulus that was found.
       const asked = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
       await design.slider("Parameter 1").focus();
       await page.keyboard.press("ArrowRight");
@@ -114,7 +114,7 @@ describe("the material", () => {
       assert.ok(Math.abs(density - 1.24 * share) < 0.01 * 1.24, `${density} of ${share}`);
       const request = (await asked).postDataJSON();
       assert.deepEqual([request.material, request.orientation, request.direction], [{ density: 1.24 }, Math.PI / 6, 0]);
-      // The coupon is loaded as the design is; somebody may choose another direction, or leave the part as the design lies.
+      // The coupon is loaded in the direction of the target. The user may choose another direction, or none.
       assert.equal(await part.getByLabel("Loaded along, °").inputValue(), "0");
       await until(async () => /along the design’s 0°/.test(await part.locator(".facts").textContent()), "what the part tests");
       await part.getByLabel("Loaded along, °").fill("");
@@ -125,7 +125,7 @@ describe("the material", () => {
       await picture(page, "made-given");
       const structure = page.locator("main .menu", { has: page.locator("summary", { hasText: "Export" }) }).getByText("Drawing (SVG)");
       assert.match(await structure.getAttribute("href"), /&beam_width=0\.5&/);
-      // Cells of a size make beams of another width, which the part takes over, too.
+      // A given cell size results in another beam width, which the part uses, too.
       await design.choose("Cell size");
       assert.ok(Math.abs(Number(await design.value("Cell size, mm")) / cell - 1) < 0.01, "it begins with the cells at hand");
       await design.write("Cell size, mm", 2 * cell);
@@ -135,7 +135,7 @@ describe("the material", () => {
       await menu.locator("summary").click();
       await menu.getByText("Command line").click();
       assert.match(await menu.locator("textarea").inputValue(), /--youngs-modulus="2500" \\\n {2}--density="1\.24" \\\n {2}--orientation="30deg" \\\n {2}--cell-size=/);
-      // What was copied is what the server takes.
+      // The server accepts the copied request.
       await menu.getByText("curl").click();
       const body = /-d '(.*)'\n$/.exec(await menu.locator("textarea").inputValue())[1];
       const answer = await fetch(`${server.url}/v1/designs`, { method: "POST", headers: { "Content-Type": "application/json" }, body });
@@ -150,13 +150,13 @@ describe("the material", () => {
       await design.settled();
       assert.deepEqual(page.designs.asked.at(-1).material.map((one) => one.name), ["TPU", "PLA", "PETG", "ABS", "PA12"]);
       assert.ok(await design.card.getByLabel("Density of the material, g/cm³").isHidden(), "each has a density of its own");
-      // The target is that of the models' material times 60, which is 1560 MPa.
+      // The target is 60 times as stiff as with the models' material of 26 MPa, which corresponds to 1560 MPa.
       assert.deepEqual([await design.fact("Material"), await design.fact("Young’s modulus")], ["PA12", "1600 MPa"]);
       assert.match(await design.card.locator("summary").textContent(), /5 materials/);
       const [share, density] = [number(await design.fact("Relative density")) / 100, number(await design.fact("Density"))];
       assert.ok(Math.abs(density - 1.01 * share) < 0.006, `${density} of ${share}`);
       await until(() => /materials=TPU.*found-material=PA12&found-modulus=1600/.test(page.url()), "the materials in the link");
-      // Without the one found another one is, with a modulus within its range.
+      // After the chosen material was removed, the search chooses another one, with a modulus within its range.
       await design.card.getByRole("button", { name: "Remove material 5" }).click();
       await design.settled();
       await design.write("Young’s modulus of TPU at most, MPa", 1570);
@@ -174,7 +174,7 @@ describe("the material", () => {
       assert.match(await design.card.locator(".note.problem:visible").textContent(), /^Each material has a name of its own/);
       assert.equal(page.designs.asked.length, asked, "nothing was asked for");
       await design.fill("Name of material 5", "PA12");
-      // Parameters set by hand are of the material that was found.
+      // Parameters set by hand keep the material that was found.
       const profile = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
       await design.slider("Parameter 1").focus();
       await page.keyboard.press("ArrowRight");
@@ -214,7 +214,7 @@ describe("the material", () => {
       await picture(page, "made-overlay");
       await page.getByRole("button", { name: `Overlay the curve of ${other}` }).click();
       await until(async () => (await entry.count()) === 0, "the curve to go");
-      // Looked at, it begins with the modulus that it was ranked with.
+      // When the family is shown, its search starts with the modulus of the ranking.
       const before = page.designs.asked.length;
       await row.click();
       await until(() => page.designs.asked.length > before, "a search of that family");
@@ -286,7 +286,7 @@ describe("limits", () => {
       assert.ok(await design.card.getByLabel("Cell size at most, mm").isHidden(), "cells of a given size have no limit");
       assert.equal(page.designs.asked.at(-1).limits, undefined);
       await design.choose("Beam width");
-      // A slider by hand: what the search says of a design is also said of it.
+      // After parameters were set with a slider, the card shows the same terms as after a search.
       const [cell, parameter] = [number(await design.fact("Cell size")), Number(await page.locator(".parameters .number").first().inputValue())];
       const structureAsked = page.waitForRequest((request) => request.url().endsWith("/v1/structures") && request.postDataJSON().parameters[0] === parameter - 0.05);
       await page.locator(".parameters .number").first().fill(String(parameter - 0.05));
@@ -297,7 +297,7 @@ describe("limits", () => {
       assert.ok(Math.abs(number(byHand) - 1.2 * number(relative) / 100) < 0.01, `${byHand} at ${relative}`);
       assert.notEqual(number(await design.fact("Cell size")), cell);
       const measured = [await design.fact("Cell size"), byHand];
-      // The search measures the same structure alike.
+      // A search gives the same measures for the same structure.
       const { parameters } = (await structureAsked).postDataJSON();
       const answer = await fetch(`${server.url}/v1/designs`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify({
         beam_width: Number(await design.value("Beam width, mm")), task: "stress_strain", family: await design.family(), fixed: parameters, initial: parameters, target: { control_points: [[0, 0], [0.1, 0.01]] },

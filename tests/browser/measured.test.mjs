@@ -1,4 +1,4 @@
-// From a person's own measurements to a part: a file of 500 rows is dropped onto the plot, and a coupon is saved.
+// From measured data to a part: a file of 500 rows is dropped onto the plot, and a coupon is saved.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { describe, it } from "node:test";
@@ -10,7 +10,7 @@ setUp();
 
 const stress = (strain) => 0.02 * strain + 0.002 * (Math.exp(18 * strain) - 1);
 
-/** Semicolons, decimal commas, a remark and a header, as a tensile tester writes them. */
+/** A table in the format of a tensile tester: semicolons, decimal commas, a remark and a header. */
 function table(rows = 500) {
   const number = (value) => value.toFixed(5).replace(".", ",");
   const lines = Array.from({ length: rows }, (_, k) => (0.15 * k) / (rows - 1)).map((strain) => `${number(100 * strain)};${number(1000 * stress(strain))}`);
@@ -38,7 +38,7 @@ describe("measured data", () => {
       await part.locator("summary").click();
       await part.getByLabel("Width, mm").fill("12");
       await part.getByLabel("Each grip, mm").fill("8");
-      // Walls of 0.8 mm have tiles as wide as this coupon, which do not reach from grip to grip; those of a fine nozzle do.
+      // With walls of 0.8 mm the tiles are as wide as the coupon and do not connect its grips; with walls of a fine nozzle they do.
       await part.getByLabel("Wall thickness, mm").fill("0.8");
       await part.getByLabel("Wall thickness, mm").press("Tab");
       await part.locator(".part-result .note", { hasText: "grip is missing" }).waitFor();
@@ -76,7 +76,7 @@ describe("measured data", () => {
       const card = page.locator("details.measured");
       const rows = Array.from({ length: 60 }, (_, k) => `${k};${(0.1 * k).toFixed(3)};${(20 * stress((0.1 * k) / 50)).toFixed(6)}`);
       await design.drop(".plot-card .stage", ["Zeit;Weg;Kraft", ...rows].join("\n"), "forces.csv");
-      // The card opens with the fields that are asked for; nothing is chosen for somebody.
+      // The card opens with the fields that the user has to complete; none of them has a value yet.
       await card.getByLabel("Unit of strain").waitFor();
       assert.match(await card.textContent(), /units\/x.*names no unit of column 1 "Weg"/);
       assert.equal(await card.getByLabel("Unit of strain").inputValue(), "");
@@ -103,7 +103,7 @@ describe("measured data", () => {
 
   it("shows what is asked for next, whether the answers come before, between or after what somebody writes", async () => {
     const rows = Array.from({ length: 60 }, (_, k) => `${k};${(0.1 * k).toFixed(3)};${(20 * stress((0.1 * k) / 50)).toFixed(6)}`);
-    // How many of the two sizes are written before the server's answers arrive.
+    // `ahead`: how many of the two sizes are entered before the server's answers arrive.
     for (const ahead of [0, 1, 2])
       await withDesign(async (design, page) => {
         const card = page.locator("details.measured");
@@ -114,7 +114,7 @@ describe("measured data", () => {
         await page.route("**/v1/measured-curves", (route) => (holds ? held.push(route) : route.continue()));
         const release = async () => {
           holds = false;
-          for (const route of held.splice(0)) await route.continue().catch(() => {}); // the page has given up the earlier ones
+          for (const route of held.splice(0)) await route.continue().catch(() => {}); // the page has aborted the earlier requests
         };
         if (ahead === 0) await release();
         await card.getByLabel("Gauge length, mm").fill("50");

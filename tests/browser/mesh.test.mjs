@@ -1,4 +1,4 @@
-// The mesh page: surfaces, points, paths, distances, means.
+// The mesh page: surfaces, points, paths, distances and means.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { readFile } from "node:fs/promises";
@@ -78,7 +78,7 @@ describe("the mesh page", () => {
     await until(async () => (await page.locator(".points li button").count()) === 2, "two points");
     await page.locator('[aria-label="Result"]').waitFor();
     assert.ok(Number(await fact(page, "Length")) > 0);
-    // A picked point is dragged along the surface, in one step to undo.
+    // Dragging a picked point along the surface is one step of the history.
     const words = () => page.locator(".points li span").first().textContent();
     const [length, place] = [await fact(page, "Length"), await words()];
     await page.mouse.move(x - 20, y);

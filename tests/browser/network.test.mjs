@@ -1,4 +1,4 @@
-// Networks on the mesh page: made, fixed, relaxed before one's eyes, saved.
+// Networks on the mesh page: construction, fixed points, relaxation with intermediate states, and files.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { announcements, browser, closePage, openPage, picture, server, setUp, until, wordsOf } from "./harness.mjs";
@@ -6,10 +6,10 @@ import { saved } from "./weave_page.mjs";
 
 setUp({ webgl: true });
 
-/** A square of the plane, 2 wide. */
+/** A plane square with side 2. */
 const SQUARE = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nf 1 2 3\nf 1 3 4\n";
 
-/** A torus of so many places along it and around its tube; its axis is y. */
+/** A torus around the y axis, with `along` vertices along it and `around` vertices around its tube. */
 function torus(along, around) {
   const rows = [];
   for (let i = 0; i < along; ++i) {
@@ -28,7 +28,7 @@ function torus(along, around) {
 
 const fact = (page, term) => page.locator(".relaxation:not(.voronoi) .facts dt", { hasText: term }).locator("+ dd").textContent();
 const button = (page, name) => page.getByRole("button", { name, exact: true });
-// Other tools have fields of the same names, which are hidden.
+// Only the visible field is used, because other tools have hidden fields with the same names.
 const number = (page, name) => page.getByLabel(`${name}, as a number`, { exact: true }).locator("visible=true");
 
 async function enter(page, name, value) {
@@ -66,7 +66,7 @@ async function sample() {
 
 const rested = (page) => page.locator(".relaxation:not(.voronoi) .stop", { hasText: "is at rest" }).waitFor();
 
-/** Pixels of a picture of the view that are darker than what is behind the surface. */
+/** Number of pixels of a picture of the view that are darker than the background. */
 const covered = (page, png) => page.evaluate(async (bytes) => {
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }));
   const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
@@ -77,7 +77,7 @@ const covered = (page, png) => page.evaluate(async (bytes) => {
   return count;
 }, [...png]);
 
-/** A share of the view's width and height, from its middle. */
+/** Clicks at an offset in pixels from the middle of the view. */
 async function clickView(page, right, down) {
   const box = await page.locator(".viewer canvas").boundingBox();
   await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
@@ -130,7 +130,7 @@ describe("a network on a surface", () => {
     await rested(page);
     assert.deepEqual(page.relaxations[0].fixed_points, [0, 1, 2]);
     assert.deepEqual(page.relaxations[0].springs[1], { between: [1, 3], rest_length: 0, weight: 2 });
-    // E = |p - a|^2 + 2 |p - b|^2 + |p - c|^2 at (0.5, -0.5): 2.5 + 2 * 0.5 + 2.5.
+    // The energy |p - a|^2 + 2 |p - b|^2 + |p - c|^2 at p = (0.5, -0.5) is 2.5 + 2 * 0.5 + 2.5.
     assert.equal(await fact(page, "Energy"), "6");
     await picture(page, "network-picked");
     await page.getByLabel("Fixed points").fill("0, 9");
@@ -174,7 +174,7 @@ describe("a network on a surface", () => {
     await button(page, "Make the network").click();
     await until(() => button(page, "Make the network").isDisabled(), "the network");
     assert.equal(await page.locator(".relaxation:not(.voronoi)").isVisible(), false, "nothing is relaxed yet");
-    // Gradient descent goes on for long: there is time to look and to stop.
+    // Gradient descent takes long enough to observe and to cancel it.
     await page.getByText("Accuracy, method and effects").click();
     await page.getByRole("region", { name: "Network" }).getByLabel("Method", { exact: true }).selectOption("gradient_descent");
     await page.getByRole("region", { name: "Network" }).getByLabel("Tolerance of the gradient").selectOption("1e-12");
@@ -218,7 +218,7 @@ describe("a network on a surface", () => {
     const heard = await announcements(page);
     const facts = await wordsOf(page, ".relaxation:not(.voronoi) .facts");
     await button(page, "Relax").click();
-    // Remembered rather than looked for: the work may end between two looks.
+    // The texts are recorded, because the relaxation may end between two checks.
     await until(async () => (await facts()).some((words) => words.includes("≈")), "stretches on the way");
     await picture(page, "membrane-running");
     await page.locator(".relaxation:not(.voronoi) .stop", { hasText: /at rest|limit|equally short/ }).waitFor();
@@ -388,7 +388,7 @@ describe("a network on a surface", () => {
     assert.ok(await page.getByText(`Vertex ${vertex} is at`).isVisible());
     await page.waitForTimeout(300);
     await picture(page, "supports-dragged");
-    // The view was not turned: put back, all is seen as before.
+    // The drag has not rotated the view: after the supports were put back, the picture is as before.
     const dragged = JSON.stringify(movedTo());
     await button(page, "Put supports back").click();
     await until(() => page.relaxations.at(-1).host.moved_vertices === undefined, "the request without moves");
@@ -396,7 +396,7 @@ describe("a network on a surface", () => {
     await until(async () => Number(await fact(page, "Largest displacement")) < 0.3, "the host as it was");
     const [seen, now] = [await covered(page, still), await covered(page, await canvas.screenshot())];
     assert.ok(Math.abs(now - seen) < 0.05 * seen, `${now} pixels instead of ${seen}`);
-    // By the keyboard.
+    // Keys move the chosen support, too.
     await canvas.focus();
     await page.keyboard.press("Shift+ArrowUp");
     await until(() => movedTo(), "the support moved by a key");
@@ -416,7 +416,7 @@ describe("a network on a surface", () => {
     assert.equal(await page.getByLabel("Moved supports").evaluate((input) => input.validity.valid), false);
     await page.getByLabel("Moved supports").fill("");
     await page.getByLabel("Moved supports").press("Enter");
-    // A patch of supports goes as a whole.
+    // Connected supports move together.
     await enter(page, "Chosen support", 5);
     await button(page, "Move the chosen support down").click();
     await until(() => (page.relaxations.at(-1).host.moved_vertices?.length ?? 0) > 10, "all of the lowest tenth moved");

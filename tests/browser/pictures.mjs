@@ -1,8 +1,8 @@
-// Pictures of every page for the documents: wide, wide and dark, and on a phone.
+// Takes pictures of every page for the documents: wide, wide and dark, and on a phone.
 //
 //     node pictures.mjs http://127.0.0.1:8080 ../../docs/images/pages
 //
-// of a server that is running with all models and the built editor.
+// uses a running server with all models and the built editor.
 import { mkdir } from "node:fs/promises";
 import path from "node:path";
 import { chromium } from "playwright-core";
@@ -27,7 +27,7 @@ async function isFound(page) {
   await page.locator('.plot-card[aria-busy="false"]').waitFor();
 }
 
-/** What a picture is called, the page's address, and what makes it ready to be seen. */
+/** Name of each picture, address of its page, and a function that prepares the page. */
 const PAGES = [
   ["design", "design", isFound],
   ["targets", "design", async (page) => {
@@ -65,8 +65,8 @@ for (const [kind, options] of KINDS) {
     page.setDefaultTimeout(120_000);
     await page.goto(`${url}/#/${address}`);
     await ready(page);
-    await page.evaluate(() => scrollTo(0, 0)); // what was set may have been far below
-    await page.waitForTimeout(1500); // what was asked for last is drawn
+    await page.evaluate(() => scrollTo(0, 0)); // the prepared settings may be far below
+    await page.waitForTimeout(1500); // waits until the last answer is drawn
     await page.screenshot({ path: path.join(folder, `${name}-${kind}.png`) });
     await context.close();
     console.log(`${name}-${kind}.png`);

@@ -1,4 +1,4 @@
-// The print of a sheet: what is seen before its G-code is saved.
+// The print dialog of a sheet, and its G-code.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
@@ -24,7 +24,7 @@ class PrintPage {
     this.words = this.dialog.locator(".layer-words");
   }
 
-  /** The plan of what is set is there. */
+  /** Waits for the plan of the present settings. */
   async planned() {
     await until(async () => (await this.dialog.locator(".print-plan").getAttribute("aria-busy")) === "false" && !(await this.isDimmed()) && (await this.dialog.locator(".facts dd").count()) > 0, "the plan");
   }
@@ -42,7 +42,7 @@ class PrintPage {
     return this.dialog.locator(".facts dt", { hasText: term }).locator("+ dd").textContent();
   }
 
-  /** The drawing as it is painted once the next picture is there. */
+  /** The drawing after the next repaint, as a data URL. */
   drawing() {
     return this.dialog.locator("canvas").evaluate((canvas) => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve(canvas.toDataURL())))));
   }
@@ -122,7 +122,7 @@ describe("the dialog of a print", () => {
     await print.enter("Bed along x, mm", 250);
     await print.planned();
     assert.equal(await bed.getAttribute("aria-invalid"), null);
-    // A fault of a field that is folded away opens its group.
+    // A fault of a field in a folded group unfolds the group.
     await dialog.getByText("Lifts over strands").click();
     await print.enter("Begins to rise at, mm", 0.1);
     await dialog.getByText("Lifts over strands").click();
@@ -134,7 +134,7 @@ describe("the dialog of a print", () => {
     await dialog.getByText("unknown command: M999").waitFor();
     await print.planned();
     assert.match(await dialog.locator(".notes").textContent(), /The checker objects 1 time/);
-    // The printer is a person's own: it is still there after a reload, and goes back to the first one.
+    // The browser stores the printer settings over a reload; they can be reset to the default ones.
     await page.reload();
     await print.weave.settled();
     await print.weave.button("Print").click();
@@ -169,13 +169,13 @@ describe("the dialog of a print", () => {
     const { page, dialog } = print;
     for (let k = 0; k < 45; ++k) {
       await page.keyboard.press("Tab");
-      // Beside the dialog's own elements a browser lets its own window be reached, which is the document's body here.
+      // Besides the elements of the dialog, the focus can reach the browser's own window, which appears as the body of the document here.
       assert.ok(await page.evaluate(() => document.activeElement === document.body || document.activeElement.closest("dialog.print") !== null), `after ${k + 1} steps`);
     }
     await page.keyboard.press("Escape");
     await dialog.waitFor({ state: "hidden" });
     assert.equal(await page.evaluate(() => document.activeElement.textContent), "Print");
-    // From the menu of exports it opens as well.
+    // The export menu opens the dialog, too.
     await page.locator("main .menu summary").click();
     await page.locator("main .menu").getByText("Sheet to print (G-code)").click();
     await print.planned();

@@ -1,4 +1,4 @@
-// Work that tells of its progress can be stopped while it does.
+// Running work can be cancelled while its progress is updated.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
@@ -7,7 +7,7 @@ import { WeavePage } from "./weave_page.mjs";
 
 setUp();
 
-/** Follows the work from a quarter to three quarters, with the focus on its button, and stops it by the keyboard. */
+/** Checks that the cancel button keeps the focus while the progress goes from 1/4 to 3/4, and that a key then cancels the work. */
 async function stopsWhileItGoesOn(page, job, card) {
   const row = page.locator(card).locator(".working");
   const reached = (share) => until(async () => (await row.count()) === 1 && (await row.locator("progress").evaluate((bar) => bar.value)) === share, `progress of ${share}`);

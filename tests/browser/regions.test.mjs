@@ -1,4 +1,4 @@
-// Regions of a product: each has targets and a design of its own.
+// Regions of a product, each with its own targets and its own design.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage, withDesign } from "./design_page.mjs";
@@ -69,7 +69,7 @@ describe("regions of a product", () => {
       assert.deepEqual(await design.values(), values);
       assert.equal(page.designs.asked.length, asked, "what is known is not asked for again");
       assert.deepEqual(await design.names(), ["Region 1", "Heel"]);
-      // Undone steps bring their region into sight.
+      // Undoing a step selects its region.
       await design.regions.first().click();
       await page.keyboard.press("Control+z");
       await until(async () => (await design.inSight()) === 1 && (await design.pointHeight(last)) === height, "the heel as it was");

@@ -1,4 +1,4 @@
-// What leaves the design page: links, files, pins.
+// Links, files and pins of the design page.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { describe, it } from "node:test";

@@ -1,4 +1,4 @@
-// A server that answers holders of a key alone.
+// Signing in on a server that requires a key.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { browser, closePage, openPage, picture, server, setUp } from "./harness.mjs";

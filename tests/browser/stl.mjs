@@ -1,14 +1,14 @@
-// What a printer needs of a binary STL file: a closed surface, and its size.
+// Checks of a binary STL file for printing: a closed surface, its size and its volume.
 import assert from "node:assert/strict";
 
 const HEADER = 84;
 const TRIANGLE = 50;
-/** Of a triangle's record: the normal comes before the corners. */
+/** Offset of the corners in the record of a triangle, after the normal. */
 const CORNERS = 12;
 
 /**
- * Size and volume of the solid, in mm and mm^3. Fails where the surface is not watertight: each edge belongs to exactly two
- * triangles, which run through it in opposite directions, and the outside is outside.
+ * Size and volume of the solid, in mm and mm^3. Fails if the surface is not watertight: each edge has to belong to exactly two triangles
+ * with opposite directions, and the normals have to point outwards.
  */
 export function watertight(stl) {
   const count = stl.readUInt32LE(80);

@@ -1,4 +1,4 @@
-// Several targets of one design: tabs that are added, looked at, named and taken away, and what follows them.
+// Several targets of one design: adding, selecting, renaming and removing tabs, and the updates that follow.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage, number, withDesign } from "./design_page.mjs";
@@ -27,7 +27,7 @@ class TargetsPage extends DesignPage {
     await this.settled();
   }
 
-  /** Deviations that the card of the result tells, in per cent. */
+  /** The deviations in the card of the result, in per cent. */
   async deviations() {
     return (await this.page.locator(".target-errors li strong").allTextContents()).map(number);
   }
@@ -47,7 +47,7 @@ describe("several targets", () => {
       await design.add();
       assert.deepEqual(await design.names(), ["Stress, 0°", "Stress, 90°"]);
       assert.equal(await design.inSight(), 1);
-      // The first design looks the same after a quarter of a turn: a direction between tells the targets apart.
+      // The first design responds alike after a quarter turn, so that a direction between is needed for different targets.
       await page.getByLabel("Direction of the load, °, as a number").fill("30");
       await page.keyboard.press("Enter");
       await until(async () => (await design.names())[1] === "Stress, 30°", "the other direction");
@@ -57,7 +57,7 @@ describe("several targets", () => {
       assert.deepEqual(asked.also.map((target) => [target.task, target.direction]), [["stress_strain", 0]]);
       const [heights, deviations] = [[await design.pointHeight(last)], await design.deviations()];
       assert.equal(deviations.length, 2);
-      // A dragged point belongs to the target in sight, and the design follows both.
+      // A dragged point changes the selected target only, and the design follows both targets.
       const answered = page.designs.answered;
       await design.drag(last, 0, 120, () => until(() => page.designs.answered > answered, "an answer while dragging"));
       await design.settled();
@@ -68,7 +68,7 @@ describe("several targets", () => {
       assert.ok(Math.max(...apart) > Math.max(...deviations), `targets that contradict each other are met less well: ${apart}`);
       const [target, achieved, values] = [await design.curve("target"), await design.curve("achieved"), await design.values()];
       await picture(page, "design-targets");
-      // Another tab: its own curve, and no further request.
+      // Selecting another tab shows its curve and sends no request.
       const requests = page.designs.asked.length;
       await design.tabs.first().click();
       await until(async () => (await design.curve("target")) !== target, "the curve of the first target");
@@ -77,7 +77,7 @@ describe("several targets", () => {
       assert.equal(await design.pointHeight(last), first);
       assert.equal(await page.locator(".design-page.outdated").count(), 0, "what is known of it is of now");
       assert.equal(page.designs.asked.length, requests, "to look at a target asks for nothing");
-      // By keys, and back.
+      // Keys select tabs, too.
       await design.tabs.first().focus();
       await page.keyboard.press("ArrowRight");
       await until(async () => (await design.inSight()) === 1 && (await design.pointHeight(last)) === heights[1], "the second target again");
@@ -146,7 +146,7 @@ describe("several targets", () => {
       await until(async () => (await design.tabs.count()) === 2, "both tabs");
       await design.settled();
       assert.deepEqual(await design.names(), ["Stress, 0°", "Across the grain"]);
-      // The step before was made on the other tab: it comes into sight with it.
+      // The undone step belongs to the other tab, so that this tab is selected.
       await page.keyboard.press("Control+z");
       await until(async () => (await design.inSight()) === 1 && (await design.pointHeight(last)) > height, "the point where it was");
       await design.settled();
@@ -192,7 +192,7 @@ describe("several targets", () => {
       await page.locator("main .menu summary", { hasText: "Export" }).click();
       const document = JSON.parse((await saved(page, () => page.getByText("Data (JSON)").click())).text);
       assert.deepEqual([document.name, document.also.length], ["Up & down", 1]);
-      // A pin brings all targets back.
+      // Restoring a pin restores all targets.
       await design.button("Pin").click();
       await page.locator(".pins li").waitFor();
       await page.getByRole("button", { name: "Remove this target" }).click();
@@ -223,7 +223,7 @@ describe("several targets", () => {
     }));
 
   it("are simulated together, and each shows its own simulated curve", async () => {
-    // Small strains are simulated quickly.
+    // The strains are small, because their simulation is quick.
     const target = (suffix, direction) => `task${suffix}=stress_strain&direction${suffix}=${direction}&points${suffix}=0,0;0.02,0.004;0.04,0.008`;
     const design = await TargetsPage.open(browser, `${server.url}/#/design?${target("", 0)}&${target("2", 0.5)}&tab=2&family=IH29&design=IH29&parameters=0.25`);
     const { page } = design;

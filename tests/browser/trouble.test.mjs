@@ -1,4 +1,4 @@
-// What goes wrong: slow searches, faults, a server that is gone.
+// Failures: slow searches, faults, and a server that is gone.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
@@ -31,7 +31,7 @@ describe("a search that takes long", () => {
       assert.equal(ended, 1, "the search was stopped");
     });
     await page.unroute("**/v1/designs");
-    // Not by counting requests: one that was stopped while it was held up may never be told of.
+    // The page's state is checked, because the browser may never report a request that was aborted while it was delayed.
     await until(async () => (await page.locator(".plot-card").getAttribute("aria-busy")) === "false", "the end of the search");
     const values = await design.values();
     const height = await design.pointHeight(index);

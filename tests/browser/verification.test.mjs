@@ -1,4 +1,4 @@
-// Designs simulated at their native scale.
+// Simulations of designs at their native scale.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
@@ -8,7 +8,7 @@ const SIMULATION_MS = 150_000;
 
 setUp();
 
-/** A small strain of one family, whose simulation is quick. */
+/** A design of one family with small strains, whose simulation is quick. */
 const LINK = "#/design?task=stress_strain&family=IH29&direction=0&points=0,0;0.02,0.004;0.04,0.008&design=IH29&parameters=0.25";
 
 describe("a verification", () => {
@@ -34,7 +34,7 @@ describe("a verification", () => {
   });
 
   it("polishes the design until its simulation follows the target, and keeps the simulated curve", async () => {
-    // What the network has of another design: its structure does a little else.
+    // The target is the network's response of another design, so that the simulated response differs from it a little.
     const x = [0, 0.02, 0.04];
     const asked = { task: "stress_strain", family: "IH29", direction: 0, parameters: [0.2], x };
     const headers = { "Content-Type": "application/json" };

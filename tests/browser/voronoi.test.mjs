@@ -1,4 +1,4 @@
-// Voronoi diagrams on the mesh page: scattered, placed, dragged, moved by keys, optimized before one's eyes, saved.
+// Voronoi diagrams on the mesh page: scattering, placing, dragging and moving sites, optimization, and files.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { announcements, browser, closePage, openPage, picture, server, setUp, until } from "./harness.mjs";
@@ -6,7 +6,7 @@ import { saved } from "./weave_page.mjs";
 
 setUp({ webgl: true });
 
-/** A square of the plane, 2 wide, in cells of so many rows; its place in the view is that of the mesh. */
+/** A plane square with side 2, divided into `rows` by `rows` squares. */
 function square(rows) {
   const lines = [];
   for (let i = 0; i <= rows; ++i) for (let j = 0; j <= rows; ++j) lines.push(`v ${(2 * i) / rows - 1} ${(2 * j) / rows - 1} 0`);
@@ -48,7 +48,7 @@ async function addSite(page, name, count) {
   await until(async () => (await fact(page, "Cells")) === String(count), `${count} cells`);
 }
 
-/** How many pixels of the view are within the colours of cells: neither the ground nor a plain surface, which have no colour. */
+/** Number of pixels of the view in the colours of cells. Background and plain surface do not count, because they are grey. */
 const coloured = async (page) => page.evaluate(async (bytes) => {
   const bitmap = await createImageBitmap(new Blob([new Uint8Array(bytes)], { type: "image/png" }));
   const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
@@ -100,7 +100,7 @@ describe("a Voronoi diagram on a surface", () => {
     await addSite(page, "v9", 1);
     await addSite(page, "v54", 2);
     const before = (await page.locator(".viewer canvas").boundingBox());
-    // The place of a site in the view: the dot that is chosen next to it on a click.
+    // A click next to the dot of a site chooses it, which gives its position in the view.
     const box = before;
     const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
     await page.mouse.click(x, y);
@@ -118,12 +118,12 @@ describe("a Voronoi diagram on a surface", () => {
     assert.equal(dragged.length, 3);
     assert.deepEqual(dragged[0], { vertex: 9 });
     assert.notEqual(await page.locator('[aria-label="Voronoi diagram"]').getByText(/^Site 2: Face/).textContent(), placed);
-    // It is where the pointer let it go: a click there chooses it instead of adding another.
+    // The site is where it was released: a click there chooses it instead of adding another one.
     await page.mouse.click(x + 60, y - 30);
     await page.waitForTimeout(200);
     assert.equal(await fact(page, "Cells"), "3");
     await picture(page, "voronoi-dragged");
-    // By the keyboard.
+    // Keys move the chosen site, too.
     await page.locator(".viewer canvas").focus();
     await page.keyboard.press("Shift+ArrowLeft");
     await until(() => JSON.stringify(page.asked.at(-1).document.sites[2]) !== JSON.stringify(dragged[2]), "the site moved by a key");

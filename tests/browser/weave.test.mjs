@@ -1,4 +1,4 @@
-// The weave page: patterns, crossings that are clicked, profiles that follow, strands that are drawn.
+// The weave page: patterns, clicks on crossings, updates of the profile, and drawn strands.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { announcements, browser, closePage, picture, server, setUp, until } from "./harness.mjs";
@@ -29,7 +29,7 @@ describe("a pattern", () => {
     await until(async () => (await weave.crossings.count()) === 4, "the circles");
     await weave.settled();
     await picture(page, "weave-circles");
-    // Rings do not repeat: nothing of the cell before them stays, and nothing is wider than the page.
+    // Rings are not periodic: the previous cell disappears, and nothing is wider than the page.
     await page.getByLabel("Pattern").selectOption("actuated_rings");
     await until(async () => !(await page.locator(".profile").isVisible()), "no stiffness of rings");
     assert.equal(await page.locator(".cell").isVisible(), false);

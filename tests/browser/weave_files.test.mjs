@@ -1,4 +1,4 @@
-// What leaves the weave page, and what goes wrong there: files, links, pins, a server that is gone.
+// Files, links and pins of the weave page, and a server that is gone.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";

@@ -1,8 +1,8 @@
-// The weave page as a person meets it: what can be read there, and done.
+// A page object for the weave page: reads its contents and performs the user's actions.
 import { readFile } from "node:fs/promises";
 import { openPage, until } from "./harness.mjs";
 
-/** The file that pressing something gives. */
+/** The file that is downloaded by an action. */
 export async function saved(page, press) {
   const waiting = page.waitForEvent("download");
   await press();
@@ -29,7 +29,7 @@ export class WeavePage {
     });
   }
 
-  /** The profile of what is shown is there with all its directions. */
+  /** Waits for the profile of the shown weave with all directions. */
   async settled() {
     await this.page.locator(".reading strong").first().waitFor();
     await until(async () => (await this.card.getAttribute("aria-busy")) === "false" && (await this.page.locator(".curve.achieved.provisional").count()) === 0, "the profile with all directions");
@@ -73,7 +73,7 @@ export class WeavePage {
     await this.number(name).press("Enter");
   }
 
-  /** Clicks into the picture of the layout, at a place in mm. */
+  /** Clicks on the drawing of the layout, at a position in mm. */
   async clickAt(x, y) {
     const [left, top] = await this.page.locator(".layout > g").evaluate((plane, [px, py]) => {
       const point = new DOMPoint(px, py).matrixTransform(plane.getScreenCTM());

@@ -1,4 +1,4 @@
-// Sheets of the weave page: simulated, looked at in space, saved.
+// Sheets of the weave page: simulation, 3D view, and files.
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";

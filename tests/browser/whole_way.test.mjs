@@ -1,5 +1,5 @@
-// The whole way of somebody who comes with data and leaves with a file to print: from a measured curve to a coupon, and from the
-// outline of a product to a solid whose regions have designs of their own.
+// Complete workflows from data to a file to print: from a measured curve to a coupon, and from the outline of a product to a solid whose
+// regions have their own designs.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { describe, it } from "node:test";
@@ -8,7 +8,7 @@ import { picture, server, setUp, until } from "./harness.mjs";
 import { watertight } from "./stl.mjs";
 
 const SIMULATION_MS = 150_000;
-/** The triangles of a file have coordinates of four bytes. */
+/** Rounding error of the single-precision coordinates in an STL file, in mm. */
 const ROUNDING_MM = 1e-3;
 
 setUp();
@@ -20,14 +20,14 @@ class WholeWayPage extends DesignPage {
     return this.page.locator("details.part");
   }
 
-  /** Writes into a field of the part as a person does. */
+  /** Enters a value into a field of the part. */
   async write(label, value) {
     const field = this.part.getByLabel(label, { exact: true });
     await field.fill(String(value));
     await field.press("Tab");
   }
 
-  /** The part as STL: its name and what a printer reads of it. */
+  /** The part as STL: its file name, size and volume. */
   async solid() {
     const saved = this.page.waitForEvent("download");
     await this.part.getByRole("button", { name: "STL" }).click();
@@ -46,7 +46,7 @@ async function ask(path, body) {
   return answer.json();
 }
 
-/** What a tensile tester writes of a structure of some material: 500 rows of engineering strain and stress, with semicolons and decimal commas. */
+/** A table in the format of a tensile tester, for a structure of a material with a modulus: 500 rows of engineering strain and stress, with semicolons and decimal commas. */
 async function measuredTable(modulus) {
   const { x, y } = await ask("/v1/profiles", {
     task: "stress_strain", family: "IH29", parameters: [0.25], strain_measure: "engineering", range: [0, 0.04], samples: 500, material: { youngs_modulus: modulus },
@@ -106,7 +106,7 @@ describe("the whole way", () => {
         await page.getByLabel("Name of this region").fill(name);
         await page.keyboard.press("Enter");
       };
-      // Each region is softer than the one before: the sole is stiffest at the heel.
+      // Each further region is softer than the one before, so that the sole is stiffest at the heel.
       await page.getByTitle("Divide the product into regions").click();
       await until(async () => (await tabs.count()) === 2, "two regions");
       await rename("Midfoot");
@@ -126,7 +126,7 @@ describe("the whole way", () => {
       assert.equal(await page.locator("details.part").getAttribute("open"), "", "the part is in sight");
       const where = (region) => design.part.getByLabel(region, { exact: true }).evaluate((list) => list.selectedOptions[0].textContent);
       assert.deepEqual([await where("Heel"), await where("Midfoot"), await where("Forefoot")], ["Within heel", "The rest of the part", "Within forefoot"]);
-      // Half as large, with walls that are softer at the heel.
+      // The drawing is scaled to about half of its size, and the heel gets walls of 0.5 mm.
       await design.write("Width of the drawing, mm", 50);
       await design.write("Frame, mm", 1.2);
       await design.write("Wall thickness of Heel, mm", 0.5);
@@ -143,7 +143,7 @@ describe("the whole way", () => {
 
       const { name, size, volume } = await design.solid();
       assert.match(name, /^supple-.*-41.61x128.98x8mm\.stl$/);
-      // The sole is 83.22 mm by 257.96 mm as it is drawn.
+      // The sole in the drawing is 83.22 mm by 257.96 mm.
       near(size, [83.22 / 2, 257.96 / 2, 8], "the sole");
       assert.ok(volume > 0.05 * 83.22 * 257.96 * 2 && volume < 83.22 * 257.96 * 2, `${volume} mm^3`);
     }, { Kind: WholeWayPage }));

@@ -1,5 +1,5 @@
-// Signing in with a key, where the server asks for one, and out again. The key goes to the server once; what the browser
-// keeps is a session's cookie, which no script sees.
+// Signing in with a key and signing out, on servers that ask for keys. The key is sent once. The browser stores only the
+// cookie of the session, which scripts cannot read.
 import { button } from "./base/controls";
 import { h, uniqueId } from "./base/dom";
 import { Client, explain, isUnauthorized } from "./contract/client";
@@ -7,14 +7,14 @@ import type { KeySession } from "./contract/types";
 
 
 export class Account {
-  /** For the header: who is signed in, and a button to sign out. */
+  /** Part of the header: the name of the key that is signed in, and a button to sign out. */
   readonly element = h("div", { class: "account", hidden: true });
   readonly dialog: HTMLDialogElement;
   private readonly client = new Client();
   private readonly input = h("input", { type: "password", id: uniqueId("key"), required: true, autocomplete: "current-password", spellcheck: "false" });
   private readonly problem = h("p", { class: "problem", role: "alert" });
   private readonly submit = h("button", { type: "submit", class: "button primary" }, "Sign in");
-  private waiting: (() => void)[] = [];
+  private resolvers: (() => void)[] = [];
 
   constructor() {
     const heading = h("h2", { id: uniqueId("sign-in") }, "Sign in");
@@ -33,17 +33,17 @@ export class Account {
     this.dialog = h("dialog", { class: "sign-in", "aria-labelledby": heading.id, oncancel: (event: Event) => event.preventDefault() }, form);
   }
 
-  /** Asks for a key, once for all who wait, and resolves when the server has accepted one. */
+  /** Opens the dialog, if it is closed, and resolves when the server has accepted a key. All callers wait for the same dialog. */
   ask(): Promise<void> {
     return new Promise((resolve) => {
-      this.waiting.push(resolve);
+      this.resolvers.push(resolve);
       if (!this.dialog.open) this.dialog.showModal();
     });
   }
 
-  /** Finds out who is signed in. */
-  async look(): Promise<void> {
-    const session = await this.client.get<KeySession>("/v1/session").catch(() => null); // an ended session, or nobody there
+  /** Asks the server which key is signed in, and shows it. */
+  async checkSession(): Promise<void> {
+    const session = await this.client.get<KeySession>("/v1/session").catch(() => null); // the session has ended, or the server does not answer
     if (session) this.show(session);
   }
 
@@ -54,7 +54,7 @@ export class Account {
       this.show(await this.client.post<KeySession>("/v1/session", { key: this.input.value.trim() }));
       this.input.value = "";
       this.dialog.close();
-      for (const resolve of this.waiting.splice(0)) resolve();
+      for (const resolve of this.resolvers.splice(0)) resolve();
     } catch (error) {
       this.problem.textContent = isUnauthorized(error) ? "The server does not accept this key." : explain(error);
       this.input.select();
@@ -71,6 +71,6 @@ export class Account {
 
   private async signOut(): Promise<void> {
     await this.client.send("DELETE", "/v1/session");
-    location.reload(); // what is in sight was the key's
+    location.reload(); // the page shows data of this key
   }
 }

@@ -1,5 +1,5 @@
-// The bill of what a page computed last, always in sight: how long it took, and one click away by which stages, with
-// which optional parts, how accurately, and what other accuracies cost.
+// The bill of a page's last computations. The header always shows the time of the newest; the menu below it lists stages,
+// optional parts, accuracy, and the time that other accuracies cost.
 import { accuracyTable, costTables, effectTable } from "./base/bill_tables";
 import type { Bill, Bills } from "./base/bills";
 import { announce } from "./base/announce";
@@ -10,7 +10,7 @@ import { seconds } from "./base/format";
 import { menu } from "./base/menu";
 import { table } from "./base/tables";
 
-const WORDS: Readonly<Record<string, string>> = {
+const ENDPOINT_WORDS: Readonly<Record<string, string>> = {
   "/v1/designs": "Search for a design",
   "/v1/profiles": "Profile of a design",
   "/v1/simulations": "Simulation of the structure",
@@ -37,20 +37,20 @@ export class BillMenu {
     this.element = menu("Bill", "clock", this.body);
     this.element.classList.add("bill-menu");
     this.element.addEventListener("toggle", () => this.draw());
-    this.tell();
+    this.updateSummary();
   }
 
-  /** Of the page that is in sight from now on. */
+  /** Shows the bills of another page and follows them. */
   show(bills: Bills): void {
     this.unwatch();
     this.unwatch = bills.list.watch((list) => {
       this.bills = list;
-      this.tell();
+      this.updateSummary();
       this.draw();
     });
   }
 
-  private tell(): void {
+  private updateSummary(): void {
     const label = this.element.querySelector("summary span");
     const [newest] = this.bills;
     if (label) label.textContent = newest ? seconds(newest.cost.seconds) : "Bill";
@@ -60,31 +60,31 @@ export class BillMenu {
   private draw(): void {
     if (!this.element.open) return;
     if (this.bills.length === 0) return replace(this.body, h("p", { class: "muted" }, "Nothing was computed on this page yet."));
-    const opened = new Set([...this.body.querySelectorAll<HTMLDetailsElement>("details[open]")].map((one) => one.dataset.path));
+    const openPaths = new Set([...this.body.querySelectorAll<HTMLDetailsElement>("details[open]")].map((one) => one.dataset.path));
     replace(this.body,
       h("h2", {}, "Bill of this page"),
       h("p", { class: "muted" }, "What the last answers took on the server: stages, optional parts, accuracy."),
-      ...this.bills.map((bill, k) => section(bill, opened.size > 0 ? opened.has(bill.path) : k === 0)));
+      ...this.bills.map((bill, k) => section(bill, openPaths.size > 0 ? openPaths.has(bill.path) : k === 0)));
   }
 }
 
 function nameOf({ path }: Bill): string {
-  return WORDS[path] ?? path.replace("/v1/", "").replace(/-/g, " ");
+  return ENDPOINT_WORDS[path] ?? path.replace("/v1/", "").replace(/-/g, " ");
 }
 
 function section(bill: Bill, open: boolean): HTMLElement {
-  const other = h("div", { class: "accuracy-cost" });
-  void showAccuracyCost(other, bill);
+  const costPanel = h("div", { class: "accuracy-cost" });
+  void showAccuracyCost(costPanel, bill);
   const details = h("details", { class: "bill", "data-path": bill.path },
     h("summary", {}, h("strong", {}, nameOf(bill)), h("span", { class: "muted" }, seconds(bill.cost.seconds))),
     ...costTables(bill.cost),
     bill.effects.length > 0 ? effectTable(bill.effects) : h("p", { class: "muted" }, "This answer has no optional parts."),
-    accuracyTable(bill.accuracy), other, bill.request !== null && copyButton(bill));
+    accuracyTable(bill.accuracy), costPanel, bill.request !== null && copyButton(bill));
   details.open = open;
   return details;
 }
 
-/** The tables of the benchmarks are loaded when they are first looked at. */
+/** Loads the tables of the benchmarks at the first use. */
 async function showAccuracyCost(place: HTMLElement, { path, family }: Bill): Promise<void> {
   const { accuracyCost } = await import("./base/accuracy_cost");
   const found = accuracyCost(path, family);
@@ -96,9 +96,9 @@ function copyButton({ path, request }: Bill): HTMLElement {
   const element = button(words, () => void copy(), { icon: "code", kind: "quiet" });
   async function copy(): Promise<void> {
     const text = curlText(location.origin, path, request);
-    const told = await navigator.clipboard.writeText(text).then(() => "Copied", () => "This page may not write to the clipboard");
-    element.querySelector("span")?.replaceChildren(told);
-    announce(told);
+    const outcome = await navigator.clipboard.writeText(text).then(() => "Copied", () => "This page may not write to the clipboard");
+    element.querySelector("span")?.replaceChildren(outcome);
+    announce(outcome);
   }
   return element;
 }

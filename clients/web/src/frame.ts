@@ -1,4 +1,4 @@
-// What surrounds every page: name, navigation, theme, and word of a lost connection.
+// The frame around every page: name, navigation, theme, and a message while the connection is lost.
 import { announce } from "./base/announce";
 import { button } from "./base/controls";
 import { h } from "./base/dom";
@@ -16,11 +16,11 @@ const THEME_WORDS: Record<Theme, [IconName, string]> = {
 export interface Frame {
   element: HTMLElement;
   main: HTMLElement;
-  /** Marks the page that is in sight. */
+  /** Marks a page as the visible one in the navigation. */
   select(entry: PageEntry): void;
 }
 
-/** `account` says who is signed in, `bill` what the page in sight computed last. */
+/** `account` shows the key that is signed in, `bill` the last computations of the visible page. */
 export function frame(connection: Connection, account: HTMLElement, bill: HTMLElement): Frame {
   const main = h("main", { id: "main", tabindex: -1 });
   const links = PAGES.map((page) => h("a", { href: `#/${page.id}` }, page.title));

@@ -1,4 +1,4 @@
-// Starts the editor: the frame around the pages, and which of them is in sight.
+// Starts the editor: makes the frame, and shows the page that the address names.
 import "./styles/index.css";
 import { Account } from "./account";
 import { liveRegion } from "./base/announce";
@@ -20,25 +20,25 @@ const account = new Account();
 const bill = new BillMenu();
 const { element, main, select } = frame(connection, account.element, bill.element);
 document.body.append(element, liveRegion, account.dialog);
-void account.look();
+void account.checkSession();
 
-interface Made {
+interface OpenedPage {
   readonly page: Page;
   readonly bills: Bills;
 }
 
-const made = new Map<string, Made>();
+const openedPages = new Map<string, OpenedPage>();
 let current: Page | null = null;
 
-/** "#/design?text" is the page "design" with the text of its link. */
+/** The page that the address names, and the text of its link: "#/design?text" is the page "design" with "text". */
 function address(): { entry: PageEntry; text: string } {
   const [id, ...text] = location.hash.replace(/^#\/?/, "").split("?");
   return { entry: PAGES.find((page) => page.id === id) ?? PAGES[0], text: text.join("?") };
 }
 
-async function pageOf(entry: PageEntry): Promise<Made> {
-  const known = made.get(entry.id);
-  if (known) return known;
+async function pageOf(entry: PageEntry): Promise<OpenedPage> {
+  const cached = openedPages.get(entry.id);
+  if (cached) return cached;
   const make = await entry.load();
   const link = {
     read: () => (address().entry === entry ? address().text : ""),
@@ -46,19 +46,19 @@ async function pageOf(entry: PageEntry): Promise<Made> {
       if (address().entry === entry) history.replaceState(null, "", `#/${entry.id}${text && `?${text}`}`);
     },
   };
-  const second = made.get(entry.id); // asked for twice before it was loaded
-  if (second) return second;
+  const concurrent = openedPages.get(entry.id); // a second call that began before the page was loaded
+  if (concurrent) return concurrent;
   const bills = new Bills();
-  const client = new Client("", (answered) => connection.report(answered), () => account.ask(), bills.hear);
+  const client = new Client("", (answered) => connection.report(answered), () => account.ask(), bills.record);
   const page = { page: make({ client, link }), bills };
-  made.set(entry.id, page);
+  openedPages.set(entry.id, page);
   return page;
 }
 
 async function show(): Promise<void> {
   const { entry, text } = address();
   const { page, bills } = await pageOf(entry);
-  if (address().entry !== entry) return; // another one was asked for meanwhile
+  if (address().entry !== entry) return; // the address has changed while the page was loaded
   if (page !== current) {
     current?.close();
     current = page;
@@ -71,6 +71,6 @@ async function show(): Promise<void> {
 
 addEventListener("hashchange", () => void show());
 connection.lost.watch((lost) => {
-  if (!lost) for (const { page } of made.values()) page.reconnected();
+  if (!lost) for (const { page } of openedPages.values()) page.reconnected();
 });
 void show();

@@ -1,22 +1,22 @@
-// What a page of the editor is. A further one is a folder with a function that makes one, and a line in pages.ts.
+// The interface of a page of the editor. A new page needs a folder with a function that makes it, and a line in pages.ts.
 import type { Client } from "./contract/client";
 
-/** The part of the address that belongs to a page: what follows its name. */
+/** The part of the address that belongs to a page: the text after its name. */
 export interface PageLink {
   read(): string;
   write(text: string): void;
 }
 
-export interface Surroundings {
+export interface PageContext {
   client: Client;
   link: PageLink;
 }
 
 export interface Page {
   readonly element: HTMLElement;
-  /** The page comes into sight, with the text of its link. */
+  /** Called when the page becomes visible, with the text of its link. */
   open(text: string): void | Promise<void>;
   close(): void;
-  /** The server answers again. */
+  /** Called when the server answers again after a lost connection. */
   reconnected(): void;
 }

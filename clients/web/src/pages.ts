@@ -1,11 +1,11 @@
 // The pages of the editor, in the order of its navigation. Each is loaded when it is first opened.
-import type { Page, Surroundings } from "./page";
+import type { Page, PageContext } from "./page";
 
 export interface PageEntry {
-  /** First part of the address after #/. */
+  /** First part of the address after "#/". */
   id: string;
   title: string;
-  load: () => Promise<(surroundings: Surroundings) => Page>;
+  load: () => Promise<(context: PageContext) => Page>;
 }
 
 export const PAGES: readonly PageEntry[] = [

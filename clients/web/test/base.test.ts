@@ -1,7 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 import { digits, fixed, percent, plain, seconds } from "../src/base/format";
 import { History } from "../src/base/history";
-import { late } from "../src/base/late";
+import { debounce } from "../src/base/debounce";
 import { Latest } from "../src/base/latest";
 import { Sentences } from "../src/base/sentences";
 import { EventReader } from "../src/contract/jobs";
@@ -124,19 +124,19 @@ describe("an action that waits for a pause", () => {
   it("runs once after the last request, at once when told, and never once cancelled", () => {
     vi.useFakeTimers();
     const action = vi.fn();
-    const waiting = late(action, 100);
-    waiting.ask();
+    const waiting = debounce(action, 100);
+    waiting.schedule();
     vi.advanceTimersByTime(99);
-    waiting.ask();
+    waiting.schedule();
     vi.advanceTimersByTime(99);
     expect(action).toHaveBeenCalledTimes(0);
     vi.advanceTimersByTime(1);
     expect(action).toHaveBeenCalledTimes(1);
-    waiting.ask();
-    waiting.now();
+    waiting.schedule();
+    waiting.flush();
     vi.advanceTimersByTime(200);
     expect(action).toHaveBeenCalledTimes(2);
-    waiting.ask();
+    waiting.schedule();
     waiting.cancel();
     vi.advanceTimersByTime(200);
     expect(action).toHaveBeenCalledTimes(2);

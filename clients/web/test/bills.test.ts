@@ -8,10 +8,10 @@ const cost = { seconds: 0.2, stages: [{ name: "search", seconds: 0.1, count: 3 }
 describe("the bill of an answer", () => {
   it("is kept for each endpoint, the newest first", () => {
     const bills = new Bills();
-    bills.hear("/v1/designs", { family: "IH22", cost, effects: [{ name: "polish" }], accuracy: { tolerance: 1e-6 } });
-    bills.hear("/v1/profiles?x=1", { cost });
-    bills.hear("/v1/designs", { family: "IH28", cost });
-    bills.hear("/v1/models", { models: [] });
+    bills.record("/v1/designs", { family: "IH22", cost, effects: [{ name: "polish" }], accuracy: { tolerance: 1e-6 } });
+    bills.record("/v1/profiles?x=1", { cost });
+    bills.record("/v1/designs", { family: "IH28", cost });
+    bills.record("/v1/models", { models: [] });
     expect(bills.list.get().map((bill) => [bill.path, bill.family])).toEqual([["/v1/designs", "IH28"], ["/v1/profiles", null]]);
     expect(billOf("/v1/x", null)).toBeNull();
   });
@@ -21,7 +21,7 @@ describe("the bill of an answer", () => {
     const send = globalThis.fetch;
     globalThis.fetch = async () => new Response(JSON.stringify({ cost }), { headers: { "Content-Type": "application/json" } });
     try {
-      await new Client("", undefined, undefined, bills.hear).post("/v1/geodesics", {});
+      await new Client("", undefined, undefined, bills.record).post("/v1/geodesics", {});
     } finally {
       globalThis.fetch = send;
     }

@@ -1,11 +1,11 @@
 import { describe, expect, it } from "vitest";
 import type { Outlines } from "../src/contract/types";
-import { type Drawing, isDrawing, layoutOf, moved } from "../src/design/drawing";
+import { type Drawing, isDrawing, layoutOf, withRegionMoved } from "../src/design/drawing";
 import { fillingsOf, materialsNote } from "../src/design/fillings";
-import { DEFAULT_MADE } from "../src/design/made";
-import { type Filling, FIRST_PART, outlineRequest, partRequest, productOf } from "../src/design/part";
+import { DEFAULT_SPECIFICATION } from "../src/design/specification";
+import { type Filling, INITIAL_PART, outlineRequest, partRequest, productOf } from "../src/design/part";
 import { regionOf } from "../src/design/region_list";
-import type { Shown } from "../src/design/shown";
+import type { TargetResponse } from "../src/design/shown";
 import { DEFAULT_STATE, type Region } from "../src/design/state";
 
 const square = (side: number, x = 0, y = 0): [number, number][] => [[x, y], [x + side, y], [x + side, y + side], [x, y + side]];
@@ -37,12 +37,12 @@ describe("the curves of a drawing", () => {
     const names = ["Toes", "Heel", "Arch"];
     const layout = layoutOf(sole, names, none);
     expect(layout.regions).toEqual(["rest", 0, 2]);
-    const after = moved(layout, none, 0, 0);
+    const after = withRegionMoved(layout, none, 0, 0);
     expect(after.regions).toEqual([0, "rest", 2]);
     expect(layoutOf(sole, names, after)).toEqual({ outline: [1], regions: [0, "rest", 2] });
-    expect(moved(layout, none, 1, 2).regions).toEqual(["rest", 2, 0]);
-    expect(moved(layout, none, 2, "nowhere").regions).toEqual(["rest", 0, "nowhere"]);
-    expect(moved(layout, none, 0, "nowhere").regions).toEqual(["nowhere", "rest", 2]);
+    expect(withRegionMoved(layout, none, 1, 2).regions).toEqual(["rest", 2, 0]);
+    expect(withRegionMoved(layout, none, 2, "nowhere").regions).toEqual(["rest", 0, "nowhere"]);
+    expect(withRegionMoved(layout, none, 0, "nowhere").regions).toEqual(["nowhere", "rest", 2]);
   });
 });
 
@@ -66,7 +66,7 @@ describe("a product", () => {
 
   it("has a structure in each region", () => {
     const product = productOf(sole, layout, [filling("a"), filling("b", 0.3), filling("c")]);
-    const request = partRequest({ family: "IH22", parameters: [] }, { ...FIRST_PART, kind: "drawing", orientation: 90 }, product);
+    const request = partRequest({ family: "IH22", parameters: [] }, { ...INITIAL_PART, kind: "drawing", orientation: 90 }, product);
     expect(request).toMatchObject({
       outline: { polygons: [square(9)] }, structure: { family: "of a", parameters: [0.5] },
       regions: [{ name: "b", outline: square(3, 1, 1), structure: { family: "of b" }, orientation: 0.3 }, { name: "c", outline: square(4, 4, 4) }],
@@ -81,18 +81,18 @@ describe("a product", () => {
 
   it("has walls as its designs were asked for, or as somebody chose them", () => {
     const plain: Region = { ...regionOf(DEFAULT_STATE), found: { family: "IH22", parameters: [0.5] } };
-    const wide: Region = { ...plain, region: "Heel", made: { ...DEFAULT_MADE, size: { kind: "beam_width", value: 0.8 }, orientation: 180 } };
-    const cells: Region = { ...plain, made: { ...DEFAULT_MADE, size: { kind: "cell_size", value: 5 } } };
-    const shown = [null, null, [{ measures: { beamWidth: 0.61234567 } } as Shown], null];
+    const wide: Region = { ...plain, region: "Heel", made: { ...DEFAULT_SPECIFICATION, size: { kind: "beam_width", value: 0.8 }, orientation: 180 } };
+    const cells: Region = { ...plain, made: { ...DEFAULT_SPECIFICATION, size: { kind: "cell_size", value: 5 } } };
+    const shown = [null, null, [{ measures: { beamWidth: 0.61234567 } } as TargetResponse], null];
     const all = fillingsOf([plain, wide, cells, { ...plain, found: null }], shown, [undefined, undefined, undefined, 3]);
-    expect(all.map((one) => one?.beamWidth)).toEqual([FIRST_PART.beamWidth, 0.8, 0.6123, undefined]);
+    expect(all.map((one) => one?.beamWidth)).toEqual([INITIAL_PART.beamWidth, 0.8, 0.6123, undefined]);
     expect(all[1]).toMatchObject({ name: "Heel", orientation: Math.PI });
     expect(fillingsOf([plain], [null], [1.5])[0]?.beamWidth).toBe(1.5);
   });
 
   it("is of one material, which is told where its designs are not", () => {
     const soft: Region = { ...regionOf(DEFAULT_STATE), found: { family: "IH22", parameters: [0.5] } };
-    const hard: Region = { ...soft, made: { ...DEFAULT_MADE, youngsModulus: 2500 } };
+    const hard: Region = { ...soft, made: { ...DEFAULT_SPECIFICATION, youngsModulus: 2500 } };
     expect(materialsNote([soft, soft])).toBe("");
     expect(materialsNote([soft, { ...hard, found: null }])).toBe("");
     expect(materialsNote([soft, hard])).toMatch(/different materials \(26, 2500 MPa\)/);

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { DEFORMATION_RAMP, deformationColour, deformationOf, greatestFactor } from "../src/mesh/deformation";
-import { type Host, hostFault, hostFor, hostLimits, lowestVertices, patchOf, placeOfSupport, withMoved, withSupport } from "../src/mesh/host";
+import { type Host, hostFault, defaultHost, hostLimits, lowestVertices, connectedSupports, supportPosition, withMovedSupports, withToggledSupport } from "../src/mesh/host";
 import { hostFacts } from "../src/mesh/host_legend";
 import { readMoves, readSupports, writeMoves, writeSupports } from "../src/mesh/host_text";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
@@ -10,7 +10,7 @@ import { DEFAULT_NETWORK, type NetworkState, onAnotherMesh } from "../src/mesh/n
 
 const MESH = "ab".repeat(32);
 const network: Network = { points: [{ vertex: 0 }, { vertex: 1 }], positions: [[0, 0, 0], [1, 0, 0]], pairs: [[0, 1]], triangles: [] };
-const shell: Host = { ...hostFor(2), kind: "shell", thickness: 0.1, shellModulus: 50, poissonRatio: 0.25, supports: [3, 4, 5, 9] };
+const shell: Host = { ...defaultHost(2), kind: "shell", thickness: 0.1, shellModulus: 50, poissonRatio: 0.25, supports: [3, 4, 5, 9] };
 const on = (host: Host): NetworkState => ({ ...DEFAULT_NETWORK, host });
 
 describe("the request of a network", () => {
@@ -45,7 +45,7 @@ describe("the request of a network", () => {
 describe("a host", () => {
   it("has lengths and moduli for the size of its mesh, within what the page offers", () => {
     for (const diagonal of [0.02, 1, 9, 400]) {
-      const [host, limits] = [hostFor(diagonal), hostLimits(diagonal)];
+      const [host, limits] = [defaultHost(diagonal), hostLimits(diagonal)];
       expect(host.thickness / diagonal).toBeCloseTo(0.03, 2);
       for (const name of ["thickness", "shellModulus", "solidModulus", "volumeWeight", "gravity"] as const) {
         const [lower, upper] = limits[name];
@@ -58,28 +58,28 @@ describe("a host", () => {
   });
 
   it("is held at a vertex, or let go", () => {
-    expect(withSupport(shell, 1).supports).toEqual([1, 3, 4, 5, 9]);
-    expect(withSupport(shell, 4).supports).toEqual([3, 5, 9]);
+    expect(withToggledSupport(shell, 1).supports).toEqual([1, 3, 4, 5, 9]);
+    expect(withToggledSupport(shell, 4).supports).toEqual([3, 5, 9]);
   });
 
   const mesh = { positions: Float64Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 5, 5, 5]), faces: Uint32Array.from([0, 1, 2, 1, 3, 2]) };
 
   it("takes supports elsewhere, those that edges join along, and forgets where they go when they are let go", () => {
-    const held = { ...shell, supports: [0, 1, 3, 4] };
-    expect(patchOf(held.supports, mesh, 0)).toEqual([0, 1, 3]);
-    expect(patchOf([0, 3], mesh, 0)).toEqual([0]);
-    expect(patchOf(held.supports, mesh, 4)).toEqual([4]);
-    const moved = withMoved(held, mesh, [0, 1], 1, [1, 0, 2]);
+    const supported = { ...shell, supports: [0, 1, 3, 4] };
+    expect(connectedSupports(supported.supports, mesh, 0)).toEqual([0, 1, 3]);
+    expect(connectedSupports([0, 3], mesh, 0)).toEqual([0]);
+    expect(connectedSupports(supported.supports, mesh, 4)).toEqual([4]);
+    const moved = withMovedSupports(supported, mesh, [0, 1], 1, [1, 0, 2]);
     expect(moved.moves).toEqual([{ vertex: 0, to: [0, 0, 2] }, { vertex: 1, to: [1, 0, 2] }]);
-    expect(placeOfSupport(moved, mesh, 0)).toEqual([0, 0, 2]);
-    expect(placeOfSupport(moved, mesh, 3)).toEqual([1, 1, 0]);
-    const further = withMoved(moved, mesh, [0], 0, [0, 1, 2]);
+    expect(supportPosition(moved, mesh, 0)).toEqual([0, 0, 2]);
+    expect(supportPosition(moved, mesh, 3)).toEqual([1, 1, 0]);
+    const further = withMovedSupports(moved, mesh, [0], 0, [0, 1, 2]);
     expect(further.moves).toEqual([{ vertex: 0, to: [0, 1, 2] }, { vertex: 1, to: [1, 0, 2] }]);
-    expect(withSupport(further, 0).moves).toEqual([{ vertex: 1, to: [1, 0, 2] }]);
+    expect(withToggledSupport(further, 0).moves).toEqual([{ vertex: 1, to: [1, 0, 2] }]);
     expect(relaxationRequest(MESH, on(further), network).host).toMatchObject({
       fixed_vertices: [3, 4], moved_vertices: [{ vertex: 0, positions: [[0, 1, 2]] }, { vertex: 1, positions: [[1, 0, 2]] }],
     });
-    expect(relaxationRequest(MESH, on(held), network).host).not.toHaveProperty("moved_vertices");
+    expect(relaxationRequest(MESH, on(supported), network).host).not.toHaveProperty("moved_vertices");
     expect(hostFault({ ...further, supports: [0, 1] }, { boundary_loops: 0 })).toMatch(/needs three/);
     expect(hostFault(further, { boundary_loops: 0 })).toBeNull();
   });

@@ -2,33 +2,33 @@ import { describe, expect, it } from "vitest";
 import type { DesignAnswer, Profile, StructureAnswer } from "../src/contract/types";
 import { commandOf, curlOf, pythonOf, searchOf } from "../src/design/copy_text";
 import { readLink, writeLink } from "../src/design/link";
-import { DEFAULT_MADE, faultOf, leavesModulus, type Made, madeRequest, modulusOf, sameMade } from "../src/design/made";
-import { FIRST_PART, partRequest, settingsOf } from "../src/design/part";
+import { DEFAULT_SPECIFICATION, faultOf, searchesModulus, type Specification, specificationFields, modulusOf, sameSpecification } from "../src/design/specification";
+import { INITIAL_PART, partRequest, settingsOf } from "../src/design/part";
 import { regionOf, regionsOf, withRegions } from "../src/design/region_list";
 import { designRequest, patchRequest, polishRequest, profileRequest, regionsRequest, structurePath, verificationRequest } from "../src/design/requests";
-import { freshness, shownDesigns, shownProfiles } from "../src/design/shown";
+import { freshness, designResponses, profileResponses } from "../src/design/shown";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
 
 const origin = "http://127.0.0.1:8080";
 const found = { family: "IH22", parameters: [0.3, 0.4] };
 const plain: DesignState = { ...DEFAULT_STATE, points: [[-0.1, -0.5], [0, 0], [0.2, 1]], found, fixed: [false, false] };
-const given: Made = { ...DEFAULT_MADE, youngsModulus: 2500, density: 1.24, orientation: 30, size: { kind: "beam_width", value: 0.5 } };
-const open: Made = { ...DEFAULT_MADE, youngsModulus: [20, 60], density: 1.21, orientation: [0, 180], size: { kind: "cell_size", value: 5 }, relativeDensity: [0.1, 0.35], leastBeamWidth: 0.4 };
-/** As a search answers that was left to find the modulus and the orientation. */
+const given: Specification = { ...DEFAULT_SPECIFICATION, youngsModulus: 2500, density: 1.24, orientation: 30, size: { kind: "beam_width", value: 0.5 } };
+const open: Specification = { ...DEFAULT_SPECIFICATION, youngsModulus: [20, 60], density: 1.21, orientation: [0, 180], size: { kind: "cell_size", value: 5 }, relativeDensity: [0.1, 0.35], leastBeamWidth: 0.4 };
+/** The state after a search that has chosen the modulus and the orientation. */
 const searched: DesignState = { ...plain, made: open, family: "IH22", found: { ...found, youngsModulus: 41, orientation: 1.25 } };
 
 describe("a request", () => {
   it("has nothing of what is as the server takes it anyway", () => {
-    expect(madeRequest(DEFAULT_MADE)).toEqual({});
+    expect(specificationFields(DEFAULT_SPECIFICATION)).toEqual({});
     const request = designRequest(plain, "search", "s");
     for (const field of ["material", "orientation", "initial_orientation", "beam_width", "cell_size", "limits"]) expect(request).not.toHaveProperty(field);
-    expect(profileRequest(plain, found, DEFAULT_MADE)).not.toHaveProperty("material");
+    expect(profileRequest(plain, found, DEFAULT_SPECIFICATION)).not.toHaveProperty("material");
     expect(patchRequest(plain, found)).not.toHaveProperty("material");
   });
 
   it("has what is given, with angles in radians", () => {
     expect(designRequest({ ...plain, made: given }, "follow", "s")).toMatchObject({ material: { youngs_modulus: 2500, density: 1.24 }, orientation: Math.PI / 6, beam_width: 0.5 });
-    expect(designRequest({ ...plain, made: { ...DEFAULT_MADE, density: 1.3 } }, "search", "s").material).toEqual({ density: 1.3 });
+    expect(designRequest({ ...plain, made: { ...DEFAULT_SPECIFICATION, density: 1.3 } }, "search", "s").material).toEqual({ density: 1.3 });
   });
 
   it("leaves ranges to the search, which begins where the last one ended", () => {
@@ -64,7 +64,7 @@ describe("a request", () => {
 });
 
 describe("several materials", () => {
-  const list: Made = { ...DEFAULT_MADE, materials: [{ name: "TPU & co: soft", youngsModulus: [20, 60], density: 1.21 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }], cellSizes: [2, 8] };
+  const list: Specification = { ...DEFAULT_SPECIFICATION, materials: [{ name: "TPU & co: soft", youngsModulus: [20, 60], density: 1.21 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }], cellSizes: [2, 8] };
   const chosen: DesignState = { ...plain, made: list, family: "IH22", found: { ...found, material: "PLA", youngsModulus: 2500 } };
 
   it("are in a request, and one of them is that of a design", () => {
@@ -75,17 +75,17 @@ describe("several materials", () => {
     expect(verificationRequest(chosen, chosen.found ?? found)).not.toHaveProperty("limits");
     expect(modulusOf(list, null)).toBe(40);
     expect(modulusOf(list, { material: "ABS", youngsModulus: 2100 })).toBe(60);
-    expect([leavesModulus(list), leavesModulus({ ...list, materials: [list.materials[1]] }), leavesModulus(DEFAULT_MADE)]).toEqual([true, false, false]);
-    expect(madeRequest({ ...list, size: { kind: "cell_size", value: 5 } })).not.toHaveProperty("limits");
+    expect([searchesModulus(list), searchesModulus({ ...list, materials: [list.materials[1]] }), searchesModulus(DEFAULT_SPECIFICATION)]).toEqual([true, false, false]);
+    expect(specificationFields({ ...list, size: { kind: "cell_size", value: 5 } })).not.toHaveProperty("limits");
   });
 
   it("are in links and in what is copied", () => {
     expect(readLink(writeLink(chosen))).toEqual(chosen);
     const two = withRegions([regionOf(chosen), { ...regionOf(plain), region: "Heel" }], 0);
     expect(readLink(writeLink(two))).toEqual(two);
-    expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3A"))?.made).toEqual(DEFAULT_MADE);
+    expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3A"))?.made).toEqual(DEFAULT_SPECIFICATION);
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(chosen, origin))?.[1] ?? "").material).toHaveLength(2);
-    expect(commandOf({ ...plain, made: { ...DEFAULT_MADE, cellSizes: [2, 8] } }, origin)).toContain('--cell-size-limits="2,8"');
+    expect(commandOf({ ...plain, made: { ...DEFAULT_SPECIFICATION, cellSizes: [2, 8] } }, origin)).toContain('--cell-size-limits="2,8"');
     expect(pythonOf(chosen, origin)).toContain('material=[supple.Material(name="TPU & co: soft", youngs_modulus=[20, 60], density=1.21), supple.Material(name="PLA", youngs_modulus=2500, density=1.24)]');
   });
 
@@ -107,7 +107,7 @@ describe("a link", () => {
 
   it("is as before where nothing of it was changed", () => {
     expect(writeLink(plain)).not.toMatch(/modulus|density|orientation|width|cell/);
-    expect(readLink(writeLink(plain))?.made).toEqual(DEFAULT_MADE);
+    expect(readLink(writeLink(plain))?.made).toEqual(DEFAULT_SPECIFICATION);
   });
 
   it("keeps the material of each region", () => {
@@ -117,7 +117,7 @@ describe("a link", () => {
 
   it.each(["modulus=-3", "modulus=60,20", "modulus=x", "density=1,2", "orientation=0,270", "orientation=9e9", "beam-width=0", "cell-size=nan", "relative-density=0.3", "relative-density=0.1,7", "least-beam-width=0"])(
     "has the defaults for what no server would take: %s", (field) => {
-      expect(readLink(`task=stress_strain&points=0,0;1,1&${field}`)?.made).toEqual(DEFAULT_MADE);
+      expect(readLink(`task=stress_strain&points=0,0;1,1&${field}`)?.made).toEqual(DEFAULT_SPECIFICATION);
     });
 });
 
@@ -128,7 +128,7 @@ describe("a search as text", () => {
     for (const option of ['youngs-modulus="20,60"', 'density="1.21"', 'orientation="0deg,180deg"', 'cell-size="5"', 'relative-density="0.1,0.35"', 'beam-width-limits="0.4,100"']) expect(text).toContain(`--${option}`);
     expect(commandOf({ ...plain, made: given }, origin)).toMatch(/--youngs-modulus="2500" \\\n {2}--density="1.24" \\\n {2}--orientation="30deg" \\\n {2}--beam-width="0.5"/);
     expect(commandOf(plain, origin)).not.toMatch(/--(youngs|density|orientation|beam|cell|relative)/);
-    // The command line has no option for the orientation to begin with.
+    // The command line has no option for the initial orientation.
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(searched, origin))?.[1] ?? "").initial_orientation).toBe(1.25);
   });
 
@@ -152,18 +152,18 @@ describe("what a design is made of", () => {
   } as unknown as DesignAnswer;
 
   it("is that of the answer, and of an earlier decision once another is wanted", () => {
-    const [shown] = shownDesigns(answer, searched);
+    const [shown] = designResponses(answer, searched);
     expect(shown.found).toEqual(searched.found);
     expect(shown.measures).toEqual({ material: "", youngsModulus: 41, materialDensity: 1.21, orientation: 1.25, beamWidth: 0.45, cellSize: 5, relativeDensity: 0.2, density: 0.242 });
     expect(freshness(shown, searched)).toBe("current");
     expect(freshness(shown, { ...searched, made: { ...open, density: 1.3 } })).toBe("outdated");
     expect(freshness(shown, { ...searched, made: { ...open } })).toBe("current");
-    expect(shownDesigns(answer, plain)[0].found).toEqual(found);
+    expect(designResponses(answer, plain)[0].found).toEqual(found);
   });
 
   it("is known of parameters set by hand as far as it was given", () => {
     const byHand = { ...searched, made: { ...open, size: given.size, leastBeamWidth: null }, byHand: true };
-    const [shown] = shownProfiles([{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], byHand);
+    const [shown] = profileResponses([{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], byHand);
     expect(freshness(shown, byHand)).toBe("current");
     expect(shown.measures).toMatchObject({ youngsModulus: 41, orientation: 1.25, beamWidth: 0.5, cellSize: null, density: null });
   });
@@ -171,25 +171,25 @@ describe("what a design is made of", () => {
   it("is measured on the structure of parameters set by hand, whatever its size", () => {
     const profiles = [{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile];
     const structure = { beam_width: 0.3, cell_area: 9, relative_density: 0.25 } as StructureAnswer;
-    const [cells] = shownProfiles(profiles, { ...searched, byHand: true }, structure);
+    const [cells] = profileResponses(profiles, { ...searched, byHand: true }, structure);
     expect(cells.measures).toMatchObject({ cellSize: 5, beamWidth: 0.5, relativeDensity: 0.25, density: 0.3025, materialDensity: 1.21 });
-    const [beams] = shownProfiles(profiles, { ...plain, byHand: true }, structure);
+    const [beams] = profileResponses(profiles, { ...plain, byHand: true }, structure);
     expect(beams.measures).toMatchObject({ cellSize: 3, beamWidth: 0.3, density: 0.3 });
-    expect(shownProfiles(profiles, { ...plain, byHand: true }, null)[0].measures).toMatchObject({ beamWidth: 0.3, cellSize: null, density: null });
+    expect(profileResponses(profiles, { ...plain, byHand: true }, null)[0].measures).toMatchObject({ beamWidth: 0.3, cellSize: null, density: null });
   });
 
   it("is what a part begins with", () => {
-    const [shown] = shownDesigns(answer, searched);
+    const [shown] = designResponses(answer, searched);
     expect(settingsOf(shown)).toEqual({ beamWidth: 0.45, density: 1.21, orientation: 71.62, direction: 0 });
-    expect(settingsOf({ ...shown, made: DEFAULT_MADE }).beamWidth).toBe(FIRST_PART.beamWidth);
-    expect(partRequest(found, { ...FIRST_PART, ...settingsOf(shown) })).toMatchObject({ beam_width: 0.45, material: { density: 1.21 }, orientation: expect.closeTo(1.25, 4), direction: 0 });
-    expect(partRequest(found, FIRST_PART)).not.toHaveProperty("orientation");
+    expect(settingsOf({ ...shown, made: DEFAULT_SPECIFICATION }).beamWidth).toBe(INITIAL_PART.beamWidth);
+    expect(partRequest(found, { ...INITIAL_PART, ...settingsOf(shown) })).toMatchObject({ beam_width: 0.45, material: { density: 1.21 }, orientation: expect.closeTo(1.25, 4), direction: 0 });
+    expect(partRequest(found, INITIAL_PART)).not.toHaveProperty("orientation");
   });
 
   it("is loaded in a part along its own direction, where it has one alone", () => {
-    const [shown] = shownDesigns(answer, searched);
+    const [shown] = designResponses(answer, searched);
     const along = (direction: number) => ({ ...shown.targets[0], direction });
-    const settings = (...targets: (typeof shown)["targets"][number][]) => ({ ...FIRST_PART, ...settingsOf({ ...shown, targets }) });
+    const settings = (...targets: (typeof shown)["targets"][number][]) => ({ ...INITIAL_PART, ...settingsOf({ ...shown, targets }) });
     expect(settings(along(Math.PI / 6)).direction).toBe(30);
     expect(partRequest(found, settings(along(Math.PI / 6)))).toMatchObject({ direction: expect.closeTo(Math.PI / 6, 4) });
     expect(partRequest(found, { ...settings(along(Math.PI / 6)), kind: "rectangle" })).not.toHaveProperty("direction");
@@ -209,7 +209,7 @@ describe("what the server would refuse", () => {
     expect(faultOf({ ...open, size: { kind: "cell_size", value: NaN } })).toEqual({ field: "size", sentence: "The size of a cell is a number from 0.01 mm to 2,000 mm." });
     expect(faultOf({ ...open, relativeDensity: [0.1, 1.2] })?.sentence).toBe("The relative density is a number from 0 % to 100 %.");
     expect(faultOf({ ...open, leastBeamWidth: 0 })?.field).toBe("leastBeamWidth");
-    expect(sameMade(open, { ...open })).toBe(true);
-    expect(sameMade(open, { ...open, leastBeamWidth: null })).toBe(false);
+    expect(sameSpecification(open, { ...open })).toBe(true);
+    expect(sameSpecification(open, { ...open, leastBeamWidth: null })).toBe(false);
   });
 });

@@ -1,10 +1,10 @@
-// Means from several starts: what is asked, what is said, what a link keeps.
+// Karcher means from several starts: requests, facts, and links.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Client } from "../src/contract/client";
 import type { Geodesics, KarcherMean } from "../src/contract/types";
 import { findings } from "../src/mesh/findings";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
-import { MeshSession, MOST_STARTS } from "../src/mesh/session";
+import { MeshSession, MAX_STARTS } from "../src/mesh/session";
 
 const MESH = "ab".repeat(32);
 const VERTICES = [[0, 0, 0], [1, 0, 0], [0, 1, 0]];
@@ -23,16 +23,16 @@ function meanOf(starts: number): KarcherMean {
 
 const NO_PATHS = { mesh: MESH, results: [], cost: { seconds: 0, stages: [], quantities: {} } } as unknown as Geodesics;
 
-let asked: number[];
+let requests: number[];
 
 beforeEach(() => {
-  asked = [];
+  requests = [];
   vi.stubGlobal("fetch", async (url: string, init: RequestInit = {}) => {
     if (String(url) === `/v1/meshes/${MESH}`) return Response.json({ id: MESH, vertices: 3, faces: 1, area: 0.5, bounding_box: { diagonal: 2 }, warnings: [] });
     if (String(url).endsWith("/content")) return new Response(ply());
     if (String(url) !== "/v1/karcher-means") return Response.json(NO_PATHS);
     const { starts } = JSON.parse(String(init.body)) as { starts: number };
-    asked.push(starts);
+    requests.push(starts);
     return Response.json(meanOf(starts));
   });
 });
@@ -44,16 +44,16 @@ describe("a mean", () => {
     session.setStarts(2);
     session.setTool("mean");
     await session.open(MESH, [{ vertex: 0 }, { vertex: 1 }]);
-    await vi.waitFor(() => expect(asked).toEqual([2]));
+    await vi.waitFor(() => expect(requests).toEqual([2]));
     await vi.waitFor(() => expect(session.finding.get().facts).toContainEqual(["Start", "2 of 2"]));
     session.setStarts(5);
     await vi.waitFor(() => expect(session.finding.get().facts).toContainEqual(["Start", "5 of 5"]));
-    expect(asked).toEqual([2, 5]);
+    expect(requests).toEqual([2, 5]);
     session.setTool("path");
     await vi.waitFor(() => expect(session.activity.get().kind).toBe("idle"));
     session.setStarts(1);
     session.setTool("mean");
-    await vi.waitFor(() => expect(asked).toEqual([2, 5, 1]));
+    await vi.waitFor(() => expect(requests).toEqual([2, 5, 1]));
     await vi.waitFor(() => expect(session.finding.get().mean).not.toBeNull());
     expect(session.finding.get().facts.map(([term]) => term)).not.toContain("Start");
   });
@@ -64,6 +64,6 @@ describe("a mean", () => {
     expect(writeMeshLink({ ...link, tool: "path" })).not.toContain("starts");
     expect(writeMeshLink({ ...link, starts: 1 })).not.toContain("starts");
     for (const text of ["0", "1", "-3", "x", "9999"]) expect(readMeshLink(`mesh=${MESH}&tool=mean&starts=${text}`)?.starts).toBeUndefined();
-    expect(readMeshLink(`mesh=${MESH}&tool=mean&starts=999`)?.starts).toBe(MOST_STARTS);
+    expect(readMeshLink(`mesh=${MESH}&tool=mean&starts=999`)?.starts).toBe(MAX_STARTS);
   });
 });

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import { Client } from "../src/contract/client";
-import { askedFor, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, FIRST_SETTINGS, reductionSentence } from "../src/design/measured";
+import { askedPointers, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
@@ -18,7 +18,7 @@ const CURVE: MeasuredCurve = {
 } as unknown as MeasuredCurve;
 
 function data(change: Partial<MeasuredData> = {}): MeasuredData {
-  return { name: "a.csv", table: { text: "1,2" }, settings: FIRST_SETTINGS, curve: CURVE, problem: "", places: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
+  return { name: "a.csv", table: { text: "1,2" }, settings: INITIAL_SETTINGS, curve: CURVE, problem: "", pointers: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
 }
 
 describe("measured data", () => {
@@ -41,7 +41,7 @@ describe("measured data", () => {
 
   it("says how close the control points come", () => {
     const notes: MeasuredCurve["notes"] = [{ level: "note", text: "3 points were set aside.", pointer: "" }, { level: "warning", text: "Half were.", pointer: "" }];
-    const sentence = reductionSentence({ ...CURVE, notes }, String, (share) => `${100 * share} %`);
+    const sentence = reductionSentence({ ...CURVE, notes }, String, (fraction) => `${100 * fraction} %`);
     expect(sentence).toBe("3 control points follow 500 measured ones within 0.4 %, at most 0.01 MPa apart. 3 points were set aside.");
   });
 
@@ -57,17 +57,17 @@ describe("measured data", () => {
   });
 
   it("asks for what a file does not tell, and for what was assumed", () => {
-    expect([...askedFor(data({ problem: "units/y: …", places: ["/units/y"], curve: null }))]).toEqual(["/units/y"]);
+    expect([...askedPointers(data({ problem: "units/y: …", pointers: ["/units/y"], curve: null }))]).toEqual(["/units/y"]);
     const assumed = { ...CURVE, notes: [{ level: "note", text: "Tension was assumed.", pointer: "/sense" }] } as MeasuredCurve;
-    expect([...askedFor(data({ curve: assumed }))]).toEqual(["/sense"]);
-    const answers = { ...FIRST_SETTINGS, sense: "compression", decimalSeparator: "comma", zero: "first", block: 1 } as const;
+    expect([...askedPointers(data({ curve: assumed }))]).toEqual(["/sense"]);
+    const answers = { ...INITIAL_SETTINGS, sense: "compression", decimalSeparator: "comma", zero: "first", block: 1 } as const;
     expect(measuredRequest({ content: "MQA=" }, "stress_strain", answers)).toMatchObject({ content: "MQA=", sense: "compression", decimal_separator: "comma", zero: "first", block: 1 });
     expect(measuredRequest({ text: "1" }, "poisson", answers)).not.toHaveProperty("sense");
   });
 
   it("keeps every change, also those that come before the answer to earlier ones", async () => {
-    const asked: any[] = [];
-    const client = { post: async (path: string, body: unknown) => (path === "/v1/measured-curves" && asked.push(body), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const requests: any[] = [];
+    const client = { post: async (path: string, body: unknown) => (path === "/v1/measured-curves" && requests.push(body), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
     const measured = new Measured(new DesignSession(client), client);
     await measured.read({ text: "0;0" }, "test.csv");
     measured.change({ units: { x: "mm" } });
@@ -75,15 +75,15 @@ describe("measured data", () => {
     measured.change({ specimen: { area: 20 } });
     measured.change({ specimen: { gauge_length: 50 } });
     await new Promise((resolve) => setTimeout(resolve, 0));
-    expect(asked.at(-1)).toMatchObject({ units: { x: "mm", y: "N" }, specimen: { area: 20, gauge_length: 50 } });
-    // A new file begins anew.
+    expect(requests.at(-1)).toMatchObject({ units: { x: "mm", y: "N" }, specimen: { area: 20, gauge_length: 50 } });
+    // The settings of one file do not apply to the next.
     await measured.read({ text: "1;1" }, "other.csv");
-    expect(asked.at(-1).specimen ?? {}).toEqual({});
+    expect(requests.at(-1).specimen ?? {}).toEqual({});
   });
 
   it("becomes the target, of engineering strain", async () => {
-    const asked: unknown[] = [];
-    const client = { post: async (path: string, body: unknown) => (asked.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const requests: unknown[] = [];
+    const client = { post: async (path: string, body: unknown) => (requests.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
     const session = new DesignSession(client);
     const measured = new Measured(session, client);
     measured.read({ text: "0;0" }, "test.csv");
@@ -92,7 +92,7 @@ describe("measured data", () => {
     expect(session.state.get()).toMatchObject({ points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone", measure: "engineering" });
     measured.change({ controlPoints: 5 });
     await new Promise((resolve) => setTimeout(resolve, 0));
-    expect((asked.filter(([path]: any) => path === "/v1/measured-curves")[1] as any)[1].accuracy.max_control_points).toBe(5);
+    expect((requests.filter(([path]: any) => path === "/v1/measured-curves")[1] as any)[1].accuracy.max_control_points).toBe(5);
     measured.remove();
     expect(measured.data.get()).toBeNull();
   });

@@ -5,7 +5,7 @@ import { energyDensity, sidesOf, stretchesOf, type Triple } from "../src/mesh/me
 import { drape } from "../src/mesh/membrane_drape";
 import type { MeshData, Vector } from "../src/mesh/mesh_data";
 import { SurfaceGrid } from "../src/mesh/nearest_on_surface";
-import { exactTriangles, fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest, straightTriangles } from "../src/mesh/network";
+import { exactTriangles, fileRequest, constructionRequest, materialOf, type Network, networkKey, relaxationRequest, straightTriangles } from "../src/mesh/network";
 import { DEFAULT_NETWORK, type NetworkState } from "../src/mesh/network_state";
 
 const MESH = "ab".repeat(32);
@@ -18,24 +18,24 @@ const network: Network = {
 };
 const material = { youngs_modulus: 2, poisson_ratio: 0.25, thickness: 0.5 };
 
-/** An octahedron of radius 1, cut up and blown up so many times. */
+/** An octahedron of radius 1, subdivided and projected to the sphere `times` times. */
 function sphere(times: number): MeshData {
   let places: Vector[] = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
   let faces: Triple[] = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]];
   for (let k = 0; k < times; ++k) {
-    const made: Vector[] = [...places];
+    const refined: Vector[] = [...places];
     const middles = new Map<string, number>();
     const middle = (a: number, b: number) => {
       const key = `${Math.min(a, b)}-${Math.max(a, b)}`;
       const sum = [0, 1, 2].map((axis) => places[a][axis] + places[b][axis]);
-      if (!middles.has(key)) middles.set(key, made.push(sum.map((value) => value / Math.hypot(...sum)) as unknown as Vector) - 1);
+      if (!middles.has(key)) middles.set(key, refined.push(sum.map((value) => value / Math.hypot(...sum)) as unknown as Vector) - 1);
       return middles.get(key) as number;
     };
     faces = faces.flatMap(([a, b, c]): Triple[] => {
       const [ab, bc, ca] = [middle(a, b), middle(b, c), middle(c, a)];
       return [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
     });
-    places = made;
+    places = refined;
   }
   return { positions: Float64Array.from(places.flatMap((place) => [...place])), faces: Uint32Array.from(faces.flatMap((face) => [...face])) };
 }
@@ -45,7 +45,7 @@ describe("a triangle of a membrane", () => {
     const [greater, lesser] = stretchesOf([4, 5, 3], [8, Math.hypot(8, 1.5), 1.5]);
     expect(greater).toBeCloseTo(2, 12);
     expect(lesser).toBeCloseTo(0.5, 12);
-    // A shear by 1: the golden ratio and its inverse.
+    // The principal stretches of a shear by 1 are the golden ratio and its inverse.
     const sheared = stretchesOf([1, Math.SQRT2, 1], [1, 1, Math.SQRT2]);
     expect(sheared[0]).toBeCloseTo((1 + Math.sqrt(5)) / 2, 12);
     expect(sheared[0] * sheared[1]).toBeCloseTo(1, 12);
@@ -54,7 +54,7 @@ describe("a triangle of a membrane", () => {
 
   it("has no energy at rest, that of the law elsewhere, and infinite energy without area", () => {
     expect(energyDensity([1, 1], material)).toBeCloseTo(0, 15);
-    // mu = 0.8 and lambda = 0.8: 0.5 (0.4 (4.25 - 2 - 2 log 1) + 0.4 log(1)^2) with stretches 2 and 0.5.
+    // With mu = 0.8, lambda = 0.8 and stretches 2 and 0.5, the density is 0.5 (0.4 (4.25 - 2 - 2 log 1) + 0.4 log(1)^2).
     expect(energyDensity([2, 0.5], material)).toBeCloseTo(0.45, 12);
     expect(energyDensity([2, 1], material)).toBeCloseTo(0.5 * (0.4 * (3 - 2 * Math.log(2)) + 0.4 * Math.log(2) ** 2), 12);
     expect(energyDensity([2, 0], material)).toBe(Infinity);
@@ -67,9 +67,9 @@ describe("a triangle of a membrane", () => {
 
 describe("requests of a membrane", () => {
   it("make it of the points’ Voronoi dual, with springs only where they are wanted", () => {
-    expect(makingRequest(MESH, membrane, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: [], triangles: { kind: "voronoi_dual" }, max_iterations: 1 });
-    expect(makingRequest(MESH, { ...membrane, elements: "both" }, [])).toMatchObject({ springs: { kind: "voronoi_dual", weight: 0 }, triangles: { kind: "voronoi_dual" } });
-    expect(makingRequest(MESH, DEFAULT_NETWORK, [])).not.toHaveProperty("triangles");
+    expect(constructionRequest(MESH, membrane, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: [], triangles: { kind: "voronoi_dual" }, max_iterations: 1 });
+    expect(constructionRequest(MESH, { ...membrane, elements: "both" }, [])).toMatchObject({ springs: { kind: "voronoi_dual", weight: 0 }, triangles: { kind: "voronoi_dual" } });
+    expect(constructionRequest(MESH, DEFAULT_NETWORK, [])).not.toHaveProperty("triangles");
   });
 
   it("relax it with its material, from where it is at rest", () => {
@@ -127,19 +127,19 @@ describe("the nearest point of a surface", () => {
     const corner = (face: number, k: number) => ball.positions.slice(3 * ball.faces[3 * face + k], 3 * ball.faces[3 * face + k] + 3);
     for (let trial = 0; trial < 60; ++trial) {
       const far = trial < 40 ? 0.9 + 0.2 * Math.abs(Math.sin(9 * trial)) : 5;
-      const way = [Math.sin(2 * trial), Math.sin(3 * trial + 1), Math.cos(5 * trial)];
-      const place = way.map((value) => (far * value) / Math.hypot(...way)) as unknown as Vector;
+      const direction = [Math.sin(2 * trial), Math.sin(3 * trial + 1), Math.cos(5 * trial)];
+      const place = direction.map((value) => (far * value) / Math.hypot(...direction)) as unknown as Vector;
       const { face, barycentric, position } = grid.nearest(place);
-      const away = Math.hypot(...[0, 1, 2].map((axis) => position[axis] - place[axis]));
+      const distance = Math.hypot(...[0, 1, 2].map((axis) => position[axis] - place[axis]));
       expect([0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, k) => sum + barycentric[k] * corner(face, k)[axis], 0)).every((value, axis) => Math.abs(value - position[axis]) < 1e-12)).toBe(true);
-      let least = Infinity;
+      let minDistance = Infinity;
       for (let other = 0; other < ball.faces.length / 3; ++other) {
         for (const [u, v] of [[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0.5, 0], [0, 0.5], [1 / 3, 1 / 3]]) {
           const sample = [0, 1, 2].map((axis) => (1 - u - v) * corner(other, 0)[axis] + u * corner(other, 1)[axis] + v * corner(other, 2)[axis]);
-          least = Math.min(least, Math.hypot(...[0, 1, 2].map((axis) => sample[axis] - place[axis])));
+          minDistance = Math.min(minDistance, Math.hypot(...[0, 1, 2].map((axis) => sample[axis] - place[axis])));
         }
       }
-      expect(least).toBeGreaterThanOrEqual(away - 1e-12);
+      expect(minDistance).toBeGreaterThanOrEqual(distance - 1e-12);
     }
   });
 
@@ -165,7 +165,7 @@ describe("a membrane laid onto a surface", () => {
       const [u, v] = [3, 6].map((to) => [0, 1, 2].map((axis) => positions[k + to + axis] - positions[k + axis]));
       const cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
       area += Math.hypot(...cross) / 2;
-      // All look outwards.
+      // All triangles are oriented outwards.
       expect(cross.reduce((sum, value, axis) => sum + value * normals[k + axis], 0)).toBeGreaterThan(0);
     }
     expect(area).toBeGreaterThan(0.97 * Math.PI);

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { fieldCsv, fieldPly, pathsCsv, pathsObj } from "../src/mesh/finding_files";
 import { isolineSpacing, rampTicks } from "../src/mesh/mesh_data";
-import { distanceOfAll } from "../src/scene/scene_view";
+import { distanceToFit } from "../src/scene/scene_view";
 
 const mesh = { positions: Float64Array.from([0, 0, 0, 1, 0, 0, 0, 1, 0]), faces: Uint32Array.from([0, 1, 2]) };
 const paths = [[[0, 0, 0], [3, 4, 0], [3, 4, 1]], [[1, 1, 1], [2, 2, 2]]] as const;
@@ -29,8 +29,8 @@ describe("the scale of a field", () => {
 
 describe("the view of all of a surface", () => {
   it("goes farther away where the picture is higher than wide", () => {
-    expect(distanceOfAll(1, 1.6)).toBeCloseTo(distanceOfAll(1, 1), 12);
+    expect(distanceToFit(1, 1.6)).toBeCloseTo(distanceToFit(1, 1), 12);
     const half = Math.atan(Math.tan((17.5 * Math.PI) / 180) * 0.5);
-    expect(distanceOfAll(1, 0.5) * Math.sin(half)).toBeGreaterThanOrEqual(1);
+    expect(distanceToFit(1, 0.5) * Math.sin(half)).toBeGreaterThanOrEqual(1);
   });
 });

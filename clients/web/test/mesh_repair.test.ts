@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { MeshRepair } from "../src/contract/types";
-import { afterChoice, helpAgainst, mayBeRepaired, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
+import { afterChoice, repairsAgainst, mayBeRepaired, ordered, repairSentence, uploadPath } from "../src/mesh/repair";
 
 const NONE: MeshRepair = {
   made: [],
@@ -18,11 +18,11 @@ describe("repairs at upload", () => {
 
   it("are offered where they help and were not made", () => {
     const problem = (code: string, detail = "2 faces are degenerate; uploaded with repair=drop_degenerate the mesh is sound.") => ({ code, detail });
-    expect(helpAgainst(problem("mesh.degenerate_face"), [])).toEqual(["automatic"]);
-    expect(helpAgainst(problem("mesh.non_manifold_vertex"), ["weld"])).toEqual(["automatic"]);
-    expect(helpAgainst(problem("mesh.non_manifold_edge"), ["automatic"])).toEqual([]);
-    expect(helpAgainst(problem("mesh.not_orientable", "5 edges keep the surface from being oriented; no repair removes this fault."), [])).toEqual([]);
-    expect(helpAgainst(problem("mesh.malformed"), [])).toEqual([]);
+    expect(repairsAgainst(problem("mesh.degenerate_face"), [])).toEqual(["automatic"]);
+    expect(repairsAgainst(problem("mesh.non_manifold_vertex"), ["weld"])).toEqual(["automatic"]);
+    expect(repairsAgainst(problem("mesh.non_manifold_edge"), ["automatic"])).toEqual([]);
+    expect(repairsAgainst(problem("mesh.not_orientable", "5 edges keep the surface from being oriented; no repair removes this fault."), [])).toEqual([]);
+    expect(repairsAgainst(problem("mesh.malformed"), [])).toEqual([]);
   });
 
   it("are chosen by name, or automatically, and not both", () => {

@@ -1,4 +1,4 @@
-// A session with meshes against a stand-in of the server that answers when the test lets it.
+// The mesh session with a mock of the server, which answers when the test releases an answer.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Client } from "../src/contract/client";
 import { findings } from "../src/mesh/findings";
@@ -7,7 +7,7 @@ import { MeshSession } from "../src/mesh/session";
 const [FIRST, SECOND] = ["ab".repeat(32), "cd".repeat(32)];
 const PLY = "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty double x\nproperty double y\nproperty double z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
 
-/** Lets the answer to a path's first request go. */
+/** Functions that release the pending answers, by method and path. */
 const answers = new Map<string, () => void>();
 
 function info(id: string) {

@@ -2,11 +2,11 @@ import { describe, expect, it } from "vitest";
 import { decades, powerWords } from "../src/mesh/convergence_plot";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
 import type { Vector } from "../src/mesh/mesh_data";
-import { fileRequest, makingRequest, type Network, networkKey, relaxationRequest, springsOf, straightValues } from "../src/mesh/network";
+import { fileRequest, constructionRequest, type Network, networkKey, relaxationRequest, springsOf, straightValues } from "../src/mesh/network";
 import { frameAt, Frames } from "../src/mesh/network_frames";
-import { changed, DEFAULT_NETWORK, type NetworkState, onAnotherMesh, withFixed, within, withoutPoint, withSpring } from "../src/mesh/network_state";
+import { withChange, DEFAULT_NETWORK, type NetworkState, onAnotherMesh, withToggledFixed, withExistingPoints, withoutPoint, withToggledSpring } from "../src/mesh/network_state";
 import { readFixed, readSprings, writeSprings } from "../src/mesh/network_text";
-import { rampColour, rangeOf, shareOf, SPRING_RAMP } from "../src/mesh/spring_colours";
+import { rampColour, rangeOf, fractionOf, SPRING_RAMP } from "../src/mesh/spring_colours";
 
 const MESH = "ab".repeat(32);
 const picked: NetworkState = { ...DEFAULT_NETWORK, points: "picked", springs: "drawn", drawn: [{ between: [0, 1] }, { between: [1, 2], restLength: 0.5, weight: 3 }], restLength: 0.25, weight: 2, fixed: [0, 2] };
@@ -20,29 +20,29 @@ const network: Network = {
 describe("a network’s state", () => {
   it("forgets fixed points once points have other numbers, and keeps them while only springs change", () => {
     const made: NetworkState = { ...DEFAULT_NETWORK, fixed: [3, 5] };
-    expect(changed(made, { radius: 0.5 }).fixed).toEqual([]);
-    expect(changed(made, { points: "per_face" }).fixed).toEqual([]);
-    expect(changed(made, { springs: "adjacent_faces", restLength: 0.1 }).fixed).toEqual([3, 5]);
-    expect(changed(made, { points: "picked" }).springs).toBe("voronoi_dual");
-    expect(changed(picked, { points: "poisson_disk" }).springs).toBe("voronoi_dual");
+    expect(withChange(made, { radius: 0.5 }).fixed).toEqual([]);
+    expect(withChange(made, { points: "per_face" }).fixed).toEqual([]);
+    expect(withChange(made, { springs: "adjacent_faces", restLength: 0.1 }).fixed).toEqual([3, 5]);
+    expect(withChange(made, { points: "picked" }).springs).toBe("voronoi_dual");
+    expect(withChange(picked, { points: "poisson_disk" }).springs).toBe("voronoi_dual");
   });
 
   it("has springs along shortest paths beside a membrane, whose sides are", () => {
-    const straight = changed(picked, { springLength: "euclidean" });
-    expect(changed(straight, { elements: "both" }).springLength).toBe("geodesic");
-    expect(changed(straight, { restLength: 1 }).springLength).toBe("euclidean");
+    const straight = withChange(picked, { springLength: "euclidean" });
+    expect(withChange(straight, { elements: "both" }).springLength).toBe("geodesic");
+    expect(withChange(straight, { restLength: 1 }).springLength).toBe("euclidean");
   });
 
   it("fixes a point or lets it go, and draws a spring or takes it away", () => {
-    expect(withFixed(withFixed(picked, 1), 0).fixed).toEqual([1, 2]);
-    expect(withSpring(picked, 2, 0).drawn.at(-1)).toEqual({ between: [0, 2] });
-    expect(withSpring(picked, 2, 1).drawn).toEqual([{ between: [0, 1] }]);
-    expect(withSpring(picked, 1, 1)).toBe(picked);
+    expect(withToggledFixed(withToggledFixed(picked, 1), 0).fixed).toEqual([1, 2]);
+    expect(withToggledSpring(picked, 2, 0).drawn.at(-1)).toEqual({ between: [0, 2] });
+    expect(withToggledSpring(picked, 2, 1).drawn).toEqual([{ between: [0, 1] }]);
+    expect(withToggledSpring(picked, 1, 1)).toBe(picked);
   });
 
   it("has the numbers of its points once one is gone", () => {
     expect(withoutPoint(picked, 0)).toMatchObject({ fixed: [1], drawn: [{ between: [0, 1], restLength: 0.5, weight: 3 }] });
-    expect(within(picked, 2)).toMatchObject({ fixed: [0], drawn: [{ between: [0, 1] }] });
+    expect(withExistingPoints(picked, 2)).toMatchObject({ fixed: [0], drawn: [{ between: [0, 1] }] });
   });
 
   it("goes to another mesh without lengths and numbers of the old one", () => {
@@ -54,8 +54,8 @@ describe("a network’s state", () => {
 
 describe("requests of a network", () => {
   it("make it without moving it", () => {
-    expect(makingRequest(MESH, DEFAULT_NETWORK, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: { kind: "voronoi_dual", weight: 0 }, max_iterations: 1 });
-    expect(makingRequest(MESH, picked, network.points)).toMatchObject({ points: network.points, springs: [{ between: [0, 1], weight: 0 }, { between: [1, 2], weight: 0 }] });
+    expect(constructionRequest(MESH, DEFAULT_NETWORK, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: { kind: "voronoi_dual", weight: 0 }, max_iterations: 1 });
+    expect(constructionRequest(MESH, picked, network.points)).toMatchObject({ points: network.points, springs: [{ between: [0, 1], weight: 0 }, { between: [1, 2], weight: 0 }] });
   });
 
   it("relax it with the values that each spring has", () => {
@@ -86,9 +86,9 @@ describe("springs on the way", () => {
 
   it("are coloured from the least to the most, by one colour where all are equal", () => {
     const range = rangeOf([2, 6, 4]);
-    expect([2, 4, 6].map((value) => shareOf(value, range))).toEqual([0, 0.5, 1]);
-    expect(shareOf(1 + 1e-14, rangeOf([1, 1 + 1e-14]))).toBe(0);
-    expect(rangeOf([])).toEqual({ least: 0, most: 0 });
+    expect([2, 4, 6].map((value) => fractionOf(value, range))).toEqual([0, 0.5, 1]);
+    expect(fractionOf(1 + 1e-14, rangeOf([1, 1 + 1e-14]))).toBe(0);
+    expect(rangeOf([])).toEqual({ min: 0, max: 0 });
     expect(rampColour(1)).toEqual(SPRING_RAMP.at(-1));
     expect(rampColour(0.125)[0]).toBeCloseTo((SPRING_RAMP[0][0] + SPRING_RAMP[1][0]) / 2, 12);
   });

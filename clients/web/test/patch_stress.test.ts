@@ -17,7 +17,7 @@ describe("the stress in a patch", () => {
     const e = 1e-6;
     const mu = 26 / (2 * 1.48);
     expect(stress([1, e, e, 1]) / (Math.sqrt(3) * 2 * mu * e)).toBeCloseTo(1, 4);
-    // Uniaxial strain: the two other principal stresses are equal, and differ by 2 mu e from the first.
+    // In uniaxial strain the two other principal stresses are equal, and differ by 2 mu e from the first.
     expect(stress([1 + e, 0, 0, 1]) / (2 * mu * e)).toBeCloseTo(1, 4);
   });
 

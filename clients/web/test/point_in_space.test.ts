@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { placedOn, readPlace } from "../src/mesh/point_in_space";
+import { projectedOnto, readPlace } from "../src/mesh/point_in_space";
 
 describe("a point in space", () => {
   it("is read as it is typed", () => {
@@ -9,10 +9,10 @@ describe("a point in space", () => {
 
   it("stands for the nearest point of the surface, however far away it is", () => {
     const square = { positions: Float64Array.from([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]), faces: Uint32Array.from([0, 1, 2, 0, 2, 3]) };
-    const { point, distance } = placedOn(square, [0.75, 0.25, 2]);
+    const { point, distance } = projectedOnto(square, [0.75, 0.25, 2]);
     expect(distance).toBeCloseTo(2, 12);
     expect(point).toEqual({ face: 0, barycentric: [0.25, 0.5, 0.25] });
-    expect(placedOn(square, [4, 5, 0]).distance).toBeCloseTo(5, 12);
-    expect(placedOn(square, [-3, 0.5, 4]).distance).toBeCloseTo(5, 12);
+    expect(projectedOnto(square, [4, 5, 0]).distance).toBeCloseTo(5, 12);
+    expect(projectedOnto(square, [-3, 0.5, 4]).distance).toBeCloseTo(5, 12);
   });
 });

@@ -3,13 +3,13 @@ import { describe, expect, it } from "vitest";
 import type { PrintMove, Weave } from "../src/contract/types";
 import { duration, longWords, printFacts } from "../src/weave/print_facts";
 import type { Plan } from "../src/weave/print_session";
-import { DEFAULT_SETTINGS, fieldsAt, keptSettings, PRINT_FIELDS, profileText, toolpathRequest, withProfile } from "../src/weave/printer";
+import { DEFAULT_SETTINGS, fieldsAt, storedSettings, PRINT_FIELDS, profileText, toolpathRequest, withProfile } from "../src/weave/printer";
 import { layersOf, widthOf } from "../src/weave/toolpath";
 
 const contract = readFileSync(new URL("../../../api/openapi.yaml", import.meta.url), "utf8");
 const weave = { pattern: "regular" } as Weave;
 
-/** The default that the contract writes for a field of a schema, as it stands there. */
+/** The default of a field of a schema, as the text in the contract. */
 function contractDefault(schema: string, name: string): string | undefined {
   const from = contract.indexOf(`\n    ${schema}:\n`);
   const block = contract.slice(from, contract.indexOf("\n    PrintLength:", from));
@@ -48,8 +48,8 @@ describe("the settings of a print", () => {
   });
 
   it("that a browser has kept are taken where they are sound", () => {
-    expect(keptSettings(JSON.stringify({ "/printer/bed_temperature": 70, "/printer/nozzle_temperature": "hot", "/frame": true, "/unknown": 1 }))).toEqual({ ...DEFAULT_SETTINGS, "/printer/bed_temperature": 70, "/frame": true });
-    for (const text of [null, "", "{", "3", "null", "[1]"]) expect(keptSettings(text)).toEqual(DEFAULT_SETTINGS);
+    expect(storedSettings(JSON.stringify({ "/printer/bed_temperature": 70, "/printer/nozzle_temperature": "hot", "/frame": true, "/unknown": 1 }))).toEqual({ ...DEFAULT_SETTINGS, "/printer/bed_temperature": 70, "/frame": true });
+    for (const text of [null, "", "{", "3", "null", "[1]"]) expect(storedSettings(text)).toEqual(DEFAULT_SETTINGS);
   });
 
   it("are found at the place that a problem names", () => {

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { commandOf, curlOf, pythonOf } from "../src/design/copy_text";
 import { readLink, writeLink } from "../src/design/link";
-import { MOST_REGIONS, regionOf, regionsOf, regionWords, withRegions } from "../src/design/region_list";
+import { MAX_REGIONS, regionOf, regionsOf, regionWords, withRegions } from "../src/design/region_list";
 import { designRequest, regionsRequest } from "../src/design/requests";
 import { type ControlPoint, DEFAULT_STATE, type Region } from "../src/design/state";
 import { targetOf, withTargets } from "../src/design/target_list";
@@ -60,7 +60,7 @@ describe("several regions", () => {
     expect(readLink(writeLink(state).replace("region2=task", "region2=tusk"))).toBeNull();
     const one = encodeURIComponent("task=stress_strain&points=0,0;1,1");
     const many = Array.from({ length: 30 }, (_, k) => `region${k + 1}=${one}`).join("&");
-    expect(regionsOf(readLink(many) ?? DEFAULT_STATE)).toHaveLength(MOST_REGIONS);
+    expect(regionsOf(readLink(many) ?? DEFAULT_STATE)).toHaveLength(MAX_REGIONS);
     expect(writeLink(withRegions([forefoot], 0))).toMatch(/^task=stress_strain&.*region=Forefoot/);
   });
 });

@@ -64,14 +64,14 @@ describe("the structure's file", () => {
   });
 
   it("is drawn again around itself until a square is covered, also of a slanted lattice", () => {
-    // A patch of 5 by 10 reaches 2.5 and 5 from its centre, and a square of 20 reaches 10: three to either side, and two.
+    // A patch of 5 by 10 extends 2.5 and 5 from its centre, and a square of 20 extends 10: that takes three copies on each side, and two.
     const straight = copiesOf([5, 0, 0, -10], 20);
     expect(straight).toHaveLength(7 * 5 - 1);
     expect(straight).toContainEqual([15, -20]);
     expect(straight).not.toContainEqual([0, 0]);
     for (const [a, b] of [[[5, 5], [5, -5]], [[6, 1], [2, 7]]]) {
       const places = [[0, 0], ...copiesOf([...a, ...b], 20)];
-      // The nearest patch to each place of the square is less than its own size away.
+      // Each point of the square is at most half a diagonal away from the centre of a patch.
       const reach = Math.max(Math.hypot(a[0] + b[0], a[1] + b[1]), Math.hypot(a[0] - b[0], a[1] - b[1])) / 2;
       for (let x = -10; x <= 10; x += 2) {
         for (let y = -10; y <= 10; y += 2) expect(Math.min(...places.map(([px, py]) => Math.hypot(x - px, y - py)))).toBeLessThanOrEqual(reach);

@@ -1,4 +1,4 @@
-// Node.js 18, which Debian 12 has, keeps the browser's cryptography in a module.
+// In Node.js 18, the version of Debian 12, the browser's object `crypto` is not global.
 import { webcrypto } from "node:crypto";
 
 globalThis.crypto ??= webcrypto as Crypto;

@@ -1,13 +1,13 @@
 import { describe, expect, it } from "vitest";
 import type { DesignCandidate, Model, PartialDesign, Profile } from "../src/contract/types";
-import { relaxation, snappedTarget } from "../src/design/reach";
-import { errorBand, expectedDeviation, freshness, modelError, shownPartial, shownProfiles, type Shown } from "../src/design/shown";
+import { relaxation, projectedTarget } from "../src/design/reach";
+import { errorBand, expectedDeviation, freshness, modelError, partialResponse, profileResponses, type TargetResponse } from "../src/design/shown";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
 import { judge } from "../src/design/verdict";
 
 const model = { errors: { design_split: { gradient: { mean: 0.1, percentile_99: 0.4 } } } } as unknown as Model;
-const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as Shown;
+const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as TargetResponse;
 
 describe("a model's error", () => {
   it("is that of the stress on unseen designs", () => {
@@ -52,8 +52,8 @@ describe("families", () => {
 });
 
 const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], found: { family: "IH22", parameters: [0.3] } };
-const profileOf = (points: DesignState["points"], y: (number | null)[]): Shown =>
-  shownProfiles([{ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], { ...state, points })[0];
+const profileOf = (points: DesignState["points"], y: (number | null)[]): TargetResponse =>
+  profileResponses([{ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], { ...state, points })[0];
 
 describe("what is shown beside what was decided", () => {
   const shown = profileOf(state.points, [0, 0.5, 1, 1.5, 2]);
@@ -70,7 +70,7 @@ describe("what is shown beside what was decided", () => {
 
   it("pairs the samples of a search on its way with its own target", () => {
     const partial = { family: "IH28", model: "m", parameters: [0.1, 0.2], x: [0, 0.2], achieved: [0, 1], error: { relative_rms: 0.5, max: 1 }, iteration: 3 } as PartialDesign;
-    const best = shownPartial(partial, state);
+    const best = partialResponse(partial, state);
     expect(best.x).toEqual([0, 0.2]);
     expect(best.target.map((y) => Number(y.toFixed(9)))).toEqual([0, 2]);
     expect(best.reached).toEqual([true, false]);
@@ -81,8 +81,8 @@ describe("what is shown beside what was decided", () => {
 });
 
 describe("a verdict", () => {
-  const off = (share: number) => profileOf(state.points, [0, 0.5, 1, 1.5, 2].map((y) => y * (1 + share)));
-  const searched = (share: number) => ({ ...off(share), byHand: false });
+  const responseWithError = (fraction: number) => profileOf(state.points, [0, 0.5, 1, 1.5, 2].map((y) => y * (1 + fraction)));
+  const searched = (fraction: number) => ({ ...responseWithError(fraction), byHand: false });
 
   it("keeps in mind what the model errs by", () => {
     const model = { mean: 0.013, percentile99: 0.05 };
@@ -123,13 +123,13 @@ describe("a target that no design meets", () => {
 
   it("moves onto what the design does, with as many points where these suffice", () => {
     const answer = profileOf(state.points, [0, 0.375, 0.75, 1.125, 1.5]);
-    const { points: snapped, interpolation } = snappedTarget(answer);
+    const { points: projected, interpolation } = projectedTarget(answer);
     expect(interpolation).toBe(state.interpolation);
-    expect(snapped.map((point) => point[0])).toEqual([0, 0.1, 0.2]);
-    expect(snapped[0]).toEqual([0, 0]);
-    expect(snapped[1][1]).toBeCloseTo(0.75, 9);
+    expect(projected.map((point) => point[0])).toEqual([0, 0.1, 0.2]);
+    expect(projected[0]).toEqual([0, 0]);
+    expect(projected[1][1]).toBeCloseTo(0.75, 9);
     const wavy = profileOf(state.points, [0, 1, 0.2, 1.4, 0.1]);
-    const followed = snappedTarget(wavy);
+    const followed = projectedTarget(wavy);
     expect(relativeDeviation(wavy.achieved, wavy.x.map(targetCurve(false, followed.points, followed.interpolation)))).toBeLessThan(0.01);
   });
 
@@ -137,7 +137,7 @@ describe("a target that no design meets", () => {
     const x = Array.from({ length: 60 }, (_, k) => (k * Math.PI) / 60);
     const jumps = x.map((angle) => (Math.abs(Math.sin(2 * angle)) > 0.4 ? 0.13 - 0.08 * Math.abs(Math.sin(2 * angle)) : 0.05));
     const points: ControlPoint[] = [[0, 1], [1, 1], [2, 1]];
-    const { points: snapped, interpolation } = snappedTarget({ ...profileOf(points, []), task: "stiffness", points, interpolation: "cubic", x, achieved: jumps, target: x.map(() => 1) });
-    expect(relativeDeviation(jumps, x.map(targetCurve(true, snapped, interpolation)))).toBeLessThan(0.02);
+    const { points: projected, interpolation } = projectedTarget({ ...profileOf(points, []), task: "stiffness", points, interpolation: "cubic", x, achieved: jumps, target: x.map(() => 1) });
+    expect(relativeDeviation(jumps, x.map(targetCurve(true, projected, interpolation)))).toBeLessThan(0.02);
   });
 });

@@ -4,9 +4,9 @@ import { commandOf, curlOf, pythonOf } from "../src/design/copy_text";
 import { jsonOf } from "../src/design/exports";
 import { readLink, writeLink } from "../src/design/link";
 import { designRequest, polishRequest, verificationRequest } from "../src/design/requests";
-import { freshness, overallDeviation, shownDesigns, shownProfiles } from "../src/design/shown";
+import { freshness, overallDeviation, designResponses, profileResponses } from "../src/design/shown";
 import { type ControlPoint, DEFAULT_STATE, type DesignState, type Target } from "../src/design/state";
-import { askedOrder, furtherTarget, MOST_TARGETS, sameTargets, targetOf, targetsOf, targetWords, withTargets } from "../src/design/target_list";
+import { askedOrder, furtherTarget, MAX_TARGETS, sameTargets, targetOf, targetsOf, targetWords, withTargets } from "../src/design/target_list";
 
 const line: readonly ControlPoint[] = [[0, 0], [0.1, 1], [0.2, 2]];
 const ring: readonly ControlPoint[] = [[0, 0.1], [1, 0.2], [2, 0.3]];
@@ -85,7 +85,7 @@ describe("a link with several targets", () => {
     expect(readLink(link.replace("tab=2", "tab=7"))?.at).toBe(0);
     expect(readLink(link.replace("weight2=3", "weight2=1e9"))?.weight).toBe(1);
     const many = Array.from({ length: 12 }, (_, k) => `task${k + 1}=stress_strain&points${k + 1}=0,0;1,1`).join("&").replace("task1", "task").replace("points1", "points");
-    expect(targetsOf(readLink(many) ?? DEFAULT_STATE)).toHaveLength(MOST_TARGETS);
+    expect(targetsOf(readLink(many) ?? DEFAULT_STATE)).toHaveLength(MAX_TARGETS);
   });
 });
 
@@ -98,7 +98,7 @@ describe("what a design does about several targets", () => {
   } as unknown as DesignAnswer;
 
   it("is told in the order of the tabs, each with its own deviation", () => {
-    const shown = shownDesigns(answer, state);
+    const shown = designResponses(answer, state);
     expect(shown.map((one) => Number(one.deviation.toFixed(9)))).toEqual([0.5, 0.1, 0]);
     expect(shown.map((one) => one.name)).toEqual(["", "Across", ""]);
     expect(shown.map((one) => one.overall)).toEqual([0.4, 0.4, 0.4]);
@@ -107,7 +107,7 @@ describe("what a design does about several targets", () => {
   });
 
   it("is of an earlier decision as soon as any target is another one", () => {
-    const shown = shownDesigns(answer, state);
+    const shown = designResponses(answer, state);
     expect(freshness(shown[1], state)).toBe("current");
     expect(freshness(shown[0], { ...state, ...withTargets(all, 0) })).toBe("current");
     expect(freshness(shown[1], { ...state, ...withTargets([{ ...along, points: [...line] }, across, ratio], 1) })).toBe("outdated");
@@ -116,14 +116,14 @@ describe("what a design does about several targets", () => {
 
   it("of parameters set by hand is weighed as a search weighs it", () => {
     const profiles = all.map(({ points }) => ({ family: "IH22", parameters: [0.3], model: "m", x: points.map(([x]) => x), y: points.map(([, y]) => 2 * y), error_bar: [], in_range: [], cost: { seconds: 1 } }) as unknown as Profile);
-    const shown = shownProfiles(profiles, state);
+    const shown = profileResponses(profiles, state);
     expect(shown.map((one) => one.seconds)).toEqual([3, 3, 3]);
     expect(shown[0].overall).toBeCloseTo(1, 9);
     expect(overallDeviation([{ deviation: 0.1, weight: 3 }, { deviation: 0.5, weight: 1 }])).toBeCloseTo(Math.sqrt((0.03 + 0.25) / 4), 12);
   });
 
   it("is saved with all targets", () => {
-    const shown = shownDesigns(answer, state);
+    const shown = designResponses(answer, state);
     const document = JSON.parse(jsonOf(shown[1], null, [shown[0], shown[2]]));
     expect(document).toMatchObject({ name: "Across", direction: Math.PI / 2, weight: 3, overall: { relative_rms: 0.4 } });
     expect(document.also.map((target: { task: string }) => target.task)).toEqual(["stress_strain", "poisson"]);

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import type { ControlPoint, Interpolation } from "../src/design/state";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import {
-  addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, roomAfter, targetOnProfile, wrapped,
+  addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, middleOfGapAfter, targetOnProfile, wrapped,
 } from "../src/design/targets";
 
 const extent = { lower: -0.1, upper: 0.2 };
@@ -40,8 +40,8 @@ describe("control points over strain", () => {
     expect(addPoint("stress_strain", line, [0.3, 3], extent)).toBeNull();
     expect(removePoint("stress_strain", line, 1)).toEqual([line[0], line[2], line[3]]);
     expect(removePoint("stress_strain", line.slice(0, 2), 1)).toHaveLength(2);
-    expect(roomAfter("stress_strain", line, 1)).toBeCloseTo(0.05);
-    expect(roomAfter("stress_strain", line, 3)).toBeCloseTo(0.15);
+    expect(middleOfGapAfter("stress_strain", line, 1)).toBeCloseTo(0.05);
+    expect(middleOfGapAfter("stress_strain", line, 3)).toBeCloseTo(0.15);
   });
 });
 
@@ -73,13 +73,13 @@ describe("a target taken from a profile", () => {
 
   it("becomes a curve that follows it, also beside a jump, where a smooth one swings", () => {
     const x = Array.from({ length: 60 }, (_, k) => (k * Math.PI) / 60);
-    // Stiff within four sectors, as pentagons are whose beams are pulled straight, and soft between them.
+    // A stiffness that is large in four sectors and small between them, as of pentagons whose beams are straightened by tension.
     const jumps = x.map((angle) => (Math.abs(Math.sin(2 * angle)) > 0.4 ? 0.05 + 0.08 * (1 - Math.abs(Math.sin(2 * angle))) : 0.05));
     const curve = targetOnProfile("stiffness", x, jumps, 6, "cubic");
     expect(curve?.interpolation).toBe("monotone");
-    const away = (interpolation: Interpolation, points = curve?.points ?? []) => relativeDeviation(x.map(targetCurve(true, points, interpolation)), jumps, 0);
-    expect(away("monotone")).toBeLessThan(0.015);
-    expect(away("cubic", pointsOnProfile("stiffness", x, jumps, 6, "cubic"))).toBeGreaterThan(0.05);
+    const deviation = (interpolation: Interpolation, points = curve?.points ?? []) => relativeDeviation(x.map(targetCurve(true, points, interpolation)), jumps, 0);
+    expect(deviation("monotone")).toBeLessThan(0.015);
+    expect(deviation("cubic", pointsOnProfile("stiffness", x, jumps, 6, "cubic"))).toBeGreaterThan(0.05);
     expect(targetOnProfile("stiffness", x, x.map((angle) => 1 + 0.1 * Math.cos(2 * angle)), 6, "cubic")?.interpolation).toBe("cubic");
     expect(targetOnProfile("stiffness", x, x.map(() => null), 6, "cubic")).toBeNull();
   });

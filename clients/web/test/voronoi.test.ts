@@ -1,4 +1,4 @@
-// Voronoi diagrams: what is asked for, what a link keeps, how cells are coloured and cut, and how sites move.
+// Voronoi diagrams: requests, links, coloured and cut cells, and moving sites.
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Client } from "../src/contract/client";
 import type { SurfacePoint } from "../src/contract/types";
@@ -7,7 +7,7 @@ import { findings } from "../src/mesh/findings";
 import { readMeshLink, writeMeshLink } from "../src/mesh/link";
 import { MeshSession } from "../src/mesh/session";
 import { VoronoiSession } from "../src/mesh/voronoi_session";
-import { DEFAULT_VORONOI, diagramRequest, hasObjective, optimizationRequest, readVoronoi, withHeld, withoutSite, writeVoronoi } from "../src/mesh/voronoi_state";
+import { DEFAULT_VORONOI, diagramRequest, hasObjective, optimizationRequest, readVoronoi, withToggledFixed, withoutSite, writeVoronoi } from "../src/mesh/voronoi_state";
 import { statisticsRows } from "../src/mesh/voronoi_statistics";
 import { cellColours, VoronoiView } from "../src/mesh/voronoi_view";
 
@@ -33,9 +33,9 @@ describe("the state of a diagram", () => {
   });
 
   it("keeps held sites by their numbers when another is removed", () => {
-    const held = withHeld(withHeld(DEFAULT_VORONOI, 5), 2);
+    const held = withToggledFixed(withToggledFixed(DEFAULT_VORONOI, 5), 2);
     expect(held.fixed).toEqual([2, 5]);
-    expect(withHeld(held, 5).fixed).toEqual([2]);
+    expect(withToggledFixed(held, 5).fixed).toEqual([2]);
     expect(withoutSite(held, 3).fixed).toEqual([2, 4]);
     expect(withoutSite({ ...held, scattered: true }, 2)).toMatchObject({ fixed: [4], scattered: false });
   });
@@ -118,31 +118,31 @@ function ply(): ArrayBuffer {
   return bytes.buffer;
 }
 
-let asked: { path: string; document: { sites: unknown; statistics?: boolean } }[];
-let held: ((value: Response) => void)[];
-let holds: boolean;
+let requests: { path: string; document: { sites: unknown; statistics?: boolean } }[];
+let heldAnswers: ((value: Response) => void)[];
+let holdsAnswers: boolean;
 
 beforeEach(() => {
-  asked = [];
-  held = [];
-  holds = false;
+  requests = [];
+  heldAnswers = [];
+  holdsAnswers = false;
   vi.stubGlobal("fetch", async (url: string, init: RequestInit = {}) => {
     if (String(url) === `/v1/meshes/${MESH}`) return Response.json({ id: MESH, vertices: 3, faces: 1, area: 0.5, bounding_box: { diagonal: 2 }, warnings: [] });
     if (String(url).endsWith("/content")) return new Response(ply());
     if (init.method !== "POST") return Response.json({});
     const document = JSON.parse(String(init.body)) as { sites: unknown; statistics?: boolean };
-    asked.push({ path: String(url), document });
+    requests.push({ path: String(url), document });
     const sites = Array.isArray(document.sites) ? document.sites : [{ face: 0, barycentric: [1, 0, 0] }, { face: 0, barycentric: [0, 1, 0] }];
     const answer = String(url).endsWith("optimizations")
       ? diagramOf(sites, { energy: 1, terms: [], gradient_norm: 0, iterations: 1, history: [{ energy: 2, gradient_norm: 1, step_length: 0 }, { energy: 1, gradient_norm: 0, step_length: 1 }], stopped: "converged", statistics: { before: STATISTICS, after: STATISTICS }, accuracy: { tolerance: 1, gradient_tolerance: 1, gradient_norm: 0 } })
       : diagramOf(sites, { ...(document.statistics && { statistics: STATISTICS }), accuracy: { method: "exact", relative_error: 0, relative_error_bound: 0 } });
-    if (!holds) return Response.json(answer);
-    return new Promise<Response>((resolve) => held.push(() => resolve(Response.json(answer))));
+    if (!holdsAnswers) return Response.json(answer);
+    return new Promise<Response>((resolve) => heldAnswers.push(() => resolve(Response.json(answer))));
   });
 });
 afterEach(() => vi.unstubAllGlobals());
 
-async function opened(): Promise<{ voronoi: VoronoiSession; view: VoronoiView; mesh: MeshSession }> {
+async function openSession(): Promise<{ voronoi: VoronoiSession; view: VoronoiView; mesh: MeshSession }> {
   const mesh = new MeshSession(new Client(), findings);
   const voronoi = new VoronoiSession(mesh, new Client());
   const view = new VoronoiView(voronoi);
@@ -153,10 +153,10 @@ async function opened(): Promise<{ voronoi: VoronoiSession; view: VoronoiView; m
 
 describe("sites", () => {
   it("are scattered by the server and seen with their cells", async () => {
-    const { voronoi, view } = await opened();
+    const { voronoi, view } = await openSession();
     voronoi.change({ count: 2, seed: 9 });
     await voronoi.scatter();
-    expect(asked[0]).toMatchObject({ path: "/v1/voronoi-diagrams", document: { sites: { count: 2, seed: 9 } } });
+    expect(requests[0]).toMatchObject({ path: "/v1/voronoi-diagrams", document: { sites: { count: 2, seed: 9 } } });
     expect(voronoi.sites.get()).toHaveLength(2);
     expect(voronoi.state.get().scattered).toBe(true);
     expect(view.picture.get()?.lines).toEqual([[[0, 0, 0], [1, 0, 0]]]);
@@ -166,35 +166,35 @@ describe("sites", () => {
   });
 
   it("that are dragged have their cells divided anew one request at a time, the last with statistics", async () => {
-    const { voronoi } = await opened();
+    const { voronoi } = await openSession();
     voronoi.place({ vertex: 0 });
     voronoi.place({ vertex: 1 });
-    await vi.waitFor(() => expect(voronoi.divided.get()?.diagram.cells).toHaveLength(2));
-    holds = true;
-    const before = asked.length;
-    for (const share of [0.1, 0.2, 0.3]) voronoi.move(1, { face: 0, barycentric: [1 - share, share, 0] }, false);
+    await vi.waitFor(() => expect(voronoi.result.get()?.diagram.cells).toHaveLength(2));
+    holdsAnswers = true;
+    const before = requests.length;
+    for (const weight of [0.1, 0.2, 0.3]) voronoi.move(1, { face: 0, barycentric: [1 - weight, weight, 0] }, false);
     voronoi.move(1, { face: 0, barycentric: [0.5, 0.5, 0] }, true);
-    await vi.waitFor(() => expect(held).toHaveLength(1));
-    expect(asked).toHaveLength(before + 1);
-    expect(asked[before].document.statistics).toBe(false);
-    holds = false;
-    held[0](undefined as unknown as Response);
-    await vi.waitFor(() => expect(asked).toHaveLength(before + 2));
-    expect(asked[before + 1].document).toMatchObject({ sites: [{ vertex: 0 }, { face: 0, barycentric: [0.5, 0.5, 0] }], statistics: true });
-    await vi.waitFor(() => expect(voronoi.divided.get()?.now).not.toBeNull());
+    await vi.waitFor(() => expect(heldAnswers).toHaveLength(1));
+    expect(requests).toHaveLength(before + 1);
+    expect(requests[before].document.statistics).toBe(false);
+    holdsAnswers = false;
+    heldAnswers[0](undefined as unknown as Response);
+    await vi.waitFor(() => expect(requests).toHaveLength(before + 2));
+    expect(requests[before + 1].document).toMatchObject({ sites: [{ vertex: 0 }, { face: 0, barycentric: [0.5, 0.5, 0] }], statistics: true });
+    await vi.waitFor(() => expect(voronoi.result.get()?.now).not.toBeNull());
     expect(voronoi.chosen.get()).toBe(1);
     voronoi.remove(0);
-    await vi.waitFor(() => expect(voronoi.divided.get()?.diagram.cells).toHaveLength(1));
+    await vi.waitFor(() => expect(voronoi.result.get()?.diagram.cells).toHaveLength(1));
     voronoi.remove(0);
-    expect(voronoi.divided.get()).toBeNull();
+    expect(voronoi.result.get()).toBeNull();
   });
 
   it("are optimized, and what was said of them before stays beside what is said now", async () => {
-    const { voronoi } = await opened();
+    const { voronoi } = await openSession();
     await voronoi.scatter();
     await voronoi.optimize();
-    expect(asked[1].path).toBe("/v1/voronoi-optimizations");
-    expect(voronoi.divided.get()).toMatchObject({ before: STATISTICS, now: STATISTICS });
+    expect(requests[1].path).toBe("/v1/voronoi-optimizations");
+    expect(voronoi.result.get()).toMatchObject({ before: STATISTICS, now: STATISTICS });
     expect(voronoi.optimizing.get()?.steps).toEqual([{ iteration: 0, energy: 2, gradient: 1 }, { iteration: 1, energy: 1, gradient: 0 }]);
     expect(voronoi.state.get().scattered).toBe(false);
     voronoi.move(0, { vertex: 2 }, true);
@@ -202,10 +202,10 @@ describe("sites", () => {
   });
 
   it("are forgotten with their mesh", async () => {
-    const { voronoi, mesh } = await opened();
+    const { voronoi, mesh } = await openSession();
     await voronoi.scatter();
     mesh.mesh.set({ ...(mesh.mesh.get() as NonNullable<ReturnType<typeof mesh.mesh.get>>), info: { id: "cd".repeat(32) } as never });
     expect(voronoi.sites.get()).toEqual([]);
-    expect(voronoi.divided.get()).toBeNull();
+    expect(voronoi.result.get()).toBeNull();
   });
 });

@@ -4,7 +4,7 @@ import { polarPath } from "../src/base/polar";
 import { carriedOverrides } from "../src/weave/carried";
 import { connectionWords, crossingWords, nextConnection, withConnection } from "../src/weave/connections";
 import { blockOf, directionAt, latticeCoordinates, periodicDistance } from "../src/weave/geometry";
-import { isLattice, snapped, strandOf, withLattice } from "../src/weave/layout_edit";
+import { isLattice, roundedToGrid, strandOf, withLattice } from "../src/weave/layout_edit";
 import { csvOf, gapWords, nearestDirection, profileOf } from "../src/weave/profile";
 import { sheetOverrides, sheetSupports, sheetWeave, tiledStrands } from "../src/weave/sheet";
 import { centroid, restLines, startingAt } from "../src/weave/rest_lines";
@@ -18,7 +18,7 @@ const crossing = (x: number, y: number, ...members: Member[]) => ({ position: [x
 const straight = (from: number[], to: number[], ends: "open" | "periodic" = "open") => ({
   ends, translation: [0, 0], length: Math.hypot(to[0] - from[0], to[1] - from[1]), radius: 0.25, polyline: [from, to],
 });
-const laidOut = (strands: ReturnType<typeof straight>[], crossings: ReturnType<typeof crossing>[], lattice: number[][] | null) =>
+const layoutOf = (strands: ReturnType<typeof straight>[], crossings: ReturnType<typeof crossing>[], lattice: number[][] | null) =>
   ({ strands, crossings, lattice, material: {}, warnings: [], effects: [], cost: { seconds: 0 } }) as unknown as WeaveLayout;
 
 describe("the connection of a crossing", () => {
@@ -39,8 +39,8 @@ describe("the connection of a crossing", () => {
   it("stays where it is when strands before it are taken away", () => {
     const [a, b, c] = [{ points: [[0, 1], [9, 1]] }, { points: [[0, 2], [9, 2]] }, { points: [[4, 0], [4, 9]] }];
     const state = (...strands: typeof a[]) => ({ ...DEFAULT_STATE, pattern: "layout" as const, layout: { strands, lattice: null } });
-    const before = { state: state(a, b, c), layout: laidOut([], [crossing(4, 1, { strand: 0, coordinate: 4 }, { strand: 2, coordinate: 1 }), crossing(4, 2, { strand: 1, coordinate: 4 }, { strand: 2, coordinate: 2, slides: true })], null) };
-    const now = { state: state(c, b), layout: laidOut([], [crossing(4, 2, { strand: 0, coordinate: 2 }, { strand: 1, coordinate: 4 })], null) };
+    const before = { state: state(a, b, c), layout: layoutOf([], [crossing(4, 1, { strand: 0, coordinate: 4 }, { strand: 2, coordinate: 1 }), crossing(4, 2, { strand: 1, coordinate: 4 }, { strand: 2, coordinate: 2, slides: true })], null) };
+    const now = { state: state(c, b), layout: layoutOf([], [crossing(4, 2, { strand: 0, coordinate: 2 }, { strand: 1, coordinate: 4 })], null) };
     expect(carriedOverrides(before, now)).toEqual([{ crossing: 0, slides: [0] }]);
   });
 });
@@ -61,7 +61,7 @@ describe("a drawn strand", () => {
     expect(strandOf([[0, 0], [1, 0], [1, 1], [0, 0]], "closed", null)).toEqual({ points: [[0, 0], [1, 0], [1, 1]], ends: "closed" });
     expect(strandOf([[0, 1], [5, 2], [10, 1]], "along_a", SKEW)).toEqual({ points: [[0, 1], [5, 2]], ends: "periodic", translation: [10, 0] });
     expect(strandOf([[0, 1]], "along_b", null)).toBeNull();
-    expect(snapped([0.26, -1.2])).toEqual([0.5, -1]);
+    expect(roundedToGrid([0.26, -1.2])).toEqual([0.5, -1]);
   });
 
   it("goes on along the same translations of another lattice, and ends where there is none", () => {
@@ -88,18 +88,18 @@ describe("a sheet", () => {
   });
 
   it("is connected as the cell is, whichever of a crossing's strands comes first", () => {
-    const cell = laidOut([straight([0, 5], [10, 5], "periodic"), straight([5, 0], [5, 10], "periodic")], [crossing(5, 5, { strand: 0, coordinate: 5, slides: true }, { strand: 1, coordinate: 5 })], [[10, 0], [0, 10]]);
-    const sheet = laidOut([straight([0, 5], [20, 5]), straight([5, 0], [5, 10]), straight([15, 0], [15, 10])],
+    const cell = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([5, 0], [5, 10], "periodic")], [crossing(5, 5, { strand: 0, coordinate: 5, slides: true }, { strand: 1, coordinate: 5 })], [[10, 0], [0, 10]]);
+    const sheet = layoutOf([straight([0, 5], [20, 5]), straight([5, 0], [5, 10]), straight([15, 0], [15, 10])],
       [crossing(5, 5, { strand: 1, coordinate: 5 }, { strand: 0, coordinate: 5 }), crossing(15, 5, { strand: 0, coordinate: 15, slides: true }, { strand: 2, coordinate: 5 }), crossing(9, 9, { strand: 0, coordinate: 9 }, { strand: 1, coordinate: 9 })], null);
     expect(sheetOverrides(cell, sheet)).toEqual({ overrides: [{ crossing: 0, slides: [1] }], unknown: 1 });
   });
 
   it("is held at one border and moved at the other", () => {
-    const layout = laidOut([straight([0, 2], [20, 2]), straight([2, 0], [2, 8])], [crossing(2, 2, { strand: 0, coordinate: 2 }, { strand: 1, coordinate: 2 })], null);
+    const layout = layoutOf([straight([0, 2], [20, 2]), straight([2, 0], [2, 8])], [crossing(2, 2, { strand: 0, coordinate: 2 }, { strand: 1, coordinate: 2 })], null);
     const sheet = { ...DEFAULT_STATE.sheet, amount: 0.5 };
-    const [held, moved] = sheetSupports({ ...sheet, load: "stretch_x" }, layout);
-    expect(held.displacement).toBeUndefined();
-    expect(moved).toMatchObject({ displacement: [10, 0, 0], at: { box: [[19.9, -0.1], [20.1, 8.1]] } });
+    const [fixedBorder, movedBorder] = sheetSupports({ ...sheet, load: "stretch_x" }, layout);
+    expect(fixedBorder.displacement).toBeUndefined();
+    expect(movedBorder).toMatchObject({ displacement: [10, 0, 0], at: { box: [[19.9, -0.1], [20.1, 8.1]] } });
     expect(sheetSupports({ ...sheet, load: "shear" }, layout)[1].displacement).toEqual([4, 0, 0]);
     expect(sheetSupports({ ...sheet, load: "push" }, layout)[1].at).toEqual({ strand: 1, share: 1 });
   });
@@ -150,7 +150,7 @@ describe("a polyline", () => {
 describe("a strand at rest", () => {
   it("begins where the deformed one does: at its first crossing, in that crossing's place", () => {
     expect(startingAt([[0, 0], [4, 0], [10, 0]], 6, [10, 0])).toEqual([[6, 0], [10, 0], [14, 0], [16, 0]]);
-    const layout = laidOut([straight([0, 5], [10, 5], "periodic"), straight([0, 0], [4, 4])],
+    const layout = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([0, 0], [4, 4])],
       [crossing(13, 15, { strand: 0, coordinate: 3 }, { strand: 1, coordinate: 2 })], [[10, 0], [0, 10]]);
     (layout.strands[0] as { translation: number[] }).translation = [10, 0];
     expect(restLines(layout)).toEqual([[[13, 15], [20, 15], [23, 15]], [[0, 0], [4, 4]]]);

@@ -1,4 +1,4 @@
-// What more or less accuracy costs, as the project's benchmarks measured it: their tables, cut to what concerns an answer.
+// The time that more or less accuracy costs, from the tables of the project's benchmarks, reduced to the rows of an endpoint and a family.
 import designs from "../../../../docs/bench/designs-accuracy.csv?raw";
 import simulations from "../../../../docs/bench/designs-discretization.csv?raw";
 import geodesics from "../../../../docs/bench/geodesics-accuracy.csv?raw";
@@ -18,38 +18,38 @@ interface Source {
   readonly text: string;
   readonly caption: string;
   readonly columns: readonly (readonly [column: string, words: string])[];
-  readonly keeps: (row: Row, family: string | null) => boolean;
+  readonly matches: (row: Row, family: string | null) => boolean;
 }
 
 const DESIGNS: Source = {
   text: designs, caption: "A search among the designs of a family, by what is asked of it",
   columns: [["knob", "Knob"], ["value", "Value"], ["median_error", "Median deviation"], ["p90_error", "In 90 of 100 below"], ["median_ms", "Median time (ms)"]],
-  keeps: (row, family) => row.family === (family ?? "IH01"),
+  matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const SIMULATIONS: Source = {
   text: simulations, caption: "A simulated profile that is not extrapolated, by the size of its mesh",
   columns: [["task", "Profile"], ["mesh_size", "Mesh size"], ["error_median", "Median error (%)"], ["error_worst", "Worst (%)"], ["seconds", "Time (s)"]],
-  keeps: (row, family) => row.family === (family ?? "IH01"),
+  matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const GEODESICS: Source = {
   text: geodesics, caption: "Distances to a source on a mesh of 81,920 faces, by the error that is allowed",
   columns: [["method", "Method"], ["max_error", "Largest error"], ["mean_error", "Mean error"], ["ms", "Time (ms)"]],
-  keeps: (row) => row.mesh === "icosphere",
+  matches: (row) => row.mesh === "icosphere",
 };
 const WEAVES: Source = {
   text: weaves, caption: "Stiffness of a cell in one direction, by the pieces of rod between crossings",
   columns: [["cell", "Cell"], ["segments", "Pieces"], ["modulus_percent", "Error of the modulus (%)"], ["poisson", "Error of Poisson’s ratio"], ["ms", "Time (ms)"]],
-  keeps: () => true,
+  matches: () => true,
 };
 const NETWORKS: Source = {
   text: networks, caption: "A network at rest, by the tolerance of its gradient",
   columns: [["scene", "Scene"], ["tolerance", "Tolerance"], ["position_error", "Error of positions"], ["energy_error", "Error of the energy"], ["cpu_ms", "Time (ms)"]],
-  keeps: () => true,
+  matches: () => true,
 };
 const VORONOI: Source = {
   text: voronoi, caption: "A Voronoi diagram, by the error that its distances may have",
   columns: [["shape", "Surface"], ["method", "Distances"], ["area", "Error of areas"], ["ms", "Time (ms)"]],
-  keeps: () => true,
+  matches: () => true,
 };
 
 const SOURCES: Readonly<Record<string, Source>> = {
@@ -65,15 +65,15 @@ const SOURCES: Readonly<Record<string, Source>> = {
   "/v1/voronoi-optimizations": VORONOI,
 };
 
-/** Null where no benchmark was made of an endpoint, or none of the family. */
+/** The table of an endpoint and a family; null if no benchmark has measured them. */
 export function accuracyCost(path: string, family: string | null): AccuracyCost | null {
   const source = SOURCES[path];
   if (!source) return null;
-  const rows = readCsv(source.text).filter((row) => source.keeps(row, family)).map((row) => source.columns.map(([column]) => row[column] ?? ""));
+  const rows = readCsv(source.text).filter((row) => source.matches(row, family)).map((row) => source.columns.map(([column]) => row[column] ?? ""));
   return rows.length > 0 ? { caption: source.caption, head: source.columns.map(([, words]) => words), rows } : null;
 }
 
-/** Rows by the names of the columns; fields may be quoted. */
+/** The rows of a CSV text, each an object with the column names as keys. Fields may be quoted. */
 export function readCsv(text: string): Row[] {
   const fieldsOf = (line: string) => [...`,${line}`.matchAll(/,(?:"((?:[^"]|"")*)"|([^,]*))/g)].map((field) => field[1]?.replace(/""/g, '"') ?? field[2] ?? "");
   const [head, ...lines] = text.trim().split(/\r?\n/).map(fieldsOf);

@@ -1,4 +1,4 @@
-// A bill as tables: stages, what was counted, optional parts, accuracy.
+// A bill as tables: stages, counted quantities, optional parts, accuracy.
 import type { Cost, Effect } from "../contract/types";
 import { digits, seconds } from "./format";
 import { table } from "./tables";
@@ -22,7 +22,7 @@ export function costTables({ stages, quantities, seconds: total }: Cost): HTMLEl
   return [table("Stages, the time of all threads added up", ["Stage", "Took", "Times"], [...rows, ["from start to end", seconds(total), ""]]), ...(counted.length > 0 ? [table("Counted", ["What", "Number"], counted)] : [])];
 }
 
-/** Null where an answer says nothing of its accuracy. */
+/** Null if an answer states no accuracy. */
 export function accuracyTable(accuracy: Readonly<Record<string, unknown>>): HTMLElement | null {
   const rows = Object.entries(accuracy).flatMap(([name, value]): [string, string][] => {
     const words = plainValue(value);

@@ -1,4 +1,4 @@
-// What the server charged for its last answers of a page: one bill for each endpoint, the newest first.
+// The bills of the last answers that a page received: one for each endpoint, the newest first.
 import type { Cost, Effect } from "../contract/types";
 import { Observable } from "./observable";
 
@@ -7,23 +7,23 @@ export interface Bill {
   readonly path: string;
   readonly cost: Cost;
   readonly effects: readonly Effect[];
-  /** What was asked for and reached; names and numbers. */
+  /** Requested and reached accuracy, by name. */
   readonly accuracy: Readonly<Record<string, unknown>>;
-  /** What was asked. */
+  /** The document that was sent. */
   readonly request: unknown;
-  /** Of the answer's structure, where it has one. */
+  /** Family of the structure in the answer, if there is one. */
   readonly family: string | null;
 }
 
-const MOST_BILLS = 8;
+const MAX_BILLS = 8;
 
 export class Bills {
   readonly list = new Observable<readonly Bill[]>([]);
 
-  /** Keeps the bill of an answer, where it has one. */
-  readonly hear = (path: string, answer: unknown, request?: unknown): void => {
+  /** Stores the bill of an answer, if it has one. */
+  readonly record = (path: string, answer: unknown, request?: unknown): void => {
     const bill = billOf(path, answer, request);
-    if (bill) this.list.set([bill, ...this.list.get().filter((other) => other.path !== bill.path)].slice(0, MOST_BILLS));
+    if (bill) this.list.set([bill, ...this.list.get().filter((other) => other.path !== bill.path)].slice(0, MAX_BILLS));
   };
 }
 

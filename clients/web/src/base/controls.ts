@@ -1,11 +1,11 @@
-// Form controls that always have their label, and tell when they are moved and when they are let go.
+// Form controls with labels. Sliders report every movement, and whether it is the last one.
 import { h, uniqueId } from "./dom";
 import { icon, type IconName } from "./icons";
 import { showText } from "./writing";
 
 export interface ButtonOptions {
   icon?: IconName;
-  /** What a screen reader says and a pointer shows where the words do not stand beside the icon. */
+  /** Tooltip; also the accessible name of a button that shows only its icon. */
   title?: string;
   kind?: "primary" | "quiet";
 }
@@ -48,7 +48,7 @@ export class Select<Value extends string> {
   }
 }
 
-/** Yes or no. */
+/** A checkbox with its label. */
 export class Checkbox {
   readonly element: HTMLElement;
   private readonly input: HTMLInputElement;
@@ -72,10 +72,10 @@ export interface SliderOptions {
   lower: number;
   upper: number;
   step?: number;
-  /** Digits after the point in the number's field. */
+  /** Decimals that the number field shows. */
   digits: number;
   unit?: string;
-  /** `done`: the slider was let go, or a number was entered. */
+  /** `done`: the slider was released, or a number was entered. */
   changed: (value: number, done: boolean) => void;
 }
 
@@ -86,7 +86,7 @@ export class Slider {
   private readonly number: HTMLInputElement;
   private lower: number;
   private upper: number;
-  private used = 0;
+  private current = 0;
 
   constructor(private readonly options: SliderOptions) {
     const { label, lower, upper, unit } = options;
@@ -95,15 +95,15 @@ export class Slider {
     const step = options.step ?? "any";
     this.range = h("input", { type: "range", id, min: lower, max: upper, step });
     this.number = h("input", { type: "number", class: "number", min: lower, max: upper, step: "any", "aria-label": `${label}${unit ? `, ${unit}` : ""}, as a number` });
-    this.range.addEventListener("input", () => this.tell(Number(this.range.value), false));
-    this.range.addEventListener("change", () => this.tell(Number(this.range.value), true));
+    this.range.addEventListener("input", () => this.notify(Number(this.range.value), false));
+    this.range.addEventListener("change", () => this.notify(Number(this.range.value), true));
     this.number.addEventListener("change", () => {
       const value = Number(this.number.value);
       if (this.number.value !== "" && Number.isFinite(value)) {
-        this.used = Math.max(this.lower, Math.min(this.upper, value));
-        this.tell(this.used, true);
+        this.current = Math.max(this.lower, Math.min(this.upper, value));
+        this.notify(this.current, true);
       }
-      this.showNumber(); // what is used, where something else was written
+      this.showNumber(); // the clamped or previous value replaces an entry that is not used
     });
     this.element = h(
       "div",
@@ -114,14 +114,14 @@ export class Slider {
   }
 
   set value(value: number) {
-    this.used = value;
+    this.current = value;
     this.range.value = String(value);
     this.showNumber();
-    const share = (value - this.lower) / (this.upper - this.lower);
-    this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, share))}%`);
+    const fraction = (value - this.lower) / (this.upper - this.lower);
+    this.range.style.setProperty("--share", `${100 * Math.max(0, Math.min(1, fraction))}%`);
   }
 
-  /** What the value may be from now on; the value is to be set after. */
+  /** Changes the limits. The caller sets the value afterwards. */
   limit(lower: number, upper: number): void {
     [this.lower, this.upper] = [lower, upper];
     for (const input of [this.range, this.number]) {
@@ -136,16 +136,16 @@ export class Slider {
   }
 
   private showNumber(): void {
-    showText(this.number, String(Number(this.used.toFixed(this.options.digits))));
+    showText(this.number, String(Number(this.current.toFixed(this.options.digits))));
   }
 
-  private tell(value: number, done: boolean): void {
+  private notify(value: number, done: boolean): void {
     this.value = value;
     this.options.changed(value, done);
   }
 }
 
-/** One of a few, all of them in sight. */
+/** Radio buttons in a row. */
 export class Segments<Value extends string> {
   readonly element: HTMLElement;
   private readonly inputs = new Map<Value, HTMLInputElement>();

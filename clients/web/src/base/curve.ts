@@ -1,14 +1,14 @@
-// Samples of a function, as plots draw and files keep them.
+// Samples of a function, for plots and files.
 
 export type Sample = readonly [x: number, y: number];
 
 export interface Curve {
   readonly x: readonly number[];
-  /** null where there is no equilibrium. */
+  /** Null at samples without an equilibrium. */
   readonly y: readonly (number | null)[];
 }
 
-/** Pieces of a curve between its gaps. */
+/** The pieces of a curve between its gaps, the samples without a value. */
 export function pieces(curve: Curve): Sample[][] {
   const result: Sample[][] = [[]];
   curve.x.forEach((x, k) => {

@@ -1,9 +1,9 @@
-// Elements in one expression. Styles are classes only: the server's policy refuses style attributes.
+// Functions that make elements in one expression. Styles are classes only, because the server's content security policy refuses style attributes.
 
 export type Child = Node | string | null | undefined | false;
 type Attributes = Record<string, string | number | boolean | null | undefined | ((event: never) => void)>;
 
-/** An element with attributes (`onclick` and the like are listeners, true is an empty attribute) and children. */
+/** An HTML element with attributes and children. Functions such as `onclick` become listeners, and true becomes an empty attribute. */
 export function h<Tag extends keyof HTMLElementTagNameMap>(
   tag: Tag,
   attributes: Attributes = {},
@@ -17,7 +17,7 @@ export function h<Tag extends keyof HTMLElementTagNameMap>(
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/** The same for SVG. */
+/** An SVG element, made in the same way. */
 export function svg<Tag extends keyof SVGElementTagNameMap>(
   tag: Tag,
   attributes: Attributes = {},
@@ -46,8 +46,8 @@ export function replace(element: Element, ...children: Child[]): void {
   append(element, children);
 }
 
-let names = 0;
-/** An id that no other element has. */
+let idCount = 0;
+/** An id that is unique in the page. */
 export function uniqueId(prefix: string): string {
-  return `${prefix}-${++names}`;
+  return `${prefix}-${++idCount}`;
 }

@@ -1,10 +1,10 @@
-// How much of the plane a plot shows: all that matters, with room to drag into.
+// The domains of plot axes: all values, with a margin into which control points can be dragged.
 import type { Task } from "../contract/types";
 
 export type Domain = readonly [lower: number, upper: number];
 
-const ROOM = 0.25;
-const LEAST_HEIGHT = 1e-6;
+const MARGIN = 0.25;
+const MIN_HEIGHT = 1e-6;
 
 function extremes(values: Iterable<number | null | undefined>): Domain | null {
   let lower = Infinity;
@@ -17,29 +17,29 @@ function extremes(values: Iterable<number | null | undefined>): Domain | null {
   return lower <= upper ? [lower, upper] : null;
 }
 
-/** Stress: the values, zero, and room above and below for what is dragged there. */
+/** Domain of a stress axis: the values, zero, and a margin above and below. */
 export function heightDomain(values: Iterable<number | null | undefined>): Domain {
   const found = extremes(values) ?? [0, 1];
   const lower = Math.min(0, found[0]);
   const upper = Math.max(0, found[1]);
-  const room = ROOM * Math.max(upper - lower, LEAST_HEIGHT);
-  // Below a target that hardly falls under zero there is little to drag for.
-  return [lower - (-lower > upper / 4 ? room : room / 2), upper + (upper > -lower / 4 ? room : room / 2)];
+  const margin = MARGIN * Math.max(upper - lower, MIN_HEIGHT);
+  // The side that hardly leaves zero gets half the margin, because targets are seldom dragged there.
+  return [lower - (-lower > upper / 4 ? margin : margin / 2), upper + (upper > -lower / 4 ? margin : margin / 2)];
 }
 
-/** Strain: the extent of the targets and curves, a little more on either side. */
+/** Domain of a strain axis: the extent of targets and curves, with a small margin on either side. */
 export function widthDomain(values: Iterable<number | null | undefined>): Domain {
   const [lower, upper] = extremes(values) ?? [0, 0.1];
-  const room = 0.06 * Math.max(upper - lower, 1e-3);
-  return [lower - room, upper + room];
+  const margin = 0.06 * Math.max(upper - lower, 1e-3);
+  return [lower - margin, upper + margin];
 }
 
-/** Values at the centre and at the rim of a polar plot. */
+/** The values at the centre and at the rim of a polar plot. */
 export function radialDomain(task: Task, values: Iterable<number | null | undefined>): Domain {
   const [lower, upper] = extremes(values) ?? [0, 1];
-  if (task === "stiffness") return [0, Math.max(upper, LEAST_HEIGHT) * (1 + ROOM)];
-  const least = Math.min(lower, -0.1);
-  const most = Math.max(upper, 0.1);
-  const room = ROOM * (most - least);
-  return [least - room, most + room];
+  if (task === "stiffness") return [0, Math.max(upper, MIN_HEIGHT) * (1 + MARGIN)];
+  const min = Math.min(lower, -0.1);
+  const max = Math.max(upper, 0.1);
+  const margin = MARGIN * (max - min);
+  return [min - margin, max + margin];
 }

@@ -1,4 +1,4 @@
-/** Gives the person a file. */
+/** Makes the browser save a file. */
 export function download(name: string, type: string, content: BlobPart): void {
   const url = URL.createObjectURL(new Blob([content], { type }));
   const link = document.createElement("a");

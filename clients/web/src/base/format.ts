@@ -1,4 +1,4 @@
-/** A number with so many significant digits, without a tail of zeros. */
+/** A number with `count` significant digits, without trailing zeros. */
 export function digits(value: number, count = 3): string {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
@@ -7,14 +7,14 @@ export function digits(value: number, count = 3): string {
   return minus(text.includes("e") ? trimExponent(text) : trimZeros(text));
 }
 
-/** With so many digits after the point. */
+/** A number with `count` decimals. */
 export function fixed(value: number, count: number): string {
   const text = value.toFixed(count);
   return minus(Number(text) === 0 ? (0).toFixed(count) : text);
 }
 
-export function percent(share: number): string {
-  const value = 100 * share;
+export function percent(fraction: number): string {
+  const value = 100 * fraction;
   return `${value >= 10 && value < 1e5 ? String(Math.round(value)) : digits(value, 2)} %`;
 }
 
@@ -27,7 +27,7 @@ export function seconds(value: number): string {
   return value < 60 ? `${digits(value, 2)} s` : `${Math.floor(value / 60)} min ${Math.round(value % 60)} s`;
 }
 
-/** The shortest text that keeps eight digits, for links and files. */
+/** The shortest text with eight significant digits, for links and files. */
 export function plain(value: number): string {
   return String(Number(value.toPrecision(8)));
 }

@@ -1,6 +1,6 @@
-const MOST_STEPS = 200;
+const MAX_STEPS = 200;
 
-/** What was, what is and what was undone. Values are not changed after they were given. */
+/** The past values, the present one and the undone ones. Values are immutable. */
 export class History<Value> {
   private past: Value[] = [];
   private future: Value[] = [];
@@ -19,15 +19,15 @@ export class History<Value> {
     return this.future.length > 0;
   }
 
-  /** A step that can be undone. */
+  /** Makes a value the present one, as a step that can be undone. */
   push(value: Value): void {
     this.past.push(this.present);
-    if (this.past.length > MOST_STEPS) this.past.shift();
+    if (this.past.length > MAX_STEPS) this.past.shift();
     this.present = value;
     this.future = [];
   }
 
-  /** The present as it turned out; no step of its own. */
+  /** Replaces the present value without adding a step. */
   amend(value: Value): void {
     this.present = value;
   }

@@ -1,4 +1,4 @@
-// Line drawings of 20 x 20 units for buttons; the words beside them, or their labels, say what they mean.
+// Icons of buttons: line drawings of 20 x 20 units. They are hidden from screen readers, so that each button needs text or a label.
 import { svg } from "./dom";
 
 const PATHS = {

@@ -1,19 +1,19 @@
 /**
- * Runs one task at a time; of those that come meanwhile only the newest is kept. So a stream of wishes, as a pointer
- * that is dragged gives them, never piles up.
+ * Runs one task at a time. Only the newest of the tasks that arrive meanwhile waits, so that requests of a dragged pointer
+ * do not accumulate.
  */
 export class Latest {
   private running: AbortController | undefined;
   private next: ((signal: AbortSignal) => Promise<void>) | undefined;
 
-  /** `urgent`: what runs is stopped; otherwise it may end first. Tasks report their failures themselves. */
+  /** `urgent`: the running task is aborted; otherwise it ends first. Tasks report their failures themselves. */
   submit(task: (signal: AbortSignal) => Promise<void>, urgent = false): void {
     this.next = task;
     if (urgent) this.running?.abort();
     if (!this.running) void this.run();
   }
 
-  /** Stops what runs and forgets what waits. */
+  /** Aborts the running task and drops the waiting one. */
   cancel(): void {
     this.next = undefined;
     this.running?.abort();

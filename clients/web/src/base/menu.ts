@@ -1,7 +1,7 @@
 import { h } from "./dom";
 import { icon, type IconName } from "./icons";
 
-/** A menu that opens below its button; Escape and a press elsewhere close it. */
+/** A menu that opens below its button. Escape and a press elsewhere close it. */
 export function menu(words: string, picture: IconName, ...groups: HTMLElement[]): HTMLDetailsElement {
   const element = h("details", { class: "menu" }, h("summary", { class: "button" }, icon(picture), h("span", {}, words)), h("div", { class: "menu-body" }, ...groups));
   element.addEventListener("keydown", (event) => {

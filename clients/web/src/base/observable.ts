@@ -1,4 +1,4 @@
-/** A value that tells when it changes. */
+/** A value that notifies listeners when it changes. */
 export class Observable<Value> {
   private readonly listeners = new Set<(value: Value) => void>();
 
@@ -14,7 +14,7 @@ export class Observable<Value> {
     for (const listener of [...this.listeners]) listener(value);
   }
 
-  /** Calls the listener now and after every change; returns what ends that. */
+  /** Calls the listener now and after every change. Returns a function that removes it. */
   watch(listener: (value: Value) => void): () => void {
     this.listeners.add(listener);
     listener(this.value);

@@ -1,4 +1,4 @@
-// Polar plots of what has the period pi over direction: each half is the other's picture.
+// Polar plots of quantities with period pi over direction: samples of half a turn are drawn twice, opposite to each other.
 import { curveLinearClosed, lineRadial } from "d3-shape";
 import { type Curve, pieces, type Sample } from "./curve";
 import { svg } from "./dom";
@@ -6,37 +6,37 @@ import { digits } from "./format";
 
 const SPOKES = 12;
 
-/** d3 counts angles clockwise from above, we counterclockwise from the right. */
-function radial(away: (y: number) => number) {
-  return lineRadial<Sample>().angle((p) => Math.PI / 2 - p[0]).radius((p) => away(p[1]));
+/** d3 measures angles clockwise from the top; here they are counterclockwise from the right. */
+function radial(pixelRadius: (y: number) => number) {
+  return lineRadial<Sample>().angle((p) => Math.PI / 2 - p[0]).radius((p) => pixelRadius(p[1]));
 }
 
 /**
- * Half a turn of samples and its picture as the data of a path; `away` gives pixels from the centre. A last sample that
- * repeats the first is left out; a gap of the curve is one of the path.
+ * The samples of half a turn and their copies in the other half, as the data of an SVG path. `pixelRadius` is the distance from the
+ * centre in pixels. A last sample that repeats the first is left out. Gaps of the curve are gaps of the path.
  */
-export function polarPath(curve: Curve, away: (y: number) => number): string {
+export function polarPath(curve: Curve, pixelRadius: (y: number) => number): string {
   const count = curve.x.length;
   if (count === 0) return "";
   const repeated = count > 1 && curve.x[count - 1] - curve.x[0] > Math.PI - 1e-6;
   const half = curve.x.slice(0, repeated ? -1 : undefined).map((x, k) => [x, curve.y[k]] as const);
-  const turn = [...half, ...half.map(([x, y]) => [x + Math.PI, y] as const)];
-  const gap = turn.findIndex(([, y]) => y === null);
-  if (gap < 0) return radial(away).curve(curveLinearClosed)(turn as Sample[]) ?? "";
-  // From one gap around to it again, so that no piece is cut where the samples begin.
-  const cyclic = [...turn.slice(gap), ...turn.slice(0, gap).map(([x, y]) => [x + 2 * Math.PI, y] as const)];
+  const fullTurn = [...half, ...half.map(([x, y]) => [x + Math.PI, y] as const)];
+  const gap = fullTurn.findIndex(([, y]) => y === null);
+  if (gap < 0) return radial(pixelRadius).curve(curveLinearClosed)(fullTurn as Sample[]) ?? "";
+  // The turn begins and ends at a gap, so that no piece is cut where the samples begin.
+  const cyclic = [...fullTurn.slice(gap), ...fullTurn.slice(0, gap).map(([x, y]) => [x + 2 * Math.PI, y] as const)];
   const parts = pieces({ x: cyclic.map(([x]) => x), y: cyclic.map(([, y]) => y) });
-  return parts.map((piece) => radial(away)(piece) ?? "").join("");
+  return parts.map((piece) => radial(pixelRadius)(piece) ?? "").join("");
 }
 
-/** What a radius scale of d3 must be able to do. */
+/** The part of a d3 scale that polar plots need. */
 export interface RadiusScale {
   (value: number): number;
   range(): number[];
   ticks(count?: number): number[];
 }
 
-/** Rings with their values, spokes with their angles. */
+/** Rings labelled with values, and spokes labelled with angles. */
 export function polarGrid(radius: RadiusScale, ticks: readonly number[] = radius.ticks(5)): SVGElement[] {
   const rim = radius.range()[1];
   const rings = ticks.filter((value) => radius(value) > 1);

@@ -1,6 +1,6 @@
-// Colour maps: from the least value to the greatest, in equal steps of a share from 0 to 1.
+// Colour maps: colours at equal steps of a fraction, 0 for the smallest value and 1 for the largest.
 
-/** Red, green and blue in linear light, from 0 to 1. */
+/** Red, green and blue in linear light, each from 0 to 1. */
 export type Rgb = readonly [number, number, number];
 
 export type RampName = "sea" | "viridis" | "inferno" | "grey";
@@ -15,15 +15,15 @@ export const RAMPS: Readonly<Record<RampName, readonly Rgb[]>> = {
   grey: [[0.0094, 0.0094, 0.0112], [0.0932, 0.0932, 0.0993], [0.2684, 0.2684, 0.2793], [0.5468, 0.5468, 0.5468], [0.9141, 0.9141, 0.8933]],
 };
 
-/** The colour at a share of the ramp, from 0 to 1. */
-export function rampColour(share: number, ramp: readonly Rgb[]): Rgb {
-  const place = Math.max(0, Math.min(1, share)) * (ramp.length - 1);
-  const k = Math.min(Math.floor(place), ramp.length - 2);
-  const part = place - k;
-  return [0, 1, 2].map((channel) => (1 - part) * ramp[k][channel] + part * ramp[k + 1][channel]) as unknown as Rgb;
+/** The colour at a fraction of the ramp, interpolated linearly; fractions are clamped to [0, 1]. */
+export function rampColour(fraction: number, ramp: readonly Rgb[]): Rgb {
+  const position = Math.max(0, Math.min(1, fraction)) * (ramp.length - 1);
+  const k = Math.min(Math.floor(position), ramp.length - 2);
+  const weight = position - k;
+  return [0, 1, 2].map((channel) => (1 - weight) * ramp[k][channel] + weight * ramp[k + 1][channel]) as unknown as Rgb;
 }
 
-/** As style sheets and canvases write it. */
+/** A colour as a CSS value, with gamma 2.2. */
 export function cssColour([r, g, b]: Rgb): string {
   return `rgb(${[r, g, b].map((value) => Math.round(255 * value ** (1 / 2.2))).join(" ")})`;
 }

@@ -1,6 +1,6 @@
-// What is to be said next: the last sentence of each topic.
+// The sentences to be announced next: the last one of each topic.
 
-/** What a sentence is about: a change that a person made, or what came of it. */
+/** Topic of a sentence: a change that the user made, or its outcome. */
 export type Topic = "change" | "outcome";
 
 export class Sentences {
@@ -10,7 +10,7 @@ export class Sentences {
     this.last[topic] = sentence;
   }
 
-  /** Everything that waits to be said, the change first; nothing waits afterwards. */
+  /** Returns all sentences, the change first, and clears them. */
   take(): string {
     const all = [this.last.change, this.last.outcome].filter((sentence) => sentence !== "").join(" ");
     this.last.change = this.last.outcome = "";

@@ -3,7 +3,7 @@ import { button } from "./controls";
 
 const FLASH_MS = 2000;
 
-/** Copies the page's address; `write` puts into it what is to be shared and may refuse with a sentence. */
+/** A button that copies the page's address. `write` puts the state into the address; a text that it returns says why it could not. */
 export function shareButton(title: string, write: () => string | void): HTMLButtonElement {
   const element = button("Share", () => void share(), { icon: "link", title });
 

@@ -1,17 +1,17 @@
-// Tabs that are added, named and taken away: one of them is in sight.
+// Tabs that can be added, renamed and removed. The panel of one of them is visible.
 import { announce } from "./announce";
 import { button } from "./controls";
 import { h, replace, uniqueId } from "./dom";
 
 export interface Tab {
   readonly words: string;
-  /** What it would be called without a name of its own. */
-  readonly plainWords: string;
-  /** Beside the words. */
+  /** Its label if the user gives it no name. */
+  readonly defaultWords: string;
+  /** Text beside the label. */
   readonly detail: string;
 }
 
-export interface TabWishes {
+export interface TabActions {
   select(at: number): void;
   add(): void;
   rename(name: string): void;
@@ -19,13 +19,13 @@ export interface TabWishes {
 }
 
 export interface TabOptions {
-  /** What all of them are. */
+  /** Accessible name of the list of tabs. */
   readonly label: string;
-  /** What one of them is, as in "Rename this target". */
+  /** Noun for one tab, as in "Rename this target". */
   readonly noun: string;
   readonly addTitle: string;
-  readonly longestName: number;
-  /** What shows the one in sight. */
+  readonly maxNameLength: number;
+  /** The panel that shows the selected tab. */
   readonly panel: HTMLElement;
 }
 
@@ -37,18 +37,18 @@ export class Tabs {
   private readonly removeButton: HTMLButtonElement;
   private readonly name: HTMLInputElement;
   private readonly naming: HTMLFormElement;
-  private drawn: HTMLButtonElement[] = [];
+  private buttons: HTMLButtonElement[] = [];
   private tabs: readonly Tab[] = [];
   private at = 0;
 
-  constructor(private readonly options: TabOptions, private readonly wishes: TabWishes) {
-    const { label, noun, addTitle, longestName } = options;
+  constructor(private readonly options: TabOptions, private readonly actions: TabActions) {
+    const { label, noun, addTitle, maxNameLength } = options;
     const capital = noun[0].toUpperCase() + noun.slice(1);
     this.list = h("div", { class: "tabs", role: "tablist", "aria-label": label });
-    this.addButton = button(capital, () => wishes.add(), { icon: "plus", title: addTitle, kind: "quiet" });
+    this.addButton = button(capital, () => actions.add(), { icon: "plus", title: addTitle, kind: "quiet" });
     this.renameButton = button("", () => this.startNaming(), { icon: "pencil", title: `Rename this ${noun}`, kind: "quiet" });
     this.removeButton = button("", () => this.removeSelected(), { icon: "close", title: `Remove this ${noun}`, kind: "quiet" });
-    this.name = h("input", { type: "text", class: "number text", maxlength: longestName, "aria-label": `Name of this ${noun}`, spellcheck: "false" });
+    this.name = h("input", { type: "text", class: "number text", maxlength: maxNameLength, "aria-label": `Name of this ${noun}`, spellcheck: "false" });
     this.naming = h("form", { class: "naming", hidden: true, onsubmit: (event: Event) => {
       event.preventDefault();
       this.stopNaming(true);
@@ -63,37 +63,37 @@ export class Tabs {
     this.name.addEventListener("blur", () => this.stopNaming(true));
   }
 
-  /** `more`: whether there may be more of them. */
-  show(tabs: readonly Tab[], at: number, more: boolean): void {
+  /** `canAdd`: whether the number of tabs is below its limit. */
+  show(tabs: readonly Tab[], at: number, canAdd: boolean): void {
     [this.tabs, this.at] = [tabs, at];
-    if (this.drawn.length !== tabs.length) {
+    if (this.buttons.length !== tabs.length) {
       const focused = this.list.contains(document.activeElement);
-      this.drawn = tabs.map((_, k) => this.tab(k));
-      replace(this.list, ...this.drawn);
-      if (focused) this.drawn[at]?.focus();
+      this.buttons = tabs.map((_, k) => this.tab(k));
+      replace(this.list, ...this.buttons);
+      if (focused) this.buttons[at]?.focus();
     }
-    this.drawn.forEach((element, k) => {
+    this.buttons.forEach((element, k) => {
       element.children[0].textContent = tabs[k].words;
       element.children[1].textContent = tabs[k].detail;
       element.setAttribute("aria-selected", String(k === at));
       element.tabIndex = k === at ? 0 : -1;
     });
-    this.options.panel.setAttribute("aria-labelledby", this.drawn[at]?.id ?? "");
+    this.options.panel.setAttribute("aria-labelledby", this.buttons[at]?.id ?? "");
     this.scrollToSelected();
     this.removeButton.hidden = tabs.length < 2;
     this.renameButton.hidden = tabs.length < 2 || !this.naming.hidden;
-    this.addButton.disabled = !more;
+    this.addButton.disabled = !canAdd;
   }
 
   private tab(at: number): HTMLButtonElement {
-    return h("button", { type: "button", role: "tab", id: uniqueId("tab"), class: "tab", "aria-controls": this.options.panel.id, onclick: () => this.wishes.select(at), ondblclick: () => this.startNaming() },
+    return h("button", { type: "button", role: "tab", id: uniqueId("tab"), class: "tab", "aria-controls": this.options.panel.id, onclick: () => this.actions.select(at), ondblclick: () => this.startNaming() },
       h("span", { class: "tab-name" }), h("span", { class: "tab-detail muted" }));
   }
 
-  /** Of more tabs than there is room for, the one in sight is. */
+  /** Scrolls the list until the selected tab is visible. */
   private scrollToSelected(): void {
     const { list } = this;
-    const element = this.drawn[this.at];
+    const element = this.buttons[this.at];
     if (!element) return;
     const [left, right] = [element.offsetLeft, element.offsetLeft + element.offsetWidth];
     if (left < list.scrollLeft) list.scrollLeft = left;
@@ -101,12 +101,12 @@ export class Tabs {
   }
 
   focusSelected(): void {
-    this.drawn[this.at]?.focus();
+    this.buttons[this.at]?.focus();
   }
 
   private removeSelected(): void {
     const { words } = this.tabs[this.at];
-    this.wishes.remove(this.at);
+    this.actions.remove(this.at);
     this.focusSelected();
     announce(`${words} is removed.`, "change");
   }
@@ -120,14 +120,14 @@ export class Tabs {
     this.name.focus();
   }
 
-  private stopNaming(take: boolean): void {
+  private stopNaming(accept: boolean): void {
     if (this.naming.hidden) return;
     this.naming.hidden = true;
     this.renameButton.hidden = false;
-    const { words, plainWords } = this.tabs[this.at];
+    const { words, defaultWords } = this.tabs[this.at];
     const given = this.name.value.trim();
-    // What it is called anyway is no name of its own.
-    if (take && given !== words) this.wishes.rename(given === plainWords ? "" : given);
+    // The default label is stored as an empty name.
+    if (accept && given !== words) this.actions.rename(given === defaultWords ? "" : given);
     this.focusSelected();
   }
 
@@ -137,7 +137,7 @@ export class Tabs {
     if (event.key === "F2") this.startNaming();
     else if (event.key === "Delete" && last > 0) this.removeSelected();
     else if (to !== undefined) {
-      this.wishes.select(to);
+      this.actions.select(to);
       this.focusSelected();
     } else return;
     event.preventDefault();

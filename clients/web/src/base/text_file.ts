@@ -1,6 +1,6 @@
-// Text of a file that somebody chose or dropped.
+// The text of a file that the user opened or dropped.
 
-/** UTF-8, or else the Latin-1 that older instruments and programs write. */
+/** Decodes UTF-8, or Windows-1252, which older instruments write, if the bytes are no UTF-8. */
 export function textOf(bytes: ArrayBuffer): string {
   try {
     return new TextDecoder("utf-8", { fatal: true }).decode(bytes);

@@ -1,4 +1,4 @@
-// Light, dark, or as the system has it.
+// The colour theme: light, dark, or the system's.
 import { Observable } from "./observable";
 
 export type Theme = "system" | "light" | "dark";
@@ -10,13 +10,13 @@ function stored(): Theme {
     const value = localStorage.getItem(KEY);
     return ORDER.find((theme) => theme === value) ?? "system";
   } catch {
-    return "system"; // storage is refused: the choice lasts as long as the page
+    return "system"; // storage is blocked: the choice lasts as long as the page
   }
 }
 
 export const theme = new Observable<Theme>(stored());
 
-/** Whether the page is dark now; follows the choice and the system. */
+/** Whether the page is dark now. */
 export const dark = new Observable(false);
 
 export function startTheme(): void {
@@ -31,7 +31,7 @@ export function startTheme(): void {
     try {
       localStorage.setItem(KEY, choice);
     } catch {
-      // as above
+      // storage is blocked
     }
     apply();
   });

@@ -1,33 +1,35 @@
-// Fields that show a value and that people write in: an answer that comes while somebody writes does not take the words away.
+// Text fields that show values of the state. While the user edits a field, updates of it are deferred, so that an answer does not
+// overwrite the input.
 import { type Child, replace } from "./dom";
 
 type Field = HTMLInputElement | HTMLTextAreaElement;
 
-let written: Field | undefined;
-/** What the field would show by now. */
-let meanwhile: string | undefined;
-/** Places whose fields are built anew once nobody writes in one of them. */
-const waiting = new Map<Element, () => readonly Child[]>();
+/** The field that is being edited. */
+let edited: Field | undefined;
+/** The value that the edited field would show now. */
+let pendingText: string | undefined;
+/** Containers whose fields are rebuilt when none of them is being edited any more. */
+const pendingRebuilds = new Map<Element, () => readonly Child[]>();
 
-/** From now on knows the field that is being written in, from its first letter until the browser takes what was written. */
+/** Keeps track of the field that is being edited, from its first input event to its change event or the loss of the focus. */
 export function watchWriting(page: Document): void {
   page.addEventListener("input", ({ target }) => {
-    if (!isText(target) || target === written) return;
-    written = target;
-    meanwhile = undefined;
+    if (!isText(target) || target === edited) return;
+    edited = target;
+    pendingText = undefined;
   }, true);
-  // In the capture phase: whoever listens to the field itself may already show something else in it.
+  // The capture phase comes first: listeners of the field itself may set another value.
   page.addEventListener("change", () => end(), true);
-  page.addEventListener("focusout", () => end(meanwhile), true);
+  page.addEventListener("focusout", () => end(pendingText), true);
 }
 
 function end(text?: string): void {
-  const field = written;
-  written = undefined;
+  const field = edited;
+  edited = undefined;
   if (field && text !== undefined) field.value = text;
-  // After the browser has moved the focus to the next field: a field that goes away under it would take the focus along.
-  if (waiting.size > 0) setTimeout(() => {
-    for (const [place, build] of [...waiting]) rebuild(place, build);
+  // The timeout waits until the browser has moved the focus to the next field; replacing that field earlier would lose the focus.
+  if (pendingRebuilds.size > 0) setTimeout(() => {
+    for (const [place, build] of [...pendingRebuilds]) rebuild(place, build);
   });
 }
 
@@ -35,25 +37,25 @@ function isText(target: EventTarget | null): target is Field {
   return target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && ["text", "number"].includes(target.type));
 }
 
-/** Shows a value in a field; in one that is being written in, only once that ended without a change. */
+/** Shows a value in a field. In the edited field it appears only after editing has ended without a change. */
 export function showText(field: Field, text: string): void {
-  if (field === written) meanwhile = text;
+  if (field === edited) pendingText = text;
   else field.value = text;
 }
 
-/** Builds the fields of a place anew; while somebody writes in one of them, only once that ended. The field with the same label keeps the focus. */
+/** Rebuilds the fields of a container, or defers this while one of them is edited. The new field with the same label gets the focus. */
 export function rebuild(place: Element, build: () => readonly Child[]): void {
-  if (written && place.contains(written)) {
-    waiting.set(place, build);
+  if (edited && place.contains(edited)) {
+    pendingRebuilds.set(place, build);
     return;
   }
-  waiting.delete(place);
+  pendingRebuilds.delete(place);
   const fields = () => [...place.querySelectorAll<HTMLInputElement | HTMLSelectElement>("input, select")];
   const focused = fields().find((field) => field === document.activeElement);
   const [label, type] = [focused?.labels?.[0]?.textContent, focused?.type];
   replace(place, ...build());
   const next = focused && fields().find((field) => field.type === type && field.labels?.[0]?.textContent === label);
   next?.focus();
-  // Like a field that is reached with the keyboard: what is written next takes the place of what it holds.
+  // The text is selected, as in a field that is reached with the keyboard, so that input replaces it.
   if (next && isText(next)) next.select();
 }

@@ -1,4 +1,4 @@
-// Requests to the server. Every failure is one of two errors: a problem that the server describes, or no connection.
+// Requests to the server. Every failure is one of two errors: Problem, which the server describes, or ConnectionLost.
 import type { ProblemDocument } from "./types";
 
 /** The server answered with application/problem+json. */
@@ -13,7 +13,7 @@ export class Problem extends Error {
   }
 }
 
-/** The server did not answer, or something between here and there did. */
+/** The server did not answer, or a proxy answered in its place. */
 export class ConnectionLost extends Error {
   constructor() {
     super("The server does not answer.");
@@ -25,12 +25,12 @@ export function isAbort(error: unknown): boolean {
   return error instanceof DOMException && error.name === "AbortError";
 }
 
-/** Whether the server asks for a key, or for another one. */
+/** Whether the server requires a key, or another one than was used. */
 export function isUnauthorized(error: unknown): boolean {
   return error instanceof Problem && error.document.status === 401;
 }
 
-/** Hears whether each request got an answer. */
+/** Called after each request with whether the server answered. */
 export type ConnectionListener = (answered: boolean) => void;
 
 export interface CallOptions {
@@ -38,17 +38,17 @@ export interface CallOptions {
   headers?: Record<string, string>;
 }
 
-/** Codes of a server that is there but does not serve yet, or no more: it will, and is waited for as one that is not there. */
+/** Codes of a server that is starting or shutting down. They count as a lost connection, so that the page waits. */
 const NOT_SERVING: ReadonlySet<string> = new Set(["server.not_ready", "server.shutting_down"]);
 
 async function problemOf(response: Response): Promise<Error> {
   const type = response.headers.get("Content-Type") ?? "";
-  if (!type.startsWith("application/problem+json")) return new ConnectionLost(); // a proxy's words, not the server's
+  if (!type.startsWith("application/problem+json")) return new ConnectionLost(); // the answer of a proxy, not of the server
   const document = (await response.json()) as ProblemDocument;
   return NOT_SERVING.has(document.code) ? new ConnectionLost() : new Problem(document);
 }
 
-/** Whether there is a server and it has begun to serve. What else troubles it, it says itself to whoever asks for more. */
+/** Whether the server answers and is neither starting nor shutting down. Any other problem counts as serving: later requests report it. */
 export async function isServing(): Promise<boolean> {
   try {
     await new Client().send("GET", "/readyz");
@@ -62,13 +62,13 @@ export class Client {
   constructor(
     private readonly base = "",
     private readonly listener: ConnectionListener = () => {},
-    /** Resolves once somebody has signed in; a request that the server asked a key for is then sent again. */
+    /** Resolves when the user has signed in. A request that was refused with 401 is then sent again. */
     private readonly signIn?: () => Promise<void>,
-    /** Hears each answer of a computation, the path that it was asked at and the request. */
-    readonly hear: (path: string, answer: unknown, request: unknown) => void = () => {},
+    /** Called with each answer of a computation, its path and its request. */
+    readonly onAnswer: (path: string, answer: unknown, request: unknown) => void = () => {},
   ) {}
 
-  /** The response to a request, once it is one that the server meant as a success. */
+  /** The response to a request that succeeded. Throws Problem or ConnectionLost otherwise. */
   async send(method: string, path: string, body?: BodyInit, options: CallOptions = {}): Promise<Response> {
     try {
       return await this.sendOnce(method, path, body, options);
@@ -101,10 +101,10 @@ export class Client {
     return readJson<Answer>(await this.send("GET", path, undefined, options));
   }
 
-  /** The answer of an immediate computation. */
+  /** The answer of a computation that is no job. */
   async post<Answer>(path: string, document: unknown, options: CallOptions = {}): Promise<Answer> {
     const answer = await readJson<Answer>(await this.postResponse(path, document, options));
-    this.hear(path, answer, document);
+    this.onAnswer(path, answer, document);
     return answer;
   }
 
@@ -118,7 +118,7 @@ export class Client {
   }
 }
 
-/** The body as JSON; a connection that breaks off within it is a lost one. */
+/** The body as JSON. Throws ConnectionLost if the connection breaks while it is read. */
 export async function readJson<Answer>(response: Response): Promise<Answer> {
   try {
     return (await response.json()) as Answer;
@@ -128,7 +128,7 @@ export async function readJson<Answer>(response: Response): Promise<Answer> {
   }
 }
 
-/** An error as sentences for a person: the field at fault, what is wrong there, what may help. */
+/** An error as sentences for the user: the invalid field, the fault, and a hint if there is one. */
 export function explain(error: unknown): string {
   if (error instanceof Problem) {
     const { detail, errors, hint } = error.document;
@@ -140,7 +140,7 @@ export function explain(error: unknown): string {
   return error instanceof Error ? error.message : String(error);
 }
 
-/** The same of a file that was sent as text: that the fault lies in the text needs no saying. */
+/** The sentences of an error about a file that was sent as text, without the pointer to the field "text". */
 export function explainFile(error: unknown): string {
   return explain(error).replace(/^\/text: /, "");
 }

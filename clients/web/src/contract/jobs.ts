@@ -1,4 +1,4 @@
-// Computations that run as jobs: followed by events, or by polling where the server has no stream left.
+// Computations that run as jobs. They are followed by server-sent events, or by polling if the server offers no more event streams.
 import { type Client, ConnectionLost, Problem, isAbort, readJson } from "./client";
 import type { Job } from "./types";
 
@@ -8,37 +8,37 @@ const UNFINISHED = new Set(["accepted", "running"]);
 export interface JobOptions {
   signal: AbortSignal;
   onProgress?: (job: Job) => void;
-  /** Seconds in which an immediate answer is welcome; a job from the start without it. */
+  /** Seconds that the server may take for an immediate answer. Without it, the computation is a job from the start. */
   wait?: number;
 }
 
-/** The answer of a computation, however long it takes. Aborting the signal dismisses the job. */
+/** The answer of a computation of any duration. Aborting the signal dismisses the job. */
 export async function runJob<Answer>(client: Client, path: string, document: unknown, options: JobOptions): Promise<Answer> {
   const prefer = options.wait === undefined ? "respond-async" : `wait=${options.wait}`;
   const response = await client.postResponse(path, document, { headers: { Prefer: prefer }, signal: options.signal });
   if (response.status !== 202) {
     const answer = await readJson<Answer>(response);
-    client.hear(path, answer, document);
+    client.onAnswer(path, answer, document);
     return answer;
   }
   const job = await readJson<Job>(response);
   options.onProgress?.(job);
   const dismiss = () => {
-    client.send("DELETE", `/v1/jobs/${job.id}`).catch(() => {}); // finished meanwhile, or nobody there: both are well
+    client.send("DELETE", `/v1/jobs/${job.id}`).catch(() => {}); // the job has ended, or the server is gone: nothing is left to do
   };
   if (options.signal.aborted) dismiss();
   options.signal.addEventListener("abort", dismiss);
   try {
-    await finished(client, job, options);
+    await waitForEnd(client, job, options);
     const answer = await client.get<Answer>(`/v1/jobs/${job.id}/result`, { signal: options.signal });
-    client.hear(path, answer, document);
+    client.onAnswer(path, answer, document);
     return answer;
   } finally {
     options.signal.removeEventListener("abort", dismiss);
   }
 }
 
-async function finished(client: Client, job: Job, options: JobOptions): Promise<void> {
+async function waitForEnd(client: Client, job: Job, options: JobOptions): Promise<void> {
   try {
     if (await followEvents(client, job, options)) return;
   } catch (error) {
@@ -48,7 +48,7 @@ async function finished(client: Client, job: Job, options: JobOptions): Promise<
   await poll(client, job, options);
 }
 
-/** True once the event `finished` has come, false where the stream ended without it. */
+/** True when the event `finished` has arrived, false if the stream ended without it. */
 async function followEvents(client: Client, job: Job, options: JobOptions): Promise<boolean> {
   const response = await client.send("GET", `/v1/jobs/${job.id}/events`, undefined, { signal: options.signal });
   const events = new EventReader();
@@ -81,14 +81,14 @@ export interface ServerEvent {
   data: string;
 }
 
-/** Cuts the text of server-sent events into events; pieces may end anywhere. */
+/** Parses a stream of server-sent events from chunks that may end anywhere. */
 export class EventReader {
-  private rest = "";
+  private buffer = "";
 
-  read(piece: string): ServerEvent[] {
-    this.rest += piece;
-    const blocks = this.rest.split(/\r?\n\r?\n/);
-    this.rest = blocks.pop() ?? "";
+  read(chunk: string): ServerEvent[] {
+    this.buffer += chunk;
+    const blocks = this.buffer.split(/\r?\n\r?\n/);
+    this.buffer = blocks.pop() ?? "";
     return blocks.map(parseEvent).filter((event) => event.data !== "");
   }
 }

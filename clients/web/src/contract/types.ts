@@ -34,7 +34,7 @@ export type ProblemDocument = Schemas["Problem"];
 export type Mesh = Schemas["Mesh"];
 export type MeshRepair = Schemas["MeshRepair"];
 export type Repair = Schemas["RepairChoice"];
-/** A point that the page marks on a surface: it never asks for the point nearest to one in space. */
+/** A point on a surface, by vertex or face. The page does not use the contract's third form, a position in space. */
 export type SurfacePoint = Exclude<Schemas["Point"], { position: number[] }>;
 export type Geodesics = Schemas["GeodesicsResponse"];
 export type PathPoint = Schemas["PathPoint"];
@@ -53,7 +53,7 @@ export type EffectSwitch = Schemas["EffectSwitch"];
 export type Effect = Schemas["Effect"];
 export type Cost = Schemas["Cost"];
 
-/** One design's answer; requests of this editor have no regions, so that every field of a design is there. */
+/** The answer for one design. The type is for requests without regions, whose answers have every field of a design. */
 export type DesignAnswer = Design & Pick<Schemas["DesignResponse"], "accuracy" | "effects" | "cost">;
 export type Weave = Schemas["Weave"];
 export type WeaveStrands = Schemas["WeaveLayout"];

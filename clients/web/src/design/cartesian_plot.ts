@@ -1,4 +1,4 @@
-// Stress over strain.
+// The plot of stress over strain.
 import { axisBottom, axisLeft } from "d3-axis";
 import { scaleLinear } from "d3-scale";
 import { select } from "d3-selection";
@@ -8,7 +8,7 @@ import { svg, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { heightDomain, widthDomain } from "../base/domains";
 import { Handles } from "./handles";
-import type { PlotView, PlotWishes } from "./plot";
+import type { PlotView, PlotActions } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
@@ -31,15 +31,15 @@ export class CartesianPlot extends ProfilePlot {
   private readonly yTitle = svg("text", { class: "axis-title" });
   private readonly zero = svg("path", { class: "zero" });
 
-  constructor(wishes: PlotWishes) {
-    super("cartesian", "Target and response: stress over strain", wishes);
+  constructor(actions: PlotActions) {
+    super("cartesian", "Target and response: stress over strain", actions);
     this.handles = new Handles(
       this.element,
       {
         toPixels: ([x, y]) => [this.x(x), this.y(y)],
-        hold: () => {},
+        grab: () => {},
         toPoint: (pixels) => this.pointAt(pixels),
-        isHeld: (point) => isAtRest("stress_strain", point),
+        isFixed: (point) => isAtRest("stress_strain", point),
         nudged: ([x, y], [right, up]) => [
           x + right * (this.x.domain()[1] - this.x.domain()[0]),
           y + up * (this.y.domain()[1] - this.y.domain()[0]),
@@ -48,17 +48,17 @@ export class CartesianPlot extends ProfilePlot {
         echoes: () => [],
         heights: () => this.y.domain(),
       },
-      wishes,
+      actions,
     );
     const clipped = { "clip-path": `url(#${this.clip})` };
-    this.sheet.append(
+    this.backdrop.append(
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipBox)),
       this.plane,
-      svg("g", clipped, ...this.ground),
+      svg("g", clipped, ...this.layersBelowAxes),
       this.xAxis, this.yAxis, this.xTitle, this.yTitle,
-      svg("g", clipped, this.zero, ...this.curves),
+      svg("g", clipped, this.zero, ...this.layersAboveAxes),
     );
-    this.element.append(this.sheet, this.handles.group);
+    this.element.append(this.backdrop, this.handles.group);
   }
 
   protected layOut(): void {
@@ -81,12 +81,12 @@ export class CartesianPlot extends ProfilePlot {
   protected drawAxes(view: PlotView): void {
     const ticks = Math.max(3, Math.round(this.width / 90));
     const rows = Math.max(3, Math.round(this.height / 60));
-    const inner = this.height - MARGIN.top - MARGIN.bottom;
-    const across = this.width - MARGIN.left - MARGIN.right;
+    const innerHeight = this.height - MARGIN.top - MARGIN.bottom;
+    const innerWidth = this.width - MARGIN.left - MARGIN.right;
     this.xAxis.setAttribute("transform", `translate(0,${this.height - MARGIN.bottom})`);
     this.yAxis.setAttribute("transform", `translate(${MARGIN.left},0)`);
-    select(this.xAxis).call(axisBottom(this.x).ticks(ticks).tickSize(-inner).tickPadding(9));
-    select(this.yAxis).call(axisLeft(this.y).ticks(rows).tickSize(-across).tickPadding(9));
+    select(this.xAxis).call(axisBottom(this.x).ticks(ticks).tickSize(-innerHeight).tickPadding(9));
+    select(this.yAxis).call(axisLeft(this.y).ticks(rows).tickSize(-innerWidth).tickPadding(9));
     this.xTitle.textContent = view.strainWord;
     this.xTitle.setAttribute("x", String(this.width - MARGIN.right));
     this.xTitle.setAttribute("y", String(this.height - 8));
@@ -100,12 +100,12 @@ export class CartesianPlot extends ProfilePlot {
   protected targetPath(view: PlotView): string {
     const ends = view.points.map((point) => point[0]);
     const steps = spaced(ends[0] ?? 0, ends[ends.length - 1] ?? 1, TARGET_STEPS);
-    const shape = line<number>().x((x) => this.x(x)).y((x) => this.far(view.target(x)));
+    const shape = line<number>().x((x) => this.x(x)).y((x) => this.clampedHeight(view.target(x)));
     return shape(steps) ?? "";
   }
 
   protected curvePath(curve: Curve): string {
-    const shape = line<ControlPoint>().x((p) => this.x(p[0])).y((p) => this.far(p[1])).curve(curveMonotoneX);
+    const shape = line<ControlPoint>().x((p) => this.x(p[0])).y((p) => this.clampedHeight(p[1])).curve(curveMonotoneX);
     return pieces(curve).map((piece) => shape([...piece]) ?? "").join("");
   }
 
@@ -113,8 +113,8 @@ export class CartesianPlot extends ProfilePlot {
     const samples = band.x.map((x, k): [number, number, number] => [x, band.lower[k], band.upper[k]]);
     const shape = area<[number, number, number]>()
       .x((sample) => this.x(sample[0]))
-      .y0((sample) => this.far(sample[1]))
-      .y1((sample) => this.far(sample[2]))
+      .y0((sample) => this.clampedHeight(sample[1]))
+      .y1((sample) => this.clampedHeight(sample[2]))
       .curve(curveMonotoneX);
     return { area: shape(samples) ?? "", rim: (shape.lineY0()(samples) ?? "") + (shape.lineY1()(samples) ?? "") };
   }
@@ -124,11 +124,11 @@ export class CartesianPlot extends ProfilePlot {
   }
 
   protected places([x, y]: ControlPoint): readonly Pixels[] {
-    return [[this.x(x), this.far(y)]];
+    return [[this.x(x), this.clampedHeight(y)]];
   }
 
-  /** A height in pixels; what lies far outside comes nearer, for the drawing's sake. */
-  private far(y: number): number {
+  /** A stress in pixels. Values far outside the plot are clamped, so that the coordinates of paths stay small. */
+  private clampedHeight(y: number): number {
     return Math.max(-2 * this.height, Math.min(3 * this.height, this.y(y)));
   }
 

@@ -1,13 +1,13 @@
-// The search of the design page as a command of a shell and as a program in Python.
+// The search of the design page as a curl command, as a command line and as a Python program.
 import type { DesignRequest } from "../contract/types";
 import { curlText } from "../base/curl";
-import { isRange, madeRequest } from "./made";
+import { isRange, specificationFields } from "./specification";
 import { regionsOf } from "./region_list";
 import { designRequest, regionsRequest } from "./requests";
 import type { DesignState } from "./state";
 import { targetsOf, withTargets } from "./target_list";
 
-/** What a search of this state asks for, by itself: its targets in the order of their tabs, and all regions where there are several. */
+/** The request of a search of this state, without an editing session: all targets in the order of their tabs, and all regions. */
 export function searchOf(state: DesignState): DesignRequest {
   const regions = regionsOf(state).map((region) => ({ ...region, ...withTargets(targetsOf(region), 0) }));
   const { session: _, ...request } = regions.length > 1 ? regionsRequest(regions, "") : designRequest(regions[0], "search", "");
@@ -18,29 +18,29 @@ export function curlOf(state: DesignState, origin: string): string {
   return curlText(origin, "/v1/designs", searchOf(state));
 }
 
-/** A pair that is written with "=", since values may begin with a minus. */
+/** An option as name="value"; the equals sign is needed for values that begin with a minus. */
 function option(name: string, value: string | number | undefined): string[] {
   return value === undefined ? [] : [`--${name}="${value}"`];
 }
 
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
-  // The command line takes further targets, regions, several materials and the orientation to begin with from a request.
+  // The command line has no options for further targets, regions, several materials and an initial orientation: they need a request file.
   if (request.also ?? request.regions ?? (Array.isArray(request.material) || request.initial_orientation !== undefined)) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
     ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
     ...option("strain-measure", request.strain_measure),
     ...option("target", target.control_points.map((point) => point.join(",")).join(";")), ...option("interpolation", target.interpolation),
-    ...option("samples", request.samples), ...madeOptions(state),
+    ...option("samples", request.samples), ...specificationOptions(state),
     ...option("initial", request.initial?.join(",")), ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
     ...option("multi-start", request.effects?.multi_start), ...option("envelope", request.effects?.envelope),
   ];
   return `supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
 }
 
-function madeOptions({ made }: DesignState): string[] {
-  const { material, orientation, beam_width, cell_size, limits } = madeRequest(made);
+function specificationOptions({ made }: DesignState): string[] {
+  const { material, orientation, beam_width, cell_size, limits } = specificationFields(made);
   const { youngs_modulus, density } = (material ?? {}) as { youngs_modulus?: number | number[]; density?: number };
   const angles = isRange(made.orientation) ? made.orientation : [made.orientation];
   return [
@@ -52,19 +52,19 @@ function madeOptions({ made }: DesignState): string[] {
   ];
 }
 
-function python(value: unknown): string {
+function pythonLiteral(value: unknown): string {
   if (value === null || value === undefined) return "None";
-  if (Array.isArray(value)) return `[${value.map(python).join(", ")}]`;
+  if (Array.isArray(value)) return `[${value.map(pythonLiteral).join(", ")}]`;
   return typeof value === "string" ? JSON.stringify(value) : String(value);
 }
 
-function keywords(values: Readonly<Record<string, unknown>>): string {
-  return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${python(value)}`).join(", ");
+function keywordArguments(values: Readonly<Record<string, unknown>>): string {
+  return Object.entries(values).filter(([, value]) => value !== undefined).map(([name, value]) => `${name}=${pythonLiteral(value)}`).join(", ");
 }
 
 type RequestedMaterial = Readonly<Record<string, unknown>>;
 
-interface RequestedMade {
+interface RequestedSpecification {
   material?: RequestedMaterial | readonly RequestedMaterial[];
   orientation?: unknown;
   initial_orientation?: number;
@@ -75,33 +75,33 @@ interface RequestedMade {
 
 type RequestedTarget = Omit<NonNullable<DesignRequest["also"]>[number], "target"> & { target: { control_points: unknown; interpolation?: string } };
 
-/** What the structure is made of, how it lies and how large it is, as keywords. */
-function pythonMade({ material, orientation, initial_orientation, beam_width, cell_size, limits }: RequestedMade): string {
-  const one = (entry: RequestedMaterial): string => `supple.Material(${keywords(entry)})`;
+/** Material, orientation, size and limits of the structure as keyword arguments. */
+function pythonSpecification({ material, orientation, initial_orientation, beam_width, cell_size, limits }: RequestedSpecification): string {
+  const one = (entry: RequestedMaterial): string => `supple.Material(${keywordArguments(entry)})`;
   const list = (entries: readonly RequestedMaterial[]): string => `[${entries.map(one).join(", ")}]`;
   return [
-    material && `material=${Array.isArray(material) ? list(material) : one(material as RequestedMaterial)}`, keywords({ orientation, initial_orientation, beam_width, cell_size }),
-    limits && `limits=supple.Limits(${keywords(limits)})`,
+    material && `material=${Array.isArray(material) ? list(material) : one(material as RequestedMaterial)}`, keywordArguments({ orientation, initial_orientation, beam_width, cell_size }),
+    limits && `limits=supple.Limits(${keywordArguments(limits)})`,
   ].filter((words) => words).join(", ");
 }
 
 function pythonTarget({ task, direction, strain, strain_measure, target, samples, weight }: RequestedTarget): string {
-  return `supple.Target(${python(task)}, ${python(target.control_points)}, ${keywords({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
+  return `supple.Target(${pythonLiteral(task)}, ${pythonLiteral(target.control_points)}, ${keywordArguments({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
 }
 
-type RequestedRegion = RequestedTarget & RequestedMade & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
+type RequestedRegion = RequestedTarget & RequestedSpecification & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
 
 function pythonRegion(region: RequestedRegion): string {
   const { name, also, initial, fixed } = region;
-  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywords({ name, family: region.family === "any" ? undefined : region.family, initial, fixed }), pythonMade(region)];
+  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywordArguments({ name, family: region.family === "any" ? undefined : region.family, initial, fixed }), pythonSpecification(region)];
   return `supple.Region(${[pythonTarget(region), ...others].filter((words) => words).join(", ")})`;
 }
 
 export function pythonOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
   const { effects, also = [], regions } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[]; regions?: RequestedRegion[] };
-  const head = ["import supple", "", `client = supple.Client(${python(origin)})`];
-  const options = `options = supple.DesignOptions(${keywords({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`;
+  const head = ["import supple", "", `client = supple.Client(${pythonLiteral(origin)})`];
+  const options = `options = supple.DesignOptions(${keywordArguments({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`;
   if (regions) {
     return [
       ...head,
@@ -112,7 +112,7 @@ export function pythonOf(state: DesignState, origin: string): string {
     ].join("\n");
   }
   const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
-  const given = [also.length > 0 && "also=also", keywords(search), pythonMade(request as RequestedMade), "options=options"].filter((words) => words);
+  const given = [also.length > 0 && "also=also", keywordArguments(search), pythonSpecification(request as RequestedSpecification), "options=options"].filter((words) => words);
   return [
     ...head,
     `target = ${pythonTarget(request as unknown as RequestedTarget)}`,

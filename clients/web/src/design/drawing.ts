@@ -1,77 +1,81 @@
-// A drawing as the outline of a part: its closed curves, and which of them bound the part and which its regions.
+// A drawing as the shape of a part: which of its closed curves bound the part, and which bound its regions.
 import type { Outlines } from "../contract/types";
 
 export interface Drawing {
-  /** Of the file. */
+  /** Name of the file. */
   readonly name: string;
   readonly text: string;
-  /** All curves together are scaled to this width in mm; null: as the file says. */
+  /** Width in mm to which all curves together are scaled; null for the size in the file. */
   readonly width: number | null;
-  /** Pixels per inch that were chosen for a drawing without a physical size. */
+  /** Pixels per inch that the user chose for a drawing without a physical size. */
   readonly resolution: number | null;
   readonly curves: Outlines;
 }
 
-/** A curve by its place in the drawing. */
-export type Place = number;
+/** Index of a curve in the drawing. */
+export type CurveIndex = number;
 
-/** Where a region lies: within a curve, in the rest of the part, or nowhere. */
-export type Where = Place | "rest" | "nowhere";
+/** Location of a region: within a curve, in the rest of the part, or nowhere. */
+export type RegionLocation = CurveIndex | "rest" | "nowhere";
 
-/** What a person has chosen; what is undefined is chosen by names. */
-export interface Choices {
-  /** What bounds the part: a curve, all that bound no region, or without a choice the largest of these with the holes in it. */
-  readonly outline?: Place | "others";
-  /** Of the regions of the product in their order. */
-  readonly regions: readonly (Where | undefined)[];
+/** The user's choices. Undefined ones are made automatically, by the names of the curves. */
+export interface LayoutChoices {
+  /**
+   * The outline of the part: one curve, or all curves that bound no region ("others"). Undefined for the largest of the latter, with the
+   * holes in it.
+   */
+  readonly outline?: CurveIndex | "others";
+  /** Locations of the regions, in the order of the regions. */
+  readonly regions: readonly (RegionLocation | undefined)[];
 }
 
-export interface Layout {
-  readonly outline: readonly Place[];
-  readonly regions: readonly Where[];
+export interface PartLayout {
+  readonly outline: readonly CurveIndex[];
+  readonly regions: readonly RegionLocation[];
 }
 
-/** Whether a file is a drawing rather than a table of measured data. */
+/** Whether a file is a drawing, and not a table of measured data. */
 export function isDrawing(name: string, text: string): boolean {
   return /\.(svg|dxf)$/i.test(name) || /^\s*</.test(text);
 }
 
-/** What a curve is called: the name of its own, or its number. */
-export function curveWords({ names }: Outlines["polygons"][number], place: Place): string {
+/** Label of a curve: its first name, or its number. */
+export function curveWords({ names }: Outlines["polygons"][number], place: CurveIndex): string {
   return names[0] ?? `Curve ${place + 1}`;
 }
 
 /**
- * Chooses the curves that bound the part and the curve of each region. A region lies within the curve that has its name. The first
- * region without such a curve fills the rest, and the next ones lie within the other curves beside the largest. The largest curve that
- * is left bounds the part, and the curves inside of it are holes. A curve that crosses it is a region that has no name yet.
+ * Chooses the outline of the part and the location of each region. A region lies within the curve that has its name. The first
+ * region without such a curve fills the rest of the part. The next ones lie within the remaining curves, except the largest. The largest
+ * remaining curve is the outline, and the curves inside it are holes. A curve that crosses the outline is ignored: it may belong to a
+ * region that has no name yet.
  */
-export function layoutOf(drawing: Drawing, names: readonly string[], choices: Choices): Layout {
+export function layoutOf(drawing: Drawing, names: readonly string[], choices: LayoutChoices): PartLayout {
   const { polygons } = drawing.curves;
-  const chosen = names.map((_, k) => sound(choices.regions[k], polygons.length));
-  const taken = new Set<Where>(chosen.filter((where) => where !== undefined));
+  const chosen = names.map((_, k) => validated(choices.regions[k], polygons.length));
+  const occupied = new Set<RegionLocation>(chosen.filter((where) => where !== undefined));
   const largest = largestOf(polygons, polygons.map((_, place) => place));
-  if (names.length === 1) return bounded(polygons, ["rest"], choices.outline);
-  const named = chosen.map((where, k) => {
+  if (names.length === 1) return layoutWithOutline(polygons, ["rest"], choices.outline);
+  const matched = chosen.map((where, k) => {
     if (where !== undefined) return where;
-    const place = polygons.findIndex((polygon, at) => !taken.has(at) && polygon.names.some((name) => sameName(name, names[k])));
-    if (place >= 0) taken.add(place);
+    const place = polygons.findIndex((polygon, at) => !occupied.has(at) && polygon.names.some((name) => sameName(name, names[k])));
+    if (place >= 0) occupied.add(place);
     return place >= 0 ? place : undefined;
   });
-  const regions = named.map((where): Where => {
+  const regions = matched.map((where): RegionLocation => {
     if (where !== undefined) return where;
-    const free = taken.has("rest") ? polygons.findIndex((_, at) => at !== largest && !taken.has(at)) : "rest";
-    const next: Where = free === -1 ? "nowhere" : free;
-    taken.add(next);
-    return next;
+    const free = occupied.has("rest") ? polygons.findIndex((_, at) => at !== largest && !occupied.has(at)) : "rest";
+    const location: RegionLocation = free === -1 ? "nowhere" : free;
+    occupied.add(location);
+    return location;
   });
-  return bounded(polygons, regions, choices.outline);
+  return layoutWithOutline(polygons, regions, choices.outline);
 }
 
-/** The choices with one region elsewhere: two regions do not lie at one place, and one of them fills the rest. */
-export function moved(layout: Layout, choices: Choices, region: number, to: Where): Choices {
+/** The choices after a region has moved. A region that was at the new location takes the old one. One region always fills the rest. */
+export function withRegionMoved(layout: PartLayout, choices: LayoutChoices, region: number, to: RegionLocation): LayoutChoices {
   const before = layout.regions[region];
-  const regions = layout.regions.map((where, k): Where => {
+  const regions = layout.regions.map((where, k): RegionLocation => {
     if (k === region) return to;
     return to !== "nowhere" && where === to ? before : where;
   });
@@ -81,7 +85,7 @@ export function moved(layout: Layout, choices: Choices, region: number, to: Wher
 
 type Polygons = Outlines["polygons"];
 
-function bounded(polygons: Polygons, regions: readonly Where[], outline: Choices["outline"]): Layout {
+function layoutWithOutline(polygons: Polygons, regions: readonly RegionLocation[], outline: LayoutChoices["outline"]): PartLayout {
   if (typeof outline === "number" && outline < polygons.length) return { outline: [outline], regions };
   const others = polygons.map((_, place) => place).filter((place) => !regions.includes(place));
   if (outline === "others" || others.length === 0) return { outline: others, regions };
@@ -90,12 +94,12 @@ function bounded(polygons: Polygons, regions: readonly Where[], outline: Choices
   return { outline: others.filter((place) => place === largest || polygons[place].points.every((point) => isInside(point, around))), regions };
 }
 
-/** `places`: at least one. */
-function largestOf(polygons: Polygons, places: readonly Place[]): Place {
-  return places.reduce((most, place) => (area(polygons[place].points) > area(polygons[most].points) ? place : most));
+/** The index of the curve with the largest area; `places` has at least one index. */
+function largestOf(polygons: Polygons, places: readonly CurveIndex[]): CurveIndex {
+  return places.reduce((largest, place) => (area(polygons[place].points) > area(polygons[largest].points) ? place : largest));
 }
 
-/** Whether a ray to the right leaves the polygon more often than it enters it. */
+/** Whether a point lies inside a polygon, by the parity of the edges that a ray to the right crosses. */
 function isInside([x, y]: readonly number[], polygon: readonly (readonly number[])[]): boolean {
   let inside = false;
   polygon.forEach(([fromX, fromY], k) => {
@@ -105,7 +109,7 @@ function isInside([x, y]: readonly number[], polygon: readonly (readonly number[
   return inside;
 }
 
-function sound(where: Where | undefined, count: number): Where | undefined {
+function validated(where: RegionLocation | undefined, count: number): RegionLocation | undefined {
   return typeof where === "number" && where >= count ? undefined : where;
 }
 
@@ -113,11 +117,11 @@ function sameName(a: string, b: string): boolean {
   return a.trim().toLowerCase() === b.trim().toLowerCase();
 }
 
-/** By the shoelace formula, in mm^2. */
+/** Area in mm^2, by the shoelace formula. */
 function area(points: readonly (readonly number[])[]): number {
-  const twice = points.reduce((sum, [x, y], k) => {
+  const twiceArea = points.reduce((sum, [x, y], k) => {
     const [nextX, nextY] = points[(k + 1) % points.length];
     return sum + x * nextY - nextX * y;
   }, 0);
-  return Math.abs(twice) / 2;
+  return Math.abs(twiceArea) / 2;
 }

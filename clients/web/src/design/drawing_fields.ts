@@ -1,11 +1,11 @@
-// The part of a drawing: its file, its size, and where the regions of the product lie in it.
+// The fields for a part whose shape is a drawing: file, size, outline, and the location of each region.
 import { Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { textOf } from "../base/text_file";
 import { showText } from "../base/writing";
-import { curveWords, type Drawing, layoutOf, moved, type Where } from "./drawing";
-import { materialsNote, wallsOf } from "./fillings";
+import { curveWords, type Drawing, layoutOf, withRegionMoved, type RegionLocation } from "./drawing";
+import { materialsNote, wallWidthOf } from "./fillings";
 import type { Part } from "./part";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
@@ -16,14 +16,14 @@ const RESOLUTIONS = [["72", "72 (Adobe Illustrator)"], ["90", "90 (Inkscape befo
 const LARGEST = "largest";
 const OTHERS = "others";
 
-/** Where a region of the product lies, and its walls. */
+/** The fields of one region: its location and the width of its walls. */
 interface RegionFields {
   readonly element: HTMLElement;
   readonly list: Select<string>;
   readonly walls: HTMLInputElement;
 }
 
-/** In sight while the part's shape is a drawing. */
+/** The fields; the caller shows them while the shape of the part is a drawing. */
 export function drawingFields(session: DesignSession, part: Part): HTMLElement {
   const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
     const chosen = file.files?.[0];
@@ -47,8 +47,8 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, resolution.element, settings);
 
   function showWidth(): void {
-    const { width: asked = null, curves } = part.drawing.get() ?? {};
-    showText(width, asked === null ? "" : String(asked));
+    const { width: chosenWidth = null, curves } = part.drawing.get() ?? {};
+    showText(width, chosenWidth === null ? "" : String(chosenWidth));
     width.placeholder = curves ? digits(curves.size[0], 4) : "";
   }
 
@@ -59,10 +59,10 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
       ...drawing.curves.polygons.map((polygon, place) => ({ value: String(place), words: `Within ${curveWords(polygon, place)}` })),
       { value: "nowhere", words: "Nowhere" },
     ], (value) => {
-      const to: Where = value === "rest" || value === "nowhere" ? value : Number(value);
+      const to: RegionLocation = value === "rest" || value === "nowhere" ? value : Number(value);
       const choices = part.choices.get();
-      const now = part.drawing.get() ?? drawing; // it may have been scaled
-      part.choices.set({ ...choices, ...moved(layoutOf(now, names(), choices), choices, k, to) });
+      const now = part.drawing.get() ?? drawing; // the drawing may have been scaled since these fields were built
+      part.choices.set({ ...choices, ...withRegionMoved(layoutOf(now, names(), choices), choices, k, to) });
     });
     const walls = h("input", { type: "number", class: "number", min: 0, step: "any", "aria-label": `Wall thickness of ${name}, mm`, onchange: () => {
       const value = Number(walls.value);
@@ -79,14 +79,14 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
   }
 
   let fields: RegionFields[] = [];
-  let built = "";
-  /** Fields that are built anew lose the focus and what is being written in them. */
+  let builtKey = "";
+  /** Rebuilds the fields only if curves or regions have changed, because new fields lose the focus and unfinished input. */
   function build(drawing: Drawing): void {
     const { polygons } = drawing.curves;
     const several = names().length > 1;
     const key = JSON.stringify([drawing.name, polygons.map(curveWords), names()]);
-    if (key === built) return;
-    built = key;
+    if (key === builtKey) return;
+    builtKey = key;
     outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: several ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
     fields = several ? names().map((_, k) => region(drawing, k)) : [];
     regions.hidden = !several;
@@ -107,7 +107,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     outline.value = String(choices.outline ?? LARGEST);
     fields.forEach(({ list, walls }, k) => {
       list.value = String(layout.regions[k]);
-      showText(walls, String(choices.walls[k] ?? wallsOf(session.regions[k], session.regionShown[k])));
+      showText(walls, String(choices.walls[k] ?? wallWidthOf(session.regions[k], session.regionShown[k])));
     });
     resolution.value = drawing.resolution === null ? "" : String(drawing.resolution);
     showWidth();
@@ -117,13 +117,13 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     problem.textContent = sentence;
     problem.hidden = sentence === "";
   });
-  part.resolutionAsked.watch((asked) => (resolution.element.hidden = !asked));
+  part.resolutionAsked.watch((isAsked) => (resolution.element.hidden = !isAsked));
   let count = 1;
   session.state.watch(({ otherRegions }) => {
-    // Places of regions are those of their order, which says nothing once there are more or fewer.
+    // Choices refer to regions by index, so that they are void once a region was added or removed.
     if (otherRegions.length + 1 !== count) part.choices.set({ ...part.choices.get(), regions: [], walls: [] });
     count = otherRegions.length + 1;
   });
-  for (const one of [part.drawing, part.choices, session.state, session.kept, session.all]) one.watch(show);
+  for (const one of [part.drawing, part.choices, session.state, session.regionCache, session.all]) one.watch(show);
   return element;
 }

@@ -7,10 +7,10 @@ import type { Client } from "../contract/client";
 import { csvOf, jsonOf } from "./exports";
 import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
-import type { Shown } from "./shown";
+import type { TargetResponse } from "./shown";
 import type { Verification } from "./verification";
 
-/** Cells of an exported structure along its two translations. */
+/** Number of cells of an exported structure along each of its two translations. */
 const CELLS = [4, 4] as const;
 
 export function exportMenu(session: DesignSession, verification: Verification, client: Client, plot: () => SVGSVGElement): HTMLElement {
@@ -32,11 +32,11 @@ export function exportMenu(session: DesignSession, verification: Verification, c
     const name = `${shown.found.family}-${shown.task}`;
     if (kind === "json") {
       const { at } = session.state.get();
-      // Names may have been given since.
+      // Targets may have been renamed since the answer arrived.
       const all = session.all.get().map((one, k) => one && { ...one, name: session.targets[k]?.name ?? "" });
-      download(`${name}.json`, "application/json", jsonOf(all[at] ?? shown, verified, all.filter((one, k): one is Shown => one !== null && k !== at)));
+      download(`${name}.json`, "application/json", jsonOf(all[at] ?? shown, verified, all.filter((one, k): one is TargetResponse => one !== null && k !== at)));
     }
-    if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.before.get(), verified));
+    if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.previous.get(), verified));
     if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
     menu.open = false;
   }

@@ -1,17 +1,17 @@
-// Files of what is shown.
+// The shown design as CSV and JSON files.
 import type { Curve } from "../base/curve";
-import type { Shown } from "./shown";
+import type { TargetResponse } from "./shown";
 import { isPolar } from "./state";
 
-/** Target and response at each sample; the simulated curve follows with its own samples. */
-export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null): string {
+/** CSV with target and response at each sample, followed by the simulated curve at its own samples. */
+export function csvOf(shown: TargetResponse, previous: Curve | null, verified: Curve | null): string {
   const x = isPolar(shown.task) ? "direction_rad" : "strain";
   const unit = shown.task === "poisson" ? "" : "_MPa";
   const rows = [[x, `target${unit}`, `achieved${unit}`, `error_bar${unit}`, `before${unit}`, "reached", "in_range"].join(",")];
-  const aligned = before && before.x.length === shown.x.length && before.x.every((value, k) => value === shown.x[k]);
+  const aligned = previous && previous.x.length === shown.x.length && previous.x.every((value, k) => value === shown.x[k]);
   shown.x.forEach((value, k) => {
-    const earlier = aligned ? before.y[k] : null;
-    rows.push([value, shown.target[k], shown.achieved[k] ?? "", shown.errorBar?.[k] ?? "", earlier ?? "", shown.reached[k], shown.inRange[k]].join(","));
+    const previousValue = aligned ? previous.y[k] : null;
+    rows.push([value, shown.target[k], shown.achieved[k] ?? "", shown.errorBar?.[k] ?? "", previousValue ?? "", shown.reached[k], shown.inRange[k]].join(","));
   });
   if (verified) {
     rows.push("", [x, `simulated${unit}`].join(","));
@@ -20,20 +20,20 @@ export function csvOf(shown: Shown, before: Curve | null, verified: Curve | null
   return `${rows.join("\n")}\n`;
 }
 
-/** Everything that makes the design again, and what came out. `also`: what it does about the targets besides the one in sight. */
-export function jsonOf(shown: Shown, verified: Curve | null, also: readonly Shown[] = []): string {
+/** JSON with everything that is needed to repeat the design, and its results. `also`: the responses to the other targets. */
+export function jsonOf(shown: TargetResponse, verified: Curve | null, also: readonly TargetResponse[] = []): string {
   const { found, model, stopped, message } = shown;
   const document = {
     ...targetDocument(shown),
     design: { family: found.family, model, parameters: found.parameters, by_hand: shown.byHand, stopped, message },
-    ...madeDocument(shown),
+    ...specificationDocument(shown),
     verified: verified && { x: verified.x, y: verified.y },
     ...(also.length > 0 && { also: also.map(targetDocument), overall: { relative_rms: shown.overall } }),
   };
   return `${JSON.stringify(document, null, 2)}\n`;
 }
 
-function madeDocument({ measures }: Shown): Record<string, unknown> {
+function specificationDocument({ measures }: TargetResponse): Record<string, unknown> {
   const { material, youngsModulus, materialDensity, orientation, beamWidth, cellSize, relativeDensity, density } = measures;
   return {
     material: { ...(material !== "" && { name: material }), youngs_modulus: youngsModulus, density: materialDensity },
@@ -42,7 +42,7 @@ function madeDocument({ measures }: Shown): Record<string, unknown> {
   };
 }
 
-function targetDocument(shown: Shown): Record<string, unknown> {
+function targetDocument(shown: TargetResponse): Record<string, unknown> {
   const { x, target, achieved, errorBar, reached, inRange, deviation, largest } = shown;
   return {
     ...(shown.name !== "" && { name: shown.name }),

@@ -1,23 +1,23 @@
-// The control points of a plot as handles: dragged by pointer, moved by keys.
+// The handles of a plot's control points, which pointer and keys move.
 import { svg } from "../base/dom";
-import { keyStep, type PlotView, type PlotWishes } from "./plot";
+import { keyStep, type PlotView, type PlotActions } from "./plot";
 import type { ControlPoint } from "./state";
 
-/** How a plot turns its pixels into values and back. */
+/** The coordinate system of a plot: converts between values and pixels. */
 export interface Plane {
   toPixels(point: ControlPoint): readonly [number, number];
-  /** A point is taken hold of at some pixels. */
-  hold(pixels: readonly [number, number], point: ControlPoint): void;
-  /** Where the point that is held goes with the pointer. */
+  /** Called when the pointer grabs a point. */
+  grab(pixels: readonly [number, number], point: ControlPoint): void;
+  /** The new value of a dragged point when the pointer is at some pixels. */
   toPoint(pixels: readonly [number, number], from: ControlPoint): ControlPoint;
-  /** Whether a point stays where it is. */
-  isHeld(point: ControlPoint): boolean;
-  /** The point a key moves to; shares of the plot's width and height. */
+  /** Whether a point cannot be moved. */
+  isFixed(point: ControlPoint): boolean;
+  /** The point after a step of a key; `step` is in fractions of the plot's width and height. */
   nudged(point: ControlPoint, step: readonly [number, number]): ControlPoint;
   describe(point: ControlPoint): string;
-  /** Least and greatest y that is shown. */
+  /** Smallest and largest y that is shown. */
   heights(): readonly number[];
-  /** Other places where the same point can be taken hold of. */
+  /** Further places in pixels where the same point is shown and can be grabbed: its copy after half a turn in a polar plot. */
   echoes(point: ControlPoint): readonly (readonly [number, number])[];
 }
 
@@ -35,12 +35,12 @@ export class Handles {
   constructor(
     private readonly root: SVGSVGElement,
     private readonly plane: Plane,
-    private readonly wishes: PlotWishes,
+    private readonly actions: PlotActions,
   ) {
     this.group.append(this.echoes, this.handles);
   }
 
-  /** The point that is held has got another place among the points. */
+  /** Called when the dragged point has got another index. */
   follow(index: number): void {
     if (this.dragged !== null) this.dragged = index;
     this.following = true;
@@ -53,10 +53,10 @@ export class Handles {
     while (this.handles.children.length > view.points.length) this.handles.lastElementChild?.remove();
     while (this.handles.children.length < view.points.length) this.handles.append(this.makeHandle(this.handles.children.length));
     view.points.forEach((point, k) => this.place(this.handles.children[k], point, k));
-    const spots = view.points.flatMap((point, k) => this.plane.echoes(point).map((pixels) => ({ pixels, k })));
-    while (this.echoes.children.length > spots.length) this.echoes.lastElementChild?.remove();
-    while (this.echoes.children.length < spots.length) this.echoes.append(this.makeEcho());
-    spots.forEach(({ pixels, k }, n) => {
+    const mirrored = view.points.flatMap((point, k) => this.plane.echoes(point).map((pixels) => ({ pixels, k })));
+    while (this.echoes.children.length > mirrored.length) this.echoes.lastElementChild?.remove();
+    while (this.echoes.children.length < mirrored.length) this.echoes.append(this.makeEcho());
+    mirrored.forEach(({ pixels, k }, n) => {
       const echo = this.echoes.children[n];
       echo.setAttribute("transform", `translate(${pixels[0]},${pixels[1]})`);
       echo.setAttribute("data-index", String(k));
@@ -70,13 +70,13 @@ export class Handles {
   private place(handle: Element, point: ControlPoint, index: number): void {
     const [x, y] = this.plane.toPixels(point);
     handle.setAttribute("transform", `translate(${x},${y})`);
-    const [least, most] = this.plane.heights();
-    handle.setAttribute("aria-valuemin", Math.min(least, point[1]).toFixed(6));
-    handle.setAttribute("aria-valuemax", Math.max(most, point[1]).toFixed(6));
+    const [min, max] = this.plane.heights();
+    handle.setAttribute("aria-valuemin", Math.min(min, point[1]).toFixed(6));
+    handle.setAttribute("aria-valuemax", Math.max(max, point[1]).toFixed(6));
     handle.setAttribute("aria-valuenow", point[1].toFixed(6));
     handle.setAttribute("aria-valuetext", this.plane.describe(point));
     handle.classList.toggle("selected", this.view?.selected === index);
-    handle.classList.toggle("held", this.plane.isHeld(point));
+    handle.classList.toggle("held", this.plane.isFixed(point));
   }
 
   private makeHandle(index: number): SVGGElement {
@@ -88,7 +88,7 @@ export class Handles {
       svg("circle", { class: "dot", r: 6.5 }),
     );
     this.listen(handle);
-    handle.addEventListener("focus", () => this.wishes.select(index));
+    handle.addEventListener("focus", () => this.actions.select(index));
     handle.addEventListener("keydown", (event) => this.key(event, index));
     handle.addEventListener("blur", () => this.endKeys());
     return handle;
@@ -108,25 +108,25 @@ export class Handles {
       this.dragged = Number(handle.dataset.index);
       this.focus(this.dragged);
       const point = this.view?.points[this.dragged];
-      if (!point || this.plane.isHeld(point)) return void (this.dragged = null);
+      if (!point || this.plane.isFixed(point)) return void (this.dragged = null);
       handle.setPointerCapture(event.pointerId);
-      this.plane.hold(pixelsOf(this.root, event), point);
-      this.wishes.begin();
+      this.plane.grab(pixelsOf(this.root, event), point);
+      this.actions.begin();
     });
     handle.addEventListener("pointermove", (event) => {
       const point = this.dragged === null ? undefined : this.view?.points[this.dragged];
-      if (this.dragged !== null && point) this.wishes.move(this.dragged, this.plane.toPoint(pixelsOf(this.root, event), point));
+      if (this.dragged !== null && point) this.actions.move(this.dragged, this.plane.toPoint(pixelsOf(this.root, event), point));
     });
     for (const end of ["pointerup", "pointercancel"]) {
       handle.addEventListener(end, () => {
         if (this.dragged === null) return;
         this.dragged = null;
-        this.wishes.end();
+        this.actions.end();
       });
     }
     handle.addEventListener("dblclick", (event) => {
       event.stopPropagation();
-      this.wishes.remove(Number(handle.dataset.index));
+      this.actions.remove(Number(handle.dataset.index));
     });
   }
 
@@ -134,31 +134,31 @@ export class Handles {
     const point = this.view?.points[index];
     if (!point) return;
     const step = keyStep(event);
-    if (step && this.plane.isHeld(point)) event.preventDefault();
+    if (step && this.plane.isFixed(point)) event.preventDefault();
     else if (step) {
       event.preventDefault();
-      this.wishes.begin();
-      this.wishes.move(index, this.plane.nudged(point, step));
+      this.actions.begin();
+      this.actions.move(index, this.plane.nudged(point, step));
       clearTimeout(this.keyTimer);
       this.keyTimer = setTimeout(() => this.endKeys(), KEY_PAUSE_MS);
     } else if (event.key === "Delete" || event.key === "Backspace") {
       event.preventDefault();
       this.endKeys();
-      this.wishes.remove(index);
+      this.actions.remove(index);
       this.focus(Math.max(0, index - 1));
     }
   }
 
-  /** Keys that follow one another are one change. */
+  /** Ends a series of key presses, which is one change. */
   private endKeys(): void {
     if (this.keyTimer === undefined || this.following) return;
     clearTimeout(this.keyTimer);
     this.keyTimer = undefined;
-    this.wishes.end();
+    this.actions.end();
   }
 }
 
-/** Where a pointer is, in the units of the drawing. */
+/** Position of a pointer event relative to the drawing, in pixels. */
 export function pixelsOf(root: SVGSVGElement, event: MouseEvent): readonly [number, number] {
   const box = root.getBoundingClientRect();
   return [event.clientX - box.left, event.clientY - box.top];

@@ -1,13 +1,13 @@
-// The state in a link: readable, short, and checked when it comes back from a stranger.
+// The state as the text of a link: short, readable, and checked when it is read, since links come from anywhere.
 import { plain } from "../base/format";
-import { type FoundMade, isRange, leavesModulus, type Made, madeLink, readMade } from "./made";
+import { type FoundSpecification, isRange, searchesModulus, type Specification, writeSpecification, readSpecification } from "./specification";
 import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Region, type Target, TASKS, WEIGHT_LIMITS } from "./state";
-import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
-import { MOST_NAME, MOST_TARGETS, targetsOf, withTargets } from "./target_list";
-import { fewestPoints } from "./targets";
+import { MAX_REGION_NAME_LENGTH, MAX_REGIONS, regionsOf, withRegions } from "./region_list";
+import { MAX_NAME_LENGTH, MAX_TARGETS, targetsOf, withTargets } from "./target_list";
+import { minPoints } from "./targets";
 
-const MOST_NUMBERS = 64;
-const LARGEST = 1e6;
+const MAX_POINTS = 64;
+const MAX_VALUE = 1e6;
 
 export function writeLink(state: DesignState): string {
   const regions = regionsOf(state);
@@ -21,12 +21,12 @@ function regionText(state: Region): string {
   const fields: [string, string][] = targets.flatMap((target, k) => targetFields(target, k === 0 ? "" : String(k + 1)));
   if (targets.length > 1) fields.push(["tab", String(state.at + 1)]);
   if (state.region !== "") fields.push(["region", encodeURIComponent(state.region)]);
-  fields.push(...madeLink(state.made), ["family", state.family]);
+  fields.push(...writeSpecification(state.made), ["family", state.family]);
   if (state.found) {
     fields.push(["design", state.found.family], ["parameters", state.found.parameters.map(plain).join(",")]);
     const { material, youngsModulus, orientation } = state.found;
     if (state.made.materials.length > 0 && material !== undefined) fields.push(["found-material", encodeURIComponent(material)]);
-    if (leavesModulus(state.made) && youngsModulus !== undefined) fields.push(["found-modulus", plain(youngsModulus)]);
+    if (searchesModulus(state.made) && youngsModulus !== undefined) fields.push(["found-modulus", plain(youngsModulus)]);
     if (isRange(state.made.orientation) && orientation !== undefined) fields.push(["found-orientation", plain(orientation)]);
     if (state.fixed.some(Boolean)) fields.push(["fixed", state.fixed.map(Number).join(",")]);
     if (state.byHand) fields.push(["hand", "1"]);
@@ -34,7 +34,7 @@ function regionText(state: Region): string {
   return fields.map(([name, value]) => `${name}=${value}`).join("&");
 }
 
-/** `suffix`: the number of a further target, behind the names of its fields. */
+/** The fields of a target. `suffix`: appended to the names of the fields; the number of a further target. */
 function targetFields(target: Target, suffix: string): [string, string][] {
   const fields: [string, string][] = [
     ["task", target.task],
@@ -59,11 +59,11 @@ function readFields(text: string): Fields {
   );
 }
 
-/** The state of a link; null where it is none. */
+/** The state of a link; null if the text is no valid link. */
 export function readLink(text: string): DesignState | null {
   const fields = readFields(text);
   const regions: Region[] = [];
-  for (let k = 0; k < MOST_REGIONS && fields.has(`region${k + 1}`); ++k) {
+  for (let k = 0; k < MAX_REGIONS && fields.has(`region${k + 1}`); ++k) {
     const region = readRegion(readFields(fields.get(`region${k + 1}`) ?? ""));
     if (!region) return null;
     regions.push(region);
@@ -75,7 +75,7 @@ export function readLink(text: string): DesignState | null {
 
 function readRegion(fields: Fields): Region | null {
   const targets: Target[] = [];
-  for (let k = 0; k < MOST_TARGETS && (k === 0 || fields.has(`task${k + 1}`)); ++k) {
+  for (let k = 0; k < MAX_TARGETS && (k === 0 || fields.has(`task${k + 1}`)); ++k) {
     const target = readTarget(fields, k === 0 ? "" : String(k + 1));
     if (!target) return null;
     targets.push(target);
@@ -84,11 +84,11 @@ function readRegion(fields: Fields): Region | null {
   const design = fields.get("design");
   const parameters = numbers(fields.get("parameters") ?? "", 32);
   if (!isName(family) || (design !== undefined && (!isName(design) || !parameters))) return null;
-  const made = readMade(fields);
-  const found = design && parameters ? { family: design, parameters, ...readFoundMade(fields, made) } : null;
+  const made = readSpecification(fields);
+  const found = design && parameters ? { family: design, parameters, ...readFoundSpecification(fields, made) } : null;
   return {
     ...withTargets(targets, number(fields.get("tab"), 1, targets.length, 1) - 1),
-    region: (fields.get("region") ?? "").trim().slice(0, MOST_REGION_NAME),
+    region: (fields.get("region") ?? "").trim().slice(0, MAX_REGION_NAME_LENGTH),
     made,
     family,
     found,
@@ -97,13 +97,13 @@ function readRegion(fields: Fields): Region | null {
   };
 }
 
-function readFoundMade(fields: Fields, made: Made): FoundMade {
-  const read = (name: string) => number(fields.get(name), -LARGEST, LARGEST, NaN);
+function readFoundSpecification(fields: Fields, made: Specification): FoundSpecification {
+  const read = (name: string) => number(fields.get(name), -MAX_VALUE, MAX_VALUE, NaN);
   const [modulus, angle] = [read("found-modulus"), read("found-orientation")];
   const material = made.materials.find(({ name }) => name === fields.get("found-material"))?.name;
   return {
     ...(material !== undefined && { material }),
-    ...(leavesModulus(made) && modulus > 0 && { youngsModulus: modulus }),
+    ...(searchesModulus(made) && modulus > 0 && { youngsModulus: modulus }),
     ...(isRange(made.orientation) && !Number.isNaN(angle) && { orientation: angle }),
   };
 }
@@ -113,15 +113,15 @@ function readTarget(fields: Fields, suffix: string): Target | null {
   const task = TASKS.find((name) => name === field("task"));
   if (!task) return null;
   const points = readPoints(field("points") ?? "", isPolar(task));
-  if (!points || points.length < fewestPoints(task)) return null;
+  if (!points || points.length < minPoints(task)) return null;
   return {
-    name: (field("name") ?? "").trim().slice(0, MOST_NAME),
+    name: (field("name") ?? "").trim().slice(0, MAX_NAME_LENGTH),
     task,
     points,
-    interpolation: one(field("curve"), ["cubic", "monotone", "linear"] as const, "cubic"),
+    interpolation: choiceOf(field("curve"), ["cubic", "monotone", "linear"] as const, "cubic"),
     direction: number(field("direction"), -1000, 1000, DEFAULT_STATE.direction),
     strain: number(field("strain"), -0.49, 7.5, DEFAULT_STATE.strain),
-    measure: one(field("measure"), ["green", "engineering"] as const, "green"),
+    measure: choiceOf(field("measure"), ["green", "engineering"] as const, "green"),
     weight: number(field("weight"), ...WEIGHT_LIMITS, DEFAULT_STATE.weight),
   };
 }
@@ -138,26 +138,26 @@ function isName(text: string): boolean {
   return /^[A-Za-z0-9_-]{1,64}$/.test(text);
 }
 
-function numbers(text: string, most: number): number[] | null {
+function numbers(text: string, max: number): number[] | null {
   const values = text.split(",").map(Number);
-  const sound = text !== "" && values.length <= most && values.every((value) => Math.abs(value) <= LARGEST);
-  return sound ? values : null;
+  const isValid = text !== "" && values.length <= max && values.every((value) => Math.abs(value) <= MAX_VALUE);
+  return isValid ? values : null;
 }
 
 function readPoints(text: string, polar: boolean): ControlPoint[] | null {
   const points = text.split(";").map((pair) => numbers(pair, 2));
-  if (points.length > MOST_NUMBERS || points.some((point) => point?.length !== 2)) return null;
+  if (points.length > MAX_POINTS || points.some((point) => point?.length !== 2)) return null;
   const checked = points as unknown as ControlPoint[];
   const increasing = checked.every((point, k) => k === 0 || point[0] > checked[k - 1][0]);
   const width = checked[checked.length - 1][0] - checked[0][0];
   return increasing && (!polar || width < Math.PI) ? checked : null;
 }
 
-function number(text: string | undefined, lower: number, upper: number, otherwise: number): number {
+function number(text: string | undefined, lower: number, upper: number, fallback: number): number {
   const value = text === undefined || text === "" ? NaN : Number(text);
-  return value >= lower && value <= upper ? value : otherwise;
+  return value >= lower && value <= upper ? value : fallback;
 }
 
-function one<Choice extends string>(text: string | undefined, choices: readonly Choice[], otherwise: Choice): Choice {
-  return choices.find((choice) => choice === text) ?? otherwise;
+function choiceOf<Choice extends string>(text: string | undefined, choices: readonly Choice[], fallback: Choice): Choice {
+  return choices.find((choice) => choice === text) ?? fallback;
 }

@@ -1,4 +1,4 @@
-// Measured data that became the target: what was read, with which settings, and what is drawn behind the curve.
+// Measured data that become the target: the table, the settings with which it is read, and the points that are drawn behind the target.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explainFile, isAbort, Problem } from "../contract/client";
@@ -6,7 +6,7 @@ import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
 import type { ControlPoint, DesignState, ProfileKind } from "./state";
 
-/** A table as a request holds it: its text, or the bytes of a file in base64, whose encoding the server recognizes. */
+/** A table in a request: its text, or the bytes of a file in base64, whose text encoding the server detects. */
 export type MeasuredTable = { readonly text: string } | { readonly content: string };
 
 export interface MeasuredSettings {
@@ -17,34 +17,34 @@ export interface MeasuredSettings {
   readonly decimalSeparator?: MeasuredCurveRequest["decimal_separator"];
   readonly zero?: MeasuredCurveRequest["zero"];
   readonly block?: number;
-  /** At most so many control points. */
+  /** Upper limit of the number of control points. */
   readonly controlPoints: number;
 }
 
-export const FIRST_SETTINGS: MeasuredSettings = { columns: {}, units: {}, specimen: {}, controlPoints: 12 };
+export const INITIAL_SETTINGS: MeasuredSettings = { columns: {}, units: {}, specimen: {}, controlPoints: 12 };
 
 export interface MeasuredData {
   readonly name: string;
   readonly table: MeasuredTable;
   readonly settings: MeasuredSettings;
-  /** Null while the settings do not do; then `problem` says why and `places` which fields. */
+  /** Null if the server cannot read the table with these settings. Then `problem` says why, and `pointers` are the JSON pointers of the fields. */
   readonly curve: MeasuredCurve | null;
   readonly problem: string;
-  readonly places: readonly string[];
-  /** Of the curve, and of which target it became. */
+  readonly pointers: readonly string[];
+  /** Task and strain measure of the curve, and the target that it became. */
   readonly kind: MeasuredKind;
 }
 
-/** Without the places of a target and a region: of whichever is in sight. */
+/** A kind of profile, and the indices of a target and its region; without indices it fits any target. */
 export type MeasuredKind = Pick<ProfileKind, "task" | "measure"> & Partial<Pick<DesignState, "at" | "regionAt">>;
 
-/** The table of a file. Text that is UTF-8 goes as it is. */
+/** The table of a file: as text if it is UTF-8, otherwise as bytes. */
 export function tableOf(bytes: ArrayBuffer): MeasuredTable {
   try {
     const text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
     if (!text.includes("\0")) return { text };
   } catch {
-    // Some other encoding.
+    // Another encoding is sent as bytes.
   }
   let binary = "";
   for (const byte of new Uint8Array(bytes)) binary += String.fromCharCode(byte);
@@ -66,21 +66,21 @@ export function measuredRequest(table: MeasuredTable, task: ProfileKind["task"],
   } as MeasuredCurveRequest;
 }
 
-/** The points that may be drawn behind a profile: those of its task and measure, behind the target that they became. */
+/** The measured points to be drawn behind a profile. There are none unless task, strain measure and target are those of the data. */
 export function drawnBehind(data: MeasuredData | null, kind: MeasuredKind): readonly ControlPoint[] {
   if (!data?.curve || data.kind.task !== kind.task || data.kind.measure !== kind.measure) return [];
   if ((data.kind.at ?? kind.at) !== kind.at || (data.kind.regionAt ?? kind.regionAt) !== kind.regionAt) return [];
   return data.curve.points.map(([x, y]): ControlPoint => [x, y]);
 }
 
-/** The fields that somebody is asked for: without them the file cannot be read, or something about it was assumed. */
-export function askedFor(data: MeasuredData): ReadonlySet<string> {
+/** JSON pointers of the fields that the user is asked for: the server could not read the file without them, or assumed their values. */
+export function askedPointers(data: MeasuredData): ReadonlySet<string> {
   const assumed = (data.curve?.notes ?? []).map((note) => note.pointer).filter((pointer) => pointer !== "");
-  return new Set(data.problem ? data.places : assumed);
+  return new Set(data.problem ? data.pointers : assumed);
 }
 
-/** What the reduction did and what is to be known about it; warnings stand by themselves. */
-export function reductionSentence(curve: MeasuredCurve, number: (value: number) => string, percent: (share: number) => string): string {
+/** How closely the control points follow the data, with the server's notes. Warnings are shown elsewhere. */
+export function reductionSentence(curve: MeasuredCurve, number: (value: number) => string, percent: (fraction: number) => string): string {
   const { error, target, point_count: count } = curve;
   const points = target.control_points.length;
   const unit = curve.task === "poisson" ? "" : " MPa";
@@ -91,25 +91,25 @@ export function reductionSentence(curve: MeasuredCurve, number: (value: number) 
 export class Measured {
   readonly data = new Observable<MeasuredData | null>(null);
   private readonly requests = new Latest();
-  /** What was asked for last, whether the answer has come or not. */
-  private asked: { readonly table: MeasuredTable; readonly settings: MeasuredSettings } | null = null;
+  /** The last request, whether or not its answer has arrived. */
+  private lastRequest: { readonly table: MeasuredTable; readonly settings: MeasuredSettings } | null = null;
 
   constructor(
     private readonly session: DesignSession,
     private readonly client: Client,
   ) {}
 
-  /** Data from a file, the clipboard or a drop: what the server reads becomes the target. Ends with why it was refused, or with "". */
+  /** Reads a table and makes it the target. Resolves with the reason for a refusal, or with "". */
   read(table: MeasuredTable, name: string): Promise<string> {
-    return new Promise((done) => this.ask(table, name, FIRST_SETTINGS, done));
+    return new Promise((done) => this.ask(table, name, INITIAL_SETTINGS, done));
   }
 
-  /** Asks again with these settings; columns, units and sizes that are not named stay. Changes that come before the answer to earlier ones add up. */
+  /** Reads the table again with changed settings; the others stay. Changes are based on the last request, so that quick ones add up. */
   change(change: Partial<MeasuredSettings>): void {
     const data = this.data.get();
     if (!data) return;
-    const settings = this.asked?.table === data.table ? this.asked.settings : data.settings;
-    // The target that the data became comes into sight, so that they replace no other.
+    const settings = this.lastRequest?.table === data.table ? this.lastRequest.settings : data.settings;
+    // The target of these data is selected, so that they replace no other one.
     const { at, regionAt } = data.kind;
     if (regionAt !== undefined) this.session.selectRegion(regionAt);
     if (at !== undefined) this.session.select(at);
@@ -128,25 +128,25 @@ export class Measured {
   }
 
   private ask(table: MeasuredTable, name: string, settings: MeasuredSettings, done: (problem: string) => void = () => {}): void {
-    this.asked = { table, settings };
+    this.lastRequest = { table, settings };
     const { task } = this.session.state.get();
-    // Instruments measure stretch and force over rest width; directions have no such choice.
+    // Instruments measure elongation and force at the rest width, which is engineering strain. Profiles over direction have no such choice.
     const kind = { task, measure: task === "stress_strain" ? ("engineering" as const) : this.session.state.get().measure };
     this.requests.submit(async (signal) => {
       try {
         const curve = await this.client.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(table, task, settings), { signal });
         if (signal.aborted) return;
         const { at, regionAt } = this.session.state.get();
-        this.data.set({ name, table, settings, curve, problem: "", places: [], kind: { ...kind, at, regionAt } });
+        this.data.set({ name, table, settings, curve, problem: "", pointers: [], kind: { ...kind, at, regionAt } });
         const { control_points: points, interpolation } = curve.target;
         this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
         done("");
       } catch (error) {
         if (signal.aborted || isAbort(error)) return;
-        const places = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
+        const pointers = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
         const known = this.data.get();
-        const same = known?.table === table ? known : null;
-        this.data.set({ name, table, settings, curve: same?.curve ?? null, problem: explainFile(error), places, kind: { ...same?.kind, ...kind } });
+        const sameTable = known?.table === table ? known : null;
+        this.data.set({ name, table, settings, curve: sameTable?.curve ?? null, problem: explainFile(error), pointers, kind: { ...sameTable?.kind, ...kind } });
         done(explainFile(error));
       }
     }, true);

@@ -1,10 +1,10 @@
-// Measured data as the target: a file, the clipboard or a drop, and how they are to be read.
+// The card for measured data: opens a file or pastes the clipboard, and has the settings with which the table is read.
 import { button, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
 import { rebuild } from "../base/writing";
 import type { MeasuredCurve } from "../contract/types";
-import { askedFor, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
+import { askedPointers, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
 import { isPolar } from "./state";
 
 const FILE_TYPES = ".csv,.tsv,.txt,.dat,text/csv,text/plain,text/tab-separated-values";
@@ -44,8 +44,8 @@ export function measuredCard(measured: Measured): HTMLElement {
     note.textContent = data.problem ? `${data.name}: ${data.problem}` : `${data.name}: ${data.curve ? reductionSentence(data.curve, digits, percent) : ""}`;
     note.classList.toggle("problem", data.problem !== "");
     rebuild(settings, () => fields(measured, measured.data.get() ?? data));
-    // What the file does not tell is asked for here, where it is seen.
-    const isAsked = data.problem ? QUESTIONS.some((place) => data.places.includes(place)) : data.curve?.sense?.told_by === "nothing";
+    // The card opens if the user has to complete what the file does not say.
+    const isAsked = data.problem ? QUESTIONS.some((place) => data.pointers.includes(place)) : data.curve?.sense?.told_by === "nothing";
     if (isAsked) card.setAttribute("open", "");
   });
   return card;
@@ -65,7 +65,7 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
   const x = settings.units.x ?? curve?.units.x ?? "";
   const y = settings.units.y ?? curve?.units.y ?? "";
   const choice = (label: string, choices: readonly { value: string; words: string }[], value: string, chosen: (value: string) => void) => {
-    // Nothing is chosen until somebody does.
+    // An unset value is shown as a request to choose.
     const unset = value === "" ? [{ value: "", words: "Choose …" }] : [];
     const list = new Select<string>(label, [...unset, ...choices], (picked) => picked !== "" && chosen(picked));
     list.value = value;
@@ -78,7 +78,7 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
     changed: (value, done) => done && measured.change({ controlPoints: Math.round(value) }),
   });
   points.value = settings.controlPoints;
-  const asked = askedFor(data);
+  const asked = askedPointers(data);
   const needs = (place: string) => asked.has(place);
   const columns = (change: MeasuredSettings["columns"]) => measured.change({ columns: change });
   const units = (change: MeasuredSettings["units"]) => measured.change({ units: change });
@@ -114,7 +114,7 @@ function column(label: string, curve: MeasuredCurve, index: number, chosen: (ind
   return list.element;
 }
 
-/** A column by its number or its title, while the server has not told the titles. */
+/** A text field for the index or the title of a column, for a table whose columns the server has not listed. */
 function title(label: string, value: number | string | undefined, changed: (value: number | string) => void): HTMLElement {
   const id = uniqueId("title");
   const input = h("input", { type: "text", id, value: value === undefined ? null : String(value), onchange: () => {

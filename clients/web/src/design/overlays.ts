@@ -1,27 +1,27 @@
-// Curves of ranked families that are laid over that of the design shown.
+// Curves of ranked families that are drawn over the shown design.
 import { Observable } from "../base/observable";
 import type { DesignCandidate } from "../contract/types";
-import { leavesModulus, modulusWords } from "./made";
+import { searchesModulus, modulusWords } from "./specification";
 import type { PinnedCurve } from "./plot";
 import type { DesignSession } from "./session";
-import { foundOf } from "./shown";
+import { designOf } from "./shown";
 
-/** Colours are those of pins; overlays begin where pins have seldom come to. */
+/** Index of the first overlay's colour. Pins use the same colours from index 0, so that both seldom coincide. */
 const FIRST_COLOUR = 3;
 
-interface Overlaid extends PinnedCurve {
+interface OverlaidCurve extends PinnedCurve {
   readonly candidate: DesignCandidate;
 }
 
 export class Overlays {
   readonly list = new Observable<readonly PinnedCurve[]>([]);
-  private overlaid: readonly Overlaid[] = [];
+  private overlaid: readonly OverlaidCurve[] = [];
   private count = 0;
   private at = 0;
 
   constructor(private readonly session: DesignSession) {
     session.ranking.watch(() => this.show([]));
-    // Of another target that comes into sight the families do something else.
+    // Responses of the families to another target are other curves.
     session.state.watch(({ at }) => {
       if (at === this.at) return;
       this.at = at;
@@ -47,14 +47,14 @@ export class Overlays {
     const { at } = this;
     const target = ranking?.targets[at];
     if (!target) return;
-    const curve = await this.session.profile(foundOf(candidate, ranking), target, ranking.made);
+    const curve = await this.session.profile(designOf(candidate, ranking), target, ranking.made);
     if (!curve || ranking !== this.session.ranking.get() || at !== this.at || this.has(family)) return;
-    // Another family may serve the targets best with another modulus.
-    const name = leavesModulus(ranking.made) ? `${family} of ${modulusWords(material.youngs_modulus)} MPa` : family;
+    // Each family may have its own best modulus.
+    const name = searchesModulus(ranking.made) ? `${family} of ${modulusWords(material.youngs_modulus)} MPa` : family;
     this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name, candidate }]);
   }
 
-  private show(overlaid: readonly Overlaid[]): void {
+  private show(overlaid: readonly OverlaidCurve[]): void {
     this.overlaid = overlaid;
     this.list.set(overlaid);
   }

@@ -1,19 +1,19 @@
-// The design page, put together.
+// The design page: makes its parts and connects them.
 import { button } from "../base/controls";
 import { copyMenu } from "../base/copy_as";
 import { h } from "../base/dom";
-import { late } from "../base/late";
+import { debounce } from "../base/debounce";
 import { shareButton } from "../base/share";
 import { undoKeys } from "../base/undo_keys";
 import { ConnectionLost, explain } from "../contract/client";
-import type { Page, Surroundings } from "../page";
+import type { Page, PageContext } from "../page";
 import { commandOf, curlOf, pythonOf } from "./copy_text";
 import { isDrawing } from "./drawing";
-import { takeDrops } from "./drops";
+import { handleDrops } from "./drops";
 import { exportMenu } from "./export_menu";
 import { readLink, writeLink } from "./link";
 import { Measured, tableOf } from "./measured";
-import { madeCard } from "./made_card";
+import { specificationCard } from "./specification_card";
 import { measuredCard } from "./measured_card";
 import { Overlays } from "./overlays";
 import { parameterPanel } from "./parameter_panel";
@@ -35,7 +35,7 @@ import { verificationCard } from "./verification_card";
 
 const LINK_PAUSE_MS = 250;
 
-export function designPage({ client, link }: Surroundings): Page {
+export function designPage({ client, link }: PageContext): Page {
   const session = new DesignSession(client);
   const verification = new Verification(session, client);
   const pins = new Pins(session);
@@ -58,14 +58,14 @@ export function designPage({ client, link }: Surroundings): Page {
     { class: "design-page" },
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
-    h("div", { class: "column left" }, targetControls(session, startMenu(session)), madeCard(session), measuredCard(measured), parameterPanel(session)),
+    h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
     h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
   );
 
-  takeDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
+  handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
 
-  // All that is of an earlier decision is dimmed as one, until the answer to this one has come.
+  // Results of an earlier state are dimmed together until the answer to the present state has arrived.
   for (const part of [session.shown, session.state]) {
     part.watch(() => {
       element.classList.toggle("outdated", session.shown.get() !== null && !session.isCurrent);
@@ -73,13 +73,13 @@ export function designPage({ client, link }: Surroundings): Page {
     });
   }
 
-  const linkLater = late(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);
+  const linkLater = debounce(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);
   session.state.watch((state) => {
-    if (state.points.length > 0) linkLater.ask();
+    if (state.points.length > 0) linkLater.schedule();
   });
-  // A change that is done is in the address at once: a reload must not take it back.
+  // A completed change is written to the address at once, so that a reload does not revert it.
   session.steps.watch(() => {
-    if (session.state.get().points.length > 0) linkLater.now();
+    if (session.state.get().points.length > 0) linkLater.flush();
   });
 
   const keys = undoKeys(session);
@@ -91,7 +91,7 @@ export function designPage({ client, link }: Surroundings): Page {
       empty.hidden = session.models.length > 0;
       pins.restore();
     } catch (error) {
-      // A lost connection is told by the frame, and this is tried again once the server answers.
+      // The frame reports a lost connection, and `reconnected` tries again.
       if (!(error instanceof ConnectionLost)) session.activity.set({ kind: "failed", sentence: explain(error) });
     }
   }

@@ -1,4 +1,4 @@
-// The parameters of the design shown: sliders that show its profile at once, and locks for those that a search keeps.
+// The parameters of the shown design: sliders that update its profile at once, and locks that fix parameters in searches.
 import { button, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { icon } from "../base/icons";
@@ -24,10 +24,10 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     rows = [];
     if (!model) return replace(list);
     const { lower, upper } = model.parameters;
-    rows = lower.map((least, k) => ({
+    rows = lower.map((min, k) => ({
       slider: new Slider({
         label: `Parameter ${k + 1}`,
-        lower: least, upper: upper[k], digits: 4,
+        lower: min, upper: upper[k], digits: 4,
         changed: (value, done) => set(k, value, done),
       }),
       lock: h("button", { type: "button", class: "button quiet lock", onclick: () => toggle(k) }),
@@ -44,7 +44,7 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     const { fixed, found, family: wanted } = session.state.get();
     if (!found) return;
     const next = found.parameters.map((_, k) => (k === index ? !fixed[k] : Boolean(fixed[k])));
-    // Which parameter is kept makes sense within one family only.
+    // Fixed parameters belong to one family, so that fixing one also selects the family.
     session.apply({ fixed: next, family: wanted === ANY && next.some(Boolean) ? found.family : wanted });
   }
 
@@ -52,12 +52,12 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     if ((state.found?.family ?? "") !== family || rows.length !== (state.found?.parameters.length ?? 0)) build(state);
     title.textContent = state.found ? `Parameters of ${state.found.family}` : "Parameters";
     rows.forEach((row, k) => {
-      const kept = Boolean(state.fixed[k]);
+      const isFixed = Boolean(state.fixed[k]);
       row.slider.value = state.found?.parameters[k] ?? 0;
-      row.lock.setAttribute("aria-pressed", String(kept));
+      row.lock.setAttribute("aria-pressed", String(isFixed));
       row.lock.setAttribute("aria-label", `Keep parameter ${k + 1} in searches`);
-      row.lock.title = kept ? "Kept in searches" : "Searched for";
-      row.lock.replaceChildren(icon(kept ? "lock" : "unlock"));
+      row.lock.title = isFixed ? "Kept in searches" : "Searched for";
+      row.lock.replaceChildren(icon(isFixed ? "lock" : "unlock"));
     });
     note.hidden = !state.byHand;
   });

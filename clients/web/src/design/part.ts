@@ -1,12 +1,12 @@
-// A part of the design that is shown: what is asked for, and what the server says of it.
+// A part made of the shown design: its settings, its requests, and the server's answers.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, explainFile, isAbort, Problem } from "../contract/client";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
-import { type Choices, type Drawing, type Layout, type Where } from "./drawing";
-import { DEFAULT_MADE, radians } from "./made";
-import type { Shown } from "./shown";
-import { type Found, isPolar } from "./state";
+import { type LayoutChoices, type Drawing, type PartLayout, type RegionLocation } from "./drawing";
+import { DEFAULT_SPECIFICATION, radians } from "./specification";
+import type { TargetResponse } from "./shown";
+import { type TilingDesign, isPolar } from "./state";
 
 export type PartKind = "rectangle" | "coupon" | "block" | "drawing";
 export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
@@ -15,49 +15,49 @@ export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
 export interface PartSettings {
   readonly kind: PartKind;
   readonly width: number;
-  /** Of the structure: between grips or plates where there are any. */
+  /** Length of the structure, without grips or plates. */
   readonly length: number;
-  /** Of a grip or a plate. */
+  /** Length of a grip, or thickness of a plate. */
   readonly end: number;
   readonly beamWidth: number;
   readonly thickness: number;
   readonly frame: number;
   readonly density: number;
   readonly orientation: number;
-  /** The direction of the design that is to lie along the load of a coupon or a block; null where the design has no single one. */
+  /** The direction of the design that lies along the load of a coupon or a block; null if the targets of the design have no common direction. */
   readonly direction: number | null;
   readonly whole: boolean;
 }
 
-/** Walls as wide as a common nozzle, and a strip wide enough that the tiles of every family hold it together. */
-export const FIRST_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, direction: null, whole: false };
+/** The initial settings. Walls are as wide as a common nozzle, and the strip is wide enough that the tiles of every family connect its ends. */
+export const INITIAL_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, direction: null, whole: false };
 
 export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", step: "model/step", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
 
 type Polygon = Outlines["polygons"][number]["points"];
 type Structure = Pick<PartRequest, "structure" | "beam_width" | "orientation">;
 
-/** What fills a part, or one of its regions. The orientation in radians, the width in mm. */
+/** The structure that fills a part or one of its regions. Orientation in radians, beam width in mm. */
 export interface Filling {
   readonly name: string;
-  readonly found: Found;
+  readonly found: TilingDesign;
   readonly orientation: number;
   readonly beamWidth: number;
 }
 
-/** A part of a shape of its own. */
+/** The contents of a part whose shape is a drawing. */
 export interface Product {
   readonly outline: readonly Polygon[];
-  /** What lies in no region. */
+  /** The structure outside all regions. */
   readonly rest: Filling;
   readonly regions: readonly { readonly outline: Polygon; readonly filling: Filling }[];
 }
 
-/** The part of a drawing. A region without a design is left out; null where none has one. */
-export function productOf({ curves }: Drawing, { outline, regions }: Layout, fillings: readonly (Filling | null)[]): Product | null {
+/** The contents of a part from a drawing. Regions without a design are left out; null if no region has one. */
+export function productOf({ curves }: Drawing, { outline, regions }: PartLayout, fillings: readonly (Filling | null)[]): Product | null {
   const known = fillings.filter((filling): filling is Filling => filling !== null);
   if (known.length === 0) return null;
-  const points = (where: Where): Polygon | null => (typeof where === "number" ? curves.polygons[where].points : null);
+  const points = (where: RegionLocation): Polygon | null => (typeof where === "number" ? curves.polygons[where].points : null);
   return {
     outline: outline.map((place) => curves.polygons[place].points),
     rest: fillings[regions.indexOf("rest")] ?? known[0],
@@ -72,8 +72,8 @@ function structureOf({ found, beamWidth, orientation }: Omit<Filling, "name">): 
   return { structure: { family: found.family, parameters: [...found.parameters] }, beam_width: beamWidth, ...(orientation !== 0 && { orientation }) };
 }
 
-/** `product`: of a part whose shape is a drawing. */
-export function partRequest(found: Found, settings: PartSettings, product: Product | null = null): PartRequest {
+/** `product`: the contents of a part whose shape is a drawing; null for the other shapes. */
+export function partRequest(found: TilingDesign, settings: PartSettings, product: Product | null = null): PartRequest {
   const { kind, width, length, end } = settings;
   const outline: PartRequest["outline"] =
     product ? { polygons: [...product.outline] }
@@ -94,31 +94,31 @@ export function partRequest(found: Found, settings: PartSettings, product: Produ
   };
 }
 
-/** The only direction along which a design is loaded, in degrees; null where its targets are over directions or of several ones. */
-function loadDirection(targets: Shown["targets"]): number | null {
+/** The direction of all targets in degrees; null if a target is over direction, or if the directions differ. */
+function loadDirection(targets: TargetResponse["targets"]): number | null {
   const directions = new Set(targets.map(({ task, direction }) => (isPolar(task) ? null : direction)));
   const [only] = directions;
   return directions.size === 1 && only !== null ? degrees(only) : null;
 }
 
-/** Rounded as a person would write it. */
+/** An angle in degrees, rounded to two decimals. */
 function degrees(angle: number): number {
   return Number(((angle * 180) / Math.PI).toFixed(2));
 }
 
-/** What a part of a design begins with: walls, density, orientation and direction of the design, and a common nozzle's walls where no size was asked for. */
-export function settingsOf({ measures, made, targets }: Pick<Shown, "measures" | "made" | "targets">): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
+/** The initial settings of a part of a design. The walls are those of a common nozzle unless the user chose a size for the design. */
+export function settingsOf({ measures, made, targets }: Pick<TargetResponse, "measures" | "made" | "targets">): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
   const { beamWidth, materialDensity, orientation } = measures;
-  const asked = made.size.kind !== DEFAULT_MADE.size.kind || made.size.value !== DEFAULT_MADE.size.value;
+  const isSizeChosen = made.size.kind !== DEFAULT_SPECIFICATION.size.kind || made.size.value !== DEFAULT_SPECIFICATION.size.value;
   return {
-    beamWidth: asked && beamWidth !== null ? Number(beamWidth.toPrecision(4)) : FIRST_PART.beamWidth,
+    beamWidth: isSizeChosen && beamWidth !== null ? Number(beamWidth.toPrecision(4)) : INITIAL_PART.beamWidth,
     density: materialDensity,
     orientation: degrees(orientation),
     direction: loadDirection(targets),
   };
 }
 
-/** The name that the server gives a file, or one of its own kind. */
+/** The file name in the header Content-Disposition, or a default one. */
 export function fileName(disposition: string | null, format: PartFormat): string {
   return /filename="([^"]+)"/.exec(disposition ?? "")?.[1] ?? `part.${format}`;
 }
@@ -127,35 +127,35 @@ export function outlineRequest(text: string, width: number | null, resolution: n
   return { text, ...(width !== null && { width }), ...(resolution !== null && { resolution }) };
 }
 
-/** What the server has made, or why it could not. */
+/** The server's answer, or why it could not make the part. */
 export type PartState =
   | { readonly kind: "none" }
   | { readonly kind: "made"; readonly answer: PartAnswer }
   | { readonly kind: "failed"; readonly sentence: string };
 
-/** What a person has chosen of a drawing, and the width of the beams of each region in mm where that is not what its design says. */
-export interface DrawingChoices extends Choices {
+/** The user's choices for a drawing. `walls`: width of the walls of each region in mm; undefined for the width of its design. */
+export interface DrawingChoices extends LayoutChoices {
   readonly walls: readonly (number | undefined)[];
 }
 
 export const NO_CHOICES: DrawingChoices = { regions: [], walls: [] };
 
 export class Part {
-  readonly settings = new Observable<PartSettings>(FIRST_PART);
+  readonly settings = new Observable<PartSettings>(INITIAL_PART);
   readonly state = new Observable<PartState>({ kind: "none" });
   readonly drawing = new Observable<Drawing | null>(null);
   readonly choices = new Observable<DrawingChoices>(NO_CHOICES);
-  /** Why the last drawing was refused. */
+  /** Why the last drawing was refused; empty if it was not. */
   readonly drawingProblem = new Observable<string>("");
-  /** Whether the drawing that was opened last does not say how large its pixels are. */
+  /** Whether a resolution can be chosen: the last drawing states no physical size, or a resolution was chosen for it. */
   readonly resolutionAsked = new Observable<boolean>(false);
   private readonly requests = new Latest();
   private readonly drawings = new Latest();
 
   constructor(private readonly client: Client) {}
 
-  /** Asks for the part's picture and numbers; a newer question replaces an older one. */
-  describe(found: Found, product: Product | null = null): void {
+  /** Requests the picture and the measures of the part. A newer request replaces an older one. */
+  describe(found: TilingDesign, product: Product | null = null): void {
     const request = { ...partRequest(found, this.settings.get(), product), svg: true };
     this.requests.submit(async (signal) => {
       try {
@@ -167,35 +167,35 @@ export class Part {
     }, true);
   }
 
-  /** The part as a file and its name. */
-  async file(found: Found, format: PartFormat, product: Product | null = null): Promise<{ name: string; type: string; content: Blob }> {
+  /** The part as a file with its name. */
+  async file(found: TilingDesign, format: PartFormat, product: Product | null = null): Promise<{ name: string; type: string; content: Blob }> {
     const response = await this.client.postResponse("/v1/parts", partRequest(found, this.settings.get(), product), { headers: { Accept: PART_TYPES[format] } });
     return { name: fileName(response.headers.get("Content-Disposition"), format), type: PART_TYPES[format], content: await response.blob() };
   }
 
-  /** A drawing becomes the shape of the part. Ends with why it was refused, or with "". */
+  /** Makes a drawing the shape of the part. Resolves with the reason for a refusal, or with "". */
   open(text: string, name: string): Promise<string> {
     return this.readDrawing(text, name, null, null);
   }
 
-  /** The same drawing, of another width in mm. */
+  /** Scales the drawing to a width in mm; null for the size in the file. */
   scale(width: number | null): void {
     const drawing = this.drawing.get();
     if (!drawing) return;
-    const resolution = this.asked?.text === drawing.text ? this.asked.resolution : drawing.resolution;
+    const resolution = this.lastRequest?.text === drawing.text ? this.lastRequest.resolution : drawing.resolution;
     void this.readDrawing(drawing.text, drawing.name, width, resolution);
   }
 
-  /** The drawing that was opened last, with so many pixels per inch. */
+  /** Reads the last drawing again with a resolution in pixels per inch; null for the server's default. */
   setResolution(resolution: number | null): void {
-    if (this.asked) void this.readDrawing(this.asked.text, this.asked.name, this.asked.width, resolution);
+    if (this.lastRequest) void this.readDrawing(this.lastRequest.text, this.lastRequest.name, this.lastRequest.width, resolution);
   }
 
-  /** What was asked for last, whether the answer has come or not: changes that come before it add up. */
-  private asked: { text: string; name: string; width: number | null; resolution: number | null } | null = null;
+  /** The last request, whether or not its answer has arrived: quick changes are based on it, so that they add up. */
+  private lastRequest: { text: string; name: string; width: number | null; resolution: number | null } | null = null;
 
   private readDrawing(text: string, name: string, width: number | null, resolution: number | null): Promise<string> {
-    this.asked = { text, name, width, resolution };
+    this.lastRequest = { text, name, width, resolution };
     return new Promise((done) => this.drawings.submit(async (signal) => {
       try {
         const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });

@@ -1,9 +1,9 @@
-// A part to print or cut, of the design that is shown: its size, its picture, its files.
+// The card for a part to print or cut, made of the shown design: settings, picture, measures and files.
 import { button, Checkbox, Segments } from "../base/controls";
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { download } from "../base/download";
 import { digits } from "../base/format";
-import { late } from "../base/late";
+import { debounce } from "../base/debounce";
 import { showText } from "../base/writing";
 import { explain } from "../contract/client";
 import type { PartAnswer } from "../contract/types";
@@ -11,7 +11,7 @@ import { layoutOf } from "./drawing";
 import { drawingFields } from "./drawing_fields";
 import { fillingsOf } from "./fillings";
 import { type Part, type PartFormat, type PartSettings, type PartState, type Product, productOf, settingsOf } from "./part";
-import { radians } from "./made";
+import { radians } from "./specification";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
@@ -21,19 +21,20 @@ const LABELS: Record<NumberSetting, string> = {
   width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °", direction: "Loaded along, °",
 };
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm", drawing: "" } as const;
-/** Of a drawing the size is that of its curves, and several regions have walls and orientations of their own. */
-const OF_A_SHAPE: readonly NumberSetting[] = ["width", "length", "end"];
-const OF_ONE_FILLING: readonly NumberSetting[] = ["beamWidth", "orientation"];
-/** Of angles. */
-const MAY_BE_NEGATIVE: readonly NumberSetting[] = ["orientation", "direction"];
+/** Settings that a drawing replaces by the size of its curves. */
+const SIZE_SETTINGS: readonly NumberSetting[] = ["width", "length", "end"];
+/** Settings that each region has for itself, if there are several. */
+const STRUCTURE_SETTINGS: readonly NumberSetting[] = ["beamWidth", "orientation"];
+/** Settings that are angles. */
+const ANGLE_SETTINGS: readonly NumberSetting[] = ["orientation", "direction"];
 
-/** What stands in the way of making this part, and what helps. */
+/** Why the part cannot be made, or the server's message about it. */
 function noteOf(state: PartState): string {
   if (state.kind === "failed") return state.sentence;
   return state.kind === "made" ? state.answer.message : "";
 }
 
-/** The narrowest place, and what was done about narrower ones. */
+/** The narrowest wall, and how many narrower places the server has widened or cut. */
 function wallWords({ smallest_neck, smallest_wall, widened_necks, cut_necks }: PartAnswer["checks"]): string {
   const narrowest = `at least ${digits(smallest_neck ?? smallest_wall, 2)} mm`;
   const done = [widened_necks > 0 ? `${widened_necks} widened` : "", cut_necks > 0 ? `${cut_necks} cut` : ""].filter((words) => words !== "");
@@ -50,10 +51,10 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
   for (const name of Object.keys(LABELS) as NumberSetting[]) {
     const id = uniqueId("part");
-    const input = h("input", { type: "number", id, class: "number", min: MAY_BE_NEGATIVE.includes(name) ? null : 0, step: "any", onchange: () => {
+    const input = h("input", { type: "number", id, class: "number", min: ANGLE_SETTINGS.includes(name) ? null : 0, step: "any", onchange: () => {
       const value = Number(input.value);
       if (input.value === "" && name === "direction" && input.validity.valid) change({ direction: null });
-      else if (input.value !== "" && Number.isFinite(value) && (value >= 0 || MAY_BE_NEGATIVE.includes(name))) change({ [name]: value });
+      else if (input.value !== "" && Number.isFinite(value) && (value >= 0 || ANGLE_SETTINGS.includes(name))) change({ [name]: value });
       else show();
     } });
     const label = h("label", { for: id }, LABELS[name]);
@@ -67,23 +68,23 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element,
     result);
 
-  const later = late(() => describe(), PAUSE_MS);
+  const later = debounce(() => describe(), PAUSE_MS);
 
   function change(values: Partial<PartSettings>): void {
     part.settings.set({ ...part.settings.get(), ...values });
-    later.ask();
+    later.schedule();
   }
 
   function show(): void {
     const settings = part.settings.get();
     kind.value = settings.kind;
     whole.value = settings.whole;
-    const drawn = settings.kind === "drawing";
+    const isDrawing = settings.kind === "drawing";
     for (const [name, { field, label, input }] of fields) {
       showText(input, String(settings[name] ?? ""));
-      field.hidden = drawn && (OF_A_SHAPE.includes(name) || (OF_ONE_FILLING.includes(name) && session.regions.length > 1));
+      field.hidden = isDrawing && (SIZE_SETTINGS.includes(name) || (STRUCTURE_SETTINGS.includes(name) && session.regions.length > 1));
       if (name === "direction") {
-        field.hidden = drawn || settings.kind === "rectangle";
+        field.hidden = isDrawing || settings.kind === "rectangle";
         input.title = "The direction of the design that lies along the length of the part; without one the design's 90°";
       }
       if (name === "end") {
@@ -91,12 +92,12 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
         label.textContent = END_WORDS[settings.kind];
       }
     }
-    fromDrawing.hidden = !drawn;
-    // What was made is of another shape until a drawing has been read.
-    result.hidden = drawn && part.drawing.get() === null;
+    fromDrawing.hidden = !isDrawing;
+    // Until a drawing has been read, the last result belongs to another shape.
+    result.hidden = isDrawing && part.drawing.get() === null;
   }
 
-  /** The shape that was drawn, with the design of each region; null for the other shapes. */
+  /** The contents of a part whose shape is a drawing; null for the other shapes. */
   function product(): Product | null {
     const drawing = part.drawing.get();
     const settings = part.settings.get();
@@ -126,23 +127,23 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     }
   }
 
-  // What was set for this part stays until the design has something else.
-  let begun = "";
+  // The user's settings stay until the design's own values change.
+  let lastSettings = "";
   session.shown.watch((shown) => {
     if (shown && !shown.provisional) {
       const settings = settingsOf(shown);
       const now = JSON.stringify(settings);
-      if (now !== begun) part.settings.set({ ...part.settings.get(), ...settings });
-      begun = now;
+      if (now !== lastSettings) part.settings.set({ ...part.settings.get(), ...settings });
+      lastSettings = now;
     }
-    later.ask();
+    later.schedule();
   });
   part.settings.watch(() => show());
   part.drawing.watch((read) => {
     show();
     if (!read) return;
     element.open = true;
-    later.now();
+    later.flush();
   });
   let several = false;
   session.state.watch(({ otherRegions }) => {
@@ -150,8 +151,8 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     several = !several;
     show();
   });
-  // A part of several regions changes with each of them.
-  for (const one of [part.choices, session.kept, session.all]) one.watch(() => part.settings.get().kind === "drawing" && later.ask());
+  // A part whose shape is a drawing depends on the designs of all regions.
+  for (const one of [part.choices, session.regionCache, session.all]) one.watch(() => part.settings.get().kind === "drawing" && later.schedule());
   element.addEventListener("toggle", () => describe());
   part.state.watch((state) => {
     note.textContent = noteOf(state);

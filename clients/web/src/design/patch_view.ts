@@ -1,5 +1,5 @@
-// The deformed patch of a simulation: its triangles in the colours of their stress, repeated along its deformed
-// translations, state by state of the load.
+// The deformed patch of a simulation at each state of the load: triangles coloured by stress, repeated along the deformed
+// translations.
 import { button, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { digits } from "../base/format";
@@ -7,29 +7,29 @@ import { icon } from "../base/icons";
 import { cssColour, cssGradient, rampColour, RAMPS } from "../base/ramps";
 import { dark } from "../base/theme";
 import type { PatchMesh, Simulation } from "../contract/types";
-import { quantile, type Solid, vonMisesStresses } from "./patch_stress";
+import { quantile, type SolidMaterial, vonMisesStresses } from "./patch_stress";
 
 type State = Simulation["states"][number] & { deformed: NonNullable<Simulation["states"][number]["deformed"]> };
 
 const SIDE = 640;
 const COPIES = 2;
-/** Of a state while the load is played. */
+/** Duration of a state while the load is played. */
 const FRAME_MS = 350;
-/** Colours end where so many of all triangles have less stress. */
-const SHOWN_SHARE = 0.99;
+/** The colour map ends at this quantile of the stresses of all states. */
+const COLOUR_QUANTILE = 0.99;
 const RAMP = RAMPS.inferno;
 
 export class PatchView {
   readonly element = h("div", { class: "patch" });
   private readonly canvas = h("canvas", { width: SIDE, height: SIDE, role: "img" });
   private readonly reading = h("p", { class: "muted" });
-  private readonly most = h("span");
+  private readonly maxLabel = h("span");
   private readonly play = button("", () => this.toggle(), { icon: "play", title: "Play the load" });
   private readonly legend: HTMLElement;
   private states: State[] = [];
   private meshes: readonly PatchMesh[] = [];
   private stresses: readonly (readonly number[])[] = [];
-  private largest = 0;
+  private colourLimit = 0;
   private index = 0;
   private direction = 0;
   private slider: Slider | null = null;
@@ -38,19 +38,19 @@ export class PatchView {
   constructor() {
     const bar = h("div", { class: "ramp", "aria-hidden": "true" });
     bar.style.background = cssGradient(RAMP);
-    this.legend = h("div", {}, h("p", { class: "muted" }, "Von Mises stress in the solid"), bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), this.most));
+    this.legend = h("div", {}, h("p", { class: "muted" }, "Von Mises stress in the solid"), bar, h("div", { class: "ramp-words" }, h("span", {}, "0"), this.maxLabel));
     dark.watch(() => this.draw());
   }
 
-  show(simulation: Simulation, direction: number, solid: Solid | null): void {
+  show(simulation: Simulation, direction: number, solid: SolidMaterial | null): void {
     this.stop();
     this.meshes = simulation.meshes ?? [];
     this.direction = direction;
     const usable = simulation.states.filter((state): state is State => state.deformed !== undefined && state.stopped === "converged");
-    this.states = usable.sort((a, b) => loading(a.green_strain, direction) - loading(b.green_strain, direction));
+    this.states = usable.sort((a, b) => componentAlong(a.green_strain, direction) - componentAlong(b.green_strain, direction));
     this.stresses = solid ? this.states.map(({ deformed }) => vonMisesStresses(this.meshes[deformed.mesh], deformed.points, solid)) : [];
-    this.largest = quantile(this.stresses.flat(), SHOWN_SHARE);
-    this.most.textContent = `${digits(this.largest)} MPa and more`;
+    this.colourLimit = quantile(this.stresses.flat(), COLOUR_QUANTILE);
+    this.maxLabel.textContent = `${digits(this.colourLimit)} MPa and more`;
     const last = this.states.length - 1;
     this.index = Math.max(0, last);
     this.slider = new Slider({
@@ -62,7 +62,7 @@ export class PatchView {
       },
     });
     this.slider.disabled = this.play.disabled = last < 1;
-    replace(this.element, this.canvas, this.reading, h("div", { class: "play-row" }, this.play, this.slider.element), this.largest > 0 && this.legend,
+    replace(this.element, this.canvas, this.reading, h("div", { class: "play-row" }, this.play, this.slider.element), this.colourLimit > 0 && this.legend,
       simulation.message !== "" && h("p", { class: "note" }, simulation.message));
     this.draw();
   }
@@ -106,9 +106,9 @@ export class PatchView {
     const { points, mesh, lattice: [a, b] } = state.deformed;
     const { triangles, cells } = this.meshes[mesh];
     const copies = cells === 1 ? COPIES : 1;
-    const centre = middle(points);
+    const centre = centroid(points);
     const stresses = this.stresses[this.index];
-    // The scale is that of rest in every state, so that stretching shows.
+    // All states have the same scale, so that the deformation is visible.
     const scale = SIDE / (1.04 * this.extent());
     const plain = getComputedStyle(document.documentElement).getPropertyValue("--solid").trim() || "#345";
     context.lineWidth = 0.6 / scale;
@@ -121,44 +121,44 @@ export class PatchView {
         const y = u * a[1] + v * b[1] - centre[1];
         context.setTransform(scale, 0, 0, -scale, SIDE / 2 + scale * x, SIDE / 2 - scale * y);
         outlines.forEach((outline, n) => {
-          // Lines of the same colour close the seams between neighbours.
-          context.fillStyle = context.strokeStyle = stresses && this.largest > 0 ? cssColour(rampColour(stresses[n] / this.largest, RAMP)) : plain;
+          // Outlines in the same colour close the seams between neighbours.
+          context.fillStyle = context.strokeStyle = stresses && this.colourLimit > 0 ? cssColour(rampColour(stresses[n] / this.colourLimit, RAMP)) : plain;
           context.fill(outline);
           context.stroke(outline);
         });
       }
     }
-    this.tell(state);
+    this.describeState(state);
   }
 
-  private tell(state: State): void {
+  private describeState(state: State): void {
     const [exx, eyy] = state.green_strain;
     const peak = Math.max(0, ...(this.stresses[this.index] ?? []));
-    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(loading(state.green_strain, this.direction))} along the load, stress ${digits(loading(state.stress, this.direction))} MPa`;
+    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(componentAlong(state.green_strain, this.direction))} along the load, stress ${digits(componentAlong(state.stress, this.direction))} MPa`;
     const extra = [peak > 0 && `at most ${digits(peak)} MPa in the solid`, !state.stable && "unstable", state.contacts > 0 && "in contact"].filter(Boolean);
     this.reading.textContent = `${[words, ...extra].join(", ")}.`;
     this.canvas.setAttribute("aria-label", `The patch at Green strain ${digits(exx)} along x and ${digits(eyy)} along y, coloured by stress`);
   }
 
-  /** Side of the square around all states, mm. */
+  /** Side of a square that contains the drawing of every state, in mm. */
   private extent(): number {
-    let most = 0;
+    let side = 0;
     for (const state of this.states) {
       const [a, b] = state.deformed.lattice;
       const copies = this.meshes[state.deformed.mesh].cells === 1 ? COPIES : 1;
-      most = Math.max(most, copies * (Math.abs(a[0]) + Math.abs(b[0])), copies * (Math.abs(a[1]) + Math.abs(b[1])));
+      side = Math.max(side, copies * (Math.abs(a[0]) + Math.abs(b[0])), copies * (Math.abs(a[1]) + Math.abs(b[1])));
     }
-    return most || 1;
+    return side || 1;
   }
 }
 
-/** Component of a symmetric tensor (xx, yy, xy) along the load. */
-function loading([xx, yy, xy]: readonly number[], direction: number): number {
+/** Normal component of a symmetric tensor (xx, yy, xy) in the direction of the load. */
+function componentAlong([xx, yy, xy]: readonly number[], direction: number): number {
   const [x, y] = [Math.cos(direction), Math.sin(direction)];
   return x * x * xx + y * y * yy + 2 * x * y * xy;
 }
 
-function middle(points: readonly (readonly number[])[]): [number, number] {
+function centroid(points: readonly (readonly number[])[]): [number, number] {
   let [x, y] = [0, 0];
   for (const point of points) {
     x += point[0];
@@ -167,7 +167,7 @@ function middle(points: readonly (readonly number[])[]): [number, number] {
   return [x / points.length, y / points.length];
 }
 
-/** A triangle as a path, its curved sides by the points in their middles. */
+/** The outline of a quadratic triangle: each curved side is drawn as two segments through its midpoint node. */
 function outlinePath(points: readonly (readonly number[])[], corners: readonly number[]): Path2D {
   const path = new Path2D();
   path.moveTo(points[corners[0]][0], points[corners[0]][1]);

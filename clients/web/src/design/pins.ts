@@ -1,20 +1,20 @@
-// Designs put aside to compare with: their curves in the plot, their way back.
+// Pinned designs: their curves are drawn for comparison, and their states can be restored.
 import { Observable } from "../base/observable";
 import { percent } from "../base/format";
 import { readLink, writeLink } from "./link";
 import type { PinnedCurve } from "./plot";
 import { regionOf, withRegions } from "./region_list";
 import type { DesignSession } from "./session";
-import { type DesignState, type Found, type ProfileKind, sameProfile, TASK_WORDS } from "./state";
+import { type DesignState, type TilingDesign, type ProfileKind, sameProfile, TASK_WORDS } from "./state";
 
 const KEY = "supple-pins";
-const MOST_PINS = 12;
+const MAX_PINS = 12;
 
 export interface Pin {
   readonly id: number;
   readonly name: string;
-  readonly state: DesignState & { found: Found };
-  /** Its profile of the kind shown now; null until the server has told it. */
+  readonly state: DesignState & { found: TilingDesign };
+  /** Its profile of the kind that is shown now; null until the server has answered. */
   readonly curve: PinnedCurve | null;
 }
 
@@ -27,32 +27,32 @@ export class Pins {
     session.state.watch((state) => this.follow(state));
   }
 
-  /** The pins that this browser has kept. To be called once the models are known. */
+  /** Loads the pins from the browser's storage. Called when the models are known. */
   restore(): void {
     try {
-      const kept = JSON.parse(localStorage.getItem(KEY) ?? "[]") as { name: string; link: string }[];
-      for (const { name, link } of kept) {
+      const stored = JSON.parse(localStorage.getItem(KEY) ?? "[]") as { name: string; link: string }[];
+      for (const { name, link } of stored) {
         const state = readLink(link);
         if (state?.found && this.session.model(state.found.family)) this.insert(String(name).slice(0, 80), state as Pin["state"]);
       }
     } catch {
-      // kept by another version, or storage is refused: begin without
+      // the stored text is of another version, or storage is blocked: the list stays empty
     }
   }
 
   add(): void {
     const state = this.session.state.get();
     const shown = this.session.shown.get();
-    if (!state.found || !shown || !this.session.isCurrent || this.list.get().length >= MOST_PINS) return;
+    if (!state.found || !shown || !this.session.isCurrent || this.list.get().length >= MAX_PINS) return;
     const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${percent(shown.deviation)} off`;
-    // Of a product with several regions the one in sight.
+    // Only the selected region is pinned.
     this.insert(name, { ...withRegions([regionOf(state)], 0), found: state.found });
-    this.keep();
+    this.store();
   }
 
   remove(id: number): void {
     this.list.set(this.list.get().filter((pin) => pin.id !== id));
-    this.keep();
+    this.store();
   }
 
   show(pin: Pin): void {
@@ -63,16 +63,16 @@ export class Pins {
   private insert(name: string, state: Pin["state"]): void {
     const pin: Pin = { id: this.nextId++, name, state, curve: null };
     this.list.set([...this.list.get(), pin]);
-    void this.trace(pin);
+    void this.fetchCurve(pin);
   }
 
   private follow(state: DesignState): void {
-    const changed = !this.kind || !sameProfile(this.kind, state) || ends(this.kind) !== ends(state);
+    const changed = !this.kind || !sameProfile(this.kind, state) || strainRange(this.kind) !== strainRange(state);
     this.kind = state;
-    if (changed) for (const pin of this.list.get()) void this.trace(pin);
+    if (changed) for (const pin of this.list.get()) void this.fetchCurve(pin);
   }
 
-  private async trace(pin: Pin): Promise<void> {
+  private async fetchCurve(pin: Pin): Promise<void> {
     const { kind } = this;
     if (!kind) return;
     const curve = await this.session.profile(pin.state.found, kind, pin.state.made);
@@ -80,15 +80,15 @@ export class Pins {
     this.list.set(this.list.get().map((other) => (other.id === pin.id ? { ...other, curve: { ...curve, id: pin.id, name: pin.name } } : other)));
   }
 
-  private keep(): void {
+  private store(): void {
     try {
       localStorage.setItem(KEY, JSON.stringify(this.list.get().map(({ name, state }) => ({ name, link: writeLink(state) }))));
     } catch {
-      // the pins last as long as the page
+      // storage is blocked: the pins last as long as the page
     }
   }
 }
 
-function ends({ points }: Pick<DesignState, "points">): string {
+function strainRange({ points }: Pick<DesignState, "points">): string {
   return points.length === 0 ? "" : `${points[0][0]} ${points[points.length - 1][0]}`;
 }

@@ -1,4 +1,4 @@
-// What both plots show and tell. A plot draws views; what is dragged in it comes back as wishes.
+// The interface of both plots: the view that a plot draws, and the actions that it calls when the user edits the target.
 import type { Curve } from "../base/curve";
 import type { Task } from "../contract/types";
 import type { Band, Envelope } from "./shown";
@@ -16,36 +16,36 @@ export interface PlotView {
   readonly target: (x: number) => number;
   readonly achieved: Curve | null;
   readonly provisional: boolean;
-  readonly before: Curve | null;
+  readonly previous: Curve | null;
   readonly envelope: Envelope | null;
-  /** The model's error about what is achieved. */
-  readonly doubt: Band | null;
+  /** Error band of the model around the achieved curve. */
+  readonly uncertainty: Band | null;
   readonly verified: Curve | null;
-  /** Measured points that the target was made of. */
+  /** Measured points from which the target was made. */
   readonly measured: readonly ControlPoint[];
-  /** Pinned designs and overlaid families. */
+  /** Curves of pinned designs and overlaid families. */
   readonly pins: readonly PinnedCurve[];
-  /** The strain or the angle that the pointer is at. */
+  /** The strain or the angle at the pointer; null if the pointer is outside. */
   readonly hovered: number | null;
-  /** Samples of the target that the design does not reach. */
+  /** Samples of the target that the design misses. */
   readonly missed: readonly ControlPoint[];
   readonly strainWord: StrainWord;
-  /** While a point is dragged the axes stand still. */
+  /** Whether a control point is being dragged; the axes then keep their domains. */
   readonly dragging: boolean;
 }
 
-export interface PlotWishes {
+export interface PlotActions {
   begin(): void;
   move(index: number, to: ControlPoint): void;
   end(): void;
   add(at: ControlPoint): void;
   remove(index: number): void;
   select(index: number | null): void;
-  /** The pointer is at a strain or an angle; nowhere with null. */
+  /** Called with the strain or the angle at the pointer, and with null when it leaves. */
   hover(x: number | null): void;
 }
 
-/** Which way an arrow key moves a point: shares of the plot's width and height. */
+/** The step of an arrow key, in fractions of the plot's width and height; null for other keys. */
 export function keyStep(event: KeyboardEvent): readonly [number, number] | null {
   const size = event.shiftKey ? 0.05 : 0.01;
   switch (event.key) {

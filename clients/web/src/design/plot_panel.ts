@@ -1,14 +1,14 @@
-// The plot with its tools, its legend and what is going on.
+// The plot with its toolbar, its legend and the state of the search.
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
-import { Working } from "../base/working";
+import { ProgressRow } from "../base/progress_row";
 import { CartesianPlot } from "./cartesian_plot";
 import { drawnBehind, type Measured } from "./measured";
 import type { Overlays } from "./overlays";
 import type { Pins } from "./pins";
-import type { PlotView, PlotWishes } from "./plot";
+import type { PlotView, PlotActions } from "./plot";
 import { PolarPlot } from "./polar_plot";
 import type { ProfilePlot } from "./profile_plot";
 import { regionTabs } from "./region_tabs";
@@ -18,7 +18,7 @@ import { errorBand, freshness, modelError } from "./shown";
 import { openCurve, periodicCurve, targetCurve } from "./spline";
 import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } from "./state";
 import { judge } from "./verdict";
-import { addPoint, fewestPoints, movePoint, removePoint, roomAfter } from "./targets";
+import { addPoint, minPoints, movePoint, removePoint, middleOfGapAfter } from "./targets";
 import { targetWords } from "./target_list";
 import { targetTabs } from "./target_tabs";
 import type { Verification } from "./verification";
@@ -30,7 +30,7 @@ export class PlotPanel {
   private readonly status = h("div", { class: "status" });
   private readonly reading = h("p", { class: "reading muted" });
   private hovered: number | null = null;
-  private readonly working = new Working("Progress of the search", () => this.session.cancel());
+  private readonly progressRow = new ProgressRow("Progress of the search", () => this.session.cancel());
   private readonly cartesian: ProfilePlot;
   private readonly polar: ProfilePlot;
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
@@ -46,9 +46,9 @@ export class PlotPanel {
     private readonly measured: Measured,
     tools: HTMLElement[],
   ) {
-    const wishes = this.wishes();
-    this.cartesian = new CartesianPlot(wishes);
-    this.polar = new PolarPlot(wishes);
+    const actions = this.actions();
+    this.cartesian = new CartesianPlot(actions);
+    this.polar = new PolarPlot(actions);
     const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
     const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
@@ -64,13 +64,13 @@ export class PlotPanel {
       undo.disabled = !steps.undo;
       redo.disabled = !steps.redo;
     });
-    // A control point of one target is none of another.
-    let inSight = "0 0";
+    // Another target has other control points, so that none is selected.
+    let shownKey = "0 0";
     session.state.watch(({ at, regionAt }) => {
-      if (inSight !== `${at} ${regionAt}`) this.selected = null;
-      inSight = `${at} ${regionAt}`;
+      if (shownKey !== `${at} ${regionAt}`) this.selected = null;
+      shownKey = `${at} ${regionAt}`;
     });
-    for (const part of [session.state, session.shown, session.before, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
+    for (const part of [session.state, session.shown, session.previous, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());
     }
     session.activity.watch((activity) => this.showActivity(activity));
@@ -81,7 +81,7 @@ export class PlotPanel {
     return isPolar(this.session.state.get().task) ? this.polar : this.cartesian;
   }
 
-  private wishes(): PlotWishes {
+  private actions(): PlotActions {
     const { session } = this;
     return {
       begin: () => {
@@ -113,7 +113,7 @@ export class PlotPanel {
     this.session.preview({ points: moved, byHand: false });
     if (at === index) return;
     this.selected = at;
-    this.draw(); // the handles take their new places before one of them is held on to
+    this.draw(); // the handles must have their new order before `follow` moves the focus
     this.plot.follow(at);
   }
 
@@ -129,7 +129,7 @@ export class PlotPanel {
 
   private addAfterSelected(): void {
     const { task, points, interpolation } = this.session.state.get();
-    const x = roomAfter(task, points, this.selected ?? Math.floor((points.length - 1) / 2));
+    const x = middleOfGapAfter(task, points, this.selected ?? Math.floor((points.length - 1) / 2));
     this.add([x, targetCurve(isPolar(task), points, interpolation)(x)]);
   }
 
@@ -140,12 +140,12 @@ export class PlotPanel {
   private removePoint(index: number): void {
     const { task, points } = this.session.state.get();
     const left = removePoint(task, points, index);
-    if (left === points) return announce(`A target needs ${fewestPoints(task)} control points.`);
+    if (left === points) return announce(`A target needs ${minPoints(task)} control points.`);
     this.selected = null;
     this.session.apply({ points: left, byHand: false });
   }
 
-  /** Draws once before the next picture, however much has changed. */
+  /** Schedules one drawing before the next repaint of the browser. */
   private schedule(): void {
     if (this.scheduled) return;
     this.scheduled = true;
@@ -163,7 +163,7 @@ export class PlotPanel {
     }
     const view = this.view();
     plot.update(view);
-    this.remove.disabled = this.selected === null || view.points.length <= fewestPoints(view.task);
+    this.remove.disabled = this.selected === null || view.points.length <= minPoints(view.task);
     this.showLegend(view);
     this.showReading(view);
   }
@@ -172,11 +172,11 @@ export class PlotPanel {
     const state = this.session.state.get();
     const found = this.session.shown.get();
     const fresh = freshness(found, state);
-    // An earlier design of this family and kind is still seen, dimmed; one of another family is what was "before".
+    // An outdated design of this family and kind stays visible, dimmed. One of another family is hidden; its curve is the previous one.
     const shown = fresh === "other" ? null : found;
     const polar = isPolar(state.task);
     const envelope = this.session.envelope.get();
-    const before = this.session.before.get();
+    const previous = this.session.previous.get();
     const fits = envelope && sameProfile(envelope, state) && envelope.family === shown?.found.family;
     return {
       task: state.task,
@@ -185,14 +185,14 @@ export class PlotPanel {
       target: targetCurve(polar, state.points, state.interpolation),
       achieved: shown && { x: shown.x, y: shown.achieved },
       provisional: shown?.provisional ?? false,
-      before: before && sameProfile(before, state) ? before : null,
+      previous: previous && sameProfile(previous, state) ? previous : null,
       envelope: fits ? envelope : null,
-      doubt: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
+      uncertainty: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
       verified: this.verification.simulated?.curve ?? null,
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
-      // Marks belong to the target that they miss, by more than the model errs.
+      // Missed samples are marked only if the deviation is larger than the error of the model.
       missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.model(shown.found.family), shown)).verdict !== "within" ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
@@ -211,8 +211,8 @@ export class PlotPanel {
       this.legend,
       entry(true, "target", "Target"),
       entry(view.measured.length > 0, "measured", "Measured", "M3 5h0M8 3h0M13 7h0M18 4h0"),
-      entry(view.achieved !== null, "achieved", view.doubt ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
-      entry(view.before !== null, "before", "Before"),
+      entry(view.achieved !== null, "achieved", view.uncertainty ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
+      entry(view.previous !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z", "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
       entry(view.missed.length > 0, "out", "Missed", "M7 1L15 9M15 1L7 9"),
@@ -220,7 +220,7 @@ export class PlotPanel {
     );
   }
 
-  /** The values at the pointer, or of the control point that is held. */
+  /** Shows the values of the curves at the pointer. */
   private showReading(view: PlotView): void {
     const x = view.hovered;
     if (x === null) return replace(this.reading, this.dragging ? "" : "Point at the plot to read its values.");
@@ -247,7 +247,7 @@ export class PlotPanel {
     } else if (activity.kind === "stopped") {
       replace(this.status, h("p", { class: "muted" }, session.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."), button("Search again", () => session.retry()));
     } else if (activity.kind === "busy" && activity.effort === "search") {
-      this.working.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
+      this.progressRow.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
     } else if (activity.kind === "idle") {
       replace(this.status);
       this.tellOutcome();
@@ -264,7 +264,7 @@ export class PlotPanel {
   }
 }
 
-/** A curve's value between its samples; null outside of them and beside gaps. */
+/** A curve's value by linear interpolation; null outside its samples and for a curve with gaps. */
 function valueAt({ x, y }: { x: readonly number[]; y: readonly (number | null)[] }, at: number, polar: boolean): number | null {
   const known = x.flatMap((place, k): ControlPoint[] => (y[k] === null || y[k] === undefined ? [] : [[place, y[k] as number]]));
   if (known.length < x.length || known.length < 2) return null;

@@ -1,4 +1,4 @@
-// Stiffness or Poisson's ratio over direction. The profile has the period pi: each half is the other's picture.
+// The plot of stiffness or Poisson's ratio over direction. Profiles have period pi: each half turn repeats the other.
 import { type ScaleLinear, scaleLinear } from "d3-scale";
 import type { Curve } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
@@ -6,7 +6,7 @@ import { radialDomain } from "../base/domains";
 import { degrees, digits } from "../base/format";
 import { polarGrid, polarPath } from "../base/polar";
 import { Handles } from "./handles";
-import type { PlotView, PlotWishes } from "./plot";
+import type { PlotView, PlotActions } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
 import type { Band } from "./shown";
 import { type ControlPoint, TASK_WORDS } from "./state";
@@ -15,13 +15,13 @@ import { wrapped } from "./targets";
 
 const MARGIN = 40;
 const TARGET_STEPS = 181;
-/** Nearer to the centre, in pixels, a dragged point keeps its direction. */
-const LEAST_RADIUS = 8;
+/** Closer to the centre than this, in pixels, a dragged point keeps its direction. */
+const MIN_RADIUS = 8;
 
 export class PolarPlot extends ProfilePlot {
   protected readonly handles: Handles;
-  /** From the centre to where a control point is held. */
-  private side: Pixels = [0, 0];
+  /** Vector from the centre to the pointer, which has grabbed a control point. */
+  private grabbed: Pixels = [0, 0];
   private readonly radius: ScaleLinear<number, number> = scaleLinear();
   private readonly centre = svg("g");
   private readonly disc = svg("circle", { class: "ground" });
@@ -30,15 +30,15 @@ export class PolarPlot extends ProfilePlot {
   private readonly grid = svg("g", { class: "axis" });
   private readonly title = svg("text", { class: "axis-title", x: 12, y: 22 });
 
-  constructor(wishes: PlotWishes) {
-    super("polar", "Target and response over direction", wishes);
+  constructor(actions: PlotActions) {
+    super("polar", "Target and response over direction", actions);
     this.handles = new Handles(
       this.element,
       {
         toPixels: (point) => this.pixels(point),
-        hold: (pixels, point) => this.hold(pixels, point),
+        grab: (pixels, point) => this.grab(pixels, point),
         toPoint: (pixels, from) => this.draggedTo(pixels, from),
-        isHeld: () => false,
+        isFixed: () => false,
         nudged: ([x, y], [right, up]) => [
           wrapped(x - right * Math.PI),
           Math.max(this.radius.domain()[0], y + up * (this.radius.domain()[1] - this.radius.domain()[0])),
@@ -47,17 +47,17 @@ export class PolarPlot extends ProfilePlot {
         echoes: ([x, y]) => [this.pixels([x + Math.PI, y])],
         heights: () => this.radius.domain(),
       },
-      wishes,
+      actions,
     );
-    this.sheet.append(this.centre, this.title);
+    this.backdrop.append(this.centre, this.title);
     this.centre.append(
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipCircle)),
       this.disc,
-      svg("g", { "clip-path": `url(#${this.clip})` }, ...this.ground),
+      svg("g", { "clip-path": `url(#${this.clip})` }, ...this.layersBelowAxes),
       this.grid,
-      ...this.curves,
+      ...this.layersAboveAxes,
     );
-    this.element.append(this.sheet, this.handles.group);
+    this.element.append(this.backdrop, this.handles.group);
   }
 
   protected layOut(): void {
@@ -83,7 +83,7 @@ export class PolarPlot extends ProfilePlot {
   }
 
   protected curvePath(curve: Curve): string {
-    return polarPath(curve, (value) => this.away(value));
+    return polarPath(curve, (value) => this.pixelRadius(value));
   }
 
   protected bandPath({ x, lower, upper }: Band): { area: string; rim: string } {
@@ -98,7 +98,7 @@ export class PolarPlot extends ProfilePlot {
   }
 
   protected places([x, y]: ControlPoint): readonly Pixels[] {
-    const r = this.away(y);
+    const r = this.pixelRadius(y);
     const [right, up] = [r * Math.cos(x), r * Math.sin(x)];
     return [[right, -up], [-right, up]];
   }
@@ -107,31 +107,31 @@ export class PolarPlot extends ProfilePlot {
     return this.view?.task === "poisson" ? `Poisson’s ratio ${digits(y)}` : `stiffness ${digits(y)} MPa`;
   }
 
-  private away(y: number): number {
+  private pixelRadius(y: number): number {
     return Math.max(0, Math.min(4 * this.radius.range()[1], this.radius(y)));
   }
 
   private pixels([x, y]: ControlPoint): readonly [number, number] {
-    const r = this.away(y);
+    const r = this.pixelRadius(y);
     return [this.width / 2 + r * Math.cos(x), this.height / 2 - r * Math.sin(x)];
   }
 
-  /** A control point is taken hold of: on which side of the centre. */
-  private hold(pixels: Pixels, [angle]: ControlPoint): void {
+  /** Remembers on which side of the centre a control point was grabbed. */
+  private grab(pixels: Pixels, [angle]: ControlPoint): void {
     const [right, up] = this.fromCentre(pixels);
-    this.side = Math.hypot(right, up) < LEAST_RADIUS ? [Math.cos(angle), Math.sin(angle)] : [right, up];
+    this.grabbed = Math.hypot(right, up) < MIN_RADIUS ? [Math.cos(angle), Math.sin(angle)] : [right, up];
   }
 
   /**
-   * Where the control point goes that is held. It stays on its side: a pointer beyond the centre pulls it into the centre
-   * and does not turn it over.
+   * The new value of a dragged control point. The point stays on its side: a pointer beyond the centre moves it into the centre and
+   * does not turn it by pi.
    */
   private draggedTo(pixels: Pixels, [angle]: ControlPoint): ControlPoint {
     const [right, up] = this.fromCentre(pixels);
-    if (right * this.side[0] + up * this.side[1] < 0) return [angle, this.radius.invert(0)];
-    // Next to the centre every direction is as near as any other.
-    if (Math.hypot(right, up) < LEAST_RADIUS) return [angle, this.pointAt(pixels)[1]];
-    this.side = [right, up];
+    if (right * this.grabbed[0] + up * this.grabbed[1] < 0) return [angle, this.radius.invert(0)];
+    // The direction of a pointer next to the centre is not reliable.
+    if (Math.hypot(right, up) < MIN_RADIUS) return [angle, this.pointAt(pixels)[1]];
+    this.grabbed = [right, up];
     return this.pointAt(pixels);
   }
 

@@ -1,43 +1,43 @@
-// What both plots of a profile share: size, layers, and what is drawn into which.
+// The base class of both plots of a profile: size, layers, and the elements of each layer.
 import { type Curve, pieces } from "../base/curve";
 import { svg } from "../base/dom";
 import { type Handles, pixelsOf } from "./handles";
-import type { PlotView, PlotWishes } from "./plot";
+import type { PlotView, PlotActions } from "./plot";
 import type { Band } from "./shown";
 import type { ControlPoint } from "./state";
 
 const DIAMOND = "M0,-5L5,0L0,5L-5,0Z";
 const CROSS = "M-3.5,-3.5L3.5,3.5M-3.5,3.5L3.5,-3.5";
 
-/** A place in the plot's picture, in pixels. */
+/** A position in the plot, in pixels. */
 export type Pixels = readonly [number, number];
 
 export abstract class ProfilePlot {
   readonly element: SVGSVGElement;
-  /** All that lies below the control points. A double click anywhere on it adds one, on a grid line or a curve too. */
-  protected readonly sheet = svg("g");
+  /** Everything below the control points. A double click on it adds a control point, also on a grid line or a curve. */
+  protected readonly backdrop = svg("g");
   protected abstract readonly handles: Handles;
   protected width = 640;
   protected height = 420;
   protected view: PlotView | null = null;
   private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
   private readonly envelopeRim = svg("path", { class: "envelope-rim" });
-  private readonly doubt = svg("path", { class: "doubt", "fill-rule": "evenodd" });
+  private readonly uncertainty = svg("path", { class: "doubt", "fill-rule": "evenodd" });
   private readonly measured = svg("path", { class: "measured" });
   private readonly pins = svg("g", { class: "pinned" });
-  private readonly before = svg("path", { class: "curve before" });
+  private readonly previous = svg("path", { class: "curve before" });
   private readonly target = svg("path", { class: "curve target" });
   private readonly achieved = svg("path", { class: "curve achieved" });
   private readonly verified = svg("g", { class: "verified" });
   private readonly missed = svg("g", { class: "missed" });
   private readonly guide = svg("path", { class: "guide" });
 
-  protected constructor(kind: string, label: string, protected readonly wishes: PlotWishes) {
+  protected constructor(kind: string, label: string, protected readonly actions: PlotActions) {
     this.element = svg("svg", { class: `plot ${kind}`, role: "group", "aria-label": label });
-    this.sheet.addEventListener("dblclick", (event) => this.wishes.add(this.pointAt(pixelsOf(this.element, event))));
-    this.sheet.addEventListener("pointerdown", () => this.wishes.select(null));
-    this.element.addEventListener("pointermove", (event) => this.wishes.hover(this.pointAt(pixelsOf(this.element, event))[0]));
-    this.element.addEventListener("pointerleave", () => this.wishes.hover(null));
+    this.backdrop.addEventListener("dblclick", (event) => this.actions.add(this.pointAt(pixelsOf(this.element, event))));
+    this.backdrop.addEventListener("pointerdown", () => this.actions.select(null));
+    this.element.addEventListener("pointermove", (event) => this.actions.hover(this.pointAt(pixelsOf(this.element, event))[0]));
+    this.element.addEventListener("pointerleave", () => this.actions.hover(null));
   }
 
   resize(width: number, height: number): void {
@@ -61,17 +61,17 @@ export abstract class ProfilePlot {
     this.element.setAttribute("height", String(this.height));
     this.layOut();
     if (!view.dragging || this.view?.task !== view.task) {
-      this.fitDomains(view, [view.achieved, view.before, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
+      this.fitDomains(view, [view.achieved, view.previous, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
     }
     this.view = view;
     this.drawAxes(view);
     const reach = view.envelope && this.bandPath(view.envelope);
     this.envelope.setAttribute("d", reach?.area ?? "");
     this.envelopeRim.setAttribute("d", reach?.rim ?? "");
-    this.doubt.setAttribute("d", view.doubt ? this.bandPath(view.doubt).area : "");
+    this.uncertainty.setAttribute("d", view.uncertainty ? this.bandPath(view.uncertainty).area : "");
     this.measured.setAttribute("d", view.measured.flatMap((point) => this.places(point)).map(([x, y]) => `M${x},${y}h0`).join(""));
     this.target.setAttribute("d", this.targetPath(view));
-    this.draw(this.before, view.before);
+    this.draw(this.previous, view.previous);
     this.draw(this.achieved, view.achieved);
     this.achieved.classList.toggle("provisional", view.provisional);
     this.pins.replaceChildren(
@@ -87,27 +87,28 @@ export abstract class ProfilePlot {
     this.handles.update(view);
   }
 
-  /** What lies below the axes, and what above, from the lowest up. */
-  protected get ground(): SVGElement[] {
+  /** The layers below the axes, the lowest first. */
+  protected get layersBelowAxes(): SVGElement[] {
     return [this.envelope, this.envelopeRim, this.measured];
   }
-  protected get curves(): SVGElement[] {
-    return [this.guide, this.doubt, this.pins, this.before, this.target, this.missed, this.achieved, this.verified];
+  /** The layers above the axes, the lowest first. */
+  protected get layersAboveAxes(): SVGElement[] {
+    return [this.guide, this.uncertainty, this.pins, this.previous, this.target, this.missed, this.achieved, this.verified];
   }
 
-  /** Follows a new size. */
+  /** Arranges the plot for its present size. */
   protected abstract layOut(): void;
-  /** Chooses the axes' ends so that control points and curves have room. */
+  /** Chooses the domains of the axes so that control points and curves fit. */
   protected abstract fitDomains(view: PlotView, curves: readonly Curve[]): void;
   protected abstract drawAxes(view: PlotView): void;
   protected abstract targetPath(view: PlotView): string;
   protected abstract curvePath(curve: Curve): string;
   protected abstract bandPath(band: Band): { area: string; rim: string };
-  /** The control point that is shown at a place. */
+  /** The value that is shown at a position. */
   protected abstract pointAt(pixels: Pixels): ControlPoint;
-  /** A line through all that is shown at a strain or an angle. */
+  /** A line across the plot at a strain or an angle, as the data of an SVG path. */
   protected abstract guidePath(x: number): string;
-  /** Where a point is shown: once, or at every place that its period gives it. */
+  /** The positions at which a point is shown: one, or two in a periodic plot. */
   protected abstract places(point: ControlPoint): readonly Pixels[];
 
   private draw(path: SVGPathElement, curve: Curve | null): void {

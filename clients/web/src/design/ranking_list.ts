@@ -1,9 +1,9 @@
-// Which families come closest to the target, each to be looked at or laid over the design shown.
+// The ranking of the families by their deviation from the target. The design of each can be shown or overlaid.
 import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { percent } from "../base/format";
 import type { DesignCandidate } from "../contract/types";
-import { leavesModulus, type Made, modulusWords } from "./made";
+import { searchesModulus, type Specification, modulusWords } from "./specification";
 import type { Overlays } from "./overlays";
 import type { DesignSession } from "./session";
 import { expectedDeviation } from "./shown";
@@ -18,18 +18,18 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     h("p", { class: "muted" }, "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±). Shorter is better."),
     list, again);
 
-  function row(candidate: DesignCandidate, longest: number, made: Made): HTMLElement {
+  function row(candidate: DesignCandidate, maxDeviation: number, made: Specification): HTMLElement {
     const { family } = candidate;
     const chosen = family === session.state.get().found?.family;
     const expected = expectedDeviation(candidate);
     const words = candidate.model_error === null ? "an unknown error" : `${percent(expected)} expected`;
-    const bar = h("meter", { min: 0, max: 1, value: Math.max(0.02, Math.min(1, expected / longest)), title: words, "aria-hidden": "true" });
+    const bar = h("meter", { min: 0, max: 1, value: Math.max(0.02, Math.min(1, expected / maxDeviation)), title: words, "aria-hidden": "true" });
     const look = h("button",
       { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Look at ${family}: ${words}`, onclick: () => session.lookAt(candidate) },
       h("span", { class: "rank-name" }, family), bar,
       h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
       h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`),
-      leavesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
+      searchesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
     const overlaid = overlays.has(family);
     const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
     overlay.setAttribute("aria-pressed", String(overlaid));
@@ -42,19 +42,19 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     const state = session.state.get();
     const { found, family } = state;
     const ranked = session.ranking.get();
-    // A ranking for other kinds of profiles says nothing of these targets, and a family of it that is looked at would end it.
+    // A ranking for other kinds of profiles does not apply to these targets.
     const targets = targetsOf(state);
     const fits = ranked && ranked.targets.length === targets.length && ranked.targets.every((target, k) => sameProfile(target, targets[k]));
     const ranking = fits ? ranked : null;
     element.hidden = !ranking;
     again.hidden = family === ANY;
     const now = `${found?.family} ${overlays.list.get().map((curve) => curve.name).join()}`;
-    if (!ranking || (now === signature && drawn === ranking)) return; // a list that is built anew loses the focus
+    if (!ranking || (now === signature && drawn === ranking)) return; // a new list would lose the focus
     [signature, drawn] = [now, ranking];
-    // A family whose model's error nobody knows has a full bar, and does not make those of all others vanish.
-    const longest = Math.max(...ranking.candidates.filter((one) => one.model_error !== null).map(expectedDeviation), 1e-9);
+    // Families with an unknown model error get a full bar. They do not count for the scale, so that the other bars stay visible.
+    const maxDeviation = Math.max(...ranking.candidates.filter((one) => one.model_error !== null).map(expectedDeviation), 1e-9);
     const focused = [...list.querySelectorAll("button")].indexOf(document.activeElement as HTMLButtonElement);
-    replace(list, ...ranking.candidates.map((candidate) => row(candidate, longest, ranking.made)));
+    replace(list, ...ranking.candidates.map((candidate) => row(candidate, maxDeviation, ranking.made)));
     if (focused >= 0) list.querySelectorAll("button")[focused]?.focus();
   }
   for (const part of [session.ranking, session.state, overlays.list]) part.watch(show);
@@ -65,7 +65,7 @@ function modelWords({ model_error: error }: DesignCandidate): string {
   return error === null ? "an unknown amount" : percent(error);
 }
 
-/** The material that serves the targets best with this family. */
+/** The material with which this family comes closest to the targets. */
 function materialWords({ material: { name, youngs_modulus } }: DesignCandidate): string {
   return `${name ? `${name}, ` : ""}${modulusWords(youngs_modulus)} MPa`;
 }

@@ -1,39 +1,39 @@
-// What a target would have to give up so that the design at hand follows it.
+// Changes of a target that a design does not reach: one moved control point, or the target moved onto the design's response.
 import { type ControlPoint, isPolar } from "./state";
-import type { Shown } from "./shown";
+import type { TargetResponse } from "./shown";
 import { relativeDeviation, targetCurve } from "./spline";
-import { fewestPoints, isAtRest, type Points, type TargetCurve, targetOnProfile } from "./targets";
+import { minPoints, isAtRest, type Points, type TargetCurve, targetOnProfile } from "./targets";
 
-const LEAST_POISSON = 0.1;
-/** A moved target may be missed by so much: it follows what a design does. */
-const SNAPPED = 0.005;
+/** Deviations of Poisson's ratio are relative to at least this value, since a target of zeros has no scale. */
+const MIN_POISSON = 0.1;
+/** Largest relative deviation of a design from a target that was moved onto its response. */
+const PROJECTED_DEVIATION = 0.005;
 
-/** Moving one control point alone. */
+/** A move of one control point. */
 export interface Relaxation {
   readonly index: number;
   readonly from: ControlPoint;
   readonly to: ControlPoint;
-  /** Relative root mean square deviation that this design would have left. */
+  /** Relative root mean square deviation of the design after the move. */
   readonly deviation: number;
 }
 
-type Answer = Pick<Shown, "task" | "points" | "interpolation" | "x" | "achieved" | "target">;
+type ReachedProfile = Pick<TargetResponse, "task" | "points" | "interpolation" | "x" | "achieved" | "target">;
 
-function deviationFrom({ task, achieved }: Answer, target: readonly number[]): number {
-  return relativeDeviation(achieved, target, task === "poisson" ? LEAST_POISSON : 0);
+function deviationFrom({ task, achieved }: ReachedProfile, target: readonly number[]): number {
+  return relativeDeviation(achieved, target, task === "poisson" ? MIN_POISSON : 0);
 }
 
-/** The target's samples with other control points. */
-function sampled({ task, interpolation, x }: Answer, points: Points): number[] {
+/** The samples of the target with other control points. */
+function sampled({ task, interpolation, x }: ReachedProfile, points: Points): number[] {
   return x.map(targetCurve(isPolar(task), points, interpolation));
 }
 
 /**
- * The control point that keeps the target away most, and where it should go: the one whose best move, alone, leaves
- * the least deviation. The curve is linear in the heights of its points (nearly so without overshoot), so that each
- * best move is a projection. Null where none helps.
+ * The move of one control point in y that leaves the smallest deviation. The curve is linear in the y of its points (monotone curves
+ * nearly so), so that the best move of each point is a projection. Null if no move reduces the deviation by more than 2 %.
  */
-export function relaxation(shown: Answer): Relaxation | null {
+export function relaxation(shown: ReachedProfile): Relaxation | null {
   const { task, points, achieved, target } = shown;
   const size = Math.max(...points.map(([, y]) => Math.abs(y)), 1e-12);
   let best: Relaxation | null = null;
@@ -42,14 +42,14 @@ export function relaxation(shown: Answer): Relaxation | null {
     const moved = (by: number): Points => points.map((other, k) => (k === index ? [other[0], other[1] + by] : other));
     const step = 0.01 * size;
     const shape = sampled(shown, moved(step)).map((value, k) => (value - target[k]) / step);
-    let [along, square] = [0, 0];
+    let [projection, squaredNorm] = [0, 0];
     achieved.forEach((value, k) => {
       if (value === null) return;
-      along += (value - target[k]) * shape[k];
-      square += shape[k] ** 2;
+      projection += (value - target[k]) * shape[k];
+      squaredNorm += shape[k] ** 2;
     });
-    if (square === 0) return;
-    const to: ControlPoint = [point[0], heightOf(task, point[1] + along / square)];
+    if (squaredNorm === 0) return;
+    const to: ControlPoint = [point[0], validHeight(task, point[1] + projection / squaredNorm)];
     const deviation = deviationFrom(shown, sampled(shown, moved(to[1] - point[1])));
     if (!best || deviation < best.deviation) best = { index, from: point, to, deviation };
   });
@@ -57,20 +57,20 @@ export function relaxation(shown: Answer): Relaxation | null {
   return found && found.deviation < 0.98 * deviationFrom(shown, target) ? found : null;
 }
 
-function heightOf(task: Shown["task"], y: number): number {
+function validHeight(task: TargetResponse["task"], y: number): number {
   return task === "stiffness" ? Math.max(0, y) : y;
 }
 
-/** The target moved onto what the design does; with as many more points, and with another curve between them, as that takes. */
-export function snappedTarget(shown: Answer): TargetCurve {
+/** The target moved onto the design's response. Points are added, or the interpolation is changed, if the deviation requires it. */
+export function projectedTarget(shown: ReachedProfile): TargetCurve {
   const { task, points, interpolation, x, achieved } = shown;
   const known = x.flatMap((at, k): ControlPoint[] => (achieved[k] === null ? [] : [[at, achieved[k] as number]]));
-  if (known.length < fewestPoints(task)) return { points, interpolation };
+  if (known.length < minPoints(task)) return { points, interpolation };
   const polar = isPolar(task);
   const last = known[known.length - 1];
-  const once = polar && last[0] - known[0][0] > Math.PI - 1e-6 ? known.slice(0, -1) : known;
-  const response = targetCurve(polar, once, "cubic");
+  const singlePeriod = polar && last[0] - known[0][0] > Math.PI - 1e-6 ? known.slice(0, -1) : known;
+  const response = targetCurve(polar, singlePeriod, "cubic");
   const moved = points.map((point): ControlPoint => (isAtRest(task, point) ? point : [point[0], response(point[0])]));
-  if (deviationFrom(shown, sampled(shown, moved)) <= SNAPPED) return { points: moved, interpolation };
-  return targetOnProfile(task, x, achieved, points.length, interpolation, SNAPPED) ?? { points, interpolation };
+  if (deviationFrom(shown, sampled(shown, moved)) <= PROJECTED_DEVIATION) return { points: moved, interpolation };
+  return targetOnProfile(task, x, achieved, points.length, interpolation, PROJECTED_DEVIATION) ?? { points, interpolation };
 }

@@ -1,4 +1,4 @@
-// The designs of all regions of a product: which family, how close, and a search for all of them at once.
+// The card with the designs of all regions: family and deviation of each, and a search for all of them at once.
 import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { percent } from "../base/format";
@@ -22,7 +22,7 @@ export function regionCard(session: DesignSession): HTMLElement {
     }));
   }
 
-  for (const part of [session.state, session.all, session.kept]) part.watch(show);
+  for (const part of [session.state, session.all, session.regionCache]) part.watch(show);
   session.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
   return element;
 }

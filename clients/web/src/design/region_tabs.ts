@@ -1,21 +1,21 @@
-// The regions of a product as tabs above those of the targets; each has targets and a design of its own.
+// The tabs of the regions, above the tabs of the targets. Each region has its own targets and its own design.
 import { button } from "../base/controls";
 import { percent } from "../base/format";
 import { Tabs } from "../base/tabs";
-import { MOST_REGION_NAME, MOST_REGIONS, regionWords } from "./region_list";
+import { MAX_REGION_NAME_LENGTH, MAX_REGIONS, regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
 export interface RegionTabs {
-  /** Not in sight while there is one region alone. */
+  /** The tabs; hidden while there is only one region. */
   readonly element: HTMLElement;
-  /** Makes two regions of one. */
+  /** A button that adds a second region. */
   readonly divide: HTMLButtonElement;
 }
 
-/** `panel` shows the region in sight. */
+/** `panel` shows the selected region. */
 export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTabs {
   const tabs = new Tabs(
-    { label: "Regions of the product", noun: "region", addTitle: "Add a further region with a design of its own", longestName: MOST_REGION_NAME, panel },
+    { label: "Regions of the product", noun: "region", addTitle: "Add a further region with a design of its own", maxNameLength: MAX_REGION_NAME_LENGTH, panel },
     { select: (at) => session.selectRegion(at), add: () => session.addRegion(), rename: (name) => session.renameRegion(name), remove: (at) => session.removeRegion(at) });
   const divide = button("Regions", () => {
     session.addRegion();
@@ -31,14 +31,14 @@ export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTa
     divide.hidden = several;
     divide.disabled = points.length === 0;
     tabs.show(regions.map((region, k) => ({
-      words: regionWords(region, k), plainWords: regionWords({ region: "" }, k), detail: several && regionShown[k] ? percent(regionShown[k][0].overall) : "",
-    })), regionAt, regions.length < MOST_REGIONS && points.length > 0);
+      words: regionWords(region, k), defaultWords: regionWords({ region: "" }, k), detail: several && regionShown[k] ? percent(regionShown[k][0].overall) : "",
+    })), regionAt, regions.length < MAX_REGIONS && points.length > 0);
     if (!several) panel.removeAttribute("aria-labelledby");
-    // Without tabs it is no panel of one.
+    // The panel has the role "tabpanel" only while there are tabs.
     if (several) panel.setAttribute("role", "tabpanel");
     else panel.removeAttribute("role");
   }
 
-  for (const part of [session.state, session.all, session.kept]) part.watch(show);
+  for (const part of [session.state, session.all, session.regionCache]) part.watch(show);
   return { element: tabs.element, divide };
 }

@@ -1,21 +1,21 @@
-// From what the person decided to what the server is asked.
+// The requests of the design page, made from its state.
 import type { DesignRequest, ProfileRequest, SimulationRequest, StructureRequest } from "../contract/types";
-import { DEFAULT_MADE, isRange, type Made, madeRequest, modulusOf, orientationOf, settled } from "./made";
-import { ANY, type DesignState, type Found, isPolar, type ProfileKind, type Region, type Target } from "./state";
+import { DEFAULT_SPECIFICATION, isRange, type Specification, specificationFields, modulusOf, orientationOf, withFoundValues } from "./specification";
+import { ANY, type DesignState, type TilingDesign, isPolar, type ProfileKind, type Region, type Target } from "./state";
 import { regionWords } from "./region_list";
 import { askedOrder, targetsOf } from "./target_list";
 import { convertedStrain } from "./targets";
 
-/** Samples of a target over strain, ends included: at most this many, few enough to follow a pointer. */
+/** Samples of a target over strain, ends included; few enough that a search follows the pointer. */
 const STRAIN_SAMPLES = 31;
 const DIRECTION_SAMPLES = 60;
 const VERIFIED_SAMPLES = 12;
-/** States of the deformed patch in either direction from rest. */
+/** Number of states of the deformed patch in tension, and in compression. */
 const PATCH_STATES = 5;
 
 /**
- * `follow`: a pointer is being dragged; the search starts from the design shown and stays in its family.
- * `search`: everything that the state allows.
+ * `follow`: a quick search while the pointer drags, which starts from the shown design and stays in its family.
+ * `search`: a thorough search in all families that the state allows.
  */
 export type Effort = "follow" | "search";
 
@@ -42,7 +42,7 @@ function kindOf(state: ProfileKind): Pick<DesignRequest, "task" | "direction" | 
   };
 }
 
-/** The family that a search of this state looks in; undefined for all. */
+/** The family to which a search of this state is restricted; undefined for all families. */
 export function searchedFamily(state: Region, effort: Effort): string | undefined {
   if (state.family !== ANY) return state.family;
   return effort === "follow" || state.fixed.some(Boolean) ? state.found?.family : undefined;
@@ -50,7 +50,7 @@ export function searchedFamily(state: Region, effort: Effort): string | undefine
 
 type Problem = NonNullable<DesignRequest["regions"]>[number];
 
-/** What one design is to do, and where to look. All targets, the one in sight first. */
+/** The design problem of a region: all targets, the selected one first, with family, specification and start of the search. */
 function problemOf(region: Region, effort: Effort): Problem {
   const targets = targetsOf(region);
   const [main, ...also] = askedOrder(region).map((place) => requestedTarget(targets[place]));
@@ -61,7 +61,7 @@ function problemOf(region: Region, effort: Effort): Problem {
     ...main,
     ...(also.length > 0 && { also }),
     family: family ?? ANY,
-    ...madeRequest(region.made),
+    ...specificationFields(region.made),
     ...(start && { initial: [...start] }),
     ...(begin?.orientation !== undefined && isRange(region.made.orientation) && { initial_orientation: orientationOf(region.made, begin) }),
     ...(start && region.fixed.some(Boolean) && { fixed: start.map((value, k) => (region.fixed[k] ? value : null)) }),
@@ -71,27 +71,27 @@ function problemOf(region: Region, effort: Effort): Problem {
 const SEARCH: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "automatic", envelope: "on" }, accuracy: {} };
 const FOLLOW: Pick<DesignRequest, "effects" | "accuracy"> = { effects: { multi_start: "off", envelope: "off" }, accuracy: { tolerance: 1e-4, max_iterations: 20 } };
 
-/** All targets of a region in one request. */
+/** The request for the design of one region. */
 export function designRequest(state: Region, effort: Effort, session: string): DesignRequest {
   const problem = problemOf(state, effort);
   return { ...problem, ...(effort === "follow" && problem.initial ? FOLLOW : SEARCH), session };
 }
 
-/** All regions in one request. What was set by hand stays as it is. */
+/** The request for the designs of all regions. Designs that were set by hand are fixed. */
 export function regionsRequest(regions: readonly Region[], session: string): DesignRequest {
   const problems = regions.map((region, place): Problem => {
     const { found, byHand } = region;
-    const held = found && byHand ? { family: found.family, initial: [...found.parameters], fixed: [...found.parameters] } : {};
-    const asked = found && byHand ? { ...region, made: settled(region.made, found) } : region;
-    return { name: regionWords(region, place), ...problemOf(asked, "search"), ...held };
+    const fixedDesign = found && byHand ? { family: found.family, initial: [...found.parameters], fixed: [...found.parameters] } : {};
+    const asked = found && byHand ? { ...region, made: withFoundValues(region.made, found) } : region;
+    return { name: regionWords(region, place), ...problemOf(asked, "search"), ...fixedDesign };
   });
   return { regions: problems, ...SEARCH, session };
 }
 
-/** A design's profile at the samples of the state's target. */
-export function profileRequest(state: ProfileKind & Pick<DesignState, "points">, found: Found, made: Made): ProfileRequest {
+/** The request for a design's profile at the samples of the state's target. */
+export function profileRequest(state: ProfileKind & Pick<DesignState, "points">, found: TilingDesign, made: Specification): ProfileRequest {
   const { points } = state;
-  const { material, orientation } = madeRequest(settled(made, found));
+  const { material, orientation } = specificationFields(withFoundValues(made, found));
   return {
     ...(kindOf(state) as Pick<ProfileRequest, "task" | "direction" | "strain" | "strain_measure">),
     family: found.family,
@@ -102,15 +102,15 @@ export function profileRequest(state: ProfileKind & Pick<DesignState, "points">,
   };
 }
 
-/** The structure of a design, to be measured. */
-export function structureRequest(found: Found, { size }: Made): StructureRequest {
+/** The request for the measures of a design's structure. */
+export function structureRequest(found: TilingDesign, { size }: Specification): StructureRequest {
   return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) };
 }
 
-/** The design shown, as it is, simulated at its native scale along the target's profile. */
-export function verificationRequest(state: DesignState, found: Found): DesignRequest {
+/** The request to simulate the shown design at its native scale along the profile of the target. Its parameters are fixed. */
+export function verificationRequest(state: DesignState, found: TilingDesign): DesignRequest {
   return {
-    ...designRequest({ ...state, made: settled(state.made, found), family: found.family, found, fixed: [] }, "follow", "unused"),
+    ...designRequest({ ...state, made: withFoundValues(state.made, found), family: found.family, found, fixed: [] }, "follow", "unused"),
     fixed: [...found.parameters],
     verify: true,
     accuracy: { verified_samples: VERIFIED_SAMPLES },
@@ -118,8 +118,8 @@ export function verificationRequest(state: DesignState, found: Found): DesignReq
   };
 }
 
-/** The design shown, corrected by simulations until they follow the target; held parameters stay. */
-export function polishRequest(state: DesignState, found: Found): DesignRequest {
+/** The request to correct the shown design by simulations until they follow the target. Fixed parameters stay. */
+export function polishRequest(state: DesignState, found: TilingDesign): DesignRequest {
   return {
     ...designRequest({ ...state, family: found.family, found }, "search", "unused"),
     effects: { multi_start: "off", envelope: "off", polish: "on" },
@@ -128,13 +128,13 @@ export function polishRequest(state: DesignState, found: Found): DesignRequest {
   };
 }
 
-/** Of the load, from the x axis of the tiling, which may have been turned. */
-export function patchDirection({ task, direction, made }: DesignState, found: Found): number {
+/** Direction of the load in radians, from the x axis of the tiling, which may be rotated. */
+export function patchDirection({ task, direction, made }: DesignState, found: TilingDesign): number {
   return (isPolar(task) ? 0 : direction) - orientationOf(made, found);
 }
 
-/** Simulation of the deformed patch: rest to the largest strain, then back to the smallest. */
-export function patchRequest(state: DesignState, found: Found): SimulationRequest {
+/** The request to simulate the deformed patch: from rest to the largest strain, then from rest to the smallest. */
+export function patchRequest(state: DesignState, found: TilingDesign): SimulationRequest {
   const strains = isPolar(state.task) ? [state.strain] : state.points.map((point) => point[0]);
   const toStretch = (strain: number) =>
     1 + (state.measure === "engineering" ? strain : convertedStrain(strain, "engineering"));
@@ -145,19 +145,19 @@ export function patchRequest(state: DesignState, found: Found): SimulationReques
   return {
     family: found.family,
     parameters: [...found.parameters],
-    ...(modulus !== DEFAULT_MADE.youngsModulus && { material: { youngs_modulus: modulus } }),
+    ...(modulus !== DEFAULT_SPECIFICATION.youngsModulus && { material: { youngs_modulus: modulus } }),
     load: { uniaxial: { direction: patchDirection(state, found), frame: "material", stretches } },
     tangents: false,
     deformed: "json",
-    // A picture: it wants even triangles, and nobody reads its stress as a number.
+    // The mesh is uniform and not refined, since the result is only a picture.
     accuracy: { mesh_size: 0.5 },
     effects: { refinement: "off" },
   } as SimulationRequest;
 }
 
-/** Path of the structure as a file of the server. */
-export function structurePath(found: Found, format: "svg" | "dxf" | "stl", cells: readonly [number, number], beamWidth: number | null = null): string {
+/** Path of the server's file of a structure. */
+export function structurePath(found: TilingDesign, format: "svg" | "dxf" | "stl", cells: readonly [number, number], beamWidth: number | null = null): string {
   const parameters = found.parameters.map((value) => String(value)).join(",");
-  const width = beamWidth === null || beamWidth === DEFAULT_MADE.size.value ? "" : `&beam_width=${beamWidth}`;
+  const width = beamWidth === null || beamWidth === DEFAULT_SPECIFICATION.size.value ? "" : `&beam_width=${beamWidth}`;
   return `/v1/families/${encodeURIComponent(found.family)}/structure?parameters=${parameters}${width}&cells=${cells.join(",")}&format=${format}`;
 }

@@ -1,20 +1,20 @@
-// How close the design comes, and what would have to give way where it does not come close.
+// The card of the result: how close the design comes to its targets, and advice if it does not come close.
 import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { degrees, digits, percent, seconds } from "../base/format";
 import { icon } from "../base/icons";
 import type { DesignStop } from "../contract/types";
-import { modulusWords } from "./made";
+import { modulusWords } from "./specification";
 import type { Overlays } from "./overlays";
 import { rankingList } from "./ranking_list";
 import { relaxation } from "./reach";
 import type { DesignSession } from "./session";
-import { freshness, type Measures, type ModelError, modelError, sameWanted, type Shown } from "./shown";
+import { freshness, type Measures, type ModelError, modelError, sameRequirements, type TargetResponse } from "./shown";
 import { type DesignState, isPolar, TASK_WORDS } from "./state";
 import { targetWords } from "./target_list";
 import { judge, type Judgement, type Verdict } from "./verdict";
 
-const STOP_WORDS: Record<DesignStop, string> = {
+const TERMINATION_WORDS: Record<DesignStop, string> = {
   converged: "no step comes closer",
   reached: "the target is met",
   iteration_limit: "the limit of iterations",
@@ -27,7 +27,7 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
   const body = h("div", { class: "dims" });
   const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, rankingList(session, overlays));
   let drawn = "";
-  let last: Shown | null = null;
+  let last: TargetResponse | null = null;
 
   function show(): void {
     const shown = session.shown.get();
@@ -37,11 +37,11 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     if (now === drawn && shown === last) return;
     [drawn, last] = [now, shown];
     element.setAttribute("aria-busy", String(fresh !== "current"));
-    // A design of another family or with another kind of profile would not belong to these sliders.
+    // A design of another family or with another kind of profile is not shown: the sliders do not belong to it.
     if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
     const error = modelError(session.model(shown.found.family), shown);
     const judgement = judge(shown, error);
-    const label = fresh === "current" ? chip(shown, ofAll(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
+    const label = fresh === "current" ? chip(shown, worstJudgement(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
     replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label),
       targetList(session, shown), facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
       ...(fresh === "current" && !shown.provisional && !shown.byHand && ["close", "out"].includes(judgement.verdict) ? [advice(session, shown)] : []));
@@ -53,15 +53,15 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
 
 const WORST_FIRST: readonly Verdict[] = ["out", "doubtful", "close", "within"];
 
-/** Several targets are met as well as the one that is met worst. */
-function ofAll(session: DesignSession, inSight: Shown, judgement: Judgement): Judgement {
-  const all = session.all.get().filter((shown): shown is Shown => shown !== null && sameWanted(shown, inSight));
+/** The judgement of the target that is met worst. */
+function worstJudgement(session: DesignSession, inSight: TargetResponse, judgement: Judgement): Judgement {
+  const all = session.all.get().filter((shown): shown is TargetResponse => shown !== null && sameRequirements(shown, inSight));
   const judged = all.map((shown) => judge(shown, modelError(session.model(shown.found.family), shown)));
   return WORST_FIRST.map((verdict) => judged.find((one) => one.verdict === verdict)).find((one) => one !== undefined) ?? judgement;
 }
 
-/** How close the design comes to each of several targets. */
-function targetList(session: DesignSession, inSight: Shown): HTMLElement | false {
+/** The deviation from each target, if there are several. */
+function targetList(session: DesignSession, inSight: TargetResponse): HTMLElement | false {
   const { targets } = inSight;
   if (targets.length === 1) return false;
   const all = session.all.get();
@@ -69,7 +69,7 @@ function targetList(session: DesignSession, inSight: Shown): HTMLElement | false
     h("h3", {}, "Targets"),
     h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
       const shown = all[k];
-      const known = shown && sameWanted(shown, inSight) ? shown : null;
+      const known = shown && sameRequirements(shown, inSight) ? shown : null;
       const verdict = known && judge(known, modelError(session.model(known.found.family), known));
       return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
         h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
@@ -92,20 +92,20 @@ function waiting(session: DesignSession, { found, task }: DesignState): HTMLElem
   ];
 }
 
-/** Words for a label: how the target is met, or why that is not asked yet. */
-export function labelOf(shown: Shown, judgement: Judgement): string {
+/** Label of a result: the judgement, unless the search is running or the parameters were set by hand. */
+export function labelOf(shown: TargetResponse, judgement: Judgement): string {
   if (shown.provisional) return "Searching";
   return shown.byHand ? "Set by hand" : judgement.words;
 }
 
-function chip(shown: Shown, judgement: Judgement): HTMLElement {
+function chip(shown: TargetResponse, judgement: Judgement): HTMLElement {
   const { verdict } = judgement;
   const isPlain = shown.provisional || shown.byHand;
   const kind = isPlain ? "plain" : verdict === "within" ? "good" : verdict === "out" ? "out" : "close";
   return h("span", { class: `chip ${kind}` }, kind === "good" && icon("check"), labelOf(shown, judgement));
 }
 
-function facts(shown: Shown, error: ModelError | null): HTMLElement {
+function facts(shown: TargetResponse, error: ModelError | null): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const rows: [string, string][] = [
     [shown.targets.length > 1 ? "Target in sight (rms)" : "Deviation (rms)", percent(shown.deviation)],
@@ -115,11 +115,11 @@ function facts(shown: Shown, error: ModelError | null): HTMLElement {
   rows.push(...measureRows(shown.measures));
   if (!shown.provisional) rows.push(["Time", seconds(shown.seconds)]);
   if (error) rows.push(["Model’s error", `${percent(error.mean)} in the mean, at most ${percent(error.percentile99)} for 99 in 100`]);
-  if (shown.stopped) rows.push(["Stopped by", STOP_WORDS[shown.stopped]]);
+  if (shown.stopped) rows.push(["Stopped by", TERMINATION_WORDS[shown.stopped]]);
   return h("dl", { class: "facts" }, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
 }
 
-/** What the structure is made of and what it measures, as far as anybody knows. */
+/** Material and measures of the structure, as far as they are known. */
 function measureRows({ material, youngsModulus, orientation, beamWidth, cellSize, relativeDensity, density }: Measures): [string, string][] {
   const known = (term: string, value: number | null, words: (value: number) => string): [string, string][] => (value === null ? [] : [[term, words(value)]]);
   return [
@@ -133,17 +133,17 @@ function measureRows({ material, youngsModulus, orientation, beamWidth, cellSize
   ];
 }
 
-function notes(shown: Shown, { verdict }: Judgement): HTMLElement[] {
+function notes(shown: TargetResponse, { verdict }: Judgement): HTMLElement[] {
   const outside = shown.inRange.filter((inside) => !inside).length;
   const words: HTMLElement[] = [];
-  // What misses its target by less than the model errs is no cause for alarm.
+  // The message is a warning only if the target is out of reach.
   if (shown.message) words.push(h("p", { class: verdict === "out" && !shown.byHand ? "note" : "muted" }, shown.message));
   if (outside > 0 && !/samples/.test(shown.message)) words.push(h("p", { class: "note" }, `${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`));
   return words;
 }
 
-/** What to do about a target that no design meets: all of it, or one point of it. */
-function advice(session: DesignSession, shown: Shown): HTMLElement {
+/** Buttons that change a target which no design meets: they move all of its control points, or one. */
+function advice(session: DesignSession, shown: TargetResponse): HTMLElement {
   const relaxed = relaxation(shown);
   const { unit } = TASK_WORDS[shown.task];
   const height = (y: number) => `${digits(y)}${unit && ` ${unit}`}`;
@@ -151,6 +151,6 @@ function advice(session: DesignSession, shown: Shown): HTMLElement {
   return h("div", { class: "advice" },
     relaxed && h("p", {}, `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${percent(relaxed.deviation)}.`),
     h("div", { class: "row" },
-      button("Snap to the closest reachable", () => session.snapTarget(), { title: "Move the target’s control points onto this design’s response" }),
+      button("Snap to the closest reachable", () => session.projectTarget(), { title: "Move the target’s control points onto this design’s response" }),
       relaxed && button(`Relax point ${relaxed.index + 1}`, () => session.relax(relaxed), { title: `Move control point ${relaxed.index + 1} alone` })));
 }

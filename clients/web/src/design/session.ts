@@ -1,4 +1,4 @@
-// The design session: what was decided, what the server found, and what is going on. Knows no element of the page.
+// The design session: the state, the server's results, and the running search. It does not depend on elements of the page.
 import type { Curve } from "../base/curve";
 import { History } from "../base/history";
 import { Latest } from "../base/latest";
@@ -6,36 +6,37 @@ import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
-import { type Relaxation, snappedTarget } from "./reach";
-import { MOST_REGION_NAME, MOST_REGIONS, regionsOf, withRegions } from "./region_list";
-import { type Made } from "./made";
+import { type Relaxation, projectedTarget } from "./reach";
+import { MAX_REGION_NAME_LENGTH, MAX_REGIONS, regionsOf, withRegions } from "./region_list";
+import { type Specification } from "./specification";
 import { designRequest, type Effort, profileRequest, regionsRequest, structureRequest } from "./requests";
-import { type Envelope, type FoundDesign, foundOf, freshness, kindOf, sameFound, sameWanted, type Shown, shownDesigns, shownPartial, shownProfiles, type Wanted, wantedOf } from "./shown";
-import { ANY, DEFAULT_STATE, type DesignState, type Found, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
-import { askedOrder, furtherTarget, MOST_NAME, MOST_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
+import { type Envelope, type CostedDesign, designOf, freshness, kindOf, sameTilingDesign, sameRequirements, type TargetResponse, designResponses, partialResponse, profileResponses, type Requirements, requirementsOf } from "./shown";
+import { ANY, DEFAULT_STATE, type DesignState, type TilingDesign, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
+import { askedOrder, furtherTarget, MAX_NAME_LENGTH, MAX_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type TargetCurve, targetOnProfile } from "./targets";
-import { firstModels, surestOf } from "./verdict";
+import { firstModels, indexOfMostReliable } from "./verdict";
 
-/** Seconds that a search may take before it becomes a job whose progress is shown. */
+/** Time in seconds after which a search becomes a job with progress. */
 const IMMEDIATE_SECONDS = 0.4;
+/** Numbers of control points of a target that is made from a profile. */
 const POINTS_OVER_STRAIN = 7;
 const POINTS_OVER_DIRECTIONS = 6;
 
 export type Activity =
   | { kind: "idle" }
   | { kind: "busy"; effort: Effort | "profile"; progress: number | null; stage: string }
-  /** The person stopped it. */
+  /** The user has cancelled the search. */
   | { kind: "stopped" }
   | { kind: "failed"; sentence: string };
 
-/** The best design of each family, for what was wanted. */
-export interface Ranking extends Wanted {
+/** The best design of each family for some requirements. */
+export interface Ranking extends Requirements {
   readonly candidates: readonly DesignCandidate[];
 }
 
-/** What is known of a region that is not in sight. */
+/** The results of a region that is not selected. */
 export interface RegionResults {
-  readonly all: readonly (Shown | null)[];
+  readonly all: readonly (TargetResponse | null)[];
   readonly envelopes: readonly (Envelope | null)[];
   readonly ranking: Ranking | null;
 }
@@ -47,7 +48,7 @@ export interface Steps {
 
 type RegionsAnswer = { readonly regions: readonly Design[] } & Pick<DesignAnswer, "cost">;
 
-/** What the family of a design reaches of each target, in the order of the tabs. */
+/** The envelope of a design's family for each target, in the order of the tabs. */
 function envelopesOf(answer: Design, asked: Region): (Envelope | null)[] {
   const order = askedOrder(asked);
   const profiles = [answer.profile, ...answer.also];
@@ -59,39 +60,39 @@ function envelopesOf(answer: Design, asked: Region): (Envelope | null)[] {
 
 export class DesignSession {
   readonly state = new Observable<DesignState>(DEFAULT_STATE);
-  /** What the design does about each target, in the order of the tabs; null where nobody knows yet. */
-  readonly all = new Observable<readonly (Shown | null)[]>([]);
-  /** About the target in sight. */
-  readonly shown = new Observable<Shown | null>(null);
-  /** The profile before the last change began. */
-  readonly before = new Observable<(Curve & ProfileKind) | null>(null);
+  /** The response to each target, in the order of the tabs; null if it is not known yet. */
+  readonly all = new Observable<readonly (TargetResponse | null)[]>([]);
+  /** The response to the selected target. */
+  readonly shown = new Observable<TargetResponse | null>(null);
+  /** The profile before the last change. */
+  readonly previous = new Observable<(Curve & ProfileKind) | null>(null);
   readonly envelope = new Observable<Envelope | null>(null);
-  /** Stays while one of its families is looked at, until there is another target. */
+  /** The ranking for the present requirements. It stays while the designs of its families are shown one after another. */
   readonly ranking = new Observable<Ranking | null>(null);
-  /** Of each region in the order of the tabs, as it was when it went out of sight. */
-  readonly kept = new Observable<readonly (RegionResults | null)[]>([]);
+  /** The results of each region in the order of the tabs, stored when another region was selected. */
+  readonly regionCache = new Observable<readonly (RegionResults | null)[]>([]);
   readonly activity = new Observable<Activity>({ kind: "idle" });
   readonly steps = new Observable<Steps>({ undo: false, redo: false });
   families: readonly Family[] = [];
   models: readonly Model[] = [];
 
-  /** Searches of one name replace each other on the server. */
+  /** Name of the editing session: on the server, a search replaces the earlier ones of the same session. */
   private readonly name = `web-${crypto.getRandomValues(new Uint32Array(3)).join("-")}`;
   private readonly requests = new Latest();
   private history = new History<DesignState>(DEFAULT_STATE);
   private inGesture = false;
   private runningEffort: Effort | "profile" | null = null;
-  /** Counts the decisions after which an older answer no longer belongs to the state. */
+  /** Counts the changes that make answers to earlier requests obsolete. */
   private epoch = 0;
   private unanswered = false;
-  /** Curves of the tasks that were left, for the way back. */
-  private readonly left = new Map<string, TargetCurve>();
-  /** What the family reaches of each target. */
+  /** Targets of other tasks, which are restored when the user returns to the task. */
+  private readonly storedTargets = new Map<string, TargetCurve>();
+  /** The envelope of the family for each target. */
   private envelopes: readonly (Envelope | null)[] = [];
 
   constructor(private readonly client: Client) {}
 
-  /** Loads families and models, and shows `linked` or a first target. */
+  /** Loads families and models, and shows the state of a link or an initial one. */
   async start(linked: DesignState | null): Promise<void> {
     [this.families, this.models] = await Promise.all([
       this.client.get<{ families: Family[] }>("/v1/families").then((answer) => answer.families),
@@ -101,8 +102,8 @@ export class DesignSession {
     this.begin(linked && this.isServed(linked) ? linked : await this.firstState());
   }
 
-  /** The models, one for each family that has any, in the order of the families. */
-  get modelled(): readonly Model[] {
+  /** One model for each family that has any, in the order of the families. */
+  get familyModels(): readonly Model[] {
     const found = this.families.map((family) => this.models.find((model) => model.family === family.id));
     return found.filter((model): model is Model => model !== undefined);
   }
@@ -115,7 +116,7 @@ export class DesignSession {
     return this.families.find((family) => family.id === id);
   }
 
-  /** Where control points may lie. Over strain: within half of what the models have seen, at least -0.2 to 0.3. */
+  /** The allowed x of control points: half a turn, or Green strains from -0.2 to 0.3 in the present measure. */
   get extent(): Extent {
     const { task, measure } = this.state.get();
     if (isPolar(task)) return HALF_TURN;
@@ -125,21 +126,21 @@ export class DesignSession {
       : { lower: convertedStrain(range.lower, "engineering"), upper: convertedStrain(range.upper, "engineering") };
   }
 
-  /** A change begins that may go through many states until `finish`. */
+  /** Begins a change with intermediate states, such as a drag. It ends with `finish`. */
   gesture(): void {
     if (this.inGesture) return;
     this.inGesture = true;
-    this.keepBefore();
+    this.storePrevious();
   }
 
-  /** A state on the way. */
+  /** Shows an intermediate state of a change. */
   preview(change: Partial<DesignState>): void {
     this.gesture();
     this.state.set({ ...this.state.get(), ...change });
     this.refresh("follow");
   }
 
-  /** The change is done: one step to undo. */
+  /** Ends a change, which becomes one step of the history. */
   finish(): void {
     if (!this.inGesture) return;
     this.inGesture = false;
@@ -147,10 +148,10 @@ export class DesignSession {
     this.refresh("search");
   }
 
-  /** A change in one go. */
+  /** Makes a change without intermediate states. */
   apply(change: Partial<DesignState>): void {
     this.finish();
-    this.keepBefore();
+    this.storePrevious();
     this.decide({ ...this.state.get(), ...change });
     this.push();
     this.refresh("search");
@@ -166,14 +167,14 @@ export class DesignSession {
     if (this.history.redo()) this.restore();
   }
 
-  /** Stops what runs; the best so far stays. */
+  /** Cancels the running search. Its best design so far stays. */
   cancel(): void {
     this.requests.cancel();
     this.showAll(this.all.get().map((shown) => (shown?.provisional ? { ...shown, provisional: false, message: "The search was stopped: this is its best so far." } : shown)));
     this.activity.set({ kind: "stopped" });
   }
 
-  /** Asks again for what a lost connection, a fault or the person left open. */
+  /** Repeats a request that a lost connection, a fault or the user has ended. */
   retry(): void {
     if (this.unanswered || ["failed", "stopped"].includes(this.activity.get().kind)) this.refresh("search");
   }
@@ -188,22 +189,22 @@ export class DesignSession {
     return regionsOf(this.state.get());
   }
 
-  /** What the designs of the regions do about their targets; of one that has changed since, or that nobody has looked for, null. */
-  get regionShown(): readonly (readonly Shown[] | null)[] {
+  /** The responses of each region's design to its targets; null for a region without a design, or if it has changed since the search. */
+  get regionShown(): readonly (readonly TargetResponse[] | null)[] {
     const { regionAt } = this.state.get();
     return this.regions.map((region, k) => {
-      const all = k === regionAt ? this.all.get() : (this.kept.get()[k]?.all ?? []);
-      const known = all.filter((shown): shown is Shown => shown !== null && !shown.provisional && sameWanted(shown, wantedOf(region)) && region.found !== null && sameFound(shown.found, region.found));
+      const all = k === regionAt ? this.all.get() : (this.regionCache.get()[k]?.all ?? []);
+      const known = all.filter((shown): shown is TargetResponse => shown !== null && !shown.provisional && sameRequirements(shown, requirementsOf(region)) && region.found !== null && sameTilingDesign(shown.found, region.found));
       return known.length === region.others.length + 1 ? known : null;
     });
   }
 
-  /** Whether what is shown belongs to what was decided. */
+  /** Whether the shown response belongs to the present state. */
   get isCurrent(): boolean {
     return freshness(this.shown.get(), this.state.get()) === "current";
   }
 
-  /** Another target comes into sight; what is wanted stays. */
+  /** Selects another target. The requirements stay the same. */
   select(at: number): void {
     this.finish();
     const state = this.state.get();
@@ -211,18 +212,18 @@ export class DesignSession {
     if (at === state.at || at < 0 || at >= targets.length) return;
     this.state.set({ ...state, ...withTargets(targets, at) });
     this.history.amend(this.state.get());
-    this.lookAtSelected();
+    this.showSelected();
   }
 
-  /** A further target of the same kind as the one in sight, which begins with what the design does there. */
+  /** Adds a target of the same kind as the selected one. Its curve is the response of the design. */
   async add(): Promise<void> {
     this.finish();
     const state = this.state.get();
     const targets = targetsOf(state);
-    if (targets.length >= MOST_TARGETS) return;
+    if (targets.length >= MAX_TARGETS) return;
     const further = furtherTarget(targets, targetOf(state));
     const begun = await this.curveOf({ ...state, ...further }, state.found);
-    if (this.state.get() !== state) return; // something else was decided meanwhile
+    if (this.state.get() !== state) return; // the state has changed meanwhile
     this.showAll([...this.all.get(), null]);
     this.apply(withTargets([...targets, { ...further, ...begun }], targets.length));
   }
@@ -233,20 +234,20 @@ export class DesignSession {
     if (targets.length === 1) return;
     this.showAll(this.all.get().filter((_, k) => k !== at));
     this.envelopes = this.envelopes.filter((_, k) => k !== at);
-    this.left.clear();
+    this.storedTargets.clear();
     this.apply(withTargets(targets.filter((_, k) => k !== at), at < state.at ? state.at - 1 : state.at));
-    this.lookAtSelected();
+    this.showSelected();
   }
 
-  /** A name says nothing of what is wanted: nothing is searched for. */
+  /** Renames the selected target. This starts no search. */
   rename(name: string): void {
     this.finish();
-    this.state.set({ ...this.state.get(), name: name.trim().slice(0, MOST_NAME) });
+    this.state.set({ ...this.state.get(), name: name.trim().slice(0, MAX_NAME_LENGTH) });
     this.history.push(this.state.get());
-    this.tellSteps();
+    this.publishSteps();
   }
 
-  /** Another region comes into sight, with what is known of it; what nobody knows yet is searched for. */
+  /** Selects another region and shows its cached results. If there are none, a search starts. */
   selectRegion(at: number): void {
     this.finish();
     const regions = this.regions;
@@ -257,14 +258,14 @@ export class DesignSession {
     this.enterRegion();
   }
 
-  /** A further region, which begins as a copy of the one in sight. */
+  /** Adds a region, a copy of the selected one. */
   addRegion(): void {
     this.finish();
     const { regions } = this;
-    if (regions.length >= MOST_REGIONS) return;
+    if (regions.length >= MAX_REGIONS) return;
     this.leaveRegion();
     const { regionAt } = this.state.get();
-    this.kept.set([...regions.map((_, k) => this.kept.get()[k] ?? null), this.kept.get()[regionAt] ?? null]);
+    this.regionCache.set([...regions.map((_, k) => this.regionCache.get()[k] ?? null), this.regionCache.get()[regionAt] ?? null]);
     this.state.set(withRegions([...regions, { ...regions[regionAt], region: "" }], regions.length));
     this.push();
     this.enterRegion();
@@ -276,7 +277,7 @@ export class DesignSession {
     if (regions.length === 1) return;
     this.leaveRegion();
     const { regionAt } = this.state.get();
-    this.kept.set(regions.map((_, k) => this.kept.get()[k] ?? null).filter((_, k) => k !== at));
+    this.regionCache.set(regions.map((_, k) => this.regionCache.get()[k] ?? null).filter((_, k) => k !== at));
     this.state.set(withRegions(regions.filter((_, k) => k !== at), at < regionAt ? regionAt - 1 : regionAt));
     this.push();
     this.enterRegion();
@@ -284,9 +285,9 @@ export class DesignSession {
 
   renameRegion(name: string): void {
     this.finish();
-    this.state.set({ ...this.state.get(), region: name.trim().slice(0, MOST_REGION_NAME) });
+    this.state.set({ ...this.state.get(), region: name.trim().slice(0, MAX_REGION_NAME_LENGTH) });
     this.history.push(this.state.get());
-    this.tellSteps();
+    this.publishSteps();
   }
 
   /** Searches for the designs of all regions in one request. */
@@ -315,19 +316,19 @@ export class DesignSession {
     }, true);
   }
 
-  /** Looks at the best design of one family of the ranking. */
+  /** Shows the best design of one family of the ranking. */
   lookAt(candidate: DesignCandidate): void {
-    this.apply({ family: candidate.family, found: foundOf(candidate, this.state.get()), byHand: false });
+    this.apply({ family: candidate.family, found: designOf(candidate, this.state.get()), byHand: false });
   }
 
-  /** Another task; its target is the one it had, or what the design at hand does there. */
+  /** Changes the task. The target is the last one of that task, or else the response of the present design. */
   async setTask(task: DesignState["task"]): Promise<void> {
     const state = this.state.get();
     if (task === state.task) return;
     this.finish();
-    this.left.set(this.targetKey(state), { points: state.points, interpolation: state.interpolation });
+    this.storedTargets.set(this.targetKey(state), { points: state.points, interpolation: state.interpolation });
     const next = { ...state, task };
-    const curve = this.left.get(this.targetKey(next)) ?? (await this.curveOf(next, state.found));
+    const curve = this.storedTargets.get(this.targetKey(next)) ?? (await this.curveOf(next, state.found));
     const now = this.state.get();
     if (now.task === state.task && now.at === state.at && now.regionAt === state.regionAt && curve) this.apply({ task, ...curve });
   }
@@ -338,20 +339,20 @@ export class DesignSession {
     this.apply(isPolar(task) ? { measure, strain: convertedStrain(strain, measure) } : { measure, points: convertedPoints(points, measure) });
   }
 
-  /** Parameters by hand; `done` ends the gesture. */
+  /** Sets parameters by hand; `done` ends the change. */
   setParameters(parameters: readonly number[], done: boolean): void {
     const { found } = this.state.get();
     if (found) this.preview({ found: { ...found, parameters }, byHand: true });
     if (done) this.finish();
   }
 
-  /** A design that was corrected elsewhere takes the place of the one shown. */
-  setFound(found: Found): void {
+  /** Replaces the shown design, for example by one that was polished. */
+  setFound(found: TilingDesign): void {
     this.preview({ found, byHand: true });
     this.finish();
   }
 
-  /** What the design shown does becomes the target. */
+  /** Makes the response of the shown design the target. */
   adoptAsTarget(): void {
     const shown = this.shown.get();
     if (!shown || !sameProfile(shown, this.state.get())) return;
@@ -359,54 +360,54 @@ export class DesignSession {
     if (curve) this.apply(curve);
   }
 
-  /** The target moves onto the response of the closest design that was found. */
-  snapTarget(): void {
+  /** Moves the target onto the response of the closest design that was found. */
+  projectTarget(): void {
     const shown = this.shown.get();
-    if (shown && this.isCurrent) this.apply({ ...snappedTarget(shown), byHand: false });
+    if (shown && this.isCurrent) this.apply({ ...projectedTarget(shown), byHand: false });
   }
 
-  /** One control point gives way. */
+  /** Moves one control point, as `relaxation` has proposed. */
   relax({ index, to }: Relaxation): void {
     const { points } = this.state.get();
     this.apply({ points: points.map((point, k) => (k === index ? to : point)), byHand: false });
   }
 
-  /** The profile of any design, of some kind. Null where it cannot be had. */
-  async profile(found: Found, kind: ProfileKind & Pick<DesignState, "points">, made: Made): Promise<Curve | null> {
-    const answer = await this.answeredProfile(found, kind, made);
+  /** A design's profile of some kind; null if the server does not answer with it. */
+  async profile(found: TilingDesign, kind: ProfileKind & Pick<DesignState, "points">, made: Specification): Promise<Curve | null> {
+    const answer = await this.requestProfile(found, kind, made);
     return answer && { x: answer.x, y: answer.y };
   }
 
-  private async answeredProfile(found: Found, kind: ProfileKind & Pick<DesignState, "points">, made: Made): Promise<Profile | null> {
+  private async requestProfile(found: TilingDesign, kind: ProfileKind & Pick<DesignState, "points">, made: Specification): Promise<Profile | null> {
     try {
       return await this.client.post<Profile>("/v1/profiles", profileRequest(kind, found, made));
     } catch {
-      return null; // the main request meets the same fault and tells of it
+      return null; // the main request meets the same fault and reports it
     }
   }
 
-  /** Stops what is searched for the region in sight and keeps what is known of it. */
+  /** Cancels the search for the selected region and caches its results. */
   private leaveRegion(): void {
     ++this.epoch;
     this.requests.cancel();
     this.activity.set({ kind: "idle" });
-    this.left.clear();
+    this.storedTargets.clear();
     const { regionAt } = this.state.get();
     const results: RegionResults = { all: this.all.get(), envelopes: this.envelopes, ranking: this.ranking.get() };
-    this.kept.set(this.regions.map((_, k) => (k === regionAt ? results : (this.kept.get()[k] ?? null))));
+    this.regionCache.set(this.regions.map((_, k) => (k === regionAt ? results : (this.regionCache.get()[k] ?? null))));
   }
 
   private enterRegion(): void {
-    this.showKept();
+    this.showCached();
     const shown = this.shown.get();
     if (!this.isCurrent || shown?.provisional) this.refresh("search");
   }
 
-  private showKept(): void {
+  private showCached(): void {
     const { at, regionAt } = this.state.get();
-    const known = this.kept.get()[regionAt];
+    const known = this.regionCache.get()[regionAt];
     this.envelopes = known?.envelopes ?? [];
-    this.before.set(null);
+    this.previous.set(null);
     this.envelope.set(this.envelopes[at] ?? null);
     this.ranking.set(known?.ranking ?? null);
     this.showAll(known?.all ?? []);
@@ -414,46 +415,46 @@ export class DesignSession {
 
   private acceptRegions(answer: RegionsAnswer, asked: readonly Region[]): void {
     const { regionAt } = this.state.get();
-    const found = asked.map((_, k): FoundDesign => ({ ...answer.regions[k], cost: answer.cost }));
-    this.kept.set(asked.map((region, k) => {
-      const all = shownDesigns(found[k], region).map((shown) => ({ ...shown, byHand: region.byHand }));
+    const found = asked.map((_, k): CostedDesign => ({ ...answer.regions[k], cost: answer.cost }));
+    this.regionCache.set(asked.map((region, k) => {
+      const all = designResponses(found[k], region).map((shown) => ({ ...shown, byHand: region.byHand }));
       const { ranking } = answer.regions[k];
-      return { all, envelopes: envelopesOf(found[k], region), ranking: ranking.length > 1 ? { ...wantedOf(region), candidates: ranking } : null };
+      return { all, envelopes: envelopesOf(found[k], region), ranking: ranking.length > 1 ? { ...requirementsOf(region), candidates: ranking } : null };
     }));
     const regions = this.regions.map((region, k): Region => {
       const { family, parameters } = found[k];
       const same = region.found?.family === family && region.fixed.length === parameters.length;
-      return { ...region, found: foundOf(found[k], asked[k]), fixed: same ? region.fixed : parameters.map(() => false) };
+      return { ...region, found: designOf(found[k], asked[k]), fixed: same ? region.fixed : parameters.map(() => false) };
     });
     this.state.set(withRegions(regions, regionAt));
     this.history.amend(this.state.get());
-    this.showKept();
+    this.showCached();
   }
 
   private decide(next: DesignState): void {
     const { at, regionAt, otherRegions } = this.state.get();
     if (otherRegions.length !== next.otherRegions.length || regionAt !== next.regionAt) {
-      const kept = otherRegions.length === next.otherRegions.length;
-      if (kept) this.leaveRegion();
-      else this.kept.set([]);
+      const isSameCount = otherRegions.length === next.otherRegions.length;
+      if (isSameCount) this.leaveRegion();
+      else this.regionCache.set([]);
       this.state.set(next);
-      return this.showKept();
+      return this.showCached();
     }
     this.state.set(next);
-    // With more or fewer targets what was found is of none of their places.
+    // Responses are stored by the index of their target, so that they are void if the number of targets has changed.
     if (this.all.get().length !== next.others.length + 1) this.showAll([]);
-    else if (at !== next.at) this.lookAtSelected();
+    else if (at !== next.at) this.showSelected();
   }
 
-  private showAll(all: readonly (Shown | null)[]): void {
+  private showAll(all: readonly (TargetResponse | null)[]): void {
     this.all.set(all);
     this.shown.set(all[this.state.get().at] ?? null);
   }
 
-  /** What is known of the target that has come into sight. */
-  private lookAtSelected(): void {
+  /** Shows the results for the target that was selected. */
+  private showSelected(): void {
     const { at } = this.state.get();
-    this.before.set(null);
+    this.previous.set(null);
     this.envelope.set(this.envelopes[at] ?? null);
     this.shown.set(this.all.get()[at] ?? null);
   }
@@ -461,20 +462,20 @@ export class DesignSession {
   private begin(state: DesignState): void {
     this.history = new History(state);
     this.state.set(state);
-    this.tellSteps();
+    this.publishSteps();
     this.refresh("search");
     void this.showStart(state);
   }
 
-  /** The design that the first search starts from, while that runs. */
+  /** Shows the initial design while the first search runs. */
   private async showStart(state: DesignState): Promise<void> {
     if (!state.found || state.byHand) return;
     const { epoch } = this;
     try {
-      const all = shownProfiles(await this.profilesOf(state, state.found), state);
+      const all = profileResponses(await this.profilesOf(state, state.found), state);
       if (!this.shown.get() && epoch === this.epoch) this.showAll(all.map((shown) => ({ ...shown, byHand: false, provisional: true })));
     } catch {
-      // the search tells what is wrong
+      // the search reports the fault
     }
   }
 
@@ -485,24 +486,24 @@ export class DesignSession {
   }
 
   /**
-   * What the page shows before anyone has drawn anything: the target is the profile of some design, and the search starts from another
-   * one. Two families are asked, and the one whose model is surest is taken, so that the first verdict does not say that the model is not
-   * trusted.
+   * The initial state without a link. The target is the profile of a design, and the search starts from another design of the same
+   * family. Two families are asked for a profile, and the one with the more reliable model is chosen, so that the first verdict does not
+   * say that the model is not trusted.
    */
   private async firstState(): Promise<DesignState> {
-    const models = firstModels(this.modelled);
-    const at = ({ family, parameters }: Model, share: number): Found => ({
+    const models = firstModels(this.familyModels);
+    const at = ({ family, parameters }: Model, fraction: number): TilingDesign => ({
       family,
-      parameters: parameters.lower.map((lower, k) => lower + share * (parameters.upper[k] - lower)),
+      parameters: parameters.lower.map((lower, k) => lower + fraction * (parameters.upper[k] - lower)),
     });
-    const profiles = await Promise.all(models.map((model) => this.answeredProfile(at(model, 0.7), DEFAULT_STATE, DEFAULT_STATE.made)));
-    const surest = surestOf(profiles);
-    const found = at(models[surest], 0.3);
-    return { ...DEFAULT_STATE, ...this.targetOn(profiles[surest], DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
+    const profiles = await Promise.all(models.map((model) => this.requestProfile(at(model, 0.7), DEFAULT_STATE, DEFAULT_STATE.made)));
+    const index = indexOfMostReliable(profiles);
+    const found = at(models[index], 0.3);
+    return { ...DEFAULT_STATE, ...this.targetOn(profiles[index], DEFAULT_STATE), found, fixed: found.parameters.map(() => false) };
   }
 
-  /** The target that a design would meet; null where the server does not answer with its profile. */
-  private async curveOf(state: DesignState, found: Found | null): Promise<TargetCurve | null> {
+  /** A target that follows a design's response; null if the server does not answer with its profile. */
+  private async curveOf(state: DesignState, found: TilingDesign | null): Promise<TargetCurve | null> {
     return this.targetOn(found && (await this.profile(found, { ...state, points: [] }, state.made)), state);
   }
 
@@ -518,26 +519,26 @@ export class DesignSession {
     return `${state.at} ${state.task} ${state.measure}`;
   }
 
-  private keepBefore(): void {
+  private storePrevious(): void {
     const shown = this.shown.get();
-    this.before.set(shown && { ...kindOf(shown), x: shown.x, y: shown.achieved });
+    this.previous.set(shown && { ...kindOf(shown), x: shown.x, y: shown.achieved });
   }
 
   private push(): void {
     ++this.epoch;
     this.history.push(this.state.get());
-    this.tellSteps();
+    this.publishSteps();
   }
 
   private restore(): void {
     ++this.epoch;
-    this.keepBefore();
+    this.storePrevious();
     this.decide(this.history.current);
-    this.tellSteps();
+    this.publishSteps();
     this.refresh("search");
   }
 
-  private tellSteps(): void {
+  private publishSteps(): void {
     this.steps.set({ undo: this.history.canUndo, redo: this.history.canRedo });
   }
 
@@ -546,7 +547,7 @@ export class DesignSession {
     if (state.points.length === 0) return;
     const { epoch } = this;
     const byHand = state.byHand && state.found !== null;
-    // A long search must not keep a pointer waiting; short answers may come in first.
+    // A thorough search is aborted at once, so that it does not delay a pointer. Quick requests may end first.
     const urgent = this.runningEffort === "search" || effort === "search";
     this.requests.submit(async (signal) => {
       this.runningEffort = byHand ? "profile" : effort;
@@ -577,17 +578,17 @@ export class DesignSession {
   }
 
   private async showByHand(state: DesignState, epoch: number, signal: AbortSignal): Promise<void> {
-    const found = state.found as Found;
+    const found = state.found as TilingDesign;
     this.activity.set({ kind: "busy", effort: "profile", progress: null, stage: "" });
     const [profiles, structure] = await Promise.all([this.profilesOf(state, found, signal), this.structureOf(found, state.made, signal)]);
     if (signal.aborted || epoch !== this.epoch) return;
     const ranking = this.ranking.get();
-    if (ranking && !sameWanted(ranking, wantedOf(state))) this.ranking.set(null);
-    this.showAll(shownProfiles(profiles, state, structure));
+    if (ranking && !sameRequirements(ranking, requirementsOf(state))) this.ranking.set(null);
+    this.showAll(profileResponses(profiles, state, structure));
   }
 
-  /** Null where parameters give no structure, of which the profile says nothing. */
-  private async structureOf(found: Found, made: Made, signal: AbortSignal): Promise<StructureAnswer | null> {
+  /** The measures of a structure; null if the parameters give no valid structure. */
+  private async structureOf(found: TilingDesign, made: Specification, signal: AbortSignal): Promise<StructureAnswer | null> {
     try {
       return await this.client.post<StructureAnswer>("/v1/structures", structureRequest(found, made), { signal });
     } catch (error) {
@@ -596,8 +597,8 @@ export class DesignSession {
     }
   }
 
-  /** One for each target, in the order of the tabs. */
-  private profilesOf(state: DesignState, found: Found, signal?: AbortSignal): Promise<Profile[]> {
+  /** The profiles of a design for all targets, in the order of the tabs. */
+  private profilesOf(state: DesignState, found: TilingDesign, signal?: AbortSignal): Promise<Profile[]> {
     return Promise.all(targetsOf(state).map((target) => this.client.post<Profile>("/v1/profiles", profileRequest(target, found, state.made), { signal })));
   }
 
@@ -606,22 +607,22 @@ export class DesignSession {
     this.activity.set({ kind: "busy", effort: "search", progress: job.progress, stage: job.stage });
     const { partial } = job;
     if (!partial || !("achieved" in partial)) return;
-    const shown = shownPartial(partial, state);
-    this.takeOver(shown.found);
-    const before = this.all.get();
-    this.showAll(targetsOf(state).map((_, place) => (place === state.at ? shown : (before[place] ?? null))));
+    const shown = partialResponse(partial, state);
+    this.setDesign(shown.found);
+    const previous = this.all.get();
+    this.showAll(targetsOf(state).map((_, place) => (place === state.at ? shown : (previous[place] ?? null))));
   }
 
-  /** The design that is shown is the one of the sliders and of the next search. */
-  private takeOver(found: Found): void {
+  /** Makes a design the one of the sliders, from which the next search starts. */
+  private setDesign(found: TilingDesign): void {
     const state = this.state.get();
-    const kept = state.found?.family === found.family && state.fixed.length === found.parameters.length;
-    this.state.set({ ...state, found, fixed: kept ? state.fixed : found.parameters.map(() => false) });
+    const isSameSize = state.found?.family === found.family && state.fixed.length === found.parameters.length;
+    this.state.set({ ...state, found, fixed: isSameSize ? state.fixed : found.parameters.map(() => false) });
     if (!this.inGesture) this.history.amend(this.state.get());
   }
 
   private accept(answer: DesignAnswer, asked: DesignState): void {
-    this.takeOver(foundOf(answer, asked));
+    this.setDesign(designOf(answer, asked));
     this.rank(answer, asked);
     const targets = targetsOf(asked);
     const order = askedOrder(asked);
@@ -629,22 +630,22 @@ export class DesignSession {
     this.envelopes = envelopesOf(answer, asked).map((envelope, place) => envelope ?? this.envelopes[place] ?? null);
     const { at } = this.state.get();
     this.envelope.set(this.envelopes[at] ?? null);
-    const before = this.before.get();
+    const previous = this.previous.get();
     const inSight = profiles[order.indexOf(at)];
-    if (inSight && (!before || !sameProfile(before, targets[at]))) this.before.set({ ...kindOf(targets[at]), x: inSight.x, y: inSight.initial });
-    this.showAll(shownDesigns(answer, asked));
+    if (inSight && (!previous || !sameProfile(previous, targets[at]))) this.previous.set({ ...kindOf(targets[at]), x: inSight.x, y: inSight.initial });
+    this.showAll(designResponses(answer, asked));
   }
 
   private rank({ ranking }: DesignAnswer, asked: DesignState): void {
-    const before = this.ranking.get();
-    if (ranking.length > 1) this.ranking.set({ ...wantedOf(asked), candidates: ranking });
-    else if (before && !sameWanted(before, wantedOf(asked))) this.ranking.set(null);
+    const previous = this.ranking.get();
+    if (ranking.length > 1) this.ranking.set({ ...requirementsOf(asked), candidates: ranking });
+    else if (previous && !sameRequirements(previous, requirementsOf(asked))) this.ranking.set(null);
   }
 
   private fail(error: unknown, effort: Effort, signal: AbortSignal): void {
     if (signal.aborted || isAbort(error)) return;
     if (error instanceof Problem && error.code === "design.superseded") {
-      // One runs at a time, so that no newer one of ours did it: one that was stopped came to the server late.
+      // Only one search of this session runs at a time, so that no newer one replaced it. An aborted one has reached the server late.
       this.refresh(effort);
       return;
     }

@@ -1,7 +1,7 @@
-// What the plot, the cards and the exports show: answers of the server in one form.
+// The responses of a design to its targets, in the form that plot, cards and exports show. They are made from several kinds of answers.
 import type { Design, DesignCandidate, DesignStop, Model, PartialDesign, Profile, StructureAnswer } from "../contract/types";
-import { foundMade, isRange, leavesModulus, type Made, materialOf, modulusOf, orientationOf, sameMade } from "./made";
-import { type Found, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
+import { foundSpecification, isRange, searchesModulus, type Specification, materialOf, modulusOf, orientationOf, sameSpecification } from "./specification";
+import { type TilingDesign, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
 
@@ -15,20 +15,20 @@ export interface Envelope extends ProfileKind, Band {
   readonly family: string;
 }
 
-/** What is wanted of a design. */
-export interface Wanted {
-  /** In the order of their tabs. */
+/** The requirements on a design. */
+export interface Requirements {
+  /** In the order of the tabs. */
   readonly targets: readonly Target[];
-  readonly made: Made;
+  readonly made: Specification;
 }
 
-/** What a design is made of, how it lies and what it measures; null where nobody has measured it. */
+/** Material, orientation and dimensions of a design; null for values that are not known. */
 export interface Measures {
-  /** Name of the material, of several. */
+  /** Name of the material; empty if there is only one. */
   readonly material: string;
-  /** In MPa; null while a search has not told which of several it is. */
+  /** In MPa; null while a search has not chosen it. */
   readonly youngsModulus: number | null;
-  /** Of the material, in g/cm^3. */
+  /** Density of the material, in g/cm^3. */
   readonly materialDensity: number;
   /** In radians. */
   readonly orientation: number;
@@ -37,29 +37,30 @@ export interface Measures {
   /** In mm. */
   readonly cellSize: number | null;
   readonly relativeDensity: number | null;
-  /** Of the structure with its holes, in g/cm^3. */
+  /** Density of the structure including its holes, in g/cm^3. */
   readonly density: number | null;
 }
 
-/** What a design does about one of its targets. */
-export interface Shown extends Target, Wanted {
-  readonly found: Found;
+/** The response of a design to one of its targets. */
+export interface TargetResponse extends Target, Requirements {
+  readonly found: TilingDesign;
   readonly model: string;
   readonly measures: Measures;
   readonly x: readonly number[];
   readonly achieved: readonly (number | null)[];
-  /** The simulated value differs by no more, in 90 of 100 cases; null where nobody can say. */
+  /** Largest difference from a simulated value in 90 of 100 cases; null if it is not known. */
   readonly errorBar: readonly (number | null)[] | null;
-  /** The wanted curve at the samples. */
+  /** The target at the samples. */
   readonly target: readonly number[];
+  /** Whether the model is trusted at each sample. */
   readonly inRange: readonly boolean[];
-  /** Which samples of the target are reached. */
+  /** Whether each sample of the target is reached. */
   readonly reached: readonly boolean[];
-  /** Of this target. */
+  /** Relative root mean square deviation from this target. */
   readonly deviation: number;
-  /** Of all targets together, with their weights. */
+  /** Weighted deviation from all targets. */
   readonly overall: number;
-  /** Largest deviation, in the unit of y. */
+  /** Largest absolute deviation from this target, in the unit of y. */
   readonly largest: number;
   readonly message: string;
   readonly stopped: DesignStop | null;
@@ -67,96 +68,99 @@ export interface Shown extends Target, Wanted {
   readonly ranking: readonly DesignCandidate[];
   readonly seconds: number;
   readonly byHand: boolean;
-  /** A search still runs; this is its best so far. */
+  /** Whether the search is running and this is its best design so far. */
   readonly provisional: boolean;
 }
 
-/** Poisson's ratio is compared with at least this: a target of zeros has no size. */
-const LEAST_POISSON = 0.1;
-/** A sample counts as reached within this share of the target's root mean square. */
-const REACHED = 0.01;
+/** Deviations of Poisson's ratio are relative to at least this value, since a target of zeros has no scale. */
+const MIN_POISSON = 0.1;
+/** Largest deviation of a reached sample, over the root mean square of the target. */
+const REACHED_TOLERANCE = 0.01;
 
-/** What a model is off by, as a share: in the mean and of 99 in 100 states of designs that it has not seen. */
+/** Relative error of a model on designs that it was not trained with: the mean, and the 99th percentile of the states. */
 export interface ModelError {
   readonly mean: number;
   readonly percentile99: number;
 }
 
-/** Null where the model does not know, and for Poisson's ratio, of which an error of the stress says little. */
+/** The error of a model; null if it is not known, and for Poisson's ratio, because it is the error of the stress. */
 export function modelError(model: Model | undefined, { task }: ProfileKind): ModelError | null {
   const error = model?.errors.design_split?.gradient;
   return error && task !== "poisson" ? { mean: error.mean, percentile99: error.percentile_99 } : null;
 }
 
-/** By which families are ranked: a deviation far below the model's own error says nothing about the structure. */
+/**
+ * The expected deviation of a simulation, which ranks families: a deviation far below the error of the model does not describe the
+ * structure. An unknown error counts as 100 %.
+ */
 export function expectedDeviation({ error, model_error }: DesignCandidate): number {
   return Math.hypot(error.relative_rms, model_error ?? 1);
 }
 
 /**
- * Where a simulation is to be expected: the error bars on either side of the profile, or for a model without them its
- * mean error. Null beside gaps.
+ * The band in which a simulation is expected: the error bars on either side of the profile, or the mean error for a model without
+ * error bars. Null if the profile has gaps, or if no error is known.
  */
-export function errorBand({ x, achieved, errorBar }: Shown, error: ModelError | null): Band | null {
+export function errorBand({ x, achieved, errorBar }: TargetResponse, error: ModelError | null): Band | null {
   const known = achieved.filter((y): y is number => y !== null);
   if (known.length < achieved.length) return null;
-  const away = errorBar ?? (error && known.map((y) => Math.abs(y) * error.mean));
-  if (!away || !away.every((bar): bar is number => bar !== null)) return null;
-  return { x, lower: known.map((y, k) => y - away[k]), upper: known.map((y, k) => y + away[k]) };
+  const halfWidths = errorBar ?? (error && known.map((y) => Math.abs(y) * error.mean));
+  if (!halfWidths || !halfWidths.every((bar): bar is number => bar !== null)) return null;
+  return { x, lower: known.map((y, k) => y - halfWidths[k]), upper: known.map((y, k) => y + halfWidths[k]) };
 }
 
-/** The kind alone, of what has more. */
+/** The fields of the kind, without the others of an object. */
 export function kindOf({ task, direction, strain, measure }: ProfileKind): ProfileKind {
   return { task, direction, strain, measure };
 }
 
-/** What a state wants. */
-export function wantedOf(state: Region): Wanted {
+/** The requirements of a region. */
+export function requirementsOf(state: Region): Requirements {
   return { targets: targetsOf(state), made: state.made };
 }
 
-export function sameWanted(a: Wanted, b: Wanted): boolean {
-  return sameTargets(a.targets, b.targets) && sameMade(a.made, b.made);
+export function sameRequirements(a: Requirements, b: Requirements): boolean {
+  return sameTargets(a.targets, b.targets) && sameSpecification(a.made, b.made);
 }
 
-export function sameFound(a: Found, b: Found): boolean {
+export function sameTilingDesign(a: TilingDesign, b: TilingDesign): boolean {
   const sameParameters = a.parameters.length === b.parameters.length && a.parameters.every((value, k) => value === b.parameters[k]);
   return a.family === b.family && sameParameters && a.material === b.material && a.youngsModulus === b.youngsModulus && a.orientation === b.orientation;
 }
 
 /**
- * Whether an answer belongs to what was decided. `other`: it is of another kind of profile or of another family, and
- * may not stand beside what is decided now. `outdated`: it is of an earlier target or of earlier parameters.
+ * Whether a response belongs to the present state. `outdated`: it is of an earlier target or of earlier parameters. `other`: it is of
+ * another kind of profile or of another family, and must not be shown with the state.
  */
 export type Freshness = "current" | "outdated" | "other";
 
-export function freshness(shown: Shown | null, state: Region): Freshness {
+export function freshness(shown: TargetResponse | null, state: Region): Freshness {
   if (!shown || !sameProfile(shown, state) || shown.found.family !== state.found?.family) return "other";
-  return shown.points === state.points && sameWanted(shown, wantedOf(state)) && sameFound(shown.found, state.found) ? "current" : "outdated";
+  return shown.points === state.points && sameRequirements(shown, requirementsOf(state)) && sameTilingDesign(shown.found, state.found) ? "current" : "outdated";
 }
 
-/** A design that was found, by itself or as one of several regions. */
-export type FoundDesign = Design & { readonly cost: { readonly seconds: number } };
+/** A design of an answer, the only one or that of a region, with the cost of the computation. */
+export type CostedDesign = Design & { readonly cost: { readonly seconds: number } };
 
-/** The design of an answer, with what had been left to the search. */
-export function foundOf({ family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">, { made }: Pick<Region, "made">): Found {
-  return { family, parameters, ...foundMade(made, material, orientation) };
+/** The design of an answer, with the values that the search has chosen. */
+export function designOf({ family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">, { made }: Pick<Region, "made">): TilingDesign {
+  return { family, parameters, ...foundSpecification(made, material, orientation) };
 }
 
-/** What is known of a design without its structure: beams have the width that was given, all else follows from the structure. */
-function unmeasured(made: Made, found: Found): Measures {
+/** The measures of a design whose structure is not known: only the given beam width or cell size is set. */
+function estimatedMeasures(made: Specification, found: TilingDesign): Measures {
   const { size } = made;
   const { name, density } = materialOf(made, found);
-  const isKnown = !leavesModulus(made) || found.youngsModulus !== undefined;
+  const isKnown = !searchesModulus(made) || found.youngsModulus !== undefined;
   return {
     material: isKnown ? name : "", youngsModulus: isKnown ? modulusOf(made, found) : null, materialDensity: density, orientation: orientationOf(made, found),
     beamWidth: size.kind === "beam_width" ? size.value : null, cellSize: size.kind === "cell_size" ? size.value : null, relativeDensity: null, density: null,
   };
 }
 
-/** The same with its structure, whose beams may have any width: a structure scales. */
-function measured(made: Made, found: Found, structure: StructureAnswer): Measures {
-  const known = unmeasured(made, found);
+/** The measures of a design with its structure, scaled to the given beam width or cell size. */
+function structureMeasures(made: Specification, found: TilingDesign, structure: StructureAnswer): Measures {
+  const known = estimatedMeasures(made, found);
   const { beam_width, cell_area, relative_density } = structure;
   const scale = made.size.value / (made.size.kind === "beam_width" ? beam_width : Math.sqrt(cell_area));
   return {
@@ -165,26 +169,26 @@ function measured(made: Made, found: Found, structure: StructureAnswer): Measure
   };
 }
 
-function measuresOf({ material, orientation, structure }: FoundDesign): Measures {
+function measuresOf({ material, orientation, structure }: CostedDesign): Measures {
   return {
     material: material.name ?? "", youngsModulus: material.youngs_modulus, materialDensity: material.density, orientation, beamWidth: structure?.beam_width ?? null, cellSize: structure?.cell_size ?? null,
     relativeDensity: structure?.relative_density ?? null, density: structure?.density ?? null,
   };
 }
 
-/** What a design that was found does, one for each target in the order of the tabs. */
-export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown[] {
+/** The responses of a design that was found, to all targets in the order of the tabs. */
+export function designResponses(answer: CostedDesign, asked: Region): readonly TargetResponse[] {
   const targets = targetsOf(asked);
   const profiles = [answer.profile, ...answer.also];
   const order = askedOrder(asked);
-  return targets.map((target, place): Shown => {
+  return targets.map((target, place): TargetResponse => {
     const profile = profiles[order.indexOf(place)];
     const compared = comparison(profile.x, profile.achieved, target);
     return {
       ...target,
       targets,
       made: asked.made,
-      found: foundOf(answer, asked),
+      found: designOf(answer, asked),
       model: answer.model,
       measures: measuresOf(answer),
       x: profile.x,
@@ -207,14 +211,14 @@ export function shownDesigns(answer: FoundDesign, asked: Region): readonly Shown
   });
 }
 
-/** What a design of given parameters does: one profile for each target in the order of the tabs. `structure`: null where it has none. */
-export function shownProfiles(profiles: readonly Profile[], asked: Region, structure: StructureAnswer | null = null): readonly Shown[] {
+/** The responses of a design with given parameters, from its profiles for all targets in the order of the tabs. `structure`: null if the parameters give none. */
+export function profileResponses(profiles: readonly Profile[], asked: Region, structure: StructureAnswer | null = null): readonly TargetResponse[] {
   const targets = targetsOf(asked);
   const compared = targets.map((target, place) => comparison(profiles[place].x, profiles[place].y, target));
   const overall = overallDeviation(compared.map(({ deviation }, place) => ({ deviation, weight: targets[place].weight })));
-  return targets.map((target, place): Shown => {
+  return targets.map((target, place): TargetResponse => {
     const profile = profiles[place];
-    // The very one that was asked for, with what a search has found besides its parameters.
+    // The requested design is used, because it has the values that a search has found besides the parameters.
     const found = asked.found ?? { family: profile.family, parameters: profile.parameters };
     return {
       ...target,
@@ -222,7 +226,7 @@ export function shownProfiles(profiles: readonly Profile[], asked: Region, struc
       made: asked.made,
       found,
       model: profile.model,
-      measures: structure ? measured(asked.made, found, structure) : unmeasured(asked.made, found),
+      measures: structure ? structureMeasures(asked.made, found, structure) : estimatedMeasures(asked.made, found),
       ...compared[place],
       overall,
       errorBar: profile.error_bar,
@@ -238,16 +242,16 @@ export function shownProfiles(profiles: readonly Profile[], asked: Region, struc
   });
 }
 
-/** The best that a search has found so far, against the target in sight when it was asked: nothing of it is of an earlier answer. */
-export function shownPartial(partial: PartialDesign, asked: Region): Shown {
+/** The response of the best design so far of a running search, to the target that was selected when the search began. */
+export function partialResponse(partial: PartialDesign, asked: Region): TargetResponse {
   const { family, parameters, orientation } = partial;
-  const found: Found = { family, parameters, ...(isRange(asked.made.orientation) && { orientation }) };
+  const found: TilingDesign = { family, parameters, ...(isRange(asked.made.orientation) && { orientation }) };
   return {
     ...targetOf(asked),
-    ...wantedOf(asked),
+    ...requirementsOf(asked),
     found,
     model: partial.model,
-    measures: unmeasured(asked.made, found),
+    measures: estimatedMeasures(asked.made, found),
     ...comparison(partial.x, partial.achieved, asked),
     overall: partial.error.relative_rms,
     errorBar: null,
@@ -262,24 +266,24 @@ export function shownPartial(partial: PartialDesign, asked: Region): Shown {
   };
 }
 
-/** As a search weighs the deviations of several targets: the root of their mean square, each as often as its weight says. */
+/** The deviation from all targets, as a search computes it: the weighted root mean square. */
 export function overallDeviation(all: readonly { deviation: number; weight: number }[]): number {
-  const whole = all.reduce((sum, { weight }) => sum + weight, 0);
-  return Math.sqrt(all.reduce((sum, { deviation, weight }) => sum + weight * deviation * deviation, 0) / whole);
+  const totalWeight = all.reduce((sum, { weight }) => sum + weight, 0);
+  return Math.sqrt(all.reduce((sum, { deviation, weight }) => sum + weight * deviation * deviation, 0) / totalWeight);
 }
 
-/** A profile beside the target that was asked for, sample by sample. */
-function comparison(x: readonly number[], y: readonly (number | null)[], asked: Target): Pick<Shown, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
+/** A profile compared with its target, sample by sample. */
+function comparison(x: readonly number[], y: readonly (number | null)[], asked: Target): Pick<TargetResponse, "x" | "achieved" | "target" | "reached" | "deviation" | "largest"> {
   const target = x.map(targetCurve(isPolar(asked.task), asked.points, asked.interpolation));
   const size = Math.sqrt(target.reduce((sum, value) => sum + value * value, 0) / target.length);
-  const away = y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
-  const finite = away.filter(Number.isFinite);
+  const deviations = y.map((value, k) => (value === null ? Infinity : Math.abs(value - target[k])));
+  const finite = deviations.filter(Number.isFinite);
   return {
     x,
     achieved: y,
     target,
-    reached: away.map((value) => value <= REACHED * size),
-    deviation: relativeDeviation(y, target, asked.task === "poisson" ? LEAST_POISSON : 0),
+    reached: deviations.map((value) => value <= REACHED_TOLERANCE * size),
+    deviation: relativeDeviation(y, target, asked.task === "poisson" ? MIN_POISSON : 0),
     largest: finite.length > 0 ? Math.max(...finite) : 0,
   };
 }

@@ -1,9 +1,9 @@
-// The curve through control points as the server draws it, for the moment before it answers.
+// The curve through control points, computed as the server does, for display before the server answers.
 import { type ControlPoint, type Interpolation } from "./state";
 
 type Curve = (x: number) => number;
 
-/** The curve over strain; beyond its ends it goes on straight. */
+/** The curve over strain, extrapolated linearly beyond its ends. */
 export function openCurve(points: readonly ControlPoint[], interpolation: Interpolation): Curve {
   const x = points.map((p) => p[0]);
   const y = points.map((p) => p[1]);
@@ -15,7 +15,7 @@ export function openCurve(points: readonly ControlPoint[], interpolation: Interp
 export function periodicCurve(points: readonly ControlPoint[], interpolation: Interpolation): Curve {
   const count = points.length;
   if (count < 2) return () => points[0]?.[1] ?? 0;
-  // Three periods: the middle one hears nothing of the ends beyond rounding, also of a cubic's.
+  // The influence of the ends decays from period to period: after two periods, or four of few points, it is below rounding.
   const periods = count < 6 ? 9 : 5;
   const middle = (periods - 1) / 2;
   const copies = Array.from({ length: periods * count }, (_, k): ControlPoint => {
@@ -32,12 +32,12 @@ function slopes(x: number[], y: number[], interpolation: Interpolation): number[
   return interpolation === "cubic" ? naturalSlopes(x, y) : monotoneSlopes(x, y);
 }
 
-/** First derivatives of the natural cubic spline: the tridiagonal system of continuous second derivatives. */
+/** First derivatives of the natural cubic spline, from the tridiagonal system for continuous second derivatives. */
 function naturalSlopes(x: number[], y: number[]): number[] {
   const n = x.length;
   const diagonal = new Array<number>(n);
-  const above = new Array<number>(n);
-  const right = new Array<number>(n);
+  const superdiagonal = new Array<number>(n);
+  const rhs = new Array<number>(n);
   for (let k = 0; k < n; ++k) {
     const before = k > 0 ? 1 / (x[k] - x[k - 1]) : 0;
     const after = k + 1 < n ? 1 / (x[k + 1] - x[k]) : 0;
@@ -47,21 +47,21 @@ function naturalSlopes(x: number[], y: number[]): number[] {
     if (k + 1 < n) value += 3 * (y[k + 1] - y[k]) * after * after;
     if (k > 0) {
       const factor = before / diagonal[k - 1];
-      pivot -= factor * above[k - 1];
-      value -= factor * right[k - 1];
+      pivot -= factor * superdiagonal[k - 1];
+      value -= factor * rhs[k - 1];
     }
     diagonal[k] = pivot;
-    above[k] = after;
-    right[k] = value;
+    superdiagonal[k] = after;
+    rhs[k] = value;
   }
   const slope = new Array<number>(n);
   for (let k = n - 1; k >= 0; --k) {
-    slope[k] = (right[k] - (k + 1 < n ? above[k] * slope[k + 1] : 0)) / diagonal[k];
+    slope[k] = (rhs[k] - (k + 1 < n ? superdiagonal[k] * slope[k + 1] : 0)) / diagonal[k];
   }
   return slope;
 }
 
-/** Fritsch and Butland's weighted harmonic means; zero where the data turn, straight at the ends. */
+/** Weighted harmonic means of the secants [Fritsch1984]: zero at extrema, the secant at the ends. */
 function monotoneSlopes(x: number[], y: number[]): number[] {
   const n = x.length;
   const width = Array.from({ length: n - 1 }, (_, k) => x[k + 1] - x[k]);
@@ -75,7 +75,7 @@ function monotoneSlopes(x: number[], y: number[]): number[] {
   });
 }
 
-/** Cubic pieces of given slopes, straight ones without. */
+/** The cubic Hermite interpolant with given slopes; piecewise linear if there are none. */
 function hermite(x: number[], y: number[], slope: number[] | null): Curve {
   const last = x.length - 1;
   return (at) => {
@@ -103,7 +103,7 @@ export function spaced(from: number, to: number, count: number): number[] {
   return Array.from({ length: count }, (_, k) => from + ((to - from) * k) / (count - 1));
 }
 
-/** Root mean square of y - target over that of the target, where y is known. */
+/** Root mean square of y - target over that of the target, at samples with a value. `floor`: lower limit of the denominator. */
 export function relativeDeviation(y: readonly (number | null)[], target: readonly number[], floor = 0): number {
   let deviation = 0;
   let size = 0;

@@ -1,4 +1,4 @@
-// The gallery of targets to start from, each with a sketch of its curve.
+// The menu of example targets, each with a sketch of its curve.
 import { announce } from "../base/announce";
 import { h, svg } from "../base/dom";
 import { menu } from "../base/menu";
@@ -25,17 +25,17 @@ export function startMenu(session: DesignSession): HTMLDetailsElement {
   return element;
 }
 
-/** The curve alone, to be recognized. */
+/** A small drawing of the curve with an axis. */
 function sketch({ state: { task, points, interpolation } }: Start): SVGSVGElement {
   const polar = isPolar(task);
   const x = polar ? spaced(0, 2 * Math.PI, SAMPLES) : spaced(points[0][0], points[points.length - 1][0], SAMPLES);
   const y = x.map(targetCurve(polar, points, interpolation));
-  const [least, most] = [Math.min(0, ...y), Math.max(0, ...y)];
-  const place = (k: number): string => {
-    const share = (y[k] - least) / (most - least || 1);
-    const [across, up] = polar ? [0.5 + 0.46 * share * Math.cos(x[k]), 0.5 + 0.46 * share * Math.sin(x[k])] : [0.06 + (0.88 * k) / (SAMPLES - 1), 0.08 + 0.84 * share];
+  const [min, max] = [Math.min(0, ...y), Math.max(0, ...y)];
+  const pointAt = (k: number): string => {
+    const fraction = (y[k] - min) / (max - min || 1);
+    const [across, up] = polar ? [0.5 + 0.46 * fraction * Math.cos(x[k]), 0.5 + 0.46 * fraction * Math.sin(x[k])] : [0.06 + (0.88 * k) / (SAMPLES - 1), 0.08 + 0.84 * fraction];
     return `${(SIDE * across).toFixed(1)},${(SIDE * (1 - up)).toFixed(1)}`;
   };
-  const axis = polar ? `M0,${SIDE / 2}H${SIDE}M${SIDE / 2},0V${SIDE}` : `M0,${SIDE * (1 - 0.08 - (0.84 * -least) / (most - least || 1))}H${SIDE}`;
-  return svg("svg", { class: "sketch", viewBox: `0 0 ${SIDE} ${SIDE}`, "aria-hidden": "true" }, svg("path", { class: "zero", d: axis }), svg("path", { class: "curve target-sketch", d: `M${x.map((_, k) => place(k)).join("L")}` }));
+  const axis = polar ? `M0,${SIDE / 2}H${SIDE}M${SIDE / 2},0V${SIDE}` : `M0,${SIDE * (1 - 0.08 - (0.84 * -min) / (max - min || 1))}H${SIDE}`;
+  return svg("svg", { class: "sketch", viewBox: `0 0 ${SIDE} ${SIDE}`, "aria-hidden": "true" }, svg("path", { class: "zero", d: axis }), svg("path", { class: "curve target-sketch", d: `M${x.map((_, k) => pointAt(k)).join("L")}` }));
 }

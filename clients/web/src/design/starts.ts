@@ -1,4 +1,4 @@
-// Targets to start from: each is what some structure does, found by the search and checked by simulation.
+// Example targets. Each is the response of a structure that a search has found and a simulation has confirmed.
 import { DEFAULT_STATE, type DesignState } from "./state";
 
 export interface Start {
@@ -59,7 +59,7 @@ export const STARTS: readonly Start[] = [
   },
 ];
 
-/** What a start changes: the target in sight, and the search goes through all families. */
+/** The change of the state for an example: its target, and a search in all families. */
 export function startState({ state }: Start): Partial<DesignState> {
   return { name: "", direction: DEFAULT_STATE.direction, strain: DEFAULT_STATE.strain, ...state, measure: "green", family: "any", fixed: [], byHand: false };
 }

@@ -1,57 +1,58 @@
-// What a person has decided on the design page. Values: a change makes a new state, so that each can be undone.
+// The state of the design page: everything that the user has chosen. States are immutable, so that changes can be undone.
 import type { StrainMeasure, Task } from "../contract/types";
-import { DEFAULT_MADE, type FoundMade, type Made } from "./made";
+import { DEFAULT_SPECIFICATION, type FoundSpecification, type Specification } from "./specification";
 
-/** x: strain (dimensionless) or angle (radians); y: MPa, or dimensionless for Poisson's ratio. */
+/** x: strain, or angle in radians; y: in MPa, or dimensionless for Poisson's ratio. */
 export type ControlPoint = readonly [x: number, y: number];
 
 export type Interpolation = "cubic" | "monotone" | "linear";
 
-export interface Found extends FoundMade {
+export interface TilingDesign extends FoundSpecification {
   readonly family: string;
   readonly parameters: readonly number[];
 }
 
-/** One profile that is wanted of the design. */
+/** One profile that the design is to have. */
 export interface Target {
-  /** Given by the person; empty where the target is called by what it shows. */
+  /** Name that the user has given; empty for a label made of task and direction. */
   readonly name: string;
   readonly task: Task;
   readonly points: readonly ControlPoint[];
   readonly interpolation: Interpolation;
-  /** Angle of the load from the x axis, radians; of stress over strain. */
+  /** Angle of the load from the x axis, in radians, for stress over strain. */
   readonly direction: number;
-  /** Strain along the load at which the profile is taken; of the polar tasks. */
+  /** Strain along the load, for profiles over direction. */
   readonly strain: number;
   readonly measure: StrainMeasure;
-  /** How much it counts beside others. */
+  /** Weight of the target among several. */
   readonly weight: number;
 }
 
-/** What one design is to do, and what was found: of a product all of it, or one part. Its own target is the one that is in sight and is edited. */
+/** One design problem and its solution. The fields of Target are those of the selected target, which is the one that is edited. */
 export interface Region extends Target {
-  /** Name of the part; empty where it is called by its number. */
+  /** Name of the region; empty for a label with its number. */
   readonly region: string;
   /** Further targets of the same design, in the order of their tabs. */
   readonly others: readonly Target[];
-  /** Place of the target in sight among all, from 0. */
+  /** Index of the selected target among all. */
   readonly at: number;
-  readonly made: Made;
+  /** Material, orientation, size and limits of the structure. */
+  readonly made: Specification;
   /** A family's id, or "any". */
   readonly family: string;
-  /** The design that is shown, and where the next search starts. */
-  readonly found: Found | null;
-  /** Which parameters keep their value. */
+  /** The present design, from which the next search starts. */
+  readonly found: TilingDesign | null;
+  /** Whether each parameter is fixed in searches. */
   readonly fixed: readonly boolean[];
-  /** Whether the parameters were set by the sliders instead of a search. */
+  /** Whether the parameters were set with the sliders, and not by a search. */
   readonly byHand: boolean;
 }
 
-/** Its own region is the one that is in sight; the others stand in `otherRegions`. */
+/** The state of the page. The fields of Region are those of the selected region. */
 export interface DesignState extends Region {
-  /** Further parts of the product, in the order of their tabs. */
+  /** The other regions of the product, in the order of their tabs. */
   readonly otherRegions: readonly Region[];
-  /** Place of the region in sight among all, from 0. */
+  /** Index of the selected region among all. */
   readonly regionAt: number;
 }
 
@@ -69,7 +70,7 @@ export const DEFAULT_STATE: DesignState = {
   weight: 1,
   others: [],
   at: 0,
-  made: DEFAULT_MADE,
+  made: DEFAULT_SPECIFICATION,
   family: ANY,
   found: null,
   fixed: [],
@@ -97,12 +98,12 @@ export const TASK_WORDS: Record<Task, TaskWords> = {
 export type StrainWord = "Green strain" | "Engineering strain";
 export const STRAIN_WORDS: Record<StrainMeasure, StrainWord> = { green: "Green strain", engineering: "Engineering strain" };
 
-/** Whether the task's profile is over directions, with period pi. */
+/** Whether the profile of a task is over direction, with period pi. */
 export function isPolar(task: Task): boolean {
   return task !== "stress_strain";
 }
 
-/** Whether two states ask for profiles of the same kind: their curves may be drawn into one plot. */
+/** Whether two profiles are of the same kind, so that their curves can be drawn into one plot. */
 export function sameProfile(a: ProfileKind, b: ProfileKind): boolean {
   if (a.task !== b.task || a.measure !== b.measure) return false;
   return isPolar(a.task) ? a.strain === b.strain : a.direction === b.direction;

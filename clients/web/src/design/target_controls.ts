@@ -1,10 +1,10 @@
-// What is wanted and where to look for it: task, direction or strain, measure, family.
+// The controls of the target and the search: task, direction or strain, strain measure, interpolation, family, weight.
 import { Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import type { DesignSession } from "./session";
 import { ANY, type DesignState, type Interpolation, isPolar, TASK_WORDS, TASKS, WEIGHT_LIMITS } from "./state";
 
-/** `examples` are targets to start from. */
+/** `examples`: the menu of example targets. */
 export function targetControls(session: DesignSession, examples: HTMLElement): HTMLElement {
   const task = new Segments(
     "What the target shows",
@@ -52,7 +52,7 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
     curve.value = state.interpolation;
     family.setChoices([
       { value: ANY, words: "Any: the best of all" },
-      ...session.modelled.map((model) => ({ value: model.family, words: `${model.family} (${parameterCount(model.parameters.lower.length)})` })),
+      ...session.familyModels.map((model) => ({ value: model.family, words: `${model.family} (${parameterCount(model.parameters.lower.length)})` })),
     ]);
     family.value = state.family;
     direction.element.hidden = isPolar(state.task);

@@ -1,4 +1,4 @@
-// The curves as numbers, for those who do not see them, and the control points as fields.
+// Tables of the curves, for users who do not see the plot, and of the control points, with fields to edit them.
 import { h, replace } from "../base/dom";
 import { degrees, digits } from "../base/format";
 import type { DesignSession } from "./session";
@@ -7,12 +7,12 @@ import { type ControlPoint, isPolar, STRAIN_WORDS, type Target, TASK_WORDS } fro
 import { targetWords } from "./target_list";
 import { isAtRest, movePoint } from "./targets";
 
-/** A target by its name where there are several. */
+/** A target in a caption, with its label if there are several. */
 function named(target: Target, count: number): string {
   return count > 1 ? `the target ${targetWords(target)}` : "the target";
 }
 
-/** Below this share of the largest value beside it a number is what rounding left of 0. */
+/** Numbers below this fraction of the largest value in their column are rounding errors and shown as 0. */
 const ROUNDING = 1e-6;
 
 function withoutRounding(value: number, all: readonly (number | null)[]): number {
@@ -52,11 +52,11 @@ export function valueTable(session: DesignSession): HTMLElement {
     );
   }
 
-  /** `anew`: also while a field has the focus, which it keeps. */
+  /** Rebuilds the table unless one of its fields is being edited. `anew`: rebuilds it in any case and restores the focus. */
   function showPoints(anew = false): void {
     const fields = () => [...points.querySelectorAll("input")];
     const focused = fields().indexOf(document.activeElement as HTMLInputElement);
-    if (focused >= 0 && !anew) return; // somebody writes there
+    if (focused >= 0 && !anew) return; // a field is being edited
     const state = session.state.get();
     const polar = isPolar(state.task);
     const x = (value: number) => (polar ? (value * 180) / Math.PI : value);
@@ -84,7 +84,7 @@ export function valueTable(session: DesignSession): HTMLElement {
     const point = state.points[index];
     const to: ControlPoint = axis === 0 ? [isPolar(state.task) ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
     session.apply({ points: movePoint(state.task, state.points, index, to, session.extent)[0], byHand: false });
-    showPoints(true); // a value that was out of bounds is shown as the one that is used
+    showPoints(true); // shows the clamped value if the entered one was out of bounds
   }
 
   details.addEventListener("toggle", show);

@@ -1,5 +1,5 @@
-// The design shown, simulated at its native scale: its curve, and its deformed patch; and corrected by simulations, if
-// the person wants it. Ends where the design changes.
+// Simulations of the shown design at its native scale: its curves, its deformed patch, and on request its correction by simulations
+// (polish). A change of the design ends them.
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
@@ -7,25 +7,27 @@ import { runJob } from "../contract/jobs";
 import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
-import { foundOf, sameFound, sameWanted, type Shown } from "./shown";
-import { type DesignState, type Found } from "./state";
+import { designOf, sameTilingDesign, sameRequirements, type TargetResponse } from "./shown";
+import { type DesignState, type TilingDesign } from "./state";
 import { askedOrder } from "./target_list";
 
 export type VerificationState =
   | { kind: "none" }
-  | { kind: "running"; progress: number; stage: string; round: RoundSoFar | null }
+  | { kind: "running"; progress: number; stage: string; round: PolishRound | null }
   | { kind: "failed"; sentence: string }
   | { kind: "done"; simulated: readonly SimulatedTarget[]; polish: Polish; seconds: number };
 
-/** What the simulation says of one target. */
+/** The simulated response to one target. */
 export interface SimulatedTarget {
   readonly curve: Curve;
+  /** Relative root mean square difference from the model; null if it is not known. */
   readonly deviation: number | null;
+  /** Estimated relative error of the mesh; null if it is not known. */
   readonly mesh: number | null;
 }
 
-/** The structure of a polish that was simulated last. */
-export interface RoundSoFar {
+/** The last round of a running polish: its number, and the deviation of the simulation from the target. */
+export interface PolishRound {
   readonly count: number;
   readonly error: number | null;
 }
@@ -40,9 +42,9 @@ export class Verification {
   readonly state = new Observable<VerificationState>({ kind: "none" });
   readonly patch = new Observable<PatchState>({ kind: "none" });
   private running: AbortController | null = null;
-  private subject: Shown | null = null;
+  private subject: TargetResponse | null = null;
 
-  /** The simulation of the target in sight. */
+  /** The simulated response to the selected target. */
   get simulated(): SimulatedTarget | null {
     const state = this.state.get();
     return state.kind === "done" ? (state.simulated[this.session.state.get().at] ?? null) : null;
@@ -53,7 +55,7 @@ export class Verification {
     private readonly client: Client,
   ) {
     session.shown.watch((shown) => {
-      if (this.subject && (!shown || !sameDesign(shown, this.subject))) this.clear();
+      if (this.subject && (!shown || !isSameResult(shown, this.subject))) this.clear();
     });
   }
 
@@ -61,12 +63,12 @@ export class Verification {
     await this.simulate(verificationRequest);
   }
 
-  /** Corrects the design by simulations, and shows the corrected one. */
+  /** Corrects the design by simulations and shows the result. */
   async polish(): Promise<void> {
     await this.simulate(polishRequest);
   }
 
-  private async simulate(requestOf: (state: DesignState, found: Found) => DesignRequest): Promise<void> {
+  private async simulate(requestOf: (state: DesignState, found: TilingDesign) => DesignRequest): Promise<void> {
     const shown = this.session.shown.get();
     if (!shown) return;
     this.clear();
@@ -78,7 +80,7 @@ export class Verification {
     if (!signal.aborted) await this.simulatePatch(simulated, signal);
   }
 
-  /** Stops what runs and forgets what was simulated. */
+  /** Cancels running simulations and removes the results. */
   clear(): void {
     this.running?.abort();
     this.running = null;
@@ -87,18 +89,18 @@ export class Verification {
     this.patch.set({ kind: "none" });
   }
 
-  /** The design that was simulated in the end. */
-  private async simulateProfile(shown: Shown, asked: DesignState, request: DesignRequest, signal: AbortSignal): Promise<Shown> {
+  /** Simulates the profile. Returns the response of the design that was simulated last. */
+  private async simulateProfile(shown: TargetResponse, asked: DesignState, request: DesignRequest, signal: AbortSignal): Promise<TargetResponse> {
     let count = 0;
-    let told = "";
+    let lastKey = "";
     const onProgress = ({ progress, stage, partial }: Job) => {
       if (signal.aborted) return;
-      let round: RoundSoFar | null = null;
+      let round: PolishRound | null = null;
       if (partial && "round" in partial) {
-        // The same event may come again, with another progress.
+        // Several events may report the same round.
         const key = partial.round.parameters.join();
-        if (key !== told) ++count;
-        told = key;
+        if (key !== lastKey) ++count;
+        lastKey = key;
         round = { count, error: partial.round.target_error };
       }
       this.state.set({ kind: "running", progress, stage, round });
@@ -111,9 +113,9 @@ export class Verification {
         this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
         return shown;
       }
-      const found = foundOf(answer, asked);
+      const found = designOf(answer, asked);
       const polished = { ...shown, found };
-      const changed = !sameDesign(polished, shown);
+      const changed = !isSameResult(polished, shown);
       this.subject = polished;
       this.state.set({ kind: "done", simulated, polish: answer.polish, seconds: answer.cost.seconds });
       if (changed) this.session.setFound(found);
@@ -124,7 +126,7 @@ export class Verification {
     }
   }
 
-  private async simulatePatch(shown: Shown, signal: AbortSignal): Promise<void> {
+  private async simulatePatch(shown: TargetResponse, signal: AbortSignal): Promise<void> {
     this.patch.set({ kind: "running", progress: 0 });
     const onProgress = (job: Job) => {
       if (!signal.aborted) this.patch.set({ kind: "running", progress: job.progress });
@@ -141,7 +143,7 @@ export class Verification {
   }
 }
 
-/** In the order of the tabs; null where nothing was simulated. */
+/** The simulated responses in the order of the tabs; null if a target was not simulated. */
 function simulatedTargets(answer: DesignAnswer, asked: DesignState): SimulatedTarget[] | null {
   const profiles = [answer.profile, ...answer.also];
   const order = askedOrder(asked);
@@ -154,7 +156,7 @@ function simulatedTargets(answer: DesignAnswer, asked: DesignState): SimulatedTa
   return found;
 }
 
-/** Of the same targets too: how far a simulation is from it is part of what was found. */
-function sameDesign(a: Shown, b: Shown): boolean {
-  return sameWanted(a, b) && sameFound(a.found, b.found);
+/** Whether two responses are of the same design and the same requirements. The latter count, since a result states its deviation from the targets. */
+function isSameResult(a: TargetResponse, b: TargetResponse): boolean {
+  return sameRequirements(a, b) && sameTilingDesign(a.found, b.found);
 }

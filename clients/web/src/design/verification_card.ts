@@ -29,7 +29,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     if (state.kind === "done" || state.kind === "failed") announce(words.textContent ?? "");
     show();
   });
-  // The simulation has a result for each target, and the card shows that of the target in view.
+  // The card shows the result for the selected target.
   session.shown.watch(() => tell(verification.state.get()));
   verification.patch.watch((state) => {
     if (state.kind === "done") {
@@ -64,7 +64,7 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
   return patch.kind === "running" ? patch.progress : null;
 }
 
-/** `lastSeconds`: what the last simulation took. */
+/** The sentence about the present state. `lastSeconds`: duration of the last simulation, null before the first. */
 function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null): string {
   switch (state.kind) {
     case "none": return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`}.`;

@@ -1,21 +1,21 @@
-// Cells of a surface in their colours, cut where faces belong to several. Knows three.js and nothing of the server.
+// The coloured cells of a surface. Faces that belong to several cells are cut. It uses three.js and does not depend on the server.
 import * as THREE from "three";
 import { barycentricOf, type MeshData, type Vector, vertexPosition } from "./mesh_data";
 import type { Rgb } from "./spring_colours";
 import { facesMaterial } from "./surface_material";
 
 export interface CellPicture {
-  /** Of each face its cell; null where it is cut, or in none. */
+  /** The cell of each face; null if the face is cut or belongs to no cell. */
   readonly faceSites: readonly (number | null)[];
-  /** Of cut faces, each a simple polygon. */
+  /** The pieces of cut faces, each a simple polygon. */
   readonly pieces: readonly { readonly site: number; readonly face: number; readonly corners: readonly Vector[] }[];
-  /** Of each cell. */
+  /** The colour of each cell. */
   readonly colours: readonly Rgb[];
 }
 
 const PLAIN: Rgb = [0.5, 0.53, 0.55];
 
-/** Triangles of a polygon as indices of its corners, given by weights in its face: curved borders leave polygons that no fan fills. */
+/** A triangulation of a polygon as indices of its corners, which are given in barycentric coordinates. Curved borders make non-convex polygons, for which a fan is wrong. */
 function polygonTriangles(weights: readonly Vector[]): readonly (readonly number[])[] {
   const corners = weights.map(([, x, y]) => new THREE.Vector2(x, y));
   const turns = corners.map((corner, k) => {
@@ -28,7 +28,7 @@ function polygonTriangles(weights: readonly Vector[]): readonly (readonly number
   return triangles.length === fan.length ? triangles : fan;
 }
 
-/** Triangles of all cells: places, normals as the whole surface has them, and colours. */
+/** The triangles of all cells: positions, normals interpolated from the surface, and colours. */
 export function cellTriangles(mesh: MeshData, normals: ArrayLike<number>, picture: CellPicture): { places: Float32Array; normals: Float32Array; colours: Float32Array } {
   const cut = new Set(picture.pieces.map((piece) => piece.face));
   const faces = picture.faceSites.length - cut.size;
@@ -51,10 +51,10 @@ export function cellTriangles(mesh: MeshData, normals: ArrayLike<number>, pictur
     }
   });
   for (const { site, face, corners } of picture.pieces) {
-    const all = corners.map((place) => barycentricOf(mesh, face, place));
-    const own = [0, 1, 2].map((corner) => normalAt(mesh.faces[3 * face + corner]));
-    const bent = all.map((weights) => [0, 1, 2].map((axis) => weights[0] * own[0][axis] + weights[1] * own[1][axis] + weights[2] * own[2][axis]) as unknown as Vector);
-    for (const triangle of polygonTriangles(all)) for (const corner of triangle) add(corners[corner], bent[corner], picture.colours[site]);
+    const weightsOfCorners = corners.map((place) => barycentricOf(mesh, face, place));
+    const cornerNormals = [0, 1, 2].map((corner) => normalAt(mesh.faces[3 * face + corner]));
+    const interpolated = weightsOfCorners.map((weights) => [0, 1, 2].map((axis) => weights[0] * cornerNormals[0][axis] + weights[1] * cornerNormals[1][axis] + weights[2] * cornerNormals[2][axis]) as unknown as Vector);
+    for (const triangle of polygonTriangles(weightsOfCorners)) for (const corner of triangle) add(corners[corner], interpolated[corner], picture.colours[site]);
   }
   return result;
 }
@@ -64,15 +64,15 @@ export class CellDrawing {
   private readonly material = facesMaterial();
   private cells: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
 
-  /** Null takes them away. */
+  /** Shows the cells of a mesh; null removes them. */
   show(mesh: MeshData | null, normals: ArrayLike<number>, picture: CellPicture | null): void {
     this.cells?.geometry.dispose();
     this.group.clear();
     this.cells = null;
     if (!mesh || !picture) return;
-    const { places, normals: bent, colours } = cellTriangles(mesh, normals, picture);
+    const { places, normals: interpolated, colours } = cellTriangles(mesh, normals, picture);
     const geometry = new THREE.BufferGeometry();
-    for (const [name, values] of [["position", places], ["normal", bent], ["colour", colours]] as const) geometry.setAttribute(name, new THREE.BufferAttribute(values, 3));
+    for (const [name, values] of [["position", places], ["normal", interpolated], ["colour", colours]] as const) geometry.setAttribute(name, new THREE.BufferAttribute(values, 3));
     this.cells = new THREE.Mesh(geometry, this.material);
     this.cells.frustumCulled = false;
     this.group.add(this.cells);

@@ -7,25 +7,25 @@ import { svg } from "../base/dom";
 import { digits } from "../base/format";
 
 const MARGIN = { top: 26, right: 14, bottom: 40, left: 58 };
-/** Powers of ten between two labels, at least so many pixels apart. */
+/** Minimum distance of two labels in pixels. */
 const LABEL_PIXELS = 26;
-const MOST_DOTS = 80;
+const MAX_DOTS = 80;
 
 export interface ConvergenceView {
-  /** One for each iteration that is known, the start first. */
+  /** The known iterations, beginning with the start. */
   readonly steps: readonly { readonly iteration: number; readonly gradient: number }[];
-  /** Where it ends. */
+  /** Gradient norm at which the relaxation ends. */
   readonly tolerance: number;
-  /** The iteration that is looked at. */
+  /** The iteration that is shown in the view. */
   readonly current: number | null;
 }
 
-/** Powers of ten that hold all values above 0; one power where there are none. */
+/** Exponents of the powers of ten that enclose all positive values; one decade if there are none. */
 export function decades(values: readonly number[]): readonly [number, number] {
   const logs = values.filter((value) => value > 0).map(Math.log10);
   if (logs.length === 0) return [-1, 0];
-  const lower = logs.reduce((least, value) => Math.min(least, value), Infinity);
-  const upper = logs.reduce((most, value) => Math.max(most, value), -Infinity);
+  const lower = logs.reduce((min, value) => Math.min(min, value), Infinity);
+  const upper = logs.reduce((max, value) => Math.max(max, value), -Infinity);
   return [Math.floor(lower), Math.max(Math.ceil(upper), Math.floor(lower) + 1)];
 }
 
@@ -70,7 +70,7 @@ export class ConvergencePlot {
     const shape = line<readonly [number, number]>();
     const places = steps.map((step) => [this.x(step.iteration), this.heightOf(step.gradient)] as const);
     this.curve.setAttribute("d", shape(places) ?? "");
-    this.dots.replaceChildren(...(places.length <= MOST_DOTS ? places : []).map(([cx, cy]) => svg("circle", { cx, cy, r: 2.6 })));
+    this.dots.replaceChildren(...(places.length <= MAX_DOTS ? places : []).map(([cx, cy]) => svg("circle", { cx, cy, r: 2.6 })));
     const goal = this.heightOf(tolerance);
     this.goal.setAttribute("d", tolerance > 0 ? `M${MARGIN.left},${goal}H${width - MARGIN.right}` : "");
     this.goalWords.setAttribute("visibility", tolerance > 0 ? "visible" : "hidden");
@@ -99,16 +99,16 @@ export class ConvergencePlot {
     this.xTitle.setAttribute("y", String(height - 6));
   }
 
-  /** What is 0 lies on the floor. */
+  /** Height of a value in pixels; 0 is drawn at the lower end of the axis. */
   private heightOf(value: number): number {
-    const [least] = this.y.domain();
-    return this.y(Math.max(value, least));
+    const [min] = this.y.domain();
+    return this.y(Math.max(value, min));
   }
 }
 
 const RAISED: Record<string, string> = { "-": "⁻", 0: "⁰", 1: "¹", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶", 7: "⁷", 8: "⁸", 9: "⁹" };
 
-/** A power of ten: "10⁻³". */
+/** A power of ten as text, such as "10⁻³". */
 export function powerWords(value: number): string {
   return `10${[...String(Math.round(Math.log10(value)))].map((letter) => RAISED[letter]).join("")}`;
 }

@@ -1,10 +1,10 @@
-// What was found on a surface, as files: paths as polylines, distances at the vertices.
+// Results on a surface as files: paths as polylines, distances at the vertices.
 import type { MeshData, Vector } from "./mesh_data";
 
 const number = (value: number): string => String(Number(value.toPrecision(12)));
 const place = (at: readonly number[]): string => at.map(number).join(" ");
 
-/** Each path as a polyline. */
+/** OBJ with each path as a polyline. */
 export function pathsObj(paths: readonly (readonly Vector[])[]): string {
   const lines = ["# shortest paths, one polyline each"];
   let count = 0;
@@ -15,7 +15,7 @@ export function pathsObj(paths: readonly (readonly Vector[])[]): string {
   return `${lines.join("\n")}\n`;
 }
 
-/** The points of each path with the way from its start, in mesh units. */
+/** CSV with the points of each path and their distance along the path from its start, in mesh units. */
 export function pathsCsv(paths: readonly (readonly Vector[])[]): string {
   const rows = ["path,point,x,y,z,length_from_start"];
   paths.forEach((path, k) => {
@@ -28,7 +28,7 @@ export function pathsCsv(paths: readonly (readonly Vector[])[]): string {
   return `${rows.join("\n")}\n`;
 }
 
-/** The mesh with a distance at each vertex; -1 where a vertex cannot be reached, as PLY knows no missing value. */
+/** PLY of the mesh with a distance at each vertex. Unreachable vertices have -1, because PLY has no missing values. */
 export function fieldPly({ positions, faces }: MeshData, distances: readonly number[]): string {
   const lines = [
     "ply", "format ascii 1.0", "comment distance in mesh units, -1 where there is no path",

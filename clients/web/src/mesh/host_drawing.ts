@@ -1,4 +1,4 @@
-// A surface whose faces have colours of their own. Knows three.js and nothing of the server.
+// A surface with a colour for each face. It uses three.js and does not depend on the server.
 import * as THREE from "three";
 import type { Rgb } from "./spring_colours";
 import { facesMaterial } from "./surface_material";
@@ -8,7 +8,7 @@ export class HostDrawing {
   private readonly material = facesMaterial();
   private faces: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
 
-  /** The faces of an indexed surface, each in its colour; null takes them away. */
+  /** Shows the faces of an indexed surface, each in its colour; null removes them. */
   show(surface: THREE.BufferGeometry | null, colours: readonly Rgb[] | null): void {
     this.faces?.geometry.dispose();
     this.group.clear();

@@ -1,4 +1,4 @@
-// How a host gave way: the colours of its surface and what they mean, its shape at rest, and what is known of it in numbers.
+// The legend of a deformed host: colour scale, switch to the shape at rest, and the facts of the host.
 import { Checkbox, Select } from "../base/controls";
 import { h } from "../base/dom";
 import { digits } from "../base/format";
@@ -13,8 +13,8 @@ export function hostLegend(view: NetworkView): HTMLElement {
   ], (value) => view.deformationBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(DEFORMATION_RAMP);
-  const [least, most] = [h("span"), h("span")];
-  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, least, h("span", {}, "1"), most));
+  const [min, max] = [h("span"), h("span")];
+  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, min, h("span", {}, "1"), max));
   const atRest = new Checkbox("Show the shape at rest", (value) => view.atRest.set(value));
   const element = h("div", { class: "ramp-choice host-legend", hidden: true }, colours.element, scale, atRest.element);
   view.atRest.watch((value) => (atRest.value = value));
@@ -23,8 +23,8 @@ export function hostLegend(view: NetworkView): HTMLElement {
     scale.hidden = value === "none";
   });
   view.deformation.watch((factor) => {
-    least.textContent = digits(1 / factor, 4);
-    most.textContent = digits(factor, 4);
+    min.textContent = digits(1 / factor, 4);
+    max.textContent = digits(factor, 4);
   });
   view.host.watch((host) => (element.hidden = !host));
   return element;
@@ -35,7 +35,7 @@ const TERM_WORDS: Record<string, string> = {
   shell_bending: "Energy of bending the shell", shell_volume: "Energy of the volume", solid: "Energy of the solid", gravity: "Energy of gravity",
 };
 
-/** What is said of a host that gave way; nothing of a rigid one. */
+/** The facts of a deformed host; none for a rigid one. */
 export function hostFacts({ host, terms }: Pick<EmbeddedSystem, "host" | "terms">): [string, string][] {
   if (!host) return [];
   const rows = terms.map(({ name, energy }): [string, string] => [TERM_WORDS[name] ?? name.replace(/_/g, " "), digits(energy, 4)]);

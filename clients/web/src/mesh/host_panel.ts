@@ -1,4 +1,4 @@
-// What carries the network: nothing that gives way, a shell or a solid, and which of its vertices are held.
+// The controls of the host: rigid, shell or solid, its parameters and its supports.
 import { Checkbox, Segments, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import { type Host, HOST_KINDS, hostFault, type HostKind, hostLimits, VOLUME_SCALE_LIMITS } from "./host";
@@ -26,16 +26,16 @@ export function hostControls(mesh: MeshSession, network: NetworkSession, nudge: 
   const solidModulus = slider("Young’s modulus of the solid (energy / length³)", 4, (value) => ({ solidModulus: value }));
   const poisson = slider("Poisson’s ratio of the host", 4, (poissonRatio) => ({ poissonRatio }), POISSON_LIMITS);
   const bends = new Checkbox("Resist bending", (value) => network.changeHost({ bends: value }));
-  const keeps = new Checkbox("Keep the enclosed volume", (keepsVolume) => network.changeHost({ keepsVolume }));
+  const volumeCheckbox = new Checkbox("Keep the enclosed volume", (keepsVolume) => network.changeHost({ keepsVolume }));
   const volumeWeight = slider("Weight of the volume (energy / length³)", 4, (value) => ({ volumeWeight: value }));
   const volumeScale = slider("Volume to keep, over that at rest", 4, (value) => ({ volumeScale: value }), VOLUME_SCALE_LIMITS);
   const gravity = slider("Gravity along −z (energy / length⁴)", 5, (value) => ({ gravity: value }));
-  const ofShell = h("div", { class: "parameters" }, thickness.element, shellModulus.element);
+  const shellFields = h("div", { class: "parameters" }, thickness.element, shellModulus.element);
   const volume = h("div", { class: "parameters" }, volumeWeight.element, volumeScale.element);
-  const moreOfShell = h("div", { class: "parameters" }, h("div", {}, bends.element, keeps.element), volume);
-  const ofSolid = h("div", { class: "parameters" }, gravity.element);
-  const held = supportControls(mesh, network, nudge);
-  const fields = h("div", { class: "parameters" }, ofShell, solidModulus.element, poisson.element, moreOfShell, ofSolid, held);
+  const shellOptions = h("div", { class: "parameters" }, h("div", {}, bends.element, volumeCheckbox.element), volume);
+  const solidFields = h("div", { class: "parameters" }, gravity.element);
+  const supports = supportControls(mesh, network, nudge);
+  const fields = h("div", { class: "parameters" }, shellFields, solidModulus.element, poisson.element, shellOptions, solidFields, supports);
   const limit = () => {
     const diagonal = mesh.mesh.get()?.info.bounding_box.diagonal;
     if (!diagonal) return;
@@ -55,15 +55,15 @@ export function hostControls(mesh: MeshSession, network: NetworkSession, nudge: 
     fault.hidden = !sentence;
     fault.textContent = sentence ?? "";
     fields.hidden = host.kind === "rigid";
-    ofShell.hidden = moreOfShell.hidden = host.kind !== "shell";
-    solidModulus.element.hidden = ofSolid.hidden = host.kind !== "solid";
+    shellFields.hidden = shellOptions.hidden = host.kind !== "shell";
+    solidModulus.element.hidden = solidFields.hidden = host.kind !== "solid";
     volume.hidden = !host.keepsVolume;
     thickness.value = host.thickness;
     shellModulus.value = host.shellModulus;
     solidModulus.value = host.solidModulus;
     poisson.value = host.poissonRatio;
     bends.value = host.bends;
-    keeps.value = host.keepsVolume;
+    volumeCheckbox.value = host.keepsVolume;
     volumeWeight.value = host.volumeWeight;
     volumeScale.value = host.volumeScale;
     gravity.value = host.gravity;

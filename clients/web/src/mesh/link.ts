@@ -1,38 +1,38 @@
-// Mesh, tool, points and network in a link.
+// The state of the mesh page in a link: mesh, tool, points, network and Voronoi diagram.
 import type { SurfacePoint } from "../contract/types";
 import type { NetworkState } from "./network_state";
 import { readNetwork, writeNetwork } from "./network_text";
-import { MOST_STARTS, type Tool, TOOLS } from "./session";
+import { MAX_STARTS, type Tool, TOOLS } from "./session";
 import { readVoronoi, type VoronoiState, writeVoronoi } from "./voronoi_state";
 
-/** Of one link; more sites than these are not kept, unless they are random ones. */
-const MOST_POINTS = 200;
+/** Limit of the number of points in a link. Further ones are dropped; random sites are not listed at all. */
+const MAX_POINTS = 200;
 
 export interface MeshLink {
   mesh: string;
   tool: Tool;
   points: SurfacePoint[];
-  /** Of a mean, where there are several. */
+  /** Number of starts of the search for a mean, if there are several. */
   starts?: number;
-  /** Where the tool is the network. */
+  /** State of the network, if it is the tool. */
   network: NetworkState | null;
-  /** Where the tool is Voronoi; the points are its sites, unless they are random. */
+  /** State of the Voronoi diagram, if it is the tool. Its sites are the points, unless they are random. */
   voronoi?: VoronoiState | null;
 }
 
 export function writeMeshLink({ mesh, tool, points, starts = 1, network, voronoi }: MeshLink): string {
-  const places = points.slice(0, MOST_POINTS).map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
+  const places = points.slice(0, MAX_POINTS).map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
   return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${tool === "mean" && starts > 1 ? `&starts=${starts}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}${voronoi && tool === "voronoi" ? `&${writeVoronoi(voronoi)}` : ""}`;
 }
 
-/** Null where the text is no such link; points that are none are left out. */
+/** The state of a link; null if the text names no mesh. Invalid points are left out. */
 export function readMeshLink(text: string): MeshLink | null {
   const fields = new Map(text.split("&").map((field) => field.split("=", 2) as [string, string]));
   const mesh = fields.get("mesh") ?? "";
   if (!/^[0-9a-f]{64}$/.test(mesh)) return null;
-  const places = (fields.get("points") ?? "").split(";").slice(0, MOST_POINTS);
+  const places = (fields.get("points") ?? "").split(";").slice(0, MAX_POINTS);
   const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
-  const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MOST_STARTS, Number(fields.get("starts"))) : 1;
+  const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MAX_STARTS, Number(fields.get("starts"))) : 1;
   return {
     mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, ...(starts > 1 && { starts }), network: readNetwork(fields, points.length), ...voronoiOf(fields),
   };
@@ -43,7 +43,7 @@ function voronoiOf(fields: ReadonlyMap<string, string>): Pick<MeshLink, "voronoi
   return voronoi ? { voronoi } : {};
 }
 
-/** A vertex as "v12", a point of a face as "12:0.2,0.3,0.5". */
+/** A point from text: a vertex as "v12", or a point of a face as "12:0.2,0.3,0.5" with barycentric coordinates. Null if the text is invalid. */
 export function readPoint(text: string): SurfacePoint | null {
   const vertex = /^v(\d{1,9})$/.exec(text.trim());
   if (vertex) return { vertex: Number(vertex[1]) };

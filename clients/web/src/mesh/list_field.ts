@@ -1,4 +1,4 @@
-// A field for a list that is written by hand; what is no such list is said at the field.
+// A text field for a list. An invalid text is reported at the field.
 import { h, uniqueId } from "../base/dom";
 import { showText } from "../base/writing";
 
@@ -7,13 +7,13 @@ export interface ListField {
   set(text: string): void;
 }
 
-export function listField<Value>(label: string, placeholder: string, fault: string, read: (text: string) => Value | null, take: (value: Value) => boolean): ListField {
+export function listField<Value>(label: string, placeholder: string, fault: string, read: (text: string) => Value | null, accept: (value: Value) => boolean): ListField {
   const id = uniqueId("list");
   const input = h("input", { class: "number list", id, placeholder, autocomplete: "off", spellcheck: "false" });
   input.addEventListener("input", () => input.setCustomValidity(""));
   input.addEventListener("change", () => {
     const value = read(input.value);
-    if (value !== null && take(value)) return;
+    if (value !== null && accept(value)) return;
     input.setCustomValidity(fault);
     input.reportValidity();
   });

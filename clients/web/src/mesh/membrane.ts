@@ -1,7 +1,7 @@
-// The mechanics of a membrane's triangles as the engine has them: how far they are stretched, by the lengths of their sides alone.
+// The mechanics of a membrane's triangles, as the engine computes them: principal stretches from the lengths of the sides, and the energy density.
 import type { Vector } from "./mesh_data";
 
-/** Three points of the network. */
+/** Indices of three points of the network. */
 export type Triple = readonly [number, number, number];
 /** Lengths of the sides (0, 1), (1, 2) and (2, 0). */
 export type Sides = readonly [number, number, number];
@@ -16,7 +16,7 @@ export interface MembraneMaterial {
 
 export const SIDES: readonly (readonly [number, number])[] = [[0, 1], [1, 2], [2, 0]];
 
-/** Of segments through space. */
+/** Lengths of the sides of a triangle with straight sides in space. */
 export function straightSides(positions: readonly Vector[], corners: Triple): Sides {
   return SIDES.map(([from, to]) => {
     const [a, b] = [positions[corners[from]], positions[corners[to]]];
@@ -24,15 +24,15 @@ export function straightSides(positions: readonly Vector[], corners: Triple): Si
   }) as unknown as Sides;
 }
 
-/** The corners of a flat triangle of such sides, the first at the origin and the second on the x axis. */
-function laidOut([ab, bc, ca]: Sides): { bx: number; cx: number; cy: number } {
+/** The coordinates of a plane triangle with given sides: the first corner at the origin, the second on the x axis. */
+function flattened([ab, bc, ca]: Sides): { bx: number; cx: number; cy: number } {
   const cx = (ab * ab + ca * ca - bc * bc) / (2 * ab);
   return { bx: ab, cx, cy: Math.sqrt(Math.max(0, ca * ca - cx * cx)) };
 }
 
-/** Of the linear map that takes the flat triangle at rest to the one it is now; the lesser is 0 where it has no area. */
+/** Principal stretches of the linear map from the plane triangle at rest to the present one. The lesser is 0 if the present one has no area. */
 export function stretchesOf(rest: Sides, now: Sides): Stretches {
-  const [before, after] = [laidOut(rest), laidOut(now)];
+  const [before, after] = [flattened(rest), flattened(now)];
   const xx = after.bx / before.bx;
   const yy = after.cy / before.cy;
   const xy = (after.cx - xx * before.cx) / before.cy;
@@ -41,7 +41,7 @@ export function stretchesOf(rest: Sides, now: Sides): Stretches {
   return [(sum + difference) / 2, Math.abs(sum - difference) / 2];
 }
 
-/** Compressible neo-Hookean energy per area at rest; infinite where no area is left. */
+/** Compressible neo-Hookean energy per area at rest; infinite for a triangle without area. */
 export function energyDensity([greater, lesser]: Stretches, { youngs_modulus, poisson_ratio, thickness }: MembraneMaterial): number {
   const mu = youngs_modulus / (2 * (1 + poisson_ratio));
   const lambda = (youngs_modulus * poisson_ratio) / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio));
@@ -50,7 +50,7 @@ export function energyDensity([greater, lesser]: Stretches, { youngs_modulus, po
   return log > -Infinity ? Math.max(0, thickness * ((mu / 2) * (invariant - 2 - 2 * log) + (lambda / 2) * log * log)) : Infinity;
 }
 
-/** Each side once, the point with the smaller number first. */
+/** Each side of the triangles once, with the smaller index first. */
 export function sidesOf(triangles: readonly Triple[]): (readonly [number, number])[] {
   const sides = new Map<string, readonly [number, number]>();
   for (const corners of triangles) {

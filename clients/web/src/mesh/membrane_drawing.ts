@@ -1,4 +1,4 @@
-// A membrane in space: its triangles, coloured, and their sides as thin lines. Knows three.js and nothing of the server.
+// A drawing of a membrane: coloured triangles, and their sides as thin lines. It uses three.js and does not depend on the server.
 import * as THREE from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
@@ -7,14 +7,14 @@ import type { Drape } from "./membrane_drape";
 import type { Rgb } from "./spring_colours";
 import { facesMaterial } from "./surface_material";
 
-/** How much nearer triangles and their sides come than the surface that they lie on, in smallest steps of depth. */
-const TRIANGLES_NEARER = 150;
-const SIDES_NEARER = 260;
+/** Depth offsets of triangles and sides towards the camera, in units of the depth resolution, so that the surface below does not hide them. */
+const TRIANGLE_DEPTH_OFFSET = 150;
+const SIDE_DEPTH_OFFSET = 260;
 
 export class MembraneDrawing {
   readonly group = new THREE.Group();
-  private readonly material = facesMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -TRIANGLES_NEARER });
-  private readonly lineMaterial = new LineMaterial({ linewidth: 1.4, polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -SIDES_NEARER });
+  private readonly material = facesMaterial({ polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -TRIANGLE_DEPTH_OFFSET });
+  private readonly lineMaterial = new LineMaterial({ linewidth: 1.4, polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -SIDE_DEPTH_OFFSET });
   private drape: Drape | null = null;
   private triangles: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
   private sides: LineSegments2 | null = null;
@@ -23,9 +23,9 @@ export class MembraneDrawing {
     this.lineMaterial.resolution.set(width, height);
   }
 
-  /** Null takes the membrane away; `colours` has one for each of its triangles. */
+  /** Shows a membrane with a colour for each of its triangles; null removes it. */
   show(drape: Drape | null, colours: readonly Rgb[], sides: THREE.Color): void {
-    if (drape !== this.drape) this.lay(drape);
+    if (drape !== this.drape) this.setDrape(drape);
     this.lineMaterial.color = sides;
     if (!drape || !this.triangles) return;
     const values = new Float32Array(drape.positions.length);
@@ -35,7 +35,7 @@ export class MembraneDrawing {
     this.triangles.geometry.setAttribute("colour", new THREE.BufferAttribute(values, 3));
   }
 
-  private lay(drape: Drape | null): void {
+  private setDrape(drape: Drape | null): void {
     this.drape = drape;
     for (const part of [this.triangles, this.sides]) part?.geometry.dispose();
     this.group.clear();

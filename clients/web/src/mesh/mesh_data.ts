@@ -1,4 +1,4 @@
-// A mesh as the server sends it: canonical PLY, binary, with double coordinates and triangles.
+// A mesh as the server sends it: binary canonical PLY with double coordinates and triangles.
 
 export interface MeshData {
   /** x, y, z of each vertex. */
@@ -47,7 +47,7 @@ export function facePosition(mesh: MeshData, face: number, barycentric: readonly
   return [sum[0], sum[1], sum[2]];
 }
 
-/** Barycentric coordinates of the face's point nearest to a place near its plane: none below 0, of sum 1. */
+/** Barycentric coordinates in a face of a position near its plane. Negative ones are clamped to 0, and the sum is made 1. */
 export function barycentricOf(mesh: MeshData, face: number, place: Vector): Vector {
   const corner = (k: number) => vertexPosition(mesh, mesh.faces[3 * face + k]);
   const [a, b, c] = [corner(0), corner(1), corner(2)];
@@ -71,9 +71,9 @@ function dot(a: Vector, b: Vector): number {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/** A round distance of which about `count` fit into `most`: 1, 2 or 5 times a power of ten. */
-export function roundStep(most: number, count: number): number {
-  const raw = most / count;
+/** A round distance, 1, 2 or 5 times a power of ten, that fits about `count` times into `extent`. */
+export function roundStep(extent: number, count: number): number {
+  const raw = extent / count;
   const power = 10 ** Math.floor(Math.log10(raw));
   const lead = raw / power;
   return power * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10);
@@ -82,12 +82,12 @@ export function roundStep(most: number, count: number): number {
 const ISOLINES = 18;
 const RAMP_TICKS = 5;
 
-/** A round spacing of isolines for a field that reaches so far. */
+/** A round spacing of isolines for a field with a largest value. */
 export function isolineSpacing(largest: number): number {
   return roundStep(largest || 1, ISOLINES);
 }
 
-/** Round values from 0 up to the largest. */
+/** Round values from 0 to at most the largest value. */
 export function rampTicks(largest: number): number[] {
   const step = roundStep(largest || 1, RAMP_TICKS);
   return Array.from({ length: Math.floor((largest || 1) / step + 1e-9) + 1 }, (_, k) => Number((k * step).toPrecision(12)));

@@ -1,4 +1,4 @@
-// The point of a surface that is nearest to a place in space, by a grid of cells that know the faces in them.
+// The nearest point of a surface to a position in space, with a uniform grid whose cells list the faces in them.
 import { type MeshData, type Vector, vertexPosition } from "./mesh_data";
 
 export interface NearestPoint {
@@ -7,7 +7,7 @@ export interface NearestPoint {
   readonly position: Vector;
 }
 
-/** Cells for each face, at most. */
+/** Number of grid cells for each face, at most approximately. */
 const CELLS_PER_FACE = 2;
 const AXES = [0, 1, 2] as const;
 
@@ -15,15 +15,15 @@ export class SurfaceGrid {
   private readonly lower: number[];
   private readonly cells: number[];
   private readonly size: number;
-  /** Faces of cell k: from starts[k] to starts[k + 1]. */
+  /** The faces of cell k are faces[starts[k]] to faces[starts[k + 1] - 1]. */
   private readonly starts: Uint32Array;
   private readonly faces: Uint32Array;
-  /** The query in which a face was looked at last. */
-  private readonly seen: Uint32Array;
+  /** Number of the query that has visited each face last, so that a query visits a face once. */
+  private readonly lastQuery: Uint32Array;
   private query = 0;
-  /** The nearest face of this query so far and its squared distance. */
-  private found = 0;
-  private least = Infinity;
+  /** The nearest face of the present query so far, and its squared distance. */
+  private nearestFace = 0;
+  private minSquared = Infinity;
   private readonly weights = new Float64Array(3);
 
   constructor(private readonly mesh: MeshData) {
@@ -35,27 +35,27 @@ export class SurfaceGrid {
       upper[k % 3] = Math.max(upper[k % 3], mesh.positions[k]);
     }
     const extent = AXES.map((axis) => upper[axis] - this.lower[axis]);
-    const most = Math.max(...extent) || 1;
-    const volume = extent.reduce((product, length) => product * Math.max(length, most / 100), 1);
-    this.size = Math.max(Math.cbrt(volume / (CELLS_PER_FACE * count)), most / 500);
+    const maxExtent = Math.max(...extent) || 1;
+    const volume = extent.reduce((product, length) => product * Math.max(length, maxExtent / 100), 1);
+    this.size = Math.max(Math.cbrt(volume / (CELLS_PER_FACE * count)), maxExtent / 500);
     this.cells = extent.map((length) => Math.max(1, Math.ceil(length / this.size)));
-    const [starts, faces] = this.filled(count);
+    const [starts, faces] = this.facesByCell(count);
     this.starts = starts;
     this.faces = faces;
-    this.seen = new Uint32Array(count);
+    this.lastQuery = new Uint32Array(count);
   }
 
   nearest(place: Vector): NearestPoint {
     ++this.query;
-    const home = AXES.map((axis) => this.cellAlong(axis, place[axis]));
-    this.found = 0;
-    this.least = Infinity;
+    const homeCell = AXES.map((axis) => this.cellAlong(axis, place[axis]));
+    this.nearestFace = 0;
+    this.minSquared = Infinity;
     const rings = Math.max(...this.cells);
-    for (let ring = 0; ring <= rings && this.least > (Math.max(0, ring - 1) * this.size) ** 2; ++ring) this.lookAtRing(home, ring, place);
-    squaredDistance(this.mesh, this.found, place, this.weights);
+    for (let ring = 0; ring <= rings && this.minSquared > (Math.max(0, ring - 1) * this.size) ** 2; ++ring) this.searchRing(homeCell, ring, place);
+    squaredDistance(this.mesh, this.nearestFace, place, this.weights);
     const [first, second, third] = this.weights;
-    const [a, b, c] = AXES.map((k) => vertexPosition(this.mesh, this.mesh.faces[3 * this.found + k]));
-    return { face: this.found, barycentric: [first, second, third], position: AXES.map((axis) => first * a[axis] + second * b[axis] + third * c[axis]) as unknown as Vector };
+    const [a, b, c] = AXES.map((k) => vertexPosition(this.mesh, this.mesh.faces[3 * this.nearestFace + k]));
+    return { face: this.nearestFace, barycentric: [first, second, third], position: AXES.map((axis) => first * a[axis] + second * b[axis] + third * c[axis]) as unknown as Vector };
   }
 
   private cellAlong(axis: number, coordinate: number): number {
@@ -66,7 +66,7 @@ export class SurfaceGrid {
     return (z * this.cells[1] + y) * this.cells[0] + x;
   }
 
-  private filled(count: number): [Uint32Array, Uint32Array] {
+  private facesByCell(count: number): [Uint32Array, Uint32Array] {
     const starts = new Uint32Array(this.cells[0] * this.cells[1] * this.cells[2] + 1);
     const each = (act: (cell: number, face: number) => void) => {
       for (let face = 0; face < count; ++face) {
@@ -83,33 +83,33 @@ export class SurfaceGrid {
     return [starts, faces];
   }
 
-  /** Looks at the faces of all cells that are so many cells away from one, at each once in a query. */
-  private lookAtRing(home: readonly number[], ring: number, place: Vector): void {
-    const [from, to] = [AXES.map((axis) => Math.max(0, home[axis] - ring)), AXES.map((axis) => Math.min(this.cells[axis] - 1, home[axis] + ring))];
+  /** Searches the faces of all cells at a Chebyshev distance of `ring` cells from a cell. */
+  private searchRing(homeCell: readonly number[], ring: number, place: Vector): void {
+    const [from, to] = [AXES.map((axis) => Math.max(0, homeCell[axis] - ring)), AXES.map((axis) => Math.min(this.cells[axis] - 1, homeCell[axis] + ring))];
     for (let z = from[2]; z <= to[2]; ++z) {
       for (let y = from[1]; y <= to[1]; ++y) {
-        const outer = Math.abs(z - home[2]) === ring || Math.abs(y - home[1]) === ring;
+        const outer = Math.abs(z - homeCell[2]) === ring || Math.abs(y - homeCell[1]) === ring;
         for (let x = from[0]; x <= to[0]; ++x) {
-          if (!outer && Math.abs(x - home[0]) !== ring) continue;
+          if (!outer && Math.abs(x - homeCell[0]) !== ring) continue;
           const cell = this.index(x, y, z);
-          for (let k = this.starts[cell]; k < this.starts[cell + 1]; ++k) this.lookAtFace(this.faces[k], place);
+          for (let k = this.starts[cell]; k < this.starts[cell + 1]; ++k) this.searchFace(this.faces[k], place);
         }
       }
     }
   }
 
-  private lookAtFace(face: number, place: Vector): void {
-    if (this.seen[face] === this.query) return;
-    this.seen[face] = this.query;
-    const away = squaredDistance(this.mesh, face, place, this.weights);
-    if (away < this.least) [this.found, this.least] = [face, away];
+  private searchFace(face: number, place: Vector): void {
+    if (this.lastQuery[face] === this.query) return;
+    this.lastQuery[face] = this.query;
+    const squared = squaredDistance(this.mesh, face, place, this.weights);
+    if (squared < this.minSquared) [this.nearestFace, this.minSquared] = [face, squared];
   }
 }
 
 /**
- * Of a place from a face, whose barycentric coordinates nearest to it are put into `weights`. Ericson 2005, Real-Time Collision
- * Detection, 5.1.5: by the regions of a triangle's corners, sides and inside. A picture of a membrane asks some hundred thousand
- * times, so nothing is made on the way that would have to be collected.
+ * The squared distance of a position from a face. `weights` receives the barycentric coordinates of the nearest point, which is found
+ * by the Voronoi regions of the triangle's corners, sides and interior [Ericson2005, 5.1.5]. A picture of a membrane calls this some
+ * hundred thousand times, so that nothing is allocated that the garbage collector would have to free.
  */
 function squaredDistance({ positions, faces }: MeshData, face: number, place: Vector, weights: Float64Array): number {
   const [a, b, c] = [3 * faces[3 * face], 3 * faces[3 * face + 1], 3 * faces[3 * face + 2]];
@@ -117,7 +117,7 @@ function squaredDistance({ positions, faces }: MeshData, face: number, place: Ve
   const [abx, aby, abz] = [positions[b] - ax, positions[b + 1] - ay, positions[b + 2] - az];
   const [acx, acy, acz] = [positions[c] - ax, positions[c + 1] - ay, positions[c + 2] - az];
   const [px, py, pz] = [place[0] - ax, place[1] - ay, place[2] - az];
-  // Products of the sides at a with the ways from a, b and c to the place.
+  // Dot products of the sides ab and ac with the vectors from a, b and c to the position.
   const [d1, d2] = [abx * px + aby * py + abz * pz, acx * px + acy * py + acz * pz];
   const [aa, ab, bb] = [abx * abx + aby * aby + abz * abz, abx * acx + aby * acy + abz * acz, acx * acx + acy * acy + acz * acz];
   const [d3, d4, d5, d6] = [d1 - aa, d2 - ab, d1 - ab, d2 - bb];

@@ -1,20 +1,20 @@
-// A network that was made, the requests that make, relax and save it, and what is known of its springs on the way.
+// A constructed network; the requests that construct, relax and save it; and lengths and energies of its springs and triangles.
 import type { EmbeddedSystem, EmbeddedSystemRequest, NetworkSpring, SurfacePoint } from "../contract/types";
 import { hostFields } from "./host";
 import { energyDensity, type MembraneMaterial, straightSides, type Stretches, stretchesOf, type Triple } from "./membrane";
 import type { Vector } from "./mesh_data";
 import { hasMembrane, hasSprings, type NetworkState, type Pair } from "./network_state";
 
-/** Points, springs and triangles by which a network is drawn and relaxed. */
+/** Points, springs and triangles of a constructed network. */
 export interface Network {
   readonly points: readonly SurfacePoint[];
   readonly positions: readonly Vector[];
   readonly pairs: readonly Pair[];
-  /** Of a membrane; none where the network is of springs alone. */
+  /** Triangles of the membrane; none in a network of springs alone. */
   readonly triangles: readonly Triple[];
 }
 
-/** All that points, springs and triangles depend on; fixed points, values of springs and the membrane's material not. */
+/** A key of all that points, springs and triangles depend on. Fixed points, values of springs and the material of the membrane are not part of it. */
 export function networkKey(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): string {
   const points = state.points === "picked" ? picked : state.points === "poisson_disk" ? [state.radius, state.seed] : [];
   const springs = hasSprings(state) && [state.springs, state.springs === "drawn" && state.drawn.map(({ between }) => between)];
@@ -22,17 +22,17 @@ export function networkKey(mesh: string, state: NetworkState, picked: readonly S
 }
 
 /**
- * Asks for the points, springs and triangles alone: springs without weight and triangles at rest move nothing, so that the
- * answer is the network as its builders make it.
+ * The request that constructs points, springs and triangles. Springs without weight and triangles at rest exert no forces, so that the
+ * answer is the network before any relaxation.
  */
-export function makingRequest(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest {
+export function constructionRequest(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest {
   const { springs: source } = state;
   const springs: EmbeddedSystemRequest["springs"] = !hasSprings(state) ? [] : source === "drawn" ? state.drawn.map(({ between }) => ({ between: [...between], weight: 0 })) : { kind: source, weight: 0 };
   const triangles = hasMembrane(state) && { triangles: { kind: "voronoi_dual" } };
-  return { mesh, points: startOf(state, picked), springs, ...triangles, max_iterations: 1 } as EmbeddedSystemRequest;
+  return { mesh, points: pointsField(state, picked), springs, ...triangles, max_iterations: 1 } as EmbeddedSystemRequest;
 }
 
-function startOf(state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest["points"] {
+function pointsField(state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest["points"] {
   if (state.points === "picked") return [...picked];
   if (state.points === "per_face") return { kind: "per_face", barycentric: [1 / 3, 1 / 3, 1 / 3] };
   return { kind: "poisson_disk", radius: state.radius, seed: state.seed };
@@ -40,14 +40,14 @@ function startOf(state: NetworkState, picked: readonly SurfacePoint[]): Embedded
 
 /** Rest length and weight of each spring, in the order of the pairs. */
 export function springsOf(state: NetworkState, pairs: readonly Pair[]): NetworkSpring[] {
-  const own = new Map(state.drawn.map((spring) => [spring.between.join(), spring]));
+  const drawnSprings = new Map(state.drawn.map((spring) => [spring.between.join(), spring]));
   return pairs.map((pair) => {
-    const spring = state.springs === "drawn" ? own.get(pair.join()) : undefined;
+    const spring = state.springs === "drawn" ? drawnSprings.get(pair.join()) : undefined;
     return { between: [...pair], rest_length: spring?.restLength ?? state.restLength, weight: spring?.weight ?? state.weight };
   });
 }
 
-/** Asks for the network at rest, from `start`; a membrane is at rest where it starts, but for its factor. */
+/** The request for the equilibrium of a network, from the points `start`. A membrane is at rest at its start, apart from the rest scale. */
 export function relaxationRequest(mesh: string, state: NetworkState, network: Network, start: readonly SurfacePoint[] = network.points): EmbeddedSystemRequest {
   return {
     mesh,
@@ -69,15 +69,15 @@ export function relaxationRequest(mesh: string, state: NetworkState, network: Ne
 }
 
 /**
- * Asks for a file of a network as it is: with all points held, nothing moves. A membrane would be at rest there, and a host that
- * gives way would move again: these are relaxed once more from where they started, with the same result.
+ * The request for a file of a relaxed network. All of its points are fixed, so that nothing moves. A membrane would take this state as
+ * its rest state, and a deformable host would start undeformed: these are relaxed again from their start, with the same result.
  */
 export function fileRequest(request: EmbeddedSystemRequest, points: readonly SurfacePoint[]): EmbeddedSystemRequest {
   if (startsAtRest(request)) return request;
   return { ...request, points: [...points], fixed_points: points.map((_, point) => point), max_iterations: 1 };
 }
 
-/** Whether a relaxation has a state at rest that it starts from, so that it cannot go on from where another ended. */
+/** Whether the start of a relaxation defines a rest state, so that a relaxation cannot resume from the end of another. */
 export function startsAtRest({ triangles, host }: Pick<EmbeddedSystemRequest, "triangles" | "host">): boolean {
   return triangles !== undefined || host !== undefined;
 }
@@ -87,7 +87,7 @@ export interface SpringValues {
   readonly energies: readonly number[];
 }
 
-/** Of springs that are straight through space: what is known of them on the way. */
+/** Lengths and energies of springs as straight segments in space, for states whose exact values are not known. */
 export function straightValues(positions: readonly Vector[], springs: readonly NetworkSpring[]): SpringValues {
   const lengths = springs.map(({ between: [a, b] }) => Math.hypot(...[0, 1, 2].map((axis) => positions[a][axis] - positions[b][axis])));
   return { lengths, energies: springs.map(({ rest_length = 0, weight = 1 }, k) => weight * (lengths[k] - rest_length) ** 2) };
@@ -101,11 +101,11 @@ export interface TriangleValues {
   readonly stretches: readonly Stretches[];
   /** Energy per area at rest. */
   readonly densities: readonly number[];
-  /** Of shortest paths instead of segments through space. */
+  /** Whether the values are of shortest paths; otherwise of straight segments in space. */
   readonly exact: boolean;
 }
 
-/** Of triangles with straight sides, against straight sides at rest: what is known of them on the way. */
+/** Stretches and energy densities of triangles with straight sides, for states whose exact values are not known. */
 export function straightTriangles({ positions: start, triangles }: Network, positions: readonly Vector[], material: MembraneMaterial, restScale: number): TriangleValues {
   const stretches = triangles.map((corners): Stretches => {
     const [greater, lesser] = stretchesOf(straightSides(start, corners), straightSides(positions, corners));
@@ -119,7 +119,7 @@ export function exactTriangles({ membrane = [] }: EmbeddedSystem, material: Memb
   return { stretches, densities: stretches.map((pair) => energyDensity(pair, material)), exact: true };
 }
 
-/** What triangles of a request are made of, or would be of the state. */
+/** The material of the membrane in a request, with defaults for missing values. */
 export function materialOf({ membrane }: Pick<EmbeddedSystemRequest, "membrane">): MembraneMaterial & { readonly rest_scale: number } {
   return { youngs_modulus: 1, poisson_ratio: 0.3, thickness: 1, rest_scale: 1, ...membrane };
 }

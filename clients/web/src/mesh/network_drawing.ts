@@ -1,4 +1,4 @@
-// A network in space: springs as lines, points as dots. Knows three.js and nothing of the server.
+// A drawing of a network: springs as lines, points as dots. It uses three.js and does not depend on the server.
 import * as THREE from "three";
 import { LineMaterial } from "three/examples/jsm/lines/LineMaterial.js";
 import { LineSegments2 } from "three/examples/jsm/lines/LineSegments2.js";
@@ -12,25 +12,26 @@ export type DotKind = "free" | "fixed" | "chosen" | "support";
 export interface NetworkPicture {
   readonly positions: readonly Vector[];
   readonly kinds: readonly DotKind[];
-  /** A line of at least two places for each spring, and its colour. */
+  /** A polyline for each spring, with at least two points. */
   readonly lines: readonly (readonly Vector[])[];
+  /** The colour of each spring. */
   readonly colours: readonly Rgb[];
-  /** Of a membrane, and their colours. */
+  /** The triangles of a membrane, and their colours. */
   readonly triangles: readonly Triple[];
   readonly triangleColours: readonly Rgb[];
-  /** Springs are straight through space instead of on the surface. */
+  /** Whether springs are straight in space; otherwise they lie on the surface. */
   readonly straight: boolean;
 }
 
-/** How much nearer lines come in the depths of the picture, in its smallest steps: straight springs run below a bent surface. */
-const NEARER = { straight: 1200, exact: 300 };
-/** Of the depths of the picture, which is 24 bits deep, from -1 to 1. */
-const SMALLEST_STEP = 2 ** -23;
-/** How much nearer dots come than lines. */
-const DOTS_NEARER = 1.3;
-/** Networks of more points have smaller dots. */
-const FEW_POINTS = 60;
-const MANY_POINTS = 400;
+/** Depth offsets of lines towards the camera, in units of the depth resolution. Straight springs need more, because they run below a curved surface. */
+const DEPTH_OFFSET = { straight: 1200, exact: 300 };
+/** Resolution of a depth buffer with 24 bits, for depths from -1 to 1. */
+const DEPTH_STEP = 2 ** -23;
+/** Depth offset of dots, over that of lines. */
+const DOT_OFFSET_FACTOR = 1.3;
+/** Limits of the number of points; networks above them have smaller dots. */
+const MAX_POINTS_WITH_LARGE_DOTS = 60;
+const MAX_POINTS_WITH_MEDIUM_DOTS = 400;
 
 const vertexShader = /* glsl */ `
   attribute vec3 colour;
@@ -77,18 +78,18 @@ export class NetworkDrawing {
     this.dotMaterial.uniforms.ratio.value = ratio;
   }
 
-  /** Null takes the network away. `colourOf` gives the colours that the page has now. */
+  /** Shows a network; null removes it. `colourOf` gives the colours of the present theme. */
   show(picture: NetworkPicture | null, colourOf: (kind: DotKind | "rim") => THREE.Color): void {
     this.positions = picture?.positions ?? [];
-    const nearer = picture?.straight ? NEARER.straight : NEARER.exact;
+    const nearer = picture?.straight ? DEPTH_OFFSET.straight : DEPTH_OFFSET.exact;
     this.lineMaterial.polygonOffsetUnits = -nearer;
-    this.dotMaterial.uniforms.nearer.value = DOTS_NEARER * nearer * SMALLEST_STEP;
+    this.dotMaterial.uniforms.nearer.value = DOT_OFFSET_FACTOR * nearer * DEPTH_STEP;
     this.showLines(picture);
     const dots = this.positions.length;
-    const free = dots > MANY_POINTS ? 5 : dots > FEW_POINTS ? 9 : 12;
+    const free = dots > MAX_POINTS_WITH_MEDIUM_DOTS ? 5 : dots > MAX_POINTS_WITH_LARGE_DOTS ? 9 : 12;
     const geometry = new THREE.BufferGeometry();
     const kinds: Record<DotKind, THREE.Color> = { free: colourOf("free"), fixed: colourOf("fixed"), chosen: colourOf("chosen"), support: colourOf("support") };
-    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17, support: dots > FEW_POINTS ? 7 : 11 };
+    const sizes: Record<DotKind, number> = { free, fixed: 15, chosen: 17, support: dots > MAX_POINTS_WITH_LARGE_DOTS ? 7 : 11 };
     this.dotMaterial.uniforms.rim.value = colourOf("rim");
     geometry.setAttribute("position", new THREE.Float32BufferAttribute(this.positions.flatMap((place) => [...place]), 3));
     geometry.setAttribute("colour", new THREE.Float32BufferAttribute(this.positions.flatMap((_, k) => kinds[picture?.kinds[k] ?? "free"].toArray()), 3));
@@ -98,17 +99,17 @@ export class NetworkDrawing {
     this.dots.visible = dots > 0;
   }
 
-  /** The point nearest to a place of the canvas within so many pixels, among those that are no further than `depth` from the camera. */
-  nearest(x: number, y: number, within: number, camera: THREE.Camera, size: { width: number; height: number }, depth: number): number | null {
+  /** The point nearest to a position on the canvas, within `maxDistance` pixels and at most `depth` away from the camera. */
+  nearest(x: number, y: number, maxDistance: number, camera: THREE.Camera, size: { width: number; height: number }, depth: number): number | null {
     let found: number | null = null;
-    let least = within;
+    let minDistance = maxDistance;
     const place = new THREE.Vector3();
     this.positions.forEach((position, k) => {
       place.set(...position);
       if (place.distanceTo(camera.position) > depth) return;
       place.project(camera);
-      const away = Math.hypot(((place.x + 1) / 2) * size.width - x, ((1 - place.y) / 2) * size.height - y);
-      if (away < least) [found, least] = [k, away];
+      const distance = Math.hypot(((place.x + 1) / 2) * size.width - x, ((1 - place.y) / 2) * size.height - y);
+      if (distance < minDistance) [found, minDistance] = [k, distance];
     });
     return found;
   }

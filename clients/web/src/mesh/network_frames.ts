@@ -1,43 +1,43 @@
-// The states that a network went through, as many as memory allows.
+// The intermediate states of a relaxation. They are thinned out when they use too much memory.
 import type { Vector } from "./mesh_data";
 
 export interface Frame {
   readonly iteration: number;
   readonly positions: readonly Vector[];
-  /** Of a host that gives way; absent where they are as in the mesh, or not told. */
+  /** Vertices of a deformable host; absent if they are those of the mesh, or not reported. */
   readonly vertices?: readonly Vector[];
 }
 
-/** Numbers that all frames together keep at most: 8 bytes each, and what arrays cost. */
-const MOST_NUMBERS = 3_000_000;
+/** Limit of the number of coordinates in all frames together, 8 bytes each plus the overhead of arrays. */
+const MAX_NUMBERS = 3_000_000;
 
 export class Frames {
-  private kept: Frame[] = [];
-  /** Only every so many frames is kept. */
-  private every = 1;
+  private retained: Frame[] = [];
+  /** One of `stride` frames is stored. */
+  private stride = 1;
   private count = 0;
 
   get all(): readonly Frame[] {
-    return this.kept;
+    return this.retained;
   }
 
   add(frame: Frame): void {
-    if (this.count++ % this.every !== 0) return;
-    this.kept.push(frame);
+    if (this.count++ % this.stride !== 0) return;
+    this.retained.push(frame);
     const places = frame.positions.length + (frame.vertices?.length ?? 0);
-    if (3 * places * this.kept.length <= MOST_NUMBERS || this.kept.length < 3) return;
-    this.kept = this.kept.filter((_, k) => k % 2 === 0);
-    this.every *= 2;
+    if (3 * places * this.retained.length <= MAX_NUMBERS || this.retained.length < 3) return;
+    this.retained = this.retained.filter((_, k) => k % 2 === 0);
+    this.stride *= 2;
   }
 }
 
-/** The frame that is nearest to an iteration; null where the end of all iterations is nearer. */
+/** The frame nearest to an iteration; null if the final state is nearer. */
 export function frameAt(frames: readonly Frame[], iterations: number, iteration: number): Frame | null {
   let found: Frame | null = null;
-  let least = Math.abs(iterations - iteration);
+  let minDifference = Math.abs(iterations - iteration);
   for (const frame of frames) {
-    const away = Math.abs(frame.iteration - iteration);
-    if (away < least) [found, least] = [frame, away];
+    const difference = Math.abs(frame.iteration - iteration);
+    if (difference < minDifference) [found, minDifference] = [frame, difference];
   }
   return found;
 }

@@ -1,4 +1,4 @@
-// Which network: its points, its springs, what is fixed, what carries it, and how it is relaxed.
+// The panel of the network: points, springs, membrane, fixed points, host, and the method of the relaxation.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
 import type { EffectSwitch } from "../contract/types";
@@ -7,8 +7,8 @@ import type { Nudge } from "./nudge_buttons";
 import { listField } from "./list_field";
 import type { ClickMode, NetworkSession } from "./network_session";
 import {
-  type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MOST_ITERATIONS, MOST_SEED, MOST_WEIGHT, type NetworkState, type PointSource, POISSON_LIMITS, radiusLimits,
-  REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES, within,
+  type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MAX_ITERATIONS, MAX_SEED, MAX_WEIGHT, type NetworkState, type PointSource, POISSON_LIMITS, radiusLimits,
+  REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES, withExistingPoints,
 } from "./network_state";
 import { readFixed, readSprings, writeFixed, writeSprings } from "./network_text";
 import type { MeshSession } from "./session";
@@ -21,7 +21,7 @@ const CLICK_WORDS: Record<ClickMode, string> = { add: "Adds", join: "Joins", fix
 const SWITCHES: readonly Choice<EffectSwitch>[] = [{ value: "automatic", words: "Automatic" }, { value: "on", words: "On" }, { value: "off", words: "Off" }];
 
 const chooseFrom = <Value extends string>(words: Record<Value, string>, values: readonly Value[]): Choice<Value>[] => values.map((value) => ({ value, words: words[value] }));
-const powers = (values: readonly number[]): Choice<string>[] => values.map((value) => ({ value: String(value), words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}` : String(value) }));
+const powerChoices = (values: readonly number[]): Choice<string>[] => values.map((value) => ({ value: String(value), words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}` : String(value) }));
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" },
@@ -36,13 +36,13 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
     label: "Least distance of two points", lower: 0.01, upper: 1, digits: 4,
     changed: (value, done) => done && network.change({ radius: value }),
   });
-  const seed = new Slider({ label: "Seed", lower: 0, upper: MOST_SEED, step: 1, digits: 0, changed: (value, done) => done && network.change({ seed: Math.round(value) }) });
+  const seed = new Slider({ label: "Seed", lower: 0, upper: MAX_SEED, step: 1, digits: 0, changed: (value, done) => done && network.change({ seed: Math.round(value) }) });
   const mode = new Segments<ClickMode>("A click on the surface", chooseFrom(CLICK_WORDS, ["add", "join", "fix"]), (value) => {
     network.mode.set(value);
     network.chosen.set(null);
   });
   const help = h("p", { class: "muted" });
-  const tell = () => {
+  const updateHelp = () => {
     const { points, springs, elements } = network.state.get();
     const chosen = network.chosen.get();
     mode.element.hidden = points !== "picked";
@@ -59,13 +59,13 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
     radius.value = state.radius;
     seed.value = state.seed;
     radius.element.hidden = seed.element.hidden = state.points !== "poisson_disk";
-    tell();
+    updateHelp();
   });
   network.mode.watch((value) => {
     mode.value = value;
-    tell();
+    updateHelp();
   });
-  network.chosen.watch(tell);
+  network.chosen.watch(updateHelp);
   return h("div", { class: "parameters" }, source.element, radius.element, seed.element, mode.element, help);
 }
 
@@ -97,13 +97,13 @@ function membraneControls(network: NetworkSession): HTMLElement {
 function springControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
   const source = new Select<SpringSource>("Springs", [], (springs) => network.change({ springs }));
   const drawn = listField<NetworkState["drawn"]>("Springs between points", "0-1, 1-2:0.5:3", "Write two points as 0-1, and if need be rest length and weight: 0-1:0.5:3. Points are numbered from 0.", readSprings, (springs) => {
-    const state = within({ ...network.state.get(), drawn: springs }, mesh.points.get().length);
+    const state = withExistingPoints({ ...network.state.get(), drawn: springs }, mesh.points.get().length);
     if (state.drawn.length < springs.length) return false;
     network.change({ drawn: springs });
     return true;
   });
   const rest = new Slider({ label: "Rest length", lower: 0, upper: 1, digits: 5, changed: (value, done) => done && network.change({ restLength: value }) });
-  const weight = new Slider({ label: "Weight", lower: 0, upper: MOST_WEIGHT, digits: 4, changed: (value, done) => done && network.change({ weight: value }) });
+  const weight = new Slider({ label: "Weight", lower: 0, upper: MAX_WEIGHT, digits: 4, changed: (value, done) => done && network.change({ weight: value }) });
   mesh.mesh.watch((loaded) => loaded && rest.limit(0, Number((loaded.info.bounding_box.diagonal / 2).toPrecision(2))));
   network.state.watch((state) => {
     source.setChoices(chooseFrom(SPRING_WORDS, state.points === "picked" ? ["drawn", "voronoi_dual", "adjacent_faces"] : ["voronoi_dual", "adjacent_faces"]));
@@ -132,23 +132,23 @@ function fixedField(network: NetworkSession): HTMLElement {
 function moreControls(network: NetworkSession): HTMLElement {
   const method = new Select<Method>("Method", chooseFrom(METHOD_WORDS, METHODS), (value) => network.change({ method: value }));
   const length = new Select<SpringLength>("Length of a spring", [{ value: "geodesic", words: "Of the shortest path on the surface" }, { value: "euclidean", words: "Straight through space" }], (value) => network.change({ springLength: value }));
-  const tolerance = new Select<string>("Tolerance of the gradient", powers(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
-  const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MOST_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }) });
+  const tolerance = new Select<string>("Tolerance of the gradient", powerChoices(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
+  const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MAX_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }) });
   const mollifier = new Select<EffectSwitch>("Smoothing next to vertices (mollifier)", SWITCHES, (value) => network.change({ mollifier: value }));
-  const mollifierLength = new Select<string>("Its length, in shares of an edge", powers(MOLLIFIER_LENGTHS), (value) => network.change({ mollifierLength: Number(value) }));
+  const mollifierLength = new Select<string>("Its length, in shares of an edge", powerChoices(MOLLIFIER_LENGTHS), (value) => network.change({ mollifierLength: Number(value) }));
   const strips = new Select<EffectSwitch>("Paths unfolded from the iteration before (kept strips)", SWITCHES, (value) => network.change({ keptStrips: value }));
-  const offer = (list: Select<string>, values: readonly number[], value: number) => {
-    list.setChoices(powers([...new Set([...values, value])]));
+  const setOffered = (list: Select<string>, values: readonly number[], value: number) => {
+    list.setChoices(powerChoices([...new Set([...values, value])]));
     list.value = String(value);
   };
   network.state.watch((state) => {
     method.value = state.method;
     length.value = state.springLength;
     length.element.hidden = hasMembrane(state);
-    offer(tolerance, TOLERANCES, state.tolerance);
+    setOffered(tolerance, TOLERANCES, state.tolerance);
     iterations.value = state.maxIterations;
     mollifier.value = state.mollifier;
-    offer(mollifierLength, MOLLIFIER_LENGTHS, state.mollifierLength);
+    setOffered(mollifierLength, MOLLIFIER_LENGTHS, state.mollifierLength);
     mollifierLength.element.hidden = state.mollifier === "off";
     strips.value = state.keptStrips;
   });

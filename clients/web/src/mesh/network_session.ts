@@ -1,15 +1,15 @@
-// A network on the mesh at hand: made, changed, relaxed, saved. Knows no element of the page.
+// The network session: constructs, changes, relaxes and saves a network on the present mesh. It does not depend on elements of the page.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
-import { type Host, hostFault, hostFor, lowestVertices, patchOf, placeOfSupport, withMoved, withSupport, withSupports } from "./host";
+import { type Host, hostFault, defaultHost, lowestVertices, connectedSupports, supportPosition, withMovedSupports, withToggledSupport, withSupports } from "./host";
 import type { Triple } from "./membrane";
-import { fileRequest, makingRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
+import { fileRequest, constructionRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
 import { type Frame, Frames } from "./network_frames";
-import { changed, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withFixed, within, withoutPoint, withSpring } from "./network_state";
+import { withChange, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withToggledFixed, withExistingPoints, withoutPoint, withToggledSpring } from "./network_state";
 import type { MeshActivity, MeshSession } from "./session";
 
 export interface Step {
@@ -18,22 +18,22 @@ export interface Step {
   readonly gradient: number;
 }
 
-/** A relaxation that runs or has ended. */
-export interface Relaxing {
+/** A running or finished relaxation. */
+export interface RelaxationRun {
   readonly request: EmbeddedSystemRequest;
-  /** What the settings ask for where nothing goes on from an earlier relaxation. */
+  /** The request for the same settings without resuming an earlier relaxation. */
   readonly asked: EmbeddedSystemRequest;
   readonly network: Network;
-  /** The start and what came of it so far. */
+  /** The iterations so far, beginning with the start. */
   readonly steps: readonly Step[];
   readonly frames: readonly Frame[];
-  /** |grad E| at which it ends. */
+  /** Norm of the gradient at which it ends. */
   readonly gradientTolerance: number;
-  /** Null while it runs. */
+  /** The answer; null while it runs. */
   readonly answer: EmbeddedSystem | null;
 }
 
-/** What a click on the surface does where points are picked. */
+/** The effect of a click on the surface while points are picked. */
 export type ClickMode = "add" | "join" | "fix";
 
 export type FileKind = "obj" | "vtu";
@@ -42,20 +42,20 @@ const FILE_TYPES: Record<FileKind, string> = { obj: "model/obj", vtu: "applicati
 export class NetworkSession {
   readonly state = new Observable<NetworkState>(DEFAULT_NETWORK);
   readonly network = new Observable<Network | null>(null);
-  readonly relaxing = new Observable<Relaxing | null>(null);
+  readonly relaxing = new Observable<RelaxationRun | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly mode = new Observable<ClickMode>("add");
-  /** Whether a click on the surface holds a vertex of a host that gives way. */
-  readonly supporting = new Observable(false);
-  /** The support that is dragged, or moved by keys. */
+  /** Whether a click on the surface fixes or releases a vertex of a deformable host. */
+  readonly supportMode = new Observable(false);
+  /** The support that is dragged, or that keys move. */
   readonly chosenSupport = new Observable<number | null>(null);
-  /** Whether supports that edges join to it go along. */
-  readonly together = new Observable(true);
+  /** Whether supports that edges connect to it move with it. */
+  readonly moveTogether = new Observable(true);
   /** The first of two points to join. */
   readonly chosen = new Observable<number | null>(null);
   private running: AbortController | null = null;
-  private readonly followings = new Latest();
-  /** Of the network that was made. */
+  private readonly supportRequests = new Latest();
+  /** Key of the constructed network. */
   private key = "";
   private mesh = "";
 
@@ -71,63 +71,63 @@ export class NetworkSession {
     });
     session.points.watch((points) => {
       if (this.state.get().points !== "picked") return;
-      this.state.set(within(this.state.get(), points.length));
-      this.follow();
+      this.state.set(withExistingPoints(this.state.get(), points.length));
+      this.updateDrawnNetwork();
     });
   }
 
   change(change: Partial<NetworkState>): void {
-    this.state.set(changed(this.state.get(), change));
-    this.follow();
+    this.state.set(withChange(this.state.get(), change));
+    this.updateDrawnNetwork();
   }
 
-  /** The network of a link, once its mesh is there. */
+  /** Sets the state of a link after its mesh was loaded. */
   restore(state: NetworkState): void {
     const info = this.session.mesh.get()?.info;
     const known = withSupports(state.host, state.host.supports.filter((vertex) => vertex < (info?.vertices ?? 0)));
-    // A link tells nothing of a rigid host: shells and solids are then as they are at first.
-    const host = state.host.kind === "rigid" && info ? hostFor(info.bounding_box.diagonal) : known;
+    // A link has no parameters of a rigid host, so that those of shell and solid are the initial ones.
+    const host = state.host.kind === "rigid" && info ? defaultHost(info.bounding_box.diagonal) : known;
     this.state.set({ ...state, host });
-    this.follow();
+    this.updateDrawnNetwork();
   }
 
-  fix(point: number): void {
-    this.state.set(withFixed(this.state.get(), point));
+  toggleFixed(point: number): void {
+    this.state.set(withToggledFixed(this.state.get(), point));
   }
 
   changeHost(change: Partial<Host>): void {
     const { supports, ...rest } = change;
     const before = { ...this.state.get().host, ...rest };
     const host = supports ? withSupports(before, supports) : before;
-    if (host.kind === "rigid") this.supporting.set(false);
+    if (host.kind === "rigid") this.supportMode.set(false);
     const chosen = this.chosenSupport.get();
     if (chosen !== null && (host.kind === "rigid" || !host.supports.includes(chosen))) this.chosenSupport.set(null);
     this.change({ host });
   }
 
-  /** Holds a vertex of the host, or lets it go. */
-  support(vertex: number): void {
-    this.changeHost(withSupport(this.state.get().host, vertex));
+  /** Fixes a vertex of the host, or releases it if it is fixed. */
+  toggleSupport(vertex: number): void {
+    this.changeHost(withToggledSupport(this.state.get().host, vertex));
   }
 
-  /** Where a support is taken, or stays. */
+  /** The position of a support after its displacement. */
   supportPlace(vertex: number): Vector {
-    return placeOfSupport(this.state.get().host, this.session.mesh.get()?.data ?? { positions: [] as unknown as MeshData["positions"] }, vertex);
+    return supportPosition(this.state.get().host, this.session.mesh.get()?.data ?? { positions: [] as unknown as MeshData["positions"] }, vertex);
   }
 
-  /** Takes a support to a place; the host follows as fast as it is worked out. */
+  /** Moves a support to a position and requests new equilibria of the host. */
   moveSupport(vertex: number, to: Vector): void {
     const { host } = this.state.get();
     const { data } = this;
     if (!data || !host.supports.includes(vertex)) return;
-    const along = this.together.get() ? patchOf(host.supports, data, vertex) : [vertex];
-    this.changeHost({ moves: withMoved(host, data, along, vertex, to).moves });
+    const group = this.moveTogether.get() ? connectedSupports(host.supports, data, vertex) : [vertex];
+    this.changeHost({ moves: withMovedSupports(host, data, group, vertex, to).moves });
     this.chosenSupport.set(vertex);
     this.followSupports();
   }
 
-  /** Takes these supports to their places, and all others to where the mesh has them. */
-  takeSupports(moves: Host["moves"]): void {
+  /** Displaces these supports; all others return to their positions in the mesh. */
+  setMoves(moves: Host["moves"]): void {
     this.changeHost({ moves });
     this.followSupports();
   }
@@ -137,13 +137,13 @@ export class NetworkSession {
     if (data) this.changeHost({ supports: lowestVertices(data) });
   }
 
-  /** Chooses the first of two points, or joins the second to it. */
+  /** Chooses the first of two points, or joins the second one to it with a spring. */
   join(point: number): void {
     const first = this.chosen.get();
     this.chosen.set(first === null ? point : null);
     if (first === null) return;
-    this.state.set(withSpring(this.state.get(), first, point));
-    this.follow();
+    this.state.set(withToggledSpring(this.state.get(), first, point));
+    this.updateDrawnNetwork();
   }
 
   removePicked(point: number): void {
@@ -156,12 +156,12 @@ export class NetworkSession {
     return this.session.mesh.get()?.data ?? null;
   }
 
-  /** Whether what is seen is the network of the state. */
+  /** Whether the constructed network is that of the present state. */
   get isMade(): boolean {
-    return this.network.get() !== null && this.key === this.keyNow();
+    return this.network.get() !== null && this.key === this.currentKey();
   }
 
-  /** Whether the network would be relaxed otherwise now than what is seen was. */
+  /** Whether the settings have changed since the shown relaxation. */
   get isStale(): boolean {
     const relaxing = this.relaxing.get();
     if (!relaxing?.answer) return false;
@@ -170,26 +170,26 @@ export class NetworkSession {
 
   make(): Promise<void> {
     return this.attempt("Making the network", async (signal) => {
-      await this.made(signal);
+      await this.constructNetwork(signal);
     });
   }
 
   /**
-   * Relaxes the network from where its points were made, or goes on from where the last relaxation ended. A membrane or a host that
-   * gives way, which is at rest where it starts, goes the same way once more and then further.
+   * Relaxes the network from its constructed points, or resumes from the end of the last relaxation. With a membrane or a deformable host,
+   * which are at rest at the start, resuming repeats the last relaxation with more iterations.
    */
-  relax(goOn = false): Promise<void> {
-    const start = goOn ? this.relaxing.get()?.answer : null;
+  relax(resume = false): Promise<void> {
+    const start = resume ? this.relaxing.get()?.answer : null;
     return this.attempt("Making the network", async (signal) => {
-      const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
+      const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(signal);
       const asked = relaxationRequest(this.mesh, this.state.get(), network);
-      if (!start) return this.follows(asked, asked, network, network.positions, signal);
-      if (startsAtRest(asked)) return this.follows({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
-      await this.follows({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
+      if (!start) return this.runRelaxation(asked, asked, network, network.positions, signal);
+      if (startsAtRest(asked)) return this.runRelaxation({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+      await this.runRelaxation({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
     });
   }
 
-  /** A file of the network at rest. */
+  /** Saves a file of the relaxed network. */
   async file(kind: FileKind, save: (text: string) => void): Promise<void> {
     const relaxing = this.relaxing.get();
     const answer = relaxing?.answer;
@@ -203,7 +203,7 @@ export class NetworkSession {
   }
 
   cancel(): void {
-    this.followings.cancel();
+    this.supportRequests.cancel();
     this.running?.abort();
     this.running = null;
     this.activity.set({ kind: "idle" });
@@ -212,23 +212,23 @@ export class NetworkSession {
   }
 
   /**
-   * Relaxes anew while supports are moved: one request at a time, and of those that wait only the newest. What was at rest before is
-   * seen meanwhile.
+   * Computes a new equilibrium while supports are moved. One request runs at a time, and only the newest waits. The last equilibrium is
+   * shown meanwhile.
    */
   private followSupports(): void {
     if (this.running) this.cancel();
     const info = this.session.mesh.get()?.info;
     const fault = info && hostFault(this.state.get().host, info);
     if (!info || fault) return this.activity.set(fault ? { kind: "failed", sentence: fault } : { kind: "idle" });
-    this.followings.submit(async (signal) => {
+    this.supportRequests.submit(async (signal) => {
       try {
-        const network = this.isMade ? (this.network.get() as Network) : await this.made(signal);
+        const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(signal);
         if (signal.aborted) return;
         const asked = relaxationRequest(this.mesh, this.state.get(), network);
-        // Springs are near their rest where they came to rest before. A membrane is at rest where it starts.
+        // The last equilibrium is a good start for springs. A membrane cannot use it, because its start defines its rest state.
         const last = this.relaxing.get();
-        const nearby = last?.answer && last.network === network && !asked.triangles ? { points: last.answer.points } : {};
-        const request = { ...asked, ...nearby };
+        const startPoints = last?.answer && last.network === network && !asked.triangles ? { points: last.answer.points } : {};
+        const request = { ...asked, ...startPoints };
         const answer = await this.compute(request, "Following the supports", signal);
         if (signal.aborted) return;
         this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: [], gradientTolerance: answer.accuracy.gradient_tolerance, answer });
@@ -248,8 +248,8 @@ export class NetworkSession {
     this.key = "";
   }
 
-  /** A network that is picked and drawn by hand needs no server; any other is out of date until it is made again. */
-  private follow(): void {
+  /** Constructs a network of picked points and drawn springs, which needs no server. Any other network is outdated until the server constructs it again. */
+  private updateDrawnNetwork(): void {
     const state = this.state.get();
     const { points, springs, drawn } = state;
     if (this.isMade) return;
@@ -257,18 +257,18 @@ export class NetworkSession {
     const picked = this.session.points.get();
     if (points !== "picked" || !this.session.mesh.get() || picked.length === 0) return;
     const isDrawn = springs === "drawn" && hasSprings(state);
-    const pairs = isDrawn ? within(this.state.get(), picked.length).drawn.map(({ between }) => between) : [];
+    const pairs = isDrawn ? withExistingPoints(this.state.get(), picked.length).drawn.map(({ between }) => between) : [];
     this.network.set({ points: picked, positions: picked.map((point) => this.session.position(point)), pairs, triangles: [] });
-    if (isDrawn && !hasMembrane(state) && drawn.length === pairs.length) this.key = this.keyNow();
+    if (isDrawn && !hasMembrane(state) && drawn.length === pairs.length) this.key = this.currentKey();
   }
 
-  private keyNow(): string {
+  private currentKey(): string {
     return networkKey(this.session.mesh.get()?.info.id ?? "", this.state.get(), this.session.points.get());
   }
 
-  private async made(signal: AbortSignal): Promise<Network> {
-    const key = this.keyNow();
-    const request = makingRequest(this.mesh, this.state.get(), this.session.points.get());
+  private async constructNetwork(signal: AbortSignal): Promise<Network> {
+    const key = this.currentKey();
+    const request = constructionRequest(this.mesh, this.state.get(), this.session.points.get());
     const answer = await this.compute(request, "Making the network", signal);
     const network: Network = {
       points: answer.points as SurfacePoint[],
@@ -279,17 +279,17 @@ export class NetworkSession {
     if (signal.aborted) return network;
     this.key = key;
     this.relaxing.set(null);
-    this.state.set(within(this.state.get(), network.points.length));
+    this.state.set(withExistingPoints(this.state.get(), network.points.length));
     this.network.set(network);
     return network;
   }
 
-  private async follows(request: EmbeddedSystemRequest, asked: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
+  private async runRelaxation(request: EmbeddedSystemRequest, asked: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
     const frames = new Frames();
     frames.add({ iteration: 0, positions: start });
     const steps: Step[] = [];
     const { youngs_modulus, thickness } = materialOf(request);
-    const weight = (request.springs as { weight?: number }[]).reduce((most, spring) => Math.max(most, spring.weight ?? 1), request.triangles ? youngs_modulus * thickness : 0);
+    const weight = (request.springs as { weight?: number }[]).reduce((max, spring) => Math.max(max, spring.weight ?? 1), request.triangles ? youngs_modulus * thickness : 0);
     const diagonal = this.session.mesh.get()?.info.bounding_box.diagonal ?? 0;
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
     this.relaxing.set({ request, asked, network, steps, frames: frames.all, gradientTolerance, answer: null });
@@ -303,12 +303,12 @@ export class NetworkSession {
     this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
   }
 
-  private compute(request: EmbeddedSystemRequest, words: string, signal: AbortSignal, hear: (job: Job) => void = () => {}): Promise<EmbeddedSystem> {
+  private compute(request: EmbeddedSystemRequest, words: string, signal: AbortSignal, onJob: (job: Job) => void = () => {}): Promise<EmbeddedSystem> {
     return runJob<EmbeddedSystem>(this.client, "/v1/embedded-systems", request, {
       signal,
       onProgress: (job) => {
         if (signal.aborted) return;
-        hear(job);
+        onJob(job);
         const { partial } = job;
         const now = partial && "gradient_norm" in partial ? `${words}, iteration ${partial.iteration}` : words;
         this.activity.set({ kind: "busy", words: now, progress: job.progress > 0 ? job.progress : null });

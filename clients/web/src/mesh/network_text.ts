@@ -1,13 +1,13 @@
-// Numbers of points and springs as they are written by hand, and all of a network in a link.
+// Points and springs as text in fields, and the state of a network in a link.
 import { plain } from "../base/format";
 import type { EffectSwitch } from "../contract/types";
 import { readHost, writeHost } from "./host_text";
-import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MOST_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, within } from "./network_state";
+import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MAX_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, withExistingPoints } from "./network_state";
 
-const MOST_POINTS = 100_000;
+const MAX_POINTS = 100_000;
 const SWITCHES: readonly EffectSwitch[] = ["automatic", "on", "off"];
 
-/** "0, 5, 17", ascending; null where that is not what is written. */
+/** Points from a text such as "0, 5, 17", ascending; null if the text is invalid. */
 export function readFixed(text: string): readonly number[] | null {
   const pieces = splitList(text);
   if (!pieces.every((piece) => /^\d{1,6}$/.test(piece))) return null;
@@ -18,7 +18,7 @@ export function writeFixed(fixed: readonly number[]): string {
   return fixed.join(", ");
 }
 
-/** "0-1, 1-2:0.5:3": two points, and where they are given a rest length and a weight. Null where that is not what is written. */
+/** Springs from a text such as "0-1, 1-2:0.5:3": two points, with optional rest length and weight. Null if the text is invalid. */
 export function readSprings(text: string): readonly DrawnSpring[] | null {
   const springs = new Map<string, DrawnSpring>();
   for (const piece of splitList(text)) {
@@ -54,40 +54,40 @@ export function writeNetwork(state: NetworkState): string {
   return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false), ...writeHost(state.host)].join("&");
 }
 
-/** The network of a link's fields, with defaults for what is none; null where the link has no network. */
+/** The network from the fields of a link, with defaults for missing and invalid values; null if the link has no network. */
 export function readNetwork(fields: ReadonlyMap<string, string>, picked: number): NetworkState | null {
   const values = fields.get("network")?.split(",");
   if (!values) return null;
   const [points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips, elements, youngsModulus, poissonRatio, thickness, restScale] = values;
-  const standard = DEFAULT_NETWORK;
+  const defaults = DEFAULT_NETWORK;
   const number = (text: string | undefined, lower: number, upper: number, otherwise: number) => {
     const value = Number(text);
     return text && value >= lower && value <= upper ? value : otherwise;
   };
   const state: NetworkState = {
-    points: oneOf(POINT_SOURCES, points, standard.points),
-    radius: number(radius, 1e-12, 1e12, standard.radius),
-    seed: Math.round(number(seed, 0, 2 ** 31 - 1, standard.seed)),
-    springs: oneOf(SPRING_SOURCES, springs, standard.springs),
-    restLength: number(restLength, 0, 1e12, standard.restLength),
-    weight: number(weight, 0, 1e12, standard.weight),
-    method: oneOf(METHODS, method, standard.method),
-    elements: oneOf(ELEMENTS, elements, standard.elements),
-    youngsModulus: number(youngsModulus, 1e-12, 1e12, standard.youngsModulus),
-    poissonRatio: number(poissonRatio, -0.99, 0.4999, standard.poissonRatio),
-    thickness: number(thickness, 1e-12, 1e12, standard.thickness),
-    restScale: number(restScale, 1e-6, 1e6, standard.restScale),
+    points: oneOf(POINT_SOURCES, points, defaults.points),
+    radius: number(radius, 1e-12, 1e12, defaults.radius),
+    seed: Math.round(number(seed, 0, 2 ** 31 - 1, defaults.seed)),
+    springs: oneOf(SPRING_SOURCES, springs, defaults.springs),
+    restLength: number(restLength, 0, 1e12, defaults.restLength),
+    weight: number(weight, 0, 1e12, defaults.weight),
+    method: oneOf(METHODS, method, defaults.method),
+    elements: oneOf(ELEMENTS, elements, defaults.elements),
+    youngsModulus: number(youngsModulus, 1e-12, 1e12, defaults.youngsModulus),
+    poissonRatio: number(poissonRatio, -0.99, 0.4999, defaults.poissonRatio),
+    thickness: number(thickness, 1e-12, 1e12, defaults.thickness),
+    restScale: number(restScale, 1e-6, 1e6, defaults.restScale),
     springLength: springLength === "euclidean" && !hasMembrane({ elements: oneOf(ELEMENTS, elements, "springs") }) ? "euclidean" : "geodesic",
-    tolerance: number(tolerance, 1e-16, 1, standard.tolerance),
-    maxIterations: Math.round(number(maxIterations, 1, MOST_ITERATIONS, standard.maxIterations)),
+    tolerance: number(tolerance, 1e-16, 1, defaults.tolerance),
+    maxIterations: Math.round(number(maxIterations, 1, MAX_ITERATIONS, defaults.maxIterations)),
     mollifier: oneOf(SWITCHES, mollifier, "automatic"),
-    mollifierLength: number(mollifierLength, 1e-12, 0.5, standard.mollifierLength),
+    mollifierLength: number(mollifierLength, 1e-12, 0.5, defaults.mollifierLength),
     keptStrips: oneOf(SWITCHES, keptStrips, "automatic"),
     fixed: readFixed(fields.get("fixed") ?? "") ?? [],
     drawn: readSprings(fields.get("springs") ?? "") ?? [],
     host: readHost(fields),
   };
-  return within(state, state.points === "picked" ? picked : MOST_POINTS);
+  return withExistingPoints(state, state.points === "picked" ? picked : MAX_POINTS);
 }
 
 function oneOf<Value extends string>(values: readonly Value[], text: string | undefined, otherwise: Value): Value {

@@ -1,5 +1,5 @@
-// What of a network is seen now: the one that was made, a state on the way, or the network at rest with its exact paths; and the
-// surface that carries it, where that gives way.
+// What is drawn of a network: the constructed network, an intermediate state, or the equilibrium with exact paths, together with the
+// deformed surface of its host.
 import { Observable } from "../base/observable";
 import type { PathPoint } from "../contract/types";
 import { deformationColour, type DeformationBy, deformationOf, greatestFactor } from "./deformation";
@@ -8,37 +8,37 @@ import { exactTriangles, exactValues, materialOf, springsOf, straightTriangles, 
 import type { DotKind, NetworkPicture } from "./network_drawing";
 import type { Frame } from "./network_frames";
 import type { NetworkSession } from "./network_session";
-import { type Range, rampColour, rangeOf, shareOf } from "./spring_colours";
+import { type Range, rampColour, rangeOf, fractionOf } from "./spring_colours";
 import { RAMP } from "./surface_material";
 import type { HostPicture } from "./viewer";
 
 export type ColourBy = "energy" | "length";
 export type TriangleColourBy = "stretch" | "density";
 
-/** The least and the greatest principal stretch of all triangles. */
+/** The smallest and the largest principal stretch of all triangles. */
 export interface StretchRange extends Range {
-  /** Of shortest paths instead of segments through space. */
+  /** Whether the values are of shortest paths; otherwise of straight segments in space. */
   readonly exact: boolean;
 }
 
 export class NetworkView {
   readonly picture = new Observable<NetworkPicture | null>(null);
   readonly colourBy = new Observable<ColourBy>("energy");
-  /** Of the values that are coloured. */
-  readonly range = new Observable<Range>({ least: 0, most: 0 });
+  /** Range of the values by which springs are coloured. */
+  readonly range = new Observable<Range>({ min: 0, max: 0 });
   readonly triangleColourBy = new Observable<TriangleColourBy>("stretch");
-  readonly triangleRange = new Observable<Range>({ least: 0, most: 0 });
-  /** Null where there are no triangles. */
+  readonly triangleRange = new Observable<Range>({ min: 0, max: 0 });
+  /** Null if there are no triangles. */
   readonly stretches = new Observable<StretchRange | null>(null);
-  /** An earlier state that is looked at; null for the newest. */
+  /** The intermediate state to be drawn; null for the newest. */
   readonly frame = new Observable<Frame | null>(null);
 
-  /** The surface that carries the network; null while it is as the mesh has it. */
+  /** The deformed surface of the host; null while it is undeformed. */
   readonly host = new Observable<HostPicture | null>(null);
   readonly deformationBy = new Observable<DeformationBy>("area");
-  /** Colours of the surface reach from its inverse to it. */
+  /** The factor at the end of the colour scale; its inverse is at the beginning. */
   readonly deformation = new Observable(1);
-  /** Whether the surface is seen as the mesh has it although it gave way. */
+  /** Whether a deformed surface is drawn in its shape at rest. */
   readonly atRest = new Observable(false);
   private hostKey: readonly unknown[] = [];
 
@@ -68,16 +68,16 @@ export class NetworkView {
     for (const point of fixed) if (point < kinds.length) kinds[point] = "fixed";
     const chosen = this.session.chosen.get();
     if (chosen !== null && chosen < kinds.length) kinds[chosen] = "chosen";
-    const triangleColours = shown.map((value) => rampColour(shareOf(value, triangleRange), RAMP));
-    this.picture.set({ positions, kinds, lines, colours: coloured.map((value) => rampColour(shareOf(value, range))), triangles, triangleColours, straight });
+    const triangleColours = shown.map((value) => rampColour(fractionOf(value, triangleRange), RAMP));
+    this.picture.set({ positions, kinds, lines, colours: coloured.map((value) => rampColour(fractionOf(value, range))), triangles, triangleColours, straight });
   }
 
-  /** Of the mesh. */
+  /** Number of vertices of the mesh. */
   get restVertices(): number {
     return (this.session.data?.positions.length ?? 0) / 3;
   }
 
-  /** Before the network, which lies on it. */
+  /** Draws the host. It comes before the network, which lies on it. */
   private drawHost(): void {
     const vertices = this.vertices();
     const { data } = this.session;
@@ -92,7 +92,7 @@ export class NetworkView {
     this.host.set({ vertices: this.atRest.get() ? null : vertices, colours: values && values.map((value) => deformationColour(value, factor)) });
   }
 
-  /** Of a host that gave way, in the state that is seen; null where they are as in the mesh. */
+  /** The vertices of a deformed host in the drawn state; null if it is undeformed. */
   private vertices(): readonly Vector[] | null {
     const relaxing = this.session.relaxing.get();
     if (!relaxing || !this.session.network.get()) return null;
@@ -109,16 +109,16 @@ export class NetworkView {
     if (relaxing?.answer && !frame) {
       const { answer } = relaxing;
       const { data } = this.session;
-      // Points keep their faces: on the shape at rest they are where the material that they lie on was.
-      const isCarriedBack = answer.host !== undefined && this.atRest.get() && data !== null;
-      const positions = isCarriedBack ? answer.points.map((point) => placeOn(data, point)) : (answer.positions as unknown as Vector[]);
-      const place = (point: PathPoint) => (isCarriedBack ? placeOn(data, point) : (point.position as unknown as Vector));
+      // Points keep faces and barycentric coordinates, which gives their positions on the shape at rest.
+      const isMappedToRest = answer.host !== undefined && this.atRest.get() && data !== null;
+      const positions = isMappedToRest ? answer.points.map((point) => placeOn(data, point)) : (answer.positions as unknown as Vector[]);
+      const place = (point: PathPoint) => (isMappedToRest ? placeOn(data, point) : (point.position as unknown as Vector));
       const lines = answer.springs.map(({ between: [a, b], path }) => (path && path.length > 1 ? path.map(place) : [positions[a], positions[b]]));
       return { positions, lines, values: exactValues(answer), membrane: exactTriangles(answer, materialOf(relaxing.request)), straight: relaxing.request.spring_length === "euclidean" };
     }
-    const seen = frame ?? relaxing?.frames.at(-1);
-    // On the way nothing tells where the points are on the shape at rest: the network is seen as it was made.
-    const positions = (this.atRest.get() && seen?.vertices ? network?.positions : seen?.positions) ?? network?.positions ?? [];
+    const drawnFrame = frame ?? relaxing?.frames.at(-1);
+    // Intermediate states have no faces of the points: on the shape at rest the constructed network is drawn.
+    const positions = (this.atRest.get() && drawnFrame?.vertices ? network?.positions : drawnFrame?.positions) ?? network?.positions ?? [];
     const state = this.session.state.get();
     const springs = relaxing ? (relaxing.request.springs as ReturnType<typeof springsOf>) : springsOf(state, pairs);
     const material = materialOf(relaxing?.request ?? { membrane: { youngs_modulus: state.youngsModulus, poisson_ratio: state.poissonRatio, thickness: state.thickness, rest_scale: state.restScale } });

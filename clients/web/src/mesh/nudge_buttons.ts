@@ -1,7 +1,7 @@
-// Buttons with arrows that move what is chosen in the view.
+// Buttons with arrows that move the chosen object in the view.
 import { button } from "../base/controls";
 
-/** Where something goes in the view, in steps to the right and down. */
+/** Moves the chosen object in the view by steps to the right and down. */
 export type Nudge = (right: number, down: number) => void;
 
 export function nudgeButtons(what: string, nudge: Nudge): HTMLButtonElement[] {

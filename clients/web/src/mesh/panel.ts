@@ -1,4 +1,4 @@
-// Everything beside the surface: which mesh, which tool, the points, what was found.
+// The panel beside the view: mesh, tool, points and results.
 import { button, Checkbox, Segments, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
@@ -8,25 +8,25 @@ import { nameOf } from "./names";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
 import { afterChoice, mayBeRepaired, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
-import { type MeshSession, MOST_STARTS, type Tool } from "./session";
+import { type MeshSession, MAX_STARTS, type Tool } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
 import { isolineSpacing, rampTicks } from "./mesh_data";
-import { placedOn, readPlace } from "./point_in_space";
+import { projectedOnto, readPlace } from "./point_in_space";
 import type { Nudge } from "./nudge_buttons";
 import { voronoiPanel } from "./voronoi_panel";
 import type { VoronoiSession } from "./voronoi_session";
 
-/** How a field is seen. */
-export interface FieldLook {
+/** Changes the appearance of a distance field in the view. */
+export interface FieldAppearance {
   ramp(name: RampName): void;
-  /** Between isolines; a round one with null. */
+  /** Sets the distance between isolines; null for a round one. */
   spacing(spacing: number | null): void;
 }
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void, look: FieldLook): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session, look));
+export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void, appearance: FieldAppearance): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session, appearance));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
@@ -63,12 +63,12 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
 function repairControls(session: MeshSession): HTMLElement {
   const boxes = REPAIRS.map((repair) => new Checkbox(REPAIR_WORDS[repair], (asked) => session.repairs.set(afterChoice(session.repairs.get(), repair, asked))));
   const help = h("p", { class: "muted" });
-  const again = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
-  const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), again);
+  const repairButton = button("Repair and upload", () => void session.repairRefused(), { kind: "primary" });
+  const element = h("details", { class: "more repairs" }, h("summary", {}, "Repairs at upload"), help, h("div", {}, ...boxes.map((box) => box.element)), repairButton);
   let openedHere = false;
   session.repairs.watch((repairs) => REPAIRS.forEach((repair, k) => (boxes[k].value = repairs.includes(repair))));
   session.refused.watch((refused) => {
-    again.hidden = !refused;
+    repairButton.hidden = !refused;
     if (refused || openedHere) element.open = refused !== null;
     openedHere = refused !== null;
     help.textContent = refused
@@ -94,40 +94,40 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }, { value: "voronoi", words: "Voronoi" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
   const starts = new Slider({
-    label: "Searches from different starts", lower: 1, upper: MOST_STARTS, step: 1, digits: 0,
+    label: "Searches from different starts", lower: 1, upper: MAX_STARTS, step: 1, digits: 0,
     changed: (value, done) => done && session.setStarts(Math.round(value)),
   });
   session.starts.watch((value) => (starts.value = value));
   const list = h("ol", { class: "points" });
   const id = uniqueId("point");
   const entry = h("input", { class: "number", id, placeholder: "v120, 7:0.2,0.3,0.5 or @1,2,3" });
-  const away = h("p", { class: "muted", role: "status", hidden: true });
+  const distanceNote = h("p", { class: "muted", role: "status", hidden: true });
   const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
     event.preventDefault();
     const place = readPlace(entry.value);
     const data = session.mesh.get()?.data;
-    const placed = place && data ? placedOn(data, place) : null;
+    const placed = place && data ? projectedOnto(data, place) : null;
     const point = placed?.point ?? readPoint(entry.value);
     const before = session.points.get().length;
     if (point) session.add(point);
     const added = session.points.get().length > before;
     entry.setCustomValidity(added ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
-    away.hidden = !(added && placed);
-    away.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
+    distanceNote.hidden = !(added && placed);
+    distanceNote.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
     if (added) entry.value = "";
     else entry.reportValidity();
-  } }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"), away);
+  } }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"), distanceNote);
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const clear = button("Remove all", () => session.setPoints([]), { kind: "quiet" });
-  const ofNetwork = () => session.tool.get() === "network";
-  const remove = (index: number) => (ofNetwork() ? network.removePicked(index) : session.setPoints(session.points.get().filter((_, k) => k !== index)));
+  const isNetworkTool = () => session.tool.get() === "network";
+  const remove = (index: number) => (isNetworkTool() ? network.removePicked(index) : session.setPoints(session.points.get().filter((_, k) => k !== index)));
   const showPoints = () => {
     const points = session.points.get();
-    const picked = session.tool.get() !== "voronoi" && (!ofNetwork() || network.state.get().points === "picked");
+    const picked = session.tool.get() !== "voronoi" && (!isNetworkTool() || network.state.get().points === "picked");
     list.hidden = form.hidden = !picked;
     clear.hidden = !picked || points.length === 0;
     replace(list, ...points.map((point, k) =>
-      h("li", {}, h("span", {}, `${ofNetwork() ? `${k}: ` : ""}${pointWords(point)}`), button("", () => remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
+      h("li", {}, h("span", {}, `${isNetworkTool() ? `${k}: ` : ""}${pointWords(point)}`), button("", () => remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
     if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
   };
   session.tool.watch((value) => {
@@ -146,7 +146,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   return h("section", { class: "card controls", "aria-label": "Points" }, tool.element, help, starts.element, list, form, clear);
 }
 
-function findingCard(session: MeshSession, look: FieldLook): HTMLElement {
+function findingCard(session: MeshSession, appearance: FieldAppearance): HTMLElement {
   const facts = h("dl", { class: "facts" });
   const notes = h("div");
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
@@ -157,7 +157,7 @@ function findingCard(session: MeshSession, look: FieldLook): HTMLElement {
     const value = Number(spacing.value);
     const used = spacing.value !== "" && value > 0 ? value : null;
     if (used === null) spacing.value = "";
-    look.spacing(used);
+    appearance.spacing(used);
   } });
   const scale = h("div", { class: "ramp-box controls" }, h("div", {}, bar, ticks), ramp.element,
     h("div", { class: "field" }, h("label", { for: id }, "Spacing of the isolines, mesh units"), spacing));
@@ -165,7 +165,7 @@ function findingCard(session: MeshSession, look: FieldLook): HTMLElement {
 
   function show(name: RampName): void {
     bar.style.background = cssGradient(RAMPS[name]);
-    look.ramp(name);
+    appearance.ramp(name);
   }
   show("sea");
   session.finding.watch((finding) => {
@@ -174,7 +174,7 @@ function findingCard(session: MeshSession, look: FieldLook): HTMLElement {
     replace(notes, ...finding.notes.map((sentence) => h("p", { class: "note" }, sentence)));
     scale.hidden = finding.distances === null;
     if (!finding.distances) return;
-    const largest = finding.distances.reduce((most, value) => Math.max(most, value), 0);
+    const largest = finding.distances.reduce((max, value) => Math.max(max, value), 0);
     spacing.placeholder = `automatic: ${digits(isolineSpacing(largest))}`;
     replace(ticks, ...rampTicks(largest).map((value) => {
       const tick = h("span", {}, digits(value));

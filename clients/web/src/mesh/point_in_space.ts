@@ -1,9 +1,9 @@
-// A point in space that stands for the point of a surface that is nearest to it.
+// A position in space that selects the nearest point of a surface.
 import type { SurfacePoint } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
 import { SurfaceGrid } from "./nearest_on_surface";
 
-/** A place as it is typed, "@1,2.5,-3"; null where the text is none. */
+/** A position from a text such as "@1,2.5,-3"; null if the text is invalid. */
 export function readPlace(text: string): Vector | null {
   if (!text.trim().startsWith("@")) return null;
   const words = text.trim().slice(1).split(",").map((word) => word.trim());
@@ -11,8 +11,8 @@ export function readPlace(text: string): Vector | null {
   return words.length === 3 && words.every((word) => word !== "" && Number.isFinite(Number(word))) ? [x, y, z] : null;
 }
 
-/** The nearest point of the surface, and how far away it is, in mesh units. */
-export function placedOn(mesh: MeshData, place: Vector): { readonly point: SurfacePoint; readonly distance: number } {
+/** The nearest point of the surface, and its distance in mesh units. */
+export function projectedOnto(mesh: MeshData, place: Vector): { readonly point: SurfacePoint; readonly distance: number } {
   const { face, barycentric, position } = new SurfaceGrid(mesh).nearest(place);
   return { point: { face, barycentric: [...barycentric] }, distance: Math.hypot(...position.map((value, axis) => value - place[axis])) };
 }

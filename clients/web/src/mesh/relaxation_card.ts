@@ -1,4 +1,4 @@
-// How a network comes to rest: why it stopped, how fast it got there, what the springs are like, what it cost.
+// The card of a relaxation: termination, convergence plot, legends, facts, files and bill.
 import { announce } from "../base/announce";
 import { costTables, effectTable } from "../base/bill_tables";
 import { button, Select, Slider } from "../base/controls";
@@ -11,21 +11,22 @@ import type { EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
 import { frameAt } from "./network_frames";
-import type { FileKind, NetworkSession, Relaxing } from "./network_session";
+import type { FileKind, NetworkSession, RelaxationRun } from "./network_session";
 import type { ColourBy, NetworkView, StretchRange, TriangleColourBy } from "./network_view";
 import { cssGradient, type Range, type Rgb, SPRING_RAMP } from "./spring_colours";
 import { RAMP } from "./surface_material";
 
-export const STOP_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
+export const TERMINATION_SENTENCES: Record<EmbeddedSystem["stopped"], string> = {
   converged: "The network is at rest: the gradient is below the tolerance.",
   cut_locus: "No step lowers the energy any more: a compressed spring, or a side of a triangle that pushes, is where two paths are equally short.",
   step_too_small: "The network is at rest as far as rounding allows: no step lowers the energy any more.",
   iteration_limit: "The limit of iterations came first: the network is not at rest yet.",
 };
 
-const MOST_ROWS = 60;
-/** Points of a network, and vertices of a host, whose positions the events of its job carry. */
-const MOST_SEEN = 5000;
+/** Limit of the rows in the table of the history. */
+const MAX_ROWS = 60;
+/** Limit of the points of a network and of the vertices of a host whose positions the server sends in the events of a job. */
+const MAX_SHOWN = 5000;
 
 export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
   const plot = new ConvergencePlot();
@@ -40,18 +41,18 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const scale = legend(SPRING_RAMP);
   const triangleColours = new Select<TriangleColourBy>("Colour of the triangles", [{ value: "stretch", words: "Greater principal stretch" }, { value: "density", words: "Energy per area at rest" }], (value) => view.triangleColourBy.set(value));
   const triangleScale = legend(RAMP);
-  const ofSprings = h("div", { class: "ramp-choice" }, colours.element, scale.element);
-  const ofTriangles = h("div", { class: "ramp-choice" }, triangleColours.element, triangleScale.element);
-  const goOn = button("Go on from here", () => void network.relax(true));
+  const springLegend = h("div", { class: "ramp-choice" }, colours.element, scale.element);
+  const triangleLegend = h("div", { class: "ramp-choice" }, triangleColours.element, triangleScale.element);
+  const resumeButton = button("Go on from here", () => void network.relax(true));
   const file = (kind: FileKind) =>
     button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), { icon: "download", title: `Save the network as ${kind.toUpperCase()}` });
   const files = [file("obj"), file("vtu")];
   const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
   const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
-  const side = h("div", { class: "relaxation-side" }, ofTriangles, ofSprings, hostLegend(view), slider);
+  const side = h("div", { class: "relaxation-side" }, triangleLegend, springLegend, hostLegend(view), slider);
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
-    h("h2", {}, "Relaxation"), sentence, stale, notes, goOn, h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
+    h("h2", {}, "Relaxation"), sentence, stale, notes, resumeButton, h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
 
   function saveRequest(): void {
     const relaxing = network.relaxing.get();
@@ -66,7 +67,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     replace(facts, ...factsOf(relaxing, frame?.iteration ?? null, view.stretches.get()).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
   }
 
-  function showSlider({ frames, answer }: Relaxing): void {
+  function showSlider({ frames, answer }: RelaxationRun): void {
     if (!answer || frames.length === 0 || answer.iterations === 0) return replace(slider);
     const states = new Slider({
       label: "Iteration that is seen", lower: 0, upper: answer.iterations, step: 1, digits: 0,
@@ -84,17 +85,17 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     card.hidden = !relaxing;
     if (!relaxing) return;
     const { answer } = relaxing;
-    ofTriangles.hidden = relaxing.network.triangles.length === 0;
-    ofSprings.hidden = relaxing.network.pairs.length === 0 && !ofTriangles.hidden;
-    sentence.textContent = answer ? STOP_SENTENCES[answer.stopped] : onTheWay(relaxing, view.restVertices);
+    triangleLegend.hidden = relaxing.network.triangles.length === 0;
+    springLegend.hidden = relaxing.network.pairs.length === 0 && !triangleLegend.hidden;
+    sentence.textContent = answer ? TERMINATION_SENTENCES[answer.stopped] : runningSentence(relaxing, view.restVertices);
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
-    for (const part of [...files, history, request, goOn]) part.disabled = !answer;
-    goOn.hidden = answer?.stopped !== "iteration_limit";
+    for (const part of [...files, history, request, resumeButton]) part.disabled = !answer;
+    resumeButton.hidden = answer?.stopped !== "iteration_limit";
     bill.hidden = !answer;
     showSlider(relaxing);
     if (answer) {
       replace(bill, h("summary", {}, "Effects, bill and history"), effectTable(answer.effects), ...costTables(answer.cost), historyTable(answer));
-      announce([STOP_SENTENCES[answer.stopped], ...factsOf(relaxing, null, view.stretches.get()).map(([term, value]) => `${term}: ${value}`)].join(" "));
+      announce([TERMINATION_SENTENCES[answer.stopped], ...factsOf(relaxing, null, view.stretches.get()).map(([term, value]) => `${term}: ${value}`)].join(" "));
     }
     draw();
   });
@@ -107,27 +108,27 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   return card;
 }
 
-/** A ramp of colours with the least and the greatest value at its ends. */
+/** A colour scale with the smallest and the largest value at its ends. */
 function legend(ramp: readonly Rgb[]): { element: HTMLElement; show: (range: Range) => void } {
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(ramp);
-  const [least, most] = [h("span"), h("span")];
+  const [min, max] = [h("span"), h("span")];
   return {
-    element: h("div", {}, bar, h("div", { class: "ramp-words" }, least, most)),
+    element: h("div", {}, bar, h("div", { class: "ramp-words" }, min, max)),
     show(range) {
-      least.textContent = digits(range.least, 3);
-      most.textContent = digits(range.most, 3);
+      min.textContent = digits(range.min, 3);
+      max.textContent = digits(range.max, 3);
     },
   };
 }
 
-function onTheWay({ network, request }: Relaxing, vertices: number): string {
-  if (network.points.length > MOST_SEEN) return "The network is relaxing. It has too many points to be seen on its way.";
-  if (request.host && vertices > MOST_SEEN) return "The network is relaxing. The surface has too many vertices to be seen on its way.";
+function runningSentence({ network, request }: RelaxationRun, vertices: number): string {
+  if (network.points.length > MAX_SHOWN) return "The network is relaxing. It has too many points to be seen on its way.";
+  if (request.host && vertices > MAX_SHOWN) return "The network is relaxing. The surface has too many vertices to be seen on its way.";
   return "The network is relaxing.";
 }
 
-function factsOf({ answer, steps, network }: Relaxing, iteration: number | null, stretches: StretchRange | null): [string, string][] {
+function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | null, stretches: StretchRange | null): [string, string][] {
   const step = iteration === null ? steps.at(-1) : steps.find((one) => one.iteration === iteration);
   const rows: [string, string][] = [
     ["Points", network.points.length.toLocaleString("en")],
@@ -137,7 +138,7 @@ function factsOf({ answer, steps, network }: Relaxing, iteration: number | null,
   if (step) rows.push(["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", answer ? `${step.iteration} of ${answer.iterations}` : String(step.iteration)]);
   if (stretches) {
     const about = stretches.exact ? "" : "≈ ";
-    rows.push(["Least stretch", about + digits(stretches.least, 4)], ["Greatest stretch", about + digits(stretches.most, 4)]);
+    rows.push(["Least stretch", about + digits(stretches.min, 4)], ["Greatest stretch", about + digits(stretches.max, 4)]);
   }
   if (!answer) return rows;
   if (network.pairs.length > 0 || network.triangles.length === 0) {
@@ -151,14 +152,14 @@ function factsOf({ answer, steps, network }: Relaxing, iteration: number | null,
 function notesOf(answer: EmbeddedSystem): string[] {
   const sentences = [...answer.warnings];
   if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
-  const held = answer.at_vertices.length;
-  if (held > 0) sentences.push(`${held === 1 ? "1 point" : `${held} points`} came to rest exactly at a vertex, where no direction descends.`);
+  const atVertices = answer.at_vertices.length;
+  if (atVertices > 0) sentences.push(`${atVertices === 1 ? "1 point" : `${atVertices} points`} came to rest exactly at a vertex, where no direction descends.`);
   return sentences;
 }
 
-/** Every so many iterations, and the last. */
+/** A table of evenly selected iterations and the last one. */
 function historyTable({ history }: EmbeddedSystem): HTMLElement {
-  const every = Math.max(1, Math.ceil(history.length / MOST_ROWS));
+  const every = Math.max(1, Math.ceil(history.length / MAX_ROWS));
   const rows = history.flatMap(({ energy, gradient_norm, step_length, regularization }, k) =>
     k % every === 0 || k === history.length - 1 ? [[String(k), digits(energy, 6), digits(gradient_norm, 3), digits(step_length, 3), digits(regularization, 2)]] : []);
   return table("History", ["Iteration", "Energy", "Gradient", "Step", "Regularization"], rows);

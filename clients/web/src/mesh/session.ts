@@ -1,4 +1,4 @@
-// The mesh at hand, the points picked on it, and what the server says about them.
+// The mesh session: the present mesh, the points that are picked on it, and the server's answers about them.
 import { History } from "../base/history";
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
@@ -6,24 +6,24 @@ import { type Client, ConnectionLost, explain, isAbort, Problem, readJson } from
 import { runJob } from "../contract/jobs";
 import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
-import { keepName, nameOf } from "./names";
-import { helpAgainst, ordered, uploadPath } from "./repair";
+import { storeName, nameOf } from "./names";
+import { repairsAgainst, ordered, uploadPath } from "./repair";
 
 export type Tool = "path" | "distance" | "mean" | "network" | "voronoi";
 export const TOOLS: readonly Tool[] = ["path", "distance", "mean", "network", "voronoi"];
 
-/** Searches for a mean that a person may ask for, each as long as the first. */
-export const MOST_STARTS = 50;
+/** Limit of the number of starts for a mean. Each start takes as long as the first. */
+export const MAX_STARTS = 50;
 
-/** Tools whose answer follows the points by itself; networks and Voronoi diagrams have sessions of their own. */
-type Following = Exclude<Tool, "network" | "voronoi">;
+/** Tools whose results are updated whenever the points change. Networks and Voronoi diagrams have their own sessions. */
+type PointTool = Exclude<Tool, "network" | "voronoi">;
 
-export interface Loaded {
+export interface LoadedMesh {
   readonly info: Mesh;
   readonly data: MeshData;
 }
 
-/** What is seen on the surface, and what is said of it. */
+/** A result: what is drawn on the surface, and its facts. */
 export interface Finding {
   readonly paths: readonly (readonly Vector[])[];
   readonly distances: readonly number[] | null;
@@ -32,54 +32,56 @@ export interface Finding {
   readonly notes: readonly string[];
 }
 
-export const NOTHING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [] };
+export const NO_FINDING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [] };
 
 export type MeshActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
 
-/** A file that was refused for faults which repairs mend, and what was asked for before them. */
-export interface Refused {
+/** A file that was refused for faults that repairs may remove, and the repairs that were chosen before. */
+export interface RefusedUpload {
   readonly content: Blob;
   readonly words: string;
   readonly repairsBefore: readonly Repair[];
 }
 
+/** Time in seconds after which a computation becomes a job with progress. */
 const IMMEDIATE_SECONDS = 1;
 
-export interface Answers {
+/** Functions that convert the server's answers to findings. */
+export interface FindingReaders {
   path(geodesics: Geodesics): Finding;
   distance(distances: readonly (number | null)[], seconds: number, bound: number | null): Finding;
   mean(mean: KarcherMean, geodesics: Geodesics): Finding;
 }
 
 export class MeshSession {
-  readonly mesh = new Observable<Loaded | null>(null);
+  readonly mesh = new Observable<LoadedMesh | null>(null);
   readonly points = new Observable<readonly SurfacePoint[]>([]);
   readonly tool = new Observable<Tool>("path");
-  /** Places that the search for a mean starts from; the lowest minimum is shown. */
+  /** Number of starts of the search for a mean; the lowest minimum is shown. */
   readonly starts = new Observable(1);
-  readonly finding = new Observable<Finding>(NOTHING);
+  readonly finding = new Observable<Finding>(NO_FINDING);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
   readonly known = new Observable<readonly Mesh[]>([]);
-  /** What uploads ask for. */
+  /** Repairs that uploads request. */
   readonly repairs = new Observable<readonly Repair[]>([]);
-  readonly refused = new Observable<Refused | null>(null);
+  readonly refused = new Observable<RefusedUpload | null>(null);
   readonly steps = new Observable({ undo: false, redo: false });
   private history = new History<readonly SurfacePoint[]>([]);
   private readonly requests = new Latest();
   private unanswered = false;
-  /** How many meshes were asked for: the answer to an earlier question comes too late. */
-  private asked = 0;
+  /** Counts the requests for meshes, so that answers to earlier ones are ignored. */
+  private requestCount = 0;
 
   constructor(
     private readonly client: Client,
-    private readonly read: Answers,
+    private readonly read: FindingReaders,
   ) {}
 
   async list(): Promise<void> {
     try {
       this.known.set((await this.client.get<{ meshes: Mesh[] }>("/v1/meshes?limit=50")).meshes);
     } catch {
-      // an upload works without the list; a lost connection is told elsewhere
+      // uploads work without the list, and the frame reports a lost connection
     }
   }
 
@@ -88,14 +90,14 @@ export class MeshSession {
     return this.send(content, words);
   }
 
-  /** Sends the file that was refused again, with the repairs that are asked for now; they are for this file alone. */
+  /** Uploads the refused file again with the chosen repairs, which are for this file only. */
   async repairRefused(): Promise<void> {
     const refused = this.refused.get();
     if (!refused) return;
     await this.send(refused.content, refused.words);
   }
 
-  /** Uploads the mesh at hand again with whatever repairs it needs; they are for this mesh alone. */
+  /** Uploads the present mesh again with the repairs that it needs, which are for this mesh only. */
   repairShown(): Promise<void> {
     const loaded = this.mesh.get();
     if (!loaded) return Promise.resolve();
@@ -123,7 +125,7 @@ export class MeshSession {
 
   private async showUploaded(response: Response, words: string, isWanted: () => boolean): Promise<void> {
     const info = await readJson<Mesh>(response);
-    keepName(info.id, words);
+    storeName(info.id, words);
     await this.show(info, isWanted);
     if (isWanted()) this.forgetRefused();
     void this.list();
@@ -136,7 +138,7 @@ export class MeshSession {
   private offerRepairs(content: Blob, words: string, error: unknown): void {
     if (!(error instanceof Problem)) return;
     const repairs = this.repairs.get();
-    const help = helpAgainst(error.document, repairs);
+    const help = repairsAgainst(error.document, repairs);
     if (help.length === 0) return this.forgetRefused();
     this.refused.set({ content, words, repairsBefore: this.refused.get()?.repairsBefore ?? repairs });
     this.repairs.set(ordered([...repairs, ...help]));
@@ -153,22 +155,22 @@ export class MeshSession {
     this.forgetRefused();
     return this.attempt("Loading the mesh", async (isWanted) => {
       const info = await this.client.get<Mesh>(`/v1/meshes/${id}`);
-      await this.show(info, isWanted, points.filter((point) => isOn(info, point)));
+      await this.show(info, isWanted, points.filter((point) => existsOn(info, point)));
     });
   }
 
   add(point: SurfacePoint): void {
     const loaded = this.mesh.get();
-    if (loaded && isOn(loaded.info, point)) this.setPoints([...this.points.get(), point]);
+    if (loaded && existsOn(loaded.info, point)) this.setPoints([...this.points.get(), point]);
   }
 
-  /** One step to undo. */
+  /** Sets the points, as one step of the history. */
   setPoints(points: readonly SurfacePoint[]): void {
     this.history.push(points);
-    this.take(points);
+    this.usePoints(points);
   }
 
-  /** A picked point goes along the surface; it is one step to undo once it is let go. */
+  /** Moves a picked point. `done`: the drag has ended, and becomes one step of the history. */
   movePoint(index: number, to: SurfacePoint, done: boolean): void {
     const points = this.points.get().map((point, k) => (k === index ? to : point));
     if (done) return this.setPoints(points);
@@ -177,32 +179,32 @@ export class MeshSession {
   }
 
   undo(): void {
-    if (this.isFollowing && this.history.undo()) this.take(this.history.current);
+    if (this.followsPoints && this.history.undo()) this.usePoints(this.history.current);
   }
 
   redo(): void {
-    if (this.isFollowing && this.history.redo()) this.take(this.history.current);
+    if (this.followsPoints && this.history.redo()) this.usePoints(this.history.current);
   }
 
   setTool(tool: Tool): void {
     this.tool.set(tool);
-    this.tellSteps();
+    this.publishSteps();
     this.compute();
   }
 
-  /** Networks and Voronoi diagrams number their points: these are not undone behind their backs. */
-  private get isFollowing(): boolean {
+  /** Whether the tool uses the points only for its result, so that they can be undone. Networks and Voronoi diagrams refer to points by index. */
+  private get followsPoints(): boolean {
     return !["network", "voronoi"].includes(this.tool.get());
   }
 
-  private take(points: readonly SurfacePoint[]): void {
+  private usePoints(points: readonly SurfacePoint[]): void {
     this.points.set(points);
-    this.tellSteps();
+    this.publishSteps();
     this.compute();
   }
 
-  private tellSteps(): void {
-    this.steps.set({ undo: this.isFollowing && this.history.canUndo, redo: this.isFollowing && this.history.canRedo });
+  private publishSteps(): void {
+    this.steps.set({ undo: this.followsPoints && this.history.canUndo, redo: this.followsPoints && this.history.canRedo });
   }
 
   setStarts(starts: number): void {
@@ -211,7 +213,7 @@ export class MeshSession {
   }
 
   cancel(): void {
-    ++this.asked;
+    ++this.requestCount;
     this.requests.cancel();
     this.activity.set({ kind: "idle" });
   }
@@ -221,13 +223,13 @@ export class MeshSession {
   }
 
   position(point: SurfacePoint): Vector {
-    const { data } = this.mesh.get() as Loaded;
+    const { data } = this.mesh.get() as LoadedMesh;
     return "vertex" in point ? vertexPosition(data, point.vertex) : facePosition(data, point.face, point.barycentric);
   }
 
   private async attempt(words: string, act: (isWanted: () => boolean) => Promise<void>): Promise<void> {
-    const question = ++this.asked;
-    const isWanted = () => question === this.asked;
+    const request = ++this.requestCount;
+    const isWanted = () => request === this.requestCount;
     this.requests.cancel();
     this.activity.set({ kind: "busy", words, progress: null });
     try {
@@ -238,29 +240,29 @@ export class MeshSession {
     }
   }
 
-  /** The list names what is shown before the server's list is read again. */
+  /** Shows a mesh. It is also put into the list at once, before the server's list is read again. */
   private async show(info: Mesh, isWanted: () => boolean, points: readonly SurfacePoint[] = []): Promise<void> {
     const data = parsePly(await this.contentOf(info));
     if (!isWanted()) return;
     const known = this.known.get();
     if (!known.some((mesh) => mesh.id === info.id)) this.known.set([info, ...known]);
     this.points.set([]);
-    this.finding.set(NOTHING);
+    this.finding.set(NO_FINDING);
     this.mesh.set({ info, data });
     this.history = new History(points);
-    this.take(points);
+    this.usePoints(points);
   }
 
-  /** `urgent`: what runs is stopped; while a point is dragged it may end first, or nothing would ever be seen. */
+  /** Requests a new result. `urgent`: a running request is aborted. It is not urgent while a point is dragged, because then no result would ever appear. */
   private compute(urgent = true): void {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
-    const isFollowing = tool !== "network" && tool !== "voronoi";
-    if (!mesh || !isFollowing || points.length < (tool === "distance" ? 1 : 2)) {
+    const followsPoints = tool !== "network" && tool !== "voronoi";
+    if (!mesh || !followsPoints || points.length < (tool === "distance" ? 1 : 2)) {
       this.requests.cancel();
-      if (!isFollowing) this.activity.set({ kind: "idle" });
-      return this.finding.set(NOTHING);
+      if (!followsPoints) this.activity.set({ kind: "idle" });
+      return this.finding.set(NO_FINDING);
     }
     this.requests.submit(async (signal) => {
       this.activity.set({ kind: "busy", words: "Computing", progress: null });
@@ -278,7 +280,7 @@ export class MeshSession {
     }, urgent);
   }
 
-  private async ask(tool: Following, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
+  private async ask(tool: PointTool, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
     const run = <Answer>(path: string, document: unknown) =>
       runJob<Answer>(this.client, path, document, {
         signal,
@@ -300,6 +302,6 @@ export class MeshSession {
   }
 }
 
-function isOn(info: Mesh, point: SurfacePoint): boolean {
+function existsOn(info: Mesh, point: SurfacePoint): boolean {
   return "vertex" in point ? point.vertex < info.vertices : point.face < info.faces;
 }

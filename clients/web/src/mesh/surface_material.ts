@@ -1,11 +1,11 @@
-// How the surface looks: plain, coloured by distance with isolines, or each face in a colour.
+// The shaders of the surface: plain, coloured by distance with isolines, or with a colour for each face.
 import * as THREE from "three";
 import { RAMPS } from "../base/ramps";
 
-/** Near to far. */
+/** Colours of distances, from near to far. */
 export const RAMP = RAMPS.sea;
 
-/** Light on a surface or on what covers it: lit(colour, normal, place seen from the eye). */
+/** The shader function for the lighting of a surface: lit(colour, normal, position in camera coordinates). */
 export const lightOfSurface = /* glsl */ `
   vec3 lit(vec3 base, vec3 towards, vec3 view) {
     vec3 normal = normalize(gl_FrontFacing ? towards : -towards);
@@ -51,11 +51,11 @@ const facesFragmentShader = /* glsl */ `
     #include <colorspace_fragment>
   }`;
 
-/** The surface steps back a little, so that lines on it are seen. */
-const BACK = { polygonOffset: true, polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 };
+/** Depth offset of the surface away from the camera, so that lines on it are visible. */
+const DEPTH_OFFSET = { polygonOffset: true, polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 };
 
-/** For faces that have a colour each. */
-export function facesMaterial(offset: THREE.MaterialParameters = BACK): THREE.ShaderMaterial {
+/** The material of faces with a colour for each. */
+export function facesMaterial(offset: THREE.MaterialParameters = DEPTH_OFFSET): THREE.ShaderMaterial {
   return new THREE.ShaderMaterial({ vertexShader: facesVertexShader, fragmentShader: facesFragmentShader, side: THREE.DoubleSide, ...offset });
 }
 
@@ -87,7 +87,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
     vertexShader,
     fragmentShader,
     side: THREE.DoubleSide,
-    ...BACK,
+    ...DEPTH_OFFSET,
     uniforms: {
       plain: { value: new THREE.Color(0.66, 0.7, 0.73) },
       ramp: { value: RAMP.map((rgb) => new THREE.Vector3(...rgb)) },

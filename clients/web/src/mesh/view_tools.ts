@@ -1,4 +1,4 @@
-// Above the view: steps back, how the surface is looked at, what leaves the page.
+// The toolbar above the view: undo and redo, camera, wireframe, link and exports.
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h } from "../base/dom";

@@ -1,4 +1,4 @@
-// A surface with what lies on it. Knows three.js and nothing of the server.
+// The 3D view of a surface and of what lies on it. It uses three.js and does not depend on the server.
 import * as THREE from "three";
 import { Line2 } from "three/examples/jsm/lines/Line2.js";
 import { LineGeometry } from "three/examples/jsm/lines/LineGeometry.js";
@@ -17,50 +17,51 @@ import type { Rgb } from "./spring_colours";
 import { surfaceMaterial } from "./surface_material";
 
 const CLICK_PIXELS = 5;
-/** Where a surface is looked at from at first. */
+/** Initial direction from the surface to the camera. */
 const FROM = new THREE.Vector3(0.35, 0.45, 1);
 
-/** A point of a network that is hit this near, in pixels. */
+/** Largest distance in pixels at which a click hits a point. */
 const POINT_PIXELS = 14;
 const DOT_COLOURS = { free: "--solid", fixed: "--target", chosen: "--simulated", support: "--missed", rim: "--surface" } as const;
-/** How far behind the surface, of its radius, a point of a network is still seen. */
-const BEHIND = 0.05;
+/** Depth behind the surface to which a point still counts as visible, over the radius of the surface. */
+const VISIBLE_DEPTH = 0.05;
 
-/** A surface that gave way. */
+/** A deformed surface. */
 export interface HostPicture {
-  /** Where its vertices are; null for the mesh as it is. */
+  /** Positions of the vertices; null for those of the mesh. */
   readonly vertices: readonly Vector[] | null;
-  /** One for each face; null for a plain surface. */
+  /** Colour of each face; null for a plain surface. */
   readonly colours: readonly Rgb[] | null;
 }
 
-/** A place on the surface. */
+/** A point on the surface. */
 export interface Place {
   face: number;
   barycentric: Vector;
 }
 
 export interface Pick {
-  /** Where the surface was hit; null beside it. */
+  /** The point of the surface that was hit; null if none was. */
   place: Place | null;
-  /** The point of the network that was hit. */
+  /** Index of the point of the network that was hit; null if none was. */
   point: number | null;
 }
 
 export class MeshViewer {
   onPick: (pick: Pick) => void = () => {};
-  /** Whether a point of the network, when it is seized, is dragged along the surface instead of turning the view. */
-  drags = false;
-  /** Whether a marked point, when it is seized, is dragged along the surface. */
+  /** Whether the pointer drags points of the network along the surface, instead of rotating the view. */
+  dragsPoints = false;
+  /** Whether the pointer drags marked points along the surface. */
   dragsMarks = false;
+  /** Called while a mark is dragged: its index, its point on the surface, and whether it was released there. */
   onDragMark: (mark: number, place: Place, done: boolean) => void = () => {};
-  /** A point that is dragged, the place that it is at, and whether it was let go there. */
+  /** Called while a point is dragged: its index, its point on the surface, and whether it was released there. */
   onDrag: (point: number, place: Place, done: boolean) => void = () => {};
-  /** Whether a vertex that is held, when it is seized, is dragged through space instead of turning the view. */
+  /** Whether the pointer drags supports through space, instead of rotating the view. */
   dragsSupports = false;
-  /** Which of the supports is dragged, and where to: in the plane through its place that faces the camera. */
+  /** Called while a support is dragged: its index, and its position in the plane through the old one that is parallel to the picture. */
   onDragSupport: (support: number, to: Vector) => void = () => {};
-  /** Shift and an arrow key: steps to the right and down. */
+  /** Called for Shift with an arrow key: steps to the right and down. */
   onNudge: (right: number, down: number) => void = () => {};
   private readonly view: SceneView;
   private readonly material = surfaceMaterial();
@@ -72,24 +73,24 @@ export class MeshViewer {
   private readonly host = new HostDrawing();
   private readonly cells = new CellDrawing();
   private readonly edges = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({ wireframe: true, transparent: true, opacity: 0.35 }));
-  private marked: readonly Vector[] = [];
+  private markPositions: readonly Vector[] = [];
   private distances: ArrayLike<number> | null = null;
-  private wantedSpacing: number | null = null;
-  private supported: readonly Vector[] = [];
+  private chosenSpacing: number | null = null;
+  private supportPositions: readonly Vector[] = [];
   private chosenSupport = -1;
-  /** Of the surface as it is seen, once a membrane lies on it. */
+  /** Search grid of the drawn surface; made when a membrane is draped over it. */
   private grid: SurfaceGrid | null = null;
   private draped: { positions: NetworkPicture["positions"]; triangles: NetworkPicture["triangles"]; drape: Drape } | null = null;
   private picture: NetworkPicture | null = null;
   private readonly lineMaterial = new LineMaterial({ linewidth: 5 });
   private surface: THREE.Mesh<THREE.BufferGeometry, THREE.ShaderMaterial> | null = null;
   private data: MeshData | null = null;
-  /** The mesh as it is seen, which may have given way. */
-  private shape: MeshData | null = null;
-  private shapeVertices: readonly Vector[] | null = null;
+  /** The drawn mesh, with deformed vertices if the host is deformed. */
+  private deformedMesh: MeshData | null = null;
+  private deformedVertices: readonly Vector[] | null = null;
   private radius = 1;
 
-  /** Throws where the browser has no WebGL. */
+  /** Throws if the browser has no WebGL. */
   constructor() {
     this.view = new SceneView("No mesh yet");
     this.view.resized = (width, height) => {
@@ -104,7 +105,7 @@ export class MeshViewer {
       this.material.uniforms.plain.value.set(isDark ? 0x7d8790 : 0xb9c2c8);
       this.edges.material.color.set(isDark ? 0xffffff : 0x101317);
       this.setNetwork(this.picture);
-      this.setSupports(this.supported, this.chosenSupport);
+      this.setSupports(this.supportPositions, this.chosenSupport);
     });
   }
 
@@ -115,8 +116,8 @@ export class MeshViewer {
   setMesh(data: MeshData, words: string): void {
     this.surface?.geometry.dispose();
     this.surface?.removeFromParent();
-    this.data = this.shape = data;
-    [this.grid, this.draped, this.shapeVertices] = [null, null, null];
+    this.data = this.deformedMesh = data;
+    [this.grid, this.draped, this.deformedVertices] = [null, null, null];
     this.host.show(null, null);
     this.cells.show(null, [], null);
     const geometry = new THREE.BufferGeometry();
@@ -135,17 +136,17 @@ export class MeshViewer {
     this.setField(null);
   }
 
-  /** The surface as it gave way and the colours of its faces; as the mesh has it, and plain, with null. */
+  /** Shows the deformed surface and the colours of its faces; null for the plain mesh. */
   setHost(picture: HostPicture | null): void {
     if (!this.surface || !this.data) return;
     const vertices = picture?.vertices ?? null;
     const { geometry } = this.surface;
-    if (vertices !== this.shapeVertices) {
-      this.shapeVertices = vertices;
-      this.shape = vertices ? { positions: Float64Array.from(vertices.flatMap((place) => [...place])), faces: this.data.faces } : this.data;
+    if (vertices !== this.deformedVertices) {
+      this.deformedVertices = vertices;
+      this.deformedMesh = vertices ? { positions: Float64Array.from(vertices.flatMap((place) => [...place])), faces: this.data.faces } : this.data;
       [this.grid, this.draped] = [null, null];
       const attribute = geometry.getAttribute("position") as THREE.BufferAttribute;
-      attribute.array.set(this.shape.positions);
+      attribute.array.set(this.deformedMesh.positions);
       attribute.needsUpdate = true;
       geometry.computeVertexNormals();
       geometry.computeBoundingSphere();
@@ -155,7 +156,7 @@ export class MeshViewer {
     this.view.draw();
   }
 
-  /** Cells in place of the plain surface; none with null. */
+  /** Shows cells in place of the plain surface; null for the surface. */
   setCells(picture: CellPicture | null): void {
     if (!this.surface || !this.data) return;
     this.cells.show(this.data, this.surface.geometry.getAttribute("normal").array, picture);
@@ -163,8 +164,8 @@ export class MeshViewer {
     this.view.draw();
   }
 
-  /** The place of the surface that is seen so many pixels to the right of a place and below it; null beside the surface. */
-  beside(place: Vector, right: number, down: number): Place | null {
+  /** The point of the surface that is drawn some pixels to the right of and below a position; null if there is none. */
+  placeBeside(place: Vector, right: number, down: number): Place | null {
     const { camera, canvas } = this.view;
     camera.updateMatrixWorld();
     const seen = new THREE.Vector3(...place).project(camera);
@@ -172,8 +173,8 @@ export class MeshViewer {
     return this.hit(new THREE.Vector2(seen.x + (2 * right) / width, seen.y - (2 * down) / height))?.place ?? null;
   }
 
-  /** The place so many pixels to the right of another and below it, as far from the camera. */
-  besideInSpace(place: Vector, right: number, down: number): Vector {
+  /** The position some pixels to the right of and below another one, at the same depth. */
+  positionBeside(place: Vector, right: number, down: number): Vector {
     const { camera, canvas } = this.view;
     camera.updateMatrixWorld();
     const seen = new THREE.Vector3(...place).project(camera);
@@ -181,15 +182,15 @@ export class MeshViewer {
     return new THREE.Vector3(seen.x + (2 * right) / width, seen.y - (2 * down) / height, seen.z).unproject(camera).toArray();
   }
 
-  /** Marks vertices that are held. */
+  /** Shows the supports at their positions. `chosen`: index of the chosen one. */
   setSupports(places: readonly Vector[], chosen = -1): void {
-    [this.supported, this.chosenSupport] = [places, chosen];
+    [this.supportPositions, this.chosenSupport] = [places, chosen];
     const colour = pageColours();
     this.supports.show({ positions: places, kinds: places.map((_, k) => (k === chosen ? "chosen" : "support")), lines: [], colours: [], triangles: [], triangleColours: [], straight: false }, (kind) => colour(DOT_COLOURS[kind]));
     this.view.draw();
   }
 
-  /** Looks at the whole surface again. */
+  /** Moves the camera so that the whole surface is visible. */
   fit(): void {
     const geometry = this.surface?.geometry;
     geometry?.computeBoundingSphere();
@@ -206,18 +207,18 @@ export class MeshViewer {
     this.view.draw();
   }
 
-  /** Between isolines; a round one with null. */
+  /** Sets the distance between isolines; null for a round one. */
   setSpacing(spacing: number | null): void {
-    this.wantedSpacing = spacing;
+    this.chosenSpacing = spacing;
     this.setField(this.distances);
   }
 
-  /** What is seen now, as a picture. */
+  /** The present view as a PNG file. */
   snapshot(): Promise<Blob | null> {
     return this.view.picture();
   }
 
-  /** Colours by distance, one for each vertex (below 0 where there is none); plain without. */
+  /** Colours the surface by the distance at each vertex, which is negative if unknown; null for a plain surface. */
   setField(distances: ArrayLike<number> | null): void {
     this.distances = distances;
     const { uniforms } = this.material;
@@ -231,7 +232,7 @@ export class MeshViewer {
       }
       attribute.needsUpdate = true;
       uniforms.largest.value = largest;
-      uniforms.spacing.value = this.wantedSpacing ?? isolineSpacing(largest);
+      uniforms.spacing.value = this.chosenSpacing ?? isolineSpacing(largest);
     }
     this.view.draw();
   }
@@ -252,18 +253,18 @@ export class MeshViewer {
     this.marks.clear();
     const colour = pageColours();
     this.lineMaterial.color = colour("--target");
-    const ball = (place: Vector, size: number, name: string) => {
+    const addBall = (place: Vector, size: number, name: string) => {
       const mark = new THREE.Mesh(new THREE.SphereGeometry(size * this.radius, 24, 16), new THREE.MeshBasicMaterial({ color: colour(name) }));
       mark.position.set(...place);
       this.marks.add(mark);
     };
-    this.marked = points;
-    for (const place of points) ball(place, 0.018, "--target");
-    if (mean) ball(mean, 0.028, "--simulated");
+    this.markPositions = points;
+    for (const place of points) addBall(place, 0.018, "--target");
+    if (mean) addBall(mean, 0.028, "--simulated");
     this.view.draw();
   }
 
-  /** A network in place of the one that was seen; none with null. */
+  /** Shows a network; null removes it. */
   setNetwork(picture: NetworkPicture | null): void {
     this.picture = picture;
     const colour = pageColours();
@@ -272,14 +273,14 @@ export class MeshViewer {
     this.view.draw();
   }
 
-  /** Where only colours change, the drape stays. */
+  /** The draped membrane of a picture. It is cached while only colours change. */
   private drapeOf(picture: NetworkPicture | null): Drape | null {
-    if (!picture || picture.triangles.length === 0 || !this.shape || !this.surface) return null;
+    if (!picture || picture.triangles.length === 0 || !this.deformedMesh || !this.surface) return null;
     const { positions, triangles } = picture;
     if (this.draped?.positions !== positions || this.draped.triangles !== triangles) {
-      this.grid ??= new SurfaceGrid(this.shape);
+      this.grid ??= new SurfaceGrid(this.deformedMesh);
       const normals = this.surface.geometry.getAttribute("normal").array;
-      this.draped = { positions, triangles, drape: drape(this.shape, this.grid, normals, positions, triangles) };
+      this.draped = { positions, triangles, drape: drape(this.deformedMesh, this.grid, normals, positions, triangles) };
     }
     return this.draped.drape;
   }
@@ -291,17 +292,17 @@ export class MeshViewer {
     let support: { index: number; at: Vector; moved: boolean } | null = null;
     let isMark = false;
     canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
-    // Before the controls that turn the view, which then hear nothing of it.
+    // The capture phase comes before the controls that rotate the view; stopping the event there keeps it from them.
     canvas.addEventListener("pointerdown", (event) => {
       const isFirst = event.button === 0 && event.isPrimary;
       isMark = this.dragsMarks;
-      const point = !isFirst ? null : isMark ? this.markAt(event) : this.drags ? this.pointAt(event) : null;
-      const held = this.dragsSupports && isFirst ? this.nearestTo(event, this.supports) : null;
-      if (point === null && held === null) return;
+      const point = !isFirst ? null : isMark ? this.markAt(event) : this.dragsPoints ? this.pointAt(event) : null;
+      const grabbed = this.dragsSupports && isFirst ? this.nearestTo(event, this.supports) : null;
+      if (point === null && grabbed === null) return;
       event.stopImmediatePropagation();
       canvas.setPointerCapture(event.pointerId);
       canvas.focus();
-      if (held !== null) support = { index: held, at: this.supported[held], moved: false };
+      if (grabbed !== null) support = { index: grabbed, at: this.supportPositions[grabbed], moved: false };
       else if (point !== null) dragged = { point, place: null };
       down = [event.clientX, event.clientY];
     }, { capture: true });
@@ -309,11 +310,11 @@ export class MeshViewer {
       if (support && down) {
         const [right, below] = [event.clientX - down[0], event.clientY - down[1]];
         support.moved ||= Math.hypot(right, below) >= CLICK_PIXELS;
-        if (support.moved) this.onDragSupport(support.index, this.besideInSpace(support.at, right, below));
+        if (support.moved) this.onDragSupport(support.index, this.positionBeside(support.at, right, below));
       }
       if (!dragged || !down) return;
       if (!dragged.place && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) return;
-      const place = this.hit(this.placeOf(event))?.place;
+      const place = this.hit(this.deviceCoordinates(event))?.place;
       if (!place) return;
       dragged.place = place;
       (isMark ? this.onDragMark : this.onDrag)(dragged.point, place, false);
@@ -330,7 +331,7 @@ export class MeshViewer {
     canvas.addEventListener("pointercancel", release);
     canvas.addEventListener("keydown", (event) => {
       const steps: Record<string, readonly [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-      const step = event.shiftKey && (this.drags || this.dragsSupports) ? steps[event.key] : undefined;
+      const step = event.shiftKey && (this.dragsPoints || this.dragsSupports) ? steps[event.key] : undefined;
       if (!step) return;
       event.preventDefault();
       event.stopImmediatePropagation();
@@ -338,52 +339,52 @@ export class MeshViewer {
     }, { capture: true });
   }
 
-  /** Where the pointer is, from -1 to 1. */
-  private placeOf(event: PointerEvent): THREE.Vector2 {
+  /** Position of the pointer in normalized device coordinates, from -1 to 1. */
+  private deviceCoordinates(event: PointerEvent): THREE.Vector2 {
     const box = this.view.canvas.getBoundingClientRect();
     return new THREE.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
   }
 
   private hit(at: THREE.Vector2): { place: Place; distance: number } | null {
-    if (!this.surface || !this.shape) return null;
+    if (!this.surface || !this.deformedMesh) return null;
     const ray = new THREE.Raycaster();
-    this.view.camera.updateMatrixWorld(); // where drawing is slow, nothing has done so yet
+    this.view.camera.updateMatrixWorld(); // needed if the camera has moved since the last drawing
     ray.setFromCamera(at, this.view.camera);
     const hit = ray.intersectObject(this.surface)[0];
     const face = hit?.faceIndex ?? null;
-    return face === null ? null : { place: { face, barycentric: barycentricOf(this.shape, face, hit.point.toArray()) }, distance: hit.distance };
+    return face === null ? null : { place: { face, barycentric: barycentricOf(this.deformedMesh, face, hit.point.toArray()) }, distance: hit.distance };
   }
 
   private pointAt(event: PointerEvent): number | null {
     return this.nearestTo(event, this.network);
   }
 
-  /** The marked point next to the pointer, unless it is hidden behind the surface. */
+  /** Index of the marked point nearest to the pointer, unless the surface hides it. */
   private markAt(event: PointerEvent): number | null {
     const box = this.view.canvas.getBoundingClientRect();
-    const hit = this.hit(this.placeOf(event));
-    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
-    let [best, least]: [number | null, number] = [null, POINT_PIXELS];
-    this.marked.forEach((mark, k) => {
+    const hit = this.hit(this.deviceCoordinates(event));
+    const depth = hit ? hit.distance + VISIBLE_DEPTH * this.radius : Infinity;
+    let [best, minPixels]: [number | null, number] = [null, POINT_PIXELS];
+    this.markPositions.forEach((mark, k) => {
       const at = new THREE.Vector3(...mark);
       if (at.distanceTo(this.view.camera.position) > depth) return;
       at.project(this.view.camera);
-      const away = Math.hypot(((at.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - at.y) / 2) * box.height - (event.clientY - box.top));
-      if (away < least) [best, least] = [k, away];
+      const pixels = Math.hypot(((at.x + 1) / 2) * box.width - (event.clientX - box.left), ((1 - at.y) / 2) * box.height - (event.clientY - box.top));
+      if (pixels < minPixels) [best, minPixels] = [k, pixels];
     });
     return best;
   }
 
   private nearestTo(event: PointerEvent, drawing: NetworkDrawing): number | null {
     const box = this.view.canvas.getBoundingClientRect();
-    const hit = this.hit(this.placeOf(event));
-    const depth = hit ? hit.distance + BEHIND * this.radius : Infinity;
+    const hit = this.hit(this.deviceCoordinates(event));
+    const depth = hit ? hit.distance + VISIBLE_DEPTH * this.radius : Infinity;
     return drawing.nearest(event.clientX - box.left, event.clientY - box.top, POINT_PIXELS, this.view.camera, box, depth);
   }
 
   private pick(event: PointerEvent): void {
-    if (!this.surface || !this.shape) return;
-    this.onPick({ place: this.hit(this.placeOf(event))?.place ?? null, point: this.pointAt(event) });
+    if (!this.surface || !this.deformedMesh) return;
+    this.onPick({ place: this.hit(this.deviceCoordinates(event))?.place ?? null, point: this.pointAt(event) });
   }
 }
 

@@ -1,4 +1,4 @@
-// A Voronoi diagram in numbers: its cells, how it was optimized, what it was like before and is after, and its files.
+// The card of a Voronoi diagram: counts, convergence of the optimization, statistics before and after, and files.
 import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
@@ -13,7 +13,7 @@ import { statisticsRows } from "./voronoi_statistics";
 import type { VoronoiFile, VoronoiSession } from "./voronoi_session";
 import { type CellColourBy, type VoronoiView } from "./voronoi_view";
 
-export const VORONOI_STOPS: Record<VoronoiOptimization["stopped"], string> = {
+export const VORONOI_TERMINATIONS: Record<VoronoiOptimization["stopped"], string> = {
   converged: "The sites are at rest: the gradient is below the tolerance.",
   step_too_small: "The sites are at rest: neither steps of all sites nor moves of single sites lower the energy by more than a thousandth.",
   iteration_limit: "The limit of iterations, or of passes over moves of single sites, came first: the sites are not at rest yet.",
@@ -34,8 +34,8 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   const colours = new Select<CellColourBy>("Colour of the cells", [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, { value: "none", words: "None" }], (value) => view.colourBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(RAMP);
-  const [least, most] = [h("span"), h("span")];
-  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, least, most));
+  const [min, max] = [h("span"), h("span")];
+  const scale = h("div", {}, bar, h("div", { class: "ramp-words" }, min, max));
   let panelScale = 100;
   const panels = new Slider({ label: "Millimetres for each unit, on panels", lower: 0.1, upper: 1000, digits: 3, changed: (value) => (panelScale = value) });
   panels.value = panelScale;
@@ -45,7 +45,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     h("h2", {}, "Diagram"), sentence, notes, h("div", { class: "relaxation-body" }, stage, facts, side), statistics, h("div", { class: "row" }, ...files));
 
   function factsNow(): [string, string][] {
-    const diagram = voronoi.divided.get()?.diagram;
+    const diagram = voronoi.result.get()?.diagram;
     const optimizing = voronoi.optimizing.get();
     const step = optimizing?.steps.at(-1);
     const moves = optimizing?.answer?.site_moves;
@@ -58,24 +58,24 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   }
 
   function draw(): void {
-    const divided = voronoi.divided.get();
+    const result = voronoi.result.get();
     const optimizing = voronoi.optimizing.get();
-    card.hidden = !divided;
-    if (!divided) return;
+    card.hidden = !result;
+    if (!result) return;
     const answer = optimizing?.answer ?? null;
-    sentence.textContent = answer ? VORONOI_STOPS[answer.stopped] : optimizing ? "The sites are moving." : "";
+    sentence.textContent = answer ? VORONOI_TERMINATIONS[answer.stopped] : optimizing ? "The sites are moving." : "";
     sentence.hidden = sentence.textContent === "";
     stage.hidden = !optimizing;
     if (optimizing) plot.update({ steps: optimizing.steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: optimizing.steps.at(-1)?.iteration ?? null });
     replace(facts, ...factsNow().flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(notes, ...divided.diagram.warnings.map((words) => h("p", { class: "note" }, words)));
-    if (divided.now) replace(statistics, statisticsTable(divided.before, divided.now));
+    replace(notes, ...result.diagram.warnings.map((words) => h("p", { class: "note" }, words)));
+    if (result.now) replace(statistics, statisticsTable(result.before, result.now));
     for (const file of files) file.disabled = optimizing !== null && !answer;
   }
-  for (const part of [voronoi.divided, voronoi.optimizing]) part.watch(draw);
-  voronoi.divided.watch((divided) => {
-    if (!divided?.now) return;
-    const stopped = "stopped" in divided.diagram ? VORONOI_STOPS[divided.diagram.stopped] : "";
+  for (const part of [voronoi.result, voronoi.optimizing]) part.watch(draw);
+  voronoi.result.watch((result) => {
+    if (!result?.now) return;
+    const stopped = "stopped" in result.diagram ? VORONOI_TERMINATIONS[result.diagram.stopped] : "";
     announce([stopped, ...factsNow().map(([term, value]) => `${term}: ${value}.`)].join(" ").trim());
   });
   view.colourBy.watch((value) => {
@@ -83,8 +83,8 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     scale.hidden = value !== "area";
   });
   view.range.watch((range) => {
-    least.textContent = digits(range.least, 3);
-    most.textContent = digits(range.most, 3);
+    min.textContent = digits(range.min, 3);
+    max.textContent = digits(range.max, 3);
   });
   return card;
 }

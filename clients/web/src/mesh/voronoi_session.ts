@@ -1,5 +1,5 @@
-// A Voronoi diagram on the mesh at hand: sites scattered, placed and moved, divided anew while they move, optimized, saved. Knows
-// no element of the page.
+// The Voronoi session: sites on the present mesh are scattered, placed, moved and optimized, and the diagram is updated and saved. It
+// does not depend on elements of the page.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
@@ -7,9 +7,10 @@ import { runJob } from "../contract/jobs";
 import type { Job, PartialOptimization, SurfacePoint, VoronoiDiagram, VoronoiDiagramRequest, VoronoiOptimization, VoronoiOptimizationRequest, VoronoiStatistics } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
 import type { MeshActivity, MeshSession } from "./session";
-import { DEFAULT_VORONOI, diagramRequest, hasObjective, optimizationRequest, type VoronoiState, withHeld, withoutSite } from "./voronoi_state";
+import { DEFAULT_VORONOI, diagramRequest, hasObjective, optimizationRequest, type VoronoiState, withToggledFixed, withoutSite } from "./voronoi_state";
 
 const PATH = { diagrams: "/v1/voronoi-diagrams", optimizations: "/v1/voronoi-optimizations" };
+/** Time in seconds after which a computation becomes a job with progress. */
 const IMMEDIATE_SECONDS = 1;
 
 export interface VoronoiStep {
@@ -18,21 +19,21 @@ export interface VoronoiStep {
   readonly gradient: number;
 }
 
-/** An optimization that runs or has ended. */
-export interface Optimizing {
+/** A running or finished optimization. */
+export interface OptimizationRun {
   readonly request: VoronoiOptimizationRequest;
   readonly steps: readonly VoronoiStep[];
-  /** The diagram on its way, where its borders are told. */
+  /** The last intermediate diagram with borders; null if there is none. */
   readonly partial: PartialOptimization | null;
-  /** Null while it runs. */
+  /** The answer; null while it runs. */
   readonly answer: VoronoiOptimization | null;
 }
 
-/** What is divided: cells with what is said of them; of an optimized one also what was said before. */
-export interface Divided {
+/** A diagram with its statistics; after an optimization also those before it. */
+export interface DiagramResult {
   readonly diagram: VoronoiDiagram | VoronoiOptimization;
   readonly before: VoronoiStatistics | null;
-  /** Null while sites are moved. */
+  /** Statistics of the diagram; null while sites are moved. */
   readonly now: VoronoiStatistics | null;
 }
 
@@ -42,11 +43,11 @@ const FILE_TYPES: Record<VoronoiFile, string> = { obj: "model/obj", vtu: "applic
 export class VoronoiSession {
   readonly state = new Observable<VoronoiState>(DEFAULT_VORONOI);
   readonly sites = new Observable<readonly SurfacePoint[]>([]);
-  readonly divided = new Observable<Divided | null>(null);
-  readonly optimizing = new Observable<Optimizing | null>(null);
+  readonly result = new Observable<DiagramResult | null>(null);
+  readonly optimizing = new Observable<OptimizationRun | null>(null);
   readonly chosen = new Observable<number | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
-  private readonly rebuilds = new Latest();
+  private readonly diagramRequests = new Latest();
   private running: AbortController | null = null;
   private mesh = "";
 
@@ -73,21 +74,21 @@ export class VoronoiSession {
   change(change: Partial<VoronoiState>): void {
     const before = this.state.get();
     this.state.set({ ...before, ...change });
-    const redraws = (change.exactness ?? before.exactness) !== before.exactness || (change.deviation ?? before.deviation) !== before.deviation;
-    if (redraws) this.divide(true);
+    const needsDiagram = (change.exactness ?? before.exactness) !== before.exactness || (change.deviation ?? before.deviation) !== before.deviation;
+    if (needsDiagram) this.requestDiagram(true);
   }
 
-  /** The diagram of a link, once its mesh is there. */
+  /** Sets the state of a link after its mesh was loaded. */
   async restore(state: VoronoiState, sites: readonly SurfacePoint[]): Promise<void> {
     this.state.set(state);
     if (state.scattered) await this.scatter();
     else {
       this.sites.set(sites);
-      this.divide(true);
+      this.requestDiagram(true);
     }
   }
 
-  /** Random sites in place of those that there are. */
+  /** Replaces all sites by random ones. */
   scatter(): Promise<void> {
     const { count, seed } = this.state.get();
     return this.attempt("Scattering sites", async (signal) => {
@@ -97,7 +98,7 @@ export class VoronoiSession {
       this.optimizing.set(null);
       this.chosen.set(null);
       this.sites.set(answer.sites as SurfacePoint[]);
-      this.divided.set({ diagram: answer, before: null, now: answer.statistics ?? null });
+      this.result.set({ diagram: answer, before: null, now: answer.statistics ?? null });
     });
   }
 
@@ -106,7 +107,7 @@ export class VoronoiSession {
     this.changeSites([...this.sites.get(), site], true);
   }
 
-  /** Where a site is now; `done`: it was let go there. */
+  /** Moves a site. `done`: it was released there. */
   move(site: number, to: SurfacePoint, done: boolean): void {
     this.chosen.set(site);
     this.changeSites(this.sites.get().map((one, k) => (k === site ? to : one)), done);
@@ -123,15 +124,15 @@ export class VoronoiSession {
     this.setSites([]);
   }
 
-  hold(site: number): void {
-    this.state.set(withHeld(this.state.get(), site));
+  toggleFixed(site: number): void {
+    this.state.set(withToggledFixed(this.state.get(), site));
   }
 
   get canOptimize(): boolean {
     return this.sites.get().length > 0 && hasObjective(this.state.get());
   }
 
-  /** Moves the sites until the objectives are small; they are seen on their way. */
+  /** Optimizes the sites for the objectives. Intermediate diagrams are shown. */
   optimize(): Promise<void> {
     const request = optimizationRequest(this.mesh, this.state.get(), this.sites.get());
     return this.attempt("Optimizing", async (signal) => {
@@ -154,12 +155,12 @@ export class VoronoiSession {
       const history = answer.history.map(({ energy, gradient_norm }, iteration): VoronoiStep => ({ iteration, energy, gradient: gradient_norm }));
       this.state.set({ ...this.state.get(), scattered: false });
       this.sites.set(answer.sites as SurfacePoint[]);
-      this.divided.set({ diagram: answer, before: answer.statistics.before, now: answer.statistics.after });
+      this.result.set({ diagram: answer, before: answer.statistics.before, now: answer.statistics.after });
       this.optimizing.set({ request, steps: history, partial: null, answer });
     });
   }
 
-  /** A file of the diagram as it is; `scale` is in millimetres for each mesh unit. */
+  /** Saves a file of the present diagram. `scale`: millimetres for each mesh unit, for panels. */
   file(kind: VoronoiFile, scale: number, save: (text: string) => void): Promise<void> {
     return this.attempt("Making the file", async (signal) => {
       const request = { ...diagramRequest(this.mesh, this.state.get(), [...this.sites.get()], false), panel_scale: scale };
@@ -170,7 +171,7 @@ export class VoronoiSession {
   }
 
   cancel(): void {
-    this.rebuilds.cancel();
+    this.diagramRequests.cancel();
     this.running?.abort();
     this.running = null;
     this.activity.set({ kind: "idle" });
@@ -183,7 +184,7 @@ export class VoronoiSession {
     this.chosen.set(null);
     this.sites.set(sites);
     this.optimizing.set(null);
-    this.divided.set(null);
+    this.result.set(null);
   }
 
   private changeSites(sites: readonly SurfacePoint[], done: boolean): void {
@@ -191,20 +192,20 @@ export class VoronoiSession {
     if (this.optimizing.get()) this.optimizing.set(null);
     if (this.state.get().scattered) this.state.set({ ...this.state.get(), scattered: false });
     this.sites.set(sites);
-    if (sites.length === 0) this.divided.set(null);
-    this.divide(done);
+    if (sites.length === 0) this.result.set(null);
+    this.requestDiagram(done);
   }
 
-  /** Asks for the diagram of the sites as they are; while they move, one request at a time and only the newest of those that wait. */
-  private divide(done: boolean): void {
-    this.rebuilds.submit(async (signal) => {
+  /** Requests the diagram of the present sites. One request runs at a time, and only the newest waits. */
+  private requestDiagram(done: boolean): void {
+    this.diagramRequests.submit(async (signal) => {
       const sites = this.sites.get();
       if (!this.session.mesh.get() || sites.length === 0) return;
       try {
         const answer = await this.ask({ ...diagramRequest(this.mesh, this.state.get(), [...sites], done), keep: true }, signal);
-        // Sites that were added or removed meanwhile have other numbers; the next answer is on its way.
+        // The answer is obsolete if sites were added or removed meanwhile; another request is waiting.
         if (signal.aborted || this.sites.get().length !== sites.length) return;
-        this.divided.set({ diagram: answer, before: null, now: answer.statistics ?? null });
+        this.result.set({ diagram: answer, before: null, now: answer.statistics ?? null });
         this.activity.set({ kind: "idle" });
       } catch (error) {
         if (isAbort(error) || signal.aborted) return;

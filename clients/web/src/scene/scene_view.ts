@@ -1,4 +1,4 @@
-// A scene in space that is turned by pointer and keys. Knows three.js and nothing of what is shown.
+// A 3D view that pointer and keys rotate and zoom. This module uses three.js and does not depend on the content of the scene.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { h } from "../base/dom";
@@ -6,36 +6,36 @@ import { h } from "../base/dom";
 const KEY_ANGLE = 0.12;
 const KEY_ZOOM = 0.9;
 const FIELD_OF_VIEW = 35;
-/** Space around what is shown, of its radius. */
-const ROOM = 1.12;
+/** Radius that fits into the view, over the radius of the content. */
+const MARGIN_FACTOR = 1.12;
 
 export class SceneView {
   readonly element = h("div", { class: "viewer" });
   readonly canvas: HTMLCanvasElement;
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 1000);
-  /** Hears the size of the canvas in pixels. */
+  /** Called with the size of the canvas in pixels. */
   resized: (width: number, height: number) => void = () => {};
   private readonly renderer: THREE.WebGLRenderer;
   private readonly controls: OrbitControls;
   private scheduled = false;
-  /** What all of is looked at until the person turns to something else. */
-  private whole: { sphere: THREE.Sphere; from: THREE.Vector3 } | null = null;
+  /** The sphere that fills the view, and the direction from its centre to the camera; null after the user has moved the camera. */
+  private fitted: { sphere: THREE.Sphere; from: THREE.Vector3 } | null = null;
 
-  /** Throws where the browser has no WebGL. */
+  /** Throws if the browser has no WebGL. */
   constructor(words: string) {
     this.canvas = h("canvas", { tabindex: 0, role: "img", "aria-label": words });
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, antialias: true, alpha: true });
     this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", () => this.draw());
-    this.controls.addEventListener("start", () => (this.whole = null));
+    this.controls.addEventListener("start", () => (this.fitted = null));
     this.element.append(this.canvas);
     this.canvas.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => this.resize()).observe(this.element);
   }
 
-  /** Pixels of the picture for one of the page. */
+  /** Pixels of the picture for each CSS pixel. */
   get pixelRatio(): number {
     return this.renderer.getPixelRatio();
   }
@@ -44,7 +44,7 @@ export class SceneView {
     this.canvas.setAttribute("aria-label", words);
   }
 
-  /** Draws once before the next picture. */
+  /** Schedules one drawing before the next repaint of the browser. */
   draw(): void {
     if (this.scheduled) return;
     this.scheduled = true;
@@ -54,21 +54,21 @@ export class SceneView {
     });
   }
 
-  /** Looks at all of the sphere, from a direction, whatever the proportions of the picture. */
+  /** Moves the camera so that the whole sphere is visible from a direction, for any aspect ratio. */
   showAll(sphere: THREE.Sphere, from: THREE.Vector3): void {
-    const away = distanceOfAll(sphere.radius || 1, this.camera.aspect);
+    const distance = distanceToFit(sphere.radius || 1, this.camera.aspect);
     const radius = sphere.radius || 1;
-    this.whole = { sphere, from };
+    this.fitted = { sphere, from };
     this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).add(from.clone().normalize().multiplyScalar(away));
+    this.camera.position.copy(sphere.center).add(from.clone().normalize().multiplyScalar(distance));
     this.camera.near = radius / 100;
-    this.camera.far = away + 20 * radius;
+    this.camera.far = distance + 20 * radius;
     this.camera.updateProjectionMatrix();
     this.controls.update();
     this.draw();
   }
 
-  /** What is seen now, as a picture. */
+  /** The present view as a PNG file. */
   picture(): Promise<Blob | null> {
     this.renderer.render(this.scene, this.camera);
     return new Promise((resolve) => this.canvas.toBlob(resolve, "image/png"));
@@ -81,7 +81,7 @@ export class SceneView {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.resized(width, height);
-    if (this.whole) this.showAll(this.whole.sphere, this.whole.from);
+    if (this.fitted) this.showAll(this.fitted.sphere, this.fitted.from);
     this.draw();
   }
 
@@ -93,7 +93,7 @@ export class SceneView {
     const turn = turns[event.key];
     if (!turn) return;
     event.preventDefault();
-    this.whole = null;
+    this.fitted = null;
     const offset = this.camera.position.clone().sub(this.controls.target);
     const spherical = new THREE.Spherical().setFromVector3(offset);
     spherical.theta += turn[0];
@@ -105,9 +105,9 @@ export class SceneView {
   }
 }
 
-/** How far away all of a sphere is in sight, in a picture of this width over its height. */
-export function distanceOfAll(radius: number, aspect: number): number {
+/** Distance of the camera at which a sphere fits into the view; `aspect` is width over height. */
+export function distanceToFit(radius: number, aspect: number): number {
   const half = (FIELD_OF_VIEW / 2) * (Math.PI / 180);
-  const narrower = Math.min(half, Math.atan(Math.tan(half) * aspect));
-  return (ROOM * radius) / Math.sin(narrower);
+  const halfAngle = Math.min(half, Math.atan(Math.tan(half) * aspect));
+  return (MARGIN_FACTOR * radius) / Math.sin(halfAngle);
 }

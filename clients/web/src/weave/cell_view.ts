@@ -1,4 +1,4 @@
-// The deformed cell along the direction that is looked at, repeated along its deformed translations.
+// A drawing of the deformed cell for the selected direction, repeated along its deformed translations.
 import { Segments } from "../base/controls";
 import { h, svg } from "../base/dom";
 import { degrees, percent } from "../base/format";
@@ -30,7 +30,7 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
     const laidOut = session.laidOut.get();
     const periodic = isPeriodic(session.state.get());
     const fault = deformed.fault.get();
-    // Where there is no such weave at all the layout's words say it.
+    // A fault that the layout reports, too, is not repeated here.
     note.textContent = !periodic || (fault && fault === session.fault.get()) ? "" : fault || cell?.note || "";
     note.hidden = note.textContent === "";
     drawing.classList.toggle("empty", !cell);
@@ -44,15 +44,15 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
       return;
     }
     const block = blockOf(Number(count));
-    const now = centred(cell.strands, cell.lattice, block);
-    const before = centred(restLines(laidOut.layout), laidOut.layout.lattice as unknown as Lattice, block);
-    const box = boxAround([...now.corners, ...before.corners]);
-    // Both lie around the origin, and the picture does too: what stretches grows out of its middle.
+    const deformedBlock = centred(cell.strands, cell.lattice, block);
+    const restBlock = centred(restLines(laidOut.layout), laidOut.layout.lattice as unknown as Lattice, block);
+    const box = boxAround([...deformedBlock.corners, ...restBlock.corners]);
+    // Both blocks and the picture are centred at the origin, so that the weave stretches from the middle.
     const side = 1.06 * Math.max(-2 * box.x, 2 * (box.x + box.width), -2 * box.y, 2 * (box.y + box.height));
     drawing.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
     const radii = laidOut.layout.strands.map((strand) => 2 * strand.radius);
-    rest.replaceChildren(...tiles(before, laidOut.layout.lattice as unknown as Lattice, block, radii));
-    strands.replaceChildren(...tiles(now, cell.lattice, block, radii));
+    rest.replaceChildren(...tiles(restBlock, laidOut.layout.lattice as unknown as Lattice, block, radii));
+    strands.replaceChildren(...tiles(deformedBlock, cell.lattice, block, radii));
     arrow.setAttribute("d", arrows(cell, side));
     arrow.setAttribute("stroke-width", String(side / 160));
     const sentence = `Strained by ${percent(cell.state.strain)} along ${degrees(cell.direction)}`;
@@ -71,7 +71,7 @@ interface Block {
   readonly corners: readonly Point[];
 }
 
-/** Where the block of cells has its centre of mass in the origin, and what it covers. */
+/** A block of cells, moved so that its centre of mass is at the origin, with its bounding corners. */
 function centred(lines: readonly Polyline[], lattice: Lattice, block: readonly Point[]): Block {
   const { x, y, width, height } = boxAround(lines.flat());
   const [first, last] = [latticePoint(lattice, ...block[0]), latticePoint(lattice, ...block[block.length - 1])];
@@ -93,7 +93,7 @@ function tiles({ lines, offset }: Block, lattice: Lattice, block: readonly Point
   });
 }
 
-/** Two arrows at the picture's border, away from each other where the cell is stretched. */
+/** Two arrows at the border of the picture as the data of an SVG path. They point outwards for tension and inwards for compression. */
 function arrows({ direction, state }: Cell, side: number): string {
   const [x, y] = [Math.cos(direction), Math.sin(direction)];
   const [outer, inner, wing] = [0.49 * side, 0.42 * side, 0.018 * side];

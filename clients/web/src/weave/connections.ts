@@ -1,4 +1,4 @@
-// Crossings: which of their strands slide, and how a person changes that one by one.
+// The connection of a crossing: which of its strands slide. Clicks on a crossing cycle through its connections.
 import type { CrossingOverride, WeaveLayout } from "../contract/types";
 
 export type Crossing = WeaveLayout["crossings"][number];
@@ -8,7 +8,7 @@ export function slidingMembers(crossing: Crossing): number[] {
   return crossing.members.flatMap((member, k) => (member.slides ? [k] : []));
 }
 
-/** What follows: fused, the first slides, the second, and so on to the last, then fused again. */
+/** The members that slide in the next connection: none (fused), the first, the second, up to the last, then none again. */
 export function nextConnection(crossing: Crossing): number[] {
   const sliding = slidingMembers(crossing);
   if (sliding.length === 0) return [0];
@@ -16,13 +16,13 @@ export function nextConnection(crossing: Crossing): number[] {
   return sliding.length === 1 && next < crossing.members.length ? [next] : [];
 }
 
-/** The overrides with a crossing connected as given, by rising number. */
+/** The overrides after the connection of a crossing has changed, in ascending order of crossings. */
 export function withConnection(overrides: readonly CrossingOverride[], crossing: number, slides: readonly number[]): CrossingOverride[] {
   const others = overrides.filter((override) => override.crossing !== crossing);
   return [...others, { crossing, slides: [...slides] }].sort((a, b) => a.crossing - b.crossing);
 }
 
-/** "fused", "strand 2 slides", "strands 1 and 2 slide"; strands are counted from 1. */
+/** The connection as text, such as "fused" or "strand 2 slides". Strands are numbered from 1. */
 export function connectionWords(crossing: Crossing): string {
   const sliding = slidingMembers(crossing).map((k) => crossing.members[k].strand + 1);
   if (sliding.length === 0) return "fused";

@@ -1,57 +1,57 @@
-// The direction that is looked at, and the deformed cell that belongs to it.
+// The selected direction, and the deformed cell under strain along it.
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { WeaveHomogenization } from "../contract/types";
 import type { Polyline } from "./geometry";
-import { nearestDirection, STOP_WORDS } from "./profile";
+import { nearestDirection, TERMINATION_WORDS } from "./profile";
 import { cellRequest, hasStrands } from "./requests";
 import { profileKey, type WeaveSession } from "./session";
 import { isPeriodic, type Lattice, type WeaveState } from "./state";
 
 export interface Cell {
   readonly state: WeaveState;
-  /** Radians. */
+  /** Direction of the strain, in radians. */
   readonly direction: number;
   readonly lattice: Lattice;
   readonly strands: readonly Polyline[];
-  /** Why the cell is that of a smaller strain; empty where it is not. */
+  /** Why the cell is that of a smaller strain; empty if it is not. */
   readonly note: string;
 }
 
 export class DeformedCell {
-  /** Radians in [0, pi), where the pointer is or what was chosen. */
+  /** The direction at the pointer, or else the chosen one, in radians in [0, pi). */
   readonly direction = new Observable(0);
   readonly cell = new Observable<Cell | null>(null);
   readonly fault = new Observable("");
   private chosen = 0;
   private readonly requests = new Latest();
-  private asked = "";
+  private requestedKey = "";
 
   constructor(
     private readonly session: WeaveSession,
     private readonly client: Client,
   ) {
     session.state.watch(() => this.refresh());
-    // The cells of the pattern before are no longer those of this weave.
+    // A state without a periodic cell or without strands has no deformed cell.
     session.state.watch((state) => {
       if (!isPeriodic(state) || !hasStrands(state)) this.cell.set(null);
     });
     this.direction.watch(() => this.refresh());
   }
 
-  /** The pointer is at an angle, or nowhere: back to what was chosen. */
+  /** Follows the pointer; null returns to the chosen direction. */
   hover(angle: number | null): void {
-    this.direction.set(angle === null ? this.chosen : this.snapped(angle));
+    this.direction.set(angle === null ? this.chosen : this.nearestSampled(angle));
   }
 
   choose(angle: number): void {
-    this.chosen = this.snapped(angle);
+    this.chosen = this.nearestSampled(angle);
     this.direction.set(this.chosen);
   }
 
-  /** On by so many of the profile's directions. */
+  /** Chooses another direction, `count` samples of the profile further. */
   step(count: number): void {
     const profile = this.session.profile.get();
     if (!profile) return;
@@ -61,11 +61,11 @@ export class DeformedCell {
   }
 
   retry(): void {
-    this.asked = "";
+    this.requestedKey = "";
     this.refresh();
   }
 
-  private snapped(angle: number): number {
+  private nearestSampled(angle: number): number {
     const profile = this.session.profile.get();
     return profile ? profile.directions[nearestDirection(profile, angle)] : angle;
   }
@@ -74,12 +74,12 @@ export class DeformedCell {
     const state = this.session.state.get();
     const direction = this.direction.get();
     if (!isPeriodic(state) || !hasStrands(state)) {
-      this.asked = "";
+      this.requestedKey = "";
       return this.requests.cancel();
     }
     const key = `${profileKey(state)} ${direction}`;
-    if (key === this.asked) return;
-    this.asked = key;
+    if (key === this.requestedKey) return;
+    this.requestedKey = key;
     this.requests.submit(async (signal) => {
       try {
         const request = cellRequest(state, direction);
@@ -87,7 +87,7 @@ export class DeformedCell {
         if (!signal.aborted) this.show(state, direction, answer);
       } catch (error) {
         if (isAbort(error)) return;
-        this.asked = "";
+        this.requestedKey = "";
         this.fault.set(explain(error));
       }
     });
@@ -95,14 +95,14 @@ export class DeformedCell {
 
   private show(state: WeaveState, direction: number, answer: WeaveHomogenization): void {
     const [cell] = answer.cells;
-    const stop = answer.stopped[0];
+    const termination = answer.stopped[0];
     this.fault.set("");
     this.cell.set({
       state,
       direction,
       lattice: cell.lattice as unknown as Lattice,
       strands: cell.strands,
-      note: stop === "converged" ? "" : `The cell where the path ended: ${STOP_WORDS[stop]}.`,
+      note: termination === "converged" ? "" : `The cell where the path ended: ${TERMINATION_WORDS[termination]}.`,
     });
   }
 }

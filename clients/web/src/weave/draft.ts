@@ -1,11 +1,11 @@
-// A strand that is being drawn, point by point.
+// The draft of a strand that the user is drawing point by point.
 import { Observable } from "../base/observable";
 import { type Ends, strandOf, withStrand } from "./layout_edit";
 import type { WeaveSession } from "./session";
 import type { Point } from "./state";
 
 export class Draft {
-  /** null while nothing is drawn. */
+  /** Points of the draft; null while no strand is drawn. */
   readonly points = new Observable<readonly Point[] | null>(null);
 
   constructor(private readonly session: WeaveSession) {
@@ -18,7 +18,7 @@ export class Draft {
     this.points.set([]);
   }
 
-  /** Points on top of the last one are left out. */
+  /** Adds a point, unless it is equal to the last one. */
   add(point: Point): void {
     const points = this.points.get() ?? [];
     const last = points[points.length - 1];
@@ -33,7 +33,7 @@ export class Draft {
     this.points.set(null);
   }
 
-  /** The strand is done and joins the layout; false where its points are too few for such ends. */
+  /** Adds the strand to the layout. Returns false if it has too few points for such ends. */
   finish(ends: Ends): boolean {
     const { layout } = this.session.state.get();
     const strand = strandOf(this.points.get() ?? [], ends, layout.lattice);
@@ -43,7 +43,7 @@ export class Draft {
     return true;
   }
 
-  /** Keys while a strand is drawn: Enter ends it, Backspace takes the last point back, Escape gives up. */
+  /** Handles keys while a strand is drawn: Enter ends it, Backspace removes the last point, Escape cancels the draft. */
   key(event: KeyboardEvent): void {
     const target = event.target as HTMLElement;
     if (this.points.get() === null || target.matches("input, textarea, select, button, [role=button]")) return;

@@ -1,4 +1,4 @@
-// Files of what is shown. A further one is an entry here.
+// The menu of files to export. A new kind of file is a new entry in `groups`.
 import { button } from "../base/controls";
 import { h } from "../base/dom";
 import { download } from "../base/download";
@@ -21,7 +21,7 @@ interface Group {
   readonly entries: readonly Entry[];
 }
 
-/** `print` opens what is to be seen before a sheet is printed. */
+/** `print` opens the print dialog. */
 export function exportMenu(session: WeaveSession, card: ProfileCard, client: Client, print: () => void): HTMLElement {
   const name = (what: string) => `${session.state.get().pattern.replace(/_/g, "-")}-${what}`;
   const groups: readonly Group[] = [
@@ -48,7 +48,7 @@ export function exportMenu(session: WeaveSession, card: ProfileCard, client: Cli
     download(name("layout.svg"), "image/svg+xml", await response.text());
   }
 
-  /** What gives the profile again, or the layout where there is none. */
+  /** Saves the request of the profile, or that of the layout if there is no periodic cell. */
   function saveRequest(): void {
     const state = session.state.get();
     const request = isPeriodic(state) ? homogenizationRequest(state, FINE_DIRECTIONS) : layoutRequest(state);
@@ -75,7 +75,7 @@ export function exportMenu(session: WeaveSession, card: ProfileCard, client: Cli
   const fault = h("p", { class: "note", role: "alert", hidden: true });
   const element = menu("Export", "download", fault, ...groups.map(({ title, entries }) =>
     h("div", { class: "menu-group" }, h("h3", {}, title), ...entries.map((entry) => button(entry.words, () => void save(entry), { kind: "quiet" })))));
-  // Without a cell that repeats there is no stiffness over direction.
+  // Only a periodic cell has a stiffness over direction.
   session.state.watch((state) => element.querySelectorAll<HTMLElement>(".menu-group").forEach((group, k) => (group.hidden = groups[k].title === "Stiffness" && !isPeriodic(state))));
   return element;
 }

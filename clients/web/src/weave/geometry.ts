@@ -1,4 +1,4 @@
-// Points, polylines and lattices in the plane, lengths in mm.
+// Points, polylines and lattices in the plane, with lengths in mm.
 import type { Lattice, Point } from "./state";
 
 export interface Box {
@@ -14,21 +14,21 @@ export function latticePoint([a, b]: Lattice, i: number, k: number): Point {
   return [i * a[0] + k * b[0], i * a[1] + k * b[1]];
 }
 
-/** How many translations a vector is, along each of the two. */
+/** Coordinates of a vector in the basis of the two translations. */
 export function latticeCoordinates([a, b]: Lattice, [x, y]: readonly number[]): Point {
   const area = a[0] * b[1] - a[1] * b[0];
   return [(x * b[1] - y * b[0]) / area, (a[0] * y - a[1] * x) / area];
 }
 
-/** Distance of two points where those that differ by translations are the same. */
+/** Distance of two points of a periodic plane. Without a lattice it is the Euclidean distance. */
 export function periodicDistance(lattice: Lattice | null, p: readonly number[], q: readonly number[]): number {
-  const away: Point = [p[0] - q[0], p[1] - q[1]];
-  if (!lattice) return Math.hypot(...away);
-  const [u, v] = latticeCoordinates(lattice, away);
+  const difference: Point = [p[0] - q[0], p[1] - q[1]];
+  if (!lattice) return Math.hypot(...difference);
+  const [u, v] = latticeCoordinates(lattice, difference);
   return Math.hypot(...latticePoint(lattice, u - Math.round(u), v - Math.round(v)));
 }
 
-/** Direction of a polyline at an arc length, as an angle in [0, pi): the same for both ways along it. */
+/** Undirected angle of a polyline at an arc length, in [0, pi). */
 export function directionAt(polyline: Polyline, coordinate: number): number {
   let rest = coordinate;
   let angle = 0;
@@ -43,23 +43,24 @@ export function directionAt(polyline: Polyline, coordinate: number): number {
   return undirected(angle);
 }
 
+/** The equivalent angle in [0, pi) of an undirected direction. */
 export function undirected(angle: number): number {
   const turned = angle % Math.PI;
   return turned < 0 ? turned + Math.PI : turned;
 }
 
-/** Between two undirected angles: at most a quarter turn. */
+/** The angle between two undirected directions, at most pi / 2. */
 export function angleBetween(a: number, b: number): number {
-  const away = Math.abs(undirected(a) - undirected(b));
-  return Math.min(away, Math.PI - away);
+  const difference = Math.abs(undirected(a) - undirected(b));
+  return Math.min(difference, Math.PI - difference);
 }
 
-/** The polyline as data of a path. */
+/** A polyline as the data of an SVG path. */
 export function pathOf(polyline: Polyline): string {
   return polyline.map(([x, y], k) => `${k === 0 ? "M" : "L"}${round(x)} ${round(y)}`).join("");
 }
 
-export function boxAround(points: Iterable<readonly number[]>, room = 0): Box {
+export function boxAround(points: Iterable<readonly number[]>, margin = 0): Box {
   let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const [x, y] of points) {
     left = Math.min(left, x);
@@ -68,10 +69,10 @@ export function boxAround(points: Iterable<readonly number[]>, room = 0): Box {
     top = Math.max(top, y);
   }
   if (left > right) return { x: -1, y: -1, width: 2, height: 2 };
-  return { x: left - room, y: bottom - room, width: right - left + 2 * room, height: top - bottom + 2 * room };
+  return { x: left - margin, y: bottom - margin, width: right - left + 2 * margin, height: top - bottom + 2 * margin };
 }
 
-/** Indices of the copies of a cell in a block of `count` by `count` around it. */
+/** Lattice indices of the cells in a block of `count` by `count` cells around cell (0, 0). */
 export function blockOf(count: number): Point[] {
   const first = -Math.floor((count - 1) / 2);
   const shifts = Array.from({ length: count }, (_, k) => first + k);

@@ -1,4 +1,4 @@
-// A print layer by layer: its drawing, which layer and how much of it is seen, and that in words.
+// The view of a print layer by layer: a drawing, sliders for the layer and for its moves, and a description.
 import { Checkbox, Segments, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { digits } from "../base/format";
@@ -17,14 +17,14 @@ export class LayerView {
   private readonly drawing = new ToolpathDrawing();
   private readonly words = h("p", { class: "layer-words", role: "status" });
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend of the toolpath" });
-  private readonly layerSlider = new Slider({ label: "Layer", lower: 1, upper: 1, step: 1, digits: 0, changed: (value) => this.look(Math.round(value) - 1) });
-  private readonly moveSlider = new Slider({ label: "Moves of this layer", lower: 0, upper: 1, step: 1, digits: 0, changed: (value) => this.make(Math.round(value)) });
+  private readonly layerSlider = new Slider({ label: "Layer", lower: 1, upper: 1, step: 1, digits: 0, changed: (value) => this.showLayer(Math.round(value) - 1) });
+  private readonly moveSlider = new Slider({ label: "Moves of this layer", lower: 0, upper: 1, step: 1, digits: 0, changed: (value) => this.showMoves(Math.round(value)) });
   private readonly extent: Segments<Extent>;
   private readonly travels: Checkbox;
   private plan: Plan | null = null;
   private layer = 0;
   private moves = 0;
-  /** Moves of the layer that is in sight. */
+  /** Number of moves of the selected layer. */
   private count = 0;
   private whole = false;
   private withTravels = true;
@@ -49,33 +49,33 @@ export class LayerView {
       this.words);
   }
 
-  /** Another plan: the layer in sight stays, where there is one like it; all of the print to begin with. */
+  /** Shows a plan. The selected layer stays selected, if the new plan has as many; the first plan is shown completely. */
   show(plan: Plan | null): void {
-    const begins = this.plan === null;
+    const isFirst = this.plan === null;
     this.plan = plan;
     if (!plan) return this.drawing.show(null);
     this.showLegend();
     const last = plan.layers.length - 1;
-    const wasWhole = begins || this.moves >= this.count;
+    const wasWhole = isFirst || this.moves >= this.count;
     this.layerSlider.limit(1, Math.max(1, last + 1));
     this.layerSlider.disabled = last < 1;
-    this.look(begins ? last : Math.min(this.layer, last), wasWhole ? Infinity : this.moves);
+    this.showLayer(isFirst ? last : Math.min(this.layer, last), wasWhole ? Infinity : this.moves);
   }
 
   private get current(): Layer | undefined {
     return this.plan?.layers[this.layer];
   }
 
-  private look(layer: number, moves = Infinity): void {
+  private showLayer(layer: number, moves = Infinity): void {
     this.layer = Math.max(0, layer);
     const count = (this.count = this.current?.moves.length ?? 0);
     this.layerSlider.value = this.layer + 1;
     this.moveSlider.limit(0, Math.max(1, count));
     this.moveSlider.disabled = count === 0;
-    this.make(Math.min(moves, count));
+    this.showMoves(Math.min(moves, count));
   }
 
-  private make(moves: number): void {
+  private showMoves(moves: number): void {
     this.moves = moves;
     this.moveSlider.value = moves;
     this.draw();
@@ -84,7 +84,7 @@ export class LayerView {
   private draw(): void {
     const { plan, current } = this;
     if (!plan) return;
-    const { bed, box } = placesOf(plan);
+    const { bed, box } = boxesOf(plan);
     this.drawing.show({ layers: plan.layers, bed, box, layer: this.layer, moves: this.moves, travels: this.withTravels, whole: this.whole });
     const words = current ? this.sentence(current) : "Nothing is printed.";
     this.drawing.element.setAttribute("aria-label", `Toolpath from above. ${words}`);
@@ -104,7 +104,7 @@ export class LayerView {
   }
 }
 
-function placesOf({ settings, toolpath: { statistics } }: Plan): { bed: [number, number]; box: [number, number, number, number] } {
+function boxesOf({ settings, toolpath: { statistics } }: Plan): { bed: [number, number]; box: [number, number, number, number] } {
   const bed: [number, number] = [Number(settings["/printer/bed/0"]), Number(settings["/printer/bed/1"])];
   const { lowest, highest } = statistics;
   return { bed, box: [lowest[0], lowest[1], highest[0], highest[1]] };

@@ -1,22 +1,23 @@
-// Changes of a layout of strands. Layouts are values: each change makes a new one.
+// Changes of a layout of strands. Layouts are immutable: each change makes a new one.
 import { latticeCoordinates, latticePoint } from "./geometry";
 import type { FreeLayout, Lattice, Point, Strand } from "./state";
 
-/** How a drawn strand goes on; `along_a` and `along_b`: periodic along the first or second translation. */
+/** The ends of a drawn strand: open, closed to a loop, or periodic along the first (`along_a`) or the second translation (`along_b`). */
 export type Ends = "open" | "closed" | "along_a" | "along_b";
 
-const FEWEST_POINTS: Record<Ends, number> = { open: 2, closed: 3, along_a: 1, along_b: 1 };
+/** Minimum number of points of a strand. */
+const MIN_POINTS: Record<Ends, number> = { open: 2, closed: 3, along_a: 1, along_b: 1 };
 
-/** A strand through the points; null where they are too few, or where there is no lattice to go on in. */
+/** A strand through points; null if there are too few, or if it is periodic and there is no lattice. */
 export function strandOf(points: readonly Point[], ends: Ends, lattice: Lattice | null): Strand | null {
   const places = points.map(([x, y]) => [x, y]);
   if (ends === "closed" && places.length > 1 && String(places[0]) === String(places[places.length - 1])) places.pop();
-  if (places.length < FEWEST_POINTS[ends]) return null;
+  if (places.length < MIN_POINTS[ends]) return null;
   if (ends === "open" || ends === "closed") return ends === "open" ? { points: places } : { points: places, ends };
   if (!lattice) return null;
   const translation = [...lattice[ends === "along_a" ? 0 : 1]];
   const [first, last] = [places[0], places[places.length - 1]];
-  // A last point drawn on the first one's copy is that copy.
+  // A last point on the translated copy of the first one is dropped.
   if (places.length > 1 && Math.hypot(first[0] + translation[0] - last[0], first[1] + translation[1] - last[1]) < 1e-9) places.pop();
   return { points: places, ends: "periodic", translation };
 }
@@ -29,7 +30,7 @@ export function withoutStrand(layout: FreeLayout, index: number): FreeLayout {
   return { ...layout, strands: layout.strands.filter((_, k) => k !== index) };
 }
 
-/** Another lattice: periodic strands go on along the same translations of it, and end where there is none. */
+/** Changes the lattice. Periodic strands keep their lattice indices; without a lattice they become open. */
 export function withLattice(layout: FreeLayout, lattice: Lattice | null): FreeLayout {
   const { lattice: old } = layout;
   const strands = layout.strands.map((strand): Strand => {
@@ -44,7 +45,7 @@ export function withLattice(layout: FreeLayout, lattice: Lattice | null): FreeLa
   return { ...layout, strands, lattice };
 }
 
-/** The second translation must lie to the left of the first, and both span an area. */
+/** Whether two translations span an area, with the second one to the left of the first. */
 export function isLattice([a, b]: Lattice): boolean {
   const area = a[0] * b[1] - a[1] * b[0];
   return area > 1e-9 * Math.hypot(...a) * Math.hypot(...b) && Number.isFinite(area);
@@ -56,7 +57,7 @@ export function strandWords(strand: Strand): string {
   return `goes on by (${(strand.translation ?? []).map((value) => Number(value.toPrecision(4))).join(", ")}), ${count}`;
 }
 
-/** The nearest point of a grid of half millimetres. */
-export function snapped([x, y]: Point): Point {
+/** The nearest point of a grid with a spacing of 0.5 mm. */
+export function roundedToGrid([x, y]: Point): Point {
   return [Math.round(2 * x) / 2, Math.round(2 * y) / 2];
 }

@@ -1,20 +1,20 @@
-// The weave at rest: its crossings are buttons, and strands of one's own are drawn into it.
+// The editor of the weave at rest: crossings are buttons that change their connection, and the user can draw strands.
 import { announce } from "../base/announce";
 import { h, replace, svg } from "../base/dom";
 import { digits } from "../base/format";
-import type { LaidOut } from "./carried";
+import type { LayoutResult } from "./carried";
 import { type Crossing, connectionWords, crossingsSummary, crossingWords, slidingMembers } from "./connections";
 import type { Draft } from "./draft";
 import { blockOf, type Box, boxAround, directionAt, latticePoint, pathOf } from "./geometry";
-import { snapped } from "./layout_edit";
+import { roundedToGrid } from "./layout_edit";
 import type { WeaveSession } from "./session";
 import type { Lattice, Point, WeaveState } from "./state";
 
-/** Marks of crossings, in shares of the picture's side; smaller where crossings are close together. */
-const MARK_SHARE = 0.019;
-const MARK_OF_DISTANCE = 0.36;
+/** Radius of the marks of crossings: this fraction of the picture's side, but at most this ratio of the smallest distance of crossings. */
+const MARK_FRACTION = 0.019;
+const MARK_DISTANCE_RATIO = 0.36;
 const COPIES = 3;
-/** Side of an empty sheet, mm. */
+/** Side of the picture without strands, in mm. */
 const EMPTY_SIDE = 40;
 
 export class LayoutEditor {
@@ -30,8 +30,8 @@ export class LayoutEditor {
   private readonly summary = h("p", { class: "muted" });
   private readonly fault = h("p", { class: "note", role: "alert", hidden: true });
   private readonly warnings = h("ul", { class: "warnings" });
-  private unit = 1;
-  /** The crossing whose new connection is to be announced. */
+  private side = 1;
+  /** The crossing that was changed last; its new connection is announced when the layout has arrived. */
   private cycled: number | null = null;
 
   constructor(
@@ -54,17 +54,17 @@ export class LayoutEditor {
   private draw(): void {
     const laidOut = this.session.laidOut.get();
     const state = laidOut?.state ?? this.session.state.get();
-    // The lattice of strands of one's own is there before they are; a pattern has its own, or none.
+    // User-drawn strands have a lattice before there is a layout; patterns get theirs with the layout.
     const lattice = (laidOut?.layout.lattice ?? (state.pattern === "layout" ? state.layout.lattice : null)) as Lattice | null;
     const box = pictureBox(laidOut, state, lattice);
-    this.unit = Math.max(box.width, box.height);
+    this.side = Math.max(box.width, box.height);
     this.drawing.setAttribute("viewBox", `${box.x} ${-box.y - box.height} ${box.width} ${box.height}`);
     const paths = (laidOut?.layout.strands ?? []).map((strand) => svg("path", { d: pathOf(strand.polyline), "stroke-width": 2 * strand.radius }));
     this.strands.replaceChildren(...paths);
     this.drawCopies(paths, lattice);
     this.cell.setAttribute("d", lattice ? borderOf(cellCorner(laidOut, state, lattice), lattice) : "");
-    this.cell.setAttribute("stroke-width", String(this.unit / 250));
-    this.cell.setAttribute("stroke-dasharray", `${this.unit / 60} ${this.unit / 80}`);
+    this.cell.setAttribute("stroke-width", String(this.side / 250));
+    this.cell.setAttribute("stroke-dasharray", `${this.side / 60} ${this.side / 80}`);
     this.drawCrossings(laidOut);
     this.drawDraft();
     this.summary.textContent = laidOut ? `${crossingsSummary(laidOut.layout)}. Click a crossing to change it.` : "No strands yet.";
@@ -80,12 +80,12 @@ export class LayoutEditor {
     }));
   }
 
-  /** Marks stay the same elements while there are as many, so that the focus stays where it is. */
-  private drawCrossings(laidOut: LaidOut | null): void {
+  /** Draws the marks of crossings. Their elements are reused, so that the focus stays. */
+  private drawCrossings(laidOut: LayoutResult | null): void {
     const all = laidOut?.layout.crossings ?? [];
     while (this.crossings.children.length > all.length) this.crossings.lastChild?.remove();
     while (this.crossings.children.length < all.length) this.crossings.append(this.mark(this.crossings.children.length));
-    const size = Math.min(MARK_SHARE * this.unit, MARK_OF_DISTANCE * leastDistance(all));
+    const size = Math.min(MARK_FRACTION * this.side, MARK_DISTANCE_RATIO * minDistance(all));
     const changed = new Set(laidOut?.state.overrides.map((override) => override.crossing));
     all.forEach((crossing, k) => {
       const mark = this.crossings.children[k];
@@ -114,7 +114,7 @@ export class LayoutEditor {
     const mark = svg("g", { role: "button", tabindex: 0 },
       svg("title"), svg("circle", { class: "hit", r: 2 }), svg("circle", { class: "halo", r: 1.9 }), svg("path", { class: "slide-line" }), svg("circle", { class: "dot", r: 1 }));
     mark.addEventListener("click", (event) => {
-      if (this.draft.points.get() !== null) return; // a point is set there
+      if (this.draft.points.get() !== null) return; // the click adds a point to the draft
       event.stopPropagation();
       cycle();
     });
@@ -132,7 +132,7 @@ export class LayoutEditor {
     const radius = this.session.state.get().lengths.radius;
     this.draftPath.setAttribute("d", pathOf(points ?? []));
     this.draftPath.setAttribute("stroke-width", String(2 * radius));
-    this.draftPoints.replaceChildren(...(points ?? []).map(([x, y]) => svg("circle", { cx: x, cy: y, r: this.unit / 90 })));
+    this.draftPoints.replaceChildren(...(points ?? []).map(([x, y]) => svg("circle", { cx: x, cy: y, r: this.side / 90 })));
   }
 
   private addPoint(event: MouseEvent): void {
@@ -140,14 +140,14 @@ export class LayoutEditor {
     const matrix = this.plane.getScreenCTM();
     if (!matrix) return;
     const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
-    const point: Point = event.altKey ? [Number(x.toFixed(3)), Number(y.toFixed(3))] : snapped([x, y]);
+    const point: Point = event.altKey ? [Number(x.toFixed(3)), Number(y.toFixed(3))] : roundedToGrid([x, y]);
     this.draft.add(point);
     announce(`Point at ${digits(point[0])}, ${digits(point[1])}.`, "change");
   }
 }
 
-/** Lower left corner of the cell's border: the origin where strands are drawn, around the strands elsewhere. */
-function cellCorner(laidOut: LaidOut | null, state: WeaveState, [a, b]: Lattice): Point {
+/** Lower left corner of the drawn cell: the origin for user-drawn strands; for patterns, the cell is centred on the strands. */
+function cellCorner(laidOut: LayoutResult | null, state: WeaveState, [a, b]: Lattice): Point {
   if (state.pattern === "layout" || !laidOut) return [0, 0];
   const { x, y, width, height } = boxAround(laidOut.layout.strands.flatMap((strand) => strand.polyline));
   return [x + width / 2 - (a[0] + b[0]) / 2, y + height / 2 - (a[1] + b[1]) / 2];
@@ -161,8 +161,8 @@ function borderOf(corner: Point, lattice: Lattice): string {
   return `${pathOf(corners(corner, lattice))}Z`;
 }
 
-/** What the picture shows: all strands and the cell, with room to draw and to see how it goes on. */
-function pictureBox(laidOut: LaidOut | null, state: WeaveState, lattice: Lattice | null): Box {
+/** The section of the plane in the picture: all strands and the cell, with a margin. */
+function pictureBox(laidOut: LayoutResult | null, state: WeaveState, lattice: Lattice | null): Box {
   const points: Point[] = (laidOut?.layout.strands ?? []).flatMap((strand) => strand.polyline as unknown as Point[]);
   if (lattice) points.push(...corners(cellCorner(laidOut, state, lattice), lattice));
   if (points.length === 0) points.push([0, 0], [EMPTY_SIDE, EMPTY_SIDE]);
@@ -170,15 +170,15 @@ function pictureBox(laidOut: LaidOut | null, state: WeaveState, lattice: Lattice
   return boxAround(points, 0.1 * Math.max(width, height));
 }
 
-function leastDistance(crossings: readonly Crossing[]): number {
-  // Sorted by x, so that only neighbours there are compared.
+function minDistance(crossings: readonly Crossing[]): number {
+  // Crossings are sorted by x, so that only near ones are compared.
   const places = crossings.map((crossing) => crossing.position).sort((p, q) => p[0] - q[0]);
-  let least = Infinity;
+  let min = Infinity;
   places.forEach((p, k) => {
-    for (let n = k + 1; n < places.length && places[n][0] - p[0] < least; ++n) {
+    for (let n = k + 1; n < places.length && places[n][0] - p[0] < min; ++n) {
       const distance = Math.hypot(places[n][0] - p[0], places[n][1] - p[1]);
-      if (distance > 0) least = Math.min(least, distance);
+      if (distance > 0) min = Math.min(min, distance);
     }
   });
-  return least;
+  return min;
 }

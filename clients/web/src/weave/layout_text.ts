@@ -1,25 +1,25 @@
-// Layouts as text: what a person pastes, and what a link holds. The server has the last word on whether one makes sense.
+// Layouts as JSON text, which the user pastes or a link contains. Only the form is checked here; the server checks the rest.
 import type { CrossingOverride } from "../contract/types";
 import type { FreeLayout, Lattice, Point, Strand } from "./state";
 
-const MOST_STRANDS = 2000;
-const MOST_POINTS = 20_000;
-const MOST_OVERRIDES = 100_000;
+const MAX_STRANDS = 2000;
+const MAX_POINTS = 20_000;
+const MAX_OVERRIDES = 100_000;
 
 export class LayoutTextError extends Error {}
 
 export interface PastedLayout {
   readonly layout: FreeLayout;
   readonly overrides: readonly CrossingOverride[];
-  /** Of all strands, in mm. */
+  /** Radius of all strands in mm; null if the text has none. */
   readonly radius: number | null;
-  /** MPa. */
+  /** In MPa; null if the text has none. */
   readonly youngsModulus: number | null;
 }
 
 type Fields = Record<string, unknown>;
 
-/** A layout of strands from JSON: the layout itself, or a request that holds it as `weave`. Throws LayoutTextError. */
+/** A layout of strands from JSON: the layout itself, or a request with the layout in its field `weave`. Throws LayoutTextError. */
 export function readLayoutText(text: string): PastedLayout {
   let document: unknown;
   try {
@@ -33,8 +33,8 @@ export function readLayoutText(text: string): PastedLayout {
   if (!Array.isArray(weave.strands)) throw new LayoutTextError("strands is missing: a list of strands with their points.");
   const strands = weave.strands.map(readStrand);
   const points = strands.reduce((sum, strand) => sum + strand.points.length, 0);
-  if (strands.length > MOST_STRANDS || points > MOST_POINTS) {
-    throw new LayoutTextError(`The page takes up to ${MOST_STRANDS} strands with ${MOST_POINTS} points, not ${strands.length} with ${points}.`);
+  if (strands.length > MAX_STRANDS || points > MAX_POINTS) {
+    throw new LayoutTextError(`The page takes up to ${MAX_STRANDS} strands with ${MAX_POINTS} points, not ${strands.length} with ${points}.`);
   }
   const material = weave.material === undefined ? {} : fields(weave.material, "material");
   return {
@@ -50,7 +50,7 @@ export function readLayoutText(text: string): PastedLayout {
   };
 }
 
-/** The layout as readable JSON: one line for each strand. */
+/** A layout as JSON with one line for each strand. */
 export function writeLayoutText({ strands, lattice, crossings, sliding_share }: FreeLayout): string {
   const lines = [
     ...(lattice ? [`  "lattice": ${JSON.stringify(lattice)}`] : []),
@@ -82,7 +82,7 @@ function readLattice(value: unknown): Lattice {
 
 function readOverrides(value: unknown): CrossingOverride[] {
   const overrides = list(value, "overrides");
-  if (overrides.length > MOST_OVERRIDES) throw new LayoutTextError(`overrides may have ${MOST_OVERRIDES} entries.`);
+  if (overrides.length > MAX_OVERRIDES) throw new LayoutTextError(`overrides may have ${MAX_OVERRIDES} entries.`);
   return overrides.map((entry, k) => {
     const override = fields(entry, `overrides/${k}`);
     const slides = list(override.slides, `overrides/${k}/slides`).map((member) => number(member, `overrides/${k}/slides`));

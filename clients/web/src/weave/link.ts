@@ -1,17 +1,17 @@
-// The state in a link: readable, and checked when it comes back from a stranger.
+// The state as the text of a link: readable, and checked when it is read, since links come from anywhere.
 import { plain } from "../base/format";
 import type { CrossingOverride } from "../contract/types";
 import { LayoutTextError, readLayoutText } from "./layout_text";
 import { type LengthName, lengthLimits, type Lengths, PATTERN_IDS, PATTERNS } from "./patterns";
-import { DEFAULT_STATE, type FreeLayout, type LoadKind, MOST_AMOUNT, MOST_CELLS, MOST_SEGMENTS, type SheetState, usableStrain, type WeaveState } from "./state";
+import { DEFAULT_STATE, type FreeLayout, type LoadKind, MAX_AMOUNT, MAX_CELLS, MAX_SEGMENTS, type SheetState, usableStrain, type WeaveState } from "./state";
 
-/** Longer ones do not survive everywhere that links are put. */
-const LONGEST = 30_000;
-const MOST_OVERRIDES = 5000;
+/** Limit of the length of a link; some programs truncate longer ones. */
+const MAX_LINK_LENGTH = 30_000;
+const MAX_OVERRIDES = 5000;
 const LOADS: readonly LoadKind[] = ["stretch_x", "stretch_y", "shear", "push"];
 
 export function isShareable(state: WeaveState): boolean {
-  return writeLink(state).length <= LONGEST;
+  return writeLink(state).length <= MAX_LINK_LENGTH;
 }
 
 export function writeLink(state: WeaveState): string {
@@ -29,7 +29,7 @@ export function writeLink(state: WeaveState): string {
   return fields.map(([name, value]) => `${name}=${value}`).join("&");
 }
 
-/** The state of a link; null where it is none. */
+/** The state of a link; null if the text is no valid link. */
 export function readLink(text: string): WeaveState | null {
   const fields = new Map(
     text.split("&").map((field): [string, string] => {
@@ -53,12 +53,12 @@ export function readLink(text: string): WeaveState | null {
     strain: usableStrain(number(fields.get("strain"), -0.5, 2, DEFAULT_STATE.strain)),
     shear: fields.get("shear") === "suppressed" ? "suppressed" : "free",
     space: fields.get("space") === "off" ? "off" : "automatic",
-    segments: whole(fields.get("segments"), 1, MOST_SEGMENTS, DEFAULT_STATE.segments),
+    segments: whole(fields.get("segments"), 1, MAX_SEGMENTS, DEFAULT_STATE.segments),
     sheet: readSheet(fields.get("sheet") ?? ""),
   };
 }
 
-/** "3:0,1" for crossing 3 whose members 0 and 1 slide, with "~backward~forward" where these are given. */
+/** An override as text: "3:0,1" for crossing 3 whose members 0 and 1 slide, followed by "~backward~forward" if limits are given. */
 function overrideText({ crossing, slides, backward, forward }: CrossingOverride): string {
   const limits = backward === undefined && forward === undefined ? "" : `~${limitText(backward)}~${limitText(forward)}`;
   return `${crossing}:${slides.join(",")}${limits}`;
@@ -71,7 +71,7 @@ function limitText(limit: number | null | undefined): string {
 function readOverrides(text: string): CrossingOverride[] | null {
   if (text === "") return [];
   const entries = text.split(";");
-  if (entries.length > MOST_OVERRIDES) return null;
+  if (entries.length > MAX_OVERRIDES) return null;
   const overrides: CrossingOverride[] = [];
   for (const entry of entries) {
     const match = /^(\d{1,9}):((?:\d{1,4})(?:,\d{1,4})*|)(?:~(none|[\d.e-]*)~(none|[\d.e-]*))?$/.exec(entry);
@@ -98,11 +98,11 @@ function readLayout(text: string): FreeLayout | null {
 
 function readLengths(fields: ReadonlyMap<string, string>): Lengths {
   let lengths = DEFAULT_STATE.lengths;
-  // In this order: what a length may be depends on those before it.
+  // The order matters, because the limits of a length depend on the lengths before it.
   for (const name of ["pitch", "side", "overlap", "circle_radius", "distance", "radius"] as const satisfies LengthName[]) {
     const [lower, upper] = lengthLimits(name, lengths);
-    const otherwise = Math.max(lower, Math.min(upper, lengths[name]));
-    lengths = { ...lengths, [name]: number(fields.get(name), lower, upper, otherwise) };
+    const fallback = Math.max(lower, Math.min(upper, lengths[name]));
+    lengths = { ...lengths, [name]: number(fields.get(name), lower, upper, fallback) };
   }
   return lengths;
 }
@@ -111,20 +111,20 @@ function readSheet(text: string): SheetState {
   const [columns, rows, load, amount] = text.split(",");
   const { sheet } = DEFAULT_STATE;
   return {
-    columns: whole(columns, 1, MOST_CELLS, sheet.columns),
-    rows: whole(rows, 1, MOST_CELLS, sheet.rows),
+    columns: whole(columns, 1, MAX_CELLS, sheet.columns),
+    rows: whole(rows, 1, MAX_CELLS, sheet.rows),
     load: LOADS.find((kind) => kind === load) ?? sheet.load,
-    amount: number(amount, -MOST_AMOUNT, MOST_AMOUNT, sheet.amount),
+    amount: number(amount, -MAX_AMOUNT, MAX_AMOUNT, sheet.amount),
   };
 }
 
-function number(text: string | undefined, lower: number, upper: number, otherwise: number): number {
+function number(text: string | undefined, lower: number, upper: number, fallback: number): number {
   const value = text === undefined || text === "" ? NaN : Number(text);
-  // Links round: a value at its limit may lie beyond it by that much.
-  const room = 1e-7 * Math.max(Math.abs(lower), Math.abs(upper));
-  return value >= lower - room && value <= upper + room ? Math.max(lower, Math.min(upper, value)) : otherwise;
+  // Links contain rounded values, so that a value at its limit may lie slightly beyond it.
+  const tolerance = 1e-7 * Math.max(Math.abs(lower), Math.abs(upper));
+  return value >= lower - tolerance && value <= upper + tolerance ? Math.max(lower, Math.min(upper, value)) : fallback;
 }
 
-function whole(text: string | undefined, lower: number, upper: number, otherwise: number): number {
-  return Math.round(number(text, lower, upper, otherwise));
+function whole(text: string | undefined, lower: number, upper: number, fallback: number): number {
+  return Math.round(number(text, lower, upper, fallback));
 }

@@ -1,11 +1,11 @@
-// The weave page, put together.
+// The weave page: makes its parts and connects them.
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h } from "../base/dom";
-import { late } from "../base/late";
+import { debounce } from "../base/debounce";
 import { shareButton } from "../base/share";
 import { undoKeys } from "../base/undo_keys";
-import type { Page, Surroundings } from "../page";
+import type { Page, PageContext } from "../page";
 import { cellView } from "./cell_view";
 import { DeformedCell } from "./deformed_cell";
 import { Draft } from "./draft";
@@ -27,7 +27,7 @@ import { weaveControls } from "./weave_controls";
 
 const LINK_PAUSE_MS = 250;
 
-export function weavePage({ client, link }: Surroundings): Page {
+export function weavePage({ client, link }: PageContext): Page {
   let started = false;
   const session = new WeaveSession(client);
   const deformed = new DeformedCell(session, client);
@@ -55,7 +55,7 @@ export function weavePage({ client, link }: Surroundings): Page {
     dialog.element,
   );
 
-  // Only a cell that repeats has a stiffness over direction; of any other the cell's panel says so.
+  // Only a periodic cell has a stiffness over direction. The panel of the cell explains this for other weaves.
   session.state.watch((state) => {
     profile.element.hidden = !isPeriodic(state);
   });
@@ -76,13 +76,13 @@ export function weavePage({ client, link }: Surroundings): Page {
     return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client, dialog.open));
   }
 
-  const linkLater = late(writeNow, LINK_PAUSE_MS);
+  const linkLater = debounce(writeNow, LINK_PAUSE_MS);
   session.state.watch(() => {
-    if (started) linkLater.ask();
+    if (started) linkLater.schedule();
   });
-  // A change that is done is in the address at once: a reload must not take it back.
+  // A completed change is written to the address at once, so that a reload does not revert it.
   session.steps.watch(() => {
-    if (started) linkLater.now();
+    if (started) linkLater.flush();
   });
 
   const undoKey = undoKeys(session);

@@ -1,13 +1,13 @@
-// The patterns that the page offers: what they are called, their types and their lengths with what these may be.
+// The patterns of the page: names, types, and lengths with their limits.
 
 export type PatternId = "regular" | "interlacing_squares" | "interlacing_circles" | "actuated_rings" | "layout";
 export type LengthName = "pitch" | "side" | "overlap" | "circle_radius" | "distance" | "radius";
-/** In mm. */
+/** All lengths in mm. */
 export type Lengths = Readonly<Record<LengthName, number>>;
 
 export interface Pattern {
   readonly words: string;
-  /** How its crossings are connected, by type 1, 2, ... */
+  /** Labels of its types 1, 2, ..., which differ in the connections of crossings. */
   readonly types: readonly string[];
   readonly lengths: readonly LengthName[];
   /** Whether it has a periodic cell. */
@@ -45,28 +45,28 @@ export const LENGTH_WORDS: Readonly<Record<LengthName, string>> = {
   radius: "Radius of the strands",
 };
 
-/** Neighbouring circles cut each other, others do not: their distance over their radius. */
-const NEAREST_CIRCLES = 1.43;
-const FARTHEST_CIRCLES = 1.99;
-/** Of half the side. */
-const MOST_OVERLAP = 0.98;
+/** Limits of the distance of circles over their radius, between which only neighbouring circles intersect. */
+const MIN_DISTANCE_RATIO = 1.43;
+const MAX_DISTANCE_RATIO = 1.99;
+/** Upper limit of the overlap of squares over half of their side. */
+const MAX_OVERLAP_RATIO = 0.98;
 
-/** What a length may be while the others stay, in mm. */
+/** The limits of a length in mm, for given other lengths. */
 export function lengthLimits(name: LengthName, lengths: Lengths): readonly [lower: number, upper: number] {
   switch (name) {
     case "pitch": return [1, 20];
     case "side": return [4, 40];
-    case "overlap": return [0.2, (MOST_OVERLAP * lengths.side) / 2];
+    case "overlap": return [0.2, (MAX_OVERLAP_RATIO * lengths.side) / 2];
     case "circle_radius": return [2, 20];
-    case "distance": return [NEAREST_CIRCLES * lengths.circle_radius, FARTHEST_CIRCLES * lengths.circle_radius];
+    case "distance": return [MIN_DISTANCE_RATIO * lengths.circle_radius, MAX_DISTANCE_RATIO * lengths.circle_radius];
     case "radius": return [0.05, 1];
   }
 }
 
-/** The lengths with one of them changed; one that is bound to it keeps its proportion. */
+/** The lengths after one has changed. A length that is limited by it is scaled with it. */
 export function withLength(lengths: Lengths, name: LengthName, value: number): Lengths {
-  const share = value / lengths[name];
-  if (name === "side") return { ...lengths, side: value, overlap: lengths.overlap * share };
-  if (name === "circle_radius") return { ...lengths, circle_radius: value, distance: lengths.distance * share };
+  const ratio = value / lengths[name];
+  if (name === "side") return { ...lengths, side: value, overlap: lengths.overlap * ratio };
+  if (name === "circle_radius") return { ...lengths, circle_radius: value, distance: lengths.distance * ratio };
   return { ...lengths, [name]: value };
 }

@@ -1,4 +1,4 @@
-// One quantity over direction, with the direction that is looked at: by the pointer, or by the keys of its handle.
+// A polar plot of one quantity. The pointer, or keys on a handle, select the direction.
 import { scaleLinear, scaleLog } from "d3-scale";
 import type { Curve } from "../base/curve";
 import { svg } from "../base/dom";
@@ -8,11 +8,11 @@ import { polarGrid, polarPath, type RadiusScale } from "../base/polar";
 import { undirected } from "./geometry";
 
 const MARGIN = 36;
-/** Height of the title, above the plot. */
-const TITLE = 20;
-/** Of a logarithmic scale: smaller values lie in the centre. */
-const LEAST_SHARE = 1e-5;
-const ROOM = 1.25;
+/** Height of the title above the plot, in pixels. */
+const TITLE_HEIGHT = 20;
+/** Lower limit of a logarithmic scale, over the largest value; smaller values lie in the centre. */
+const MIN_FRACTION = 1e-5;
+const MARGIN_FACTOR = 1.25;
 
 export interface PinnedCurve extends Curve {
   readonly id: number;
@@ -24,7 +24,7 @@ export interface ChartView {
   readonly provisional: boolean;
   readonly reasons: readonly (string | null)[];
   readonly pins: readonly PinnedCurve[];
-  /** Radians, and the value there. */
+  /** The selected direction in radians, and the value there. */
   readonly direction: number;
   readonly value: number | null;
   readonly logarithmic: boolean;
@@ -76,12 +76,12 @@ export class PolarChart {
     this.view = view;
     const { width, height } = this;
     for (const [name, value] of [["viewBox", `0 0 ${width} ${height}`], ["width", width], ["height", height]] as const) this.element.setAttribute(name, String(value));
-    this.centre.setAttribute("transform", `translate(${width / 2},${(height + TITLE) / 2})`);
-    const rim = Math.max(20, Math.min(width, height - TITLE) / 2 - MARGIN);
+    this.centre.setAttribute("transform", `translate(${width / 2},${(height + TITLE_HEIGHT) / 2})`);
+    const rim = Math.max(20, Math.min(width, height - TITLE_HEIGHT) / 2 - MARGIN);
     this.ground.setAttribute("r", String(rim));
     this.fit(view, rim);
     this.grid.replaceChildren(...polarGrid(this.radius, this.ticks(view)));
-    const path = (curve: Curve) => polarPath(curve, (value) => this.away(value));
+    const path = (curve: Curve) => polarPath(curve, (value) => this.pixelRadius(value));
     this.curve.setAttribute("d", view.curve ? path(view.curve) : "");
     this.curve.classList.toggle("provisional", view.provisional);
     this.pins.replaceChildren(...view.pins.map((pin) => svg("path", { class: `curve pin pin-${pin.id % 6}`, d: path(pin) }, svg("title", {}, pin.name))));
@@ -97,12 +97,12 @@ export class PolarChart {
       return;
     }
     const positive = values.filter((value): value is number => value !== null && value > 0);
-    const most = Math.max(1e-6, ...positive);
-    const least = Math.max(Math.min(most, ...positive), most * LEAST_SHARE);
-    this.radius = scaleLog().domain([least / ROOM ** 2, most * ROOM]).range([0, rim]);
+    const max = Math.max(1e-6, ...positive);
+    const min = Math.max(Math.min(max, ...positive), max * MIN_FRACTION);
+    this.radius = scaleLog().domain([min / MARGIN_FACTOR ** 2, max * MARGIN_FACTOR]).range([0, rim]);
   }
 
-  /** Powers of ten where the scale is logarithmic and spans some, its own ticks otherwise. */
+  /** Powers of ten if a logarithmic scale has more than one of them; otherwise the ticks of the scale, thinned out if there are many. */
   private ticks(view: ChartView): number[] {
     const ticks = this.radius.ticks(5);
     const powers = ticks.filter((value) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-9);
@@ -122,21 +122,21 @@ export class PolarChart {
   private drawDirection({ direction, value }: ChartView, rim: number): void {
     const [x, y] = [Math.cos(direction), -Math.sin(direction)];
     this.ray.setAttribute("d", `M${-rim * x},${-rim * y}L${rim * x},${rim * y}`);
-    const r = value === null ? rim : this.away(value);
+    const r = value === null ? rim : this.pixelRadius(value);
     this.handle.setAttribute("transform", `translate(${r * x},${r * y})`);
     this.handle.setAttribute("aria-valuenow", ((direction * 180) / Math.PI).toFixed(1));
     const words = value === null ? "no value" : `${digits(value)}${this.options.unit && ` ${this.options.unit}`}`;
     this.handle.setAttribute("aria-valuetext", `${degrees(direction)}, ${this.options.title} ${words}`);
   }
 
-  private away(value: number): number {
+  private pixelRadius(value: number): number {
     const pixels = this.radius(value);
     return Number.isFinite(pixels) ? Math.max(0, Math.min(4 * this.radius.range()[1], pixels)) : 0;
   }
 
   private angle(event: MouseEvent): number {
     const { left, top } = this.element.getBoundingClientRect();
-    return undirected(Math.atan2(top + (this.height + TITLE) / 2 - event.clientY, event.clientX - left - this.width / 2));
+    return undirected(Math.atan2(top + (this.height + TITLE_HEIGHT) / 2 - event.clientY, event.clientX - left - this.width / 2));
   }
 
   private key(event: KeyboardEvent): void {

@@ -1,11 +1,11 @@
-// What a print takes, and what the checker and the layout say of it.
+// The facts of a print: time, material and size, and the notes of the G-code checker and the layout.
 import { h } from "../base/dom";
 import { digits } from "../base/format";
 import type { Plan } from "./print_session";
 import type { PrintSettings } from "./printer";
 
-/** Found faults that are listed; how many there are is said of all. */
-const MOST_LISTED = 8;
+/** Limit of the listed violations; the total number is stated separately. */
+const MAX_LISTED = 8;
 
 export function duration(minutes: number): string {
   if (minutes < 1) return `${Math.max(1, Math.round(60 * minutes))} s`;
@@ -13,7 +13,7 @@ export function duration(minutes: number): string {
   return whole < 60 ? `${digits(minutes, 2)} min` : `${Math.floor(whole / 60)} h ${whole % 60} min`;
 }
 
-/** A length in mm or m. */
+/** A length as text, in mm or m. */
 export function longWords(length: number): string {
   return length < 1000 ? `${digits(length)} mm` : `${digits(length / 1000)} m`;
 }
@@ -40,13 +40,13 @@ export function printerWords(settings: PrintSettings): string {
 
 export function printNotes({ warnings, toolpath: { check } }: Plan): HTMLElement[] {
   const { violations, violation_count: count } = check;
-  const listed = violations.slice(0, MOST_LISTED);
+  const listed = violations.slice(0, MAX_LISTED);
   const found = count === 0
     ? h("p", { class: "note good" }, "The checker has read the G-code and finds nothing wrong.")
     : h("div", { class: "note" }, h("p", {}, `The checker objects ${count} ${count === 1 ? "time" : "times"}:`),
       h("ul", { class: "violations" }, ...listed.map(({ line, kind, message }) => h("li", {}, `line ${line}, ${kind.replace(/_/g, " ")}: ${message}`))),
       count > listed.length && h("p", {}, `and ${count - listed.length} more`));
-  const passed = [...new Set(check.unchecked.map(({ command }) => command))];
-  const unchecked = passed.length > 0 && h("p", { class: "note" }, `Passed on to the printer, and not followed by the checker: ${passed.slice(0, MOST_LISTED).join(", ")}${passed.length > MOST_LISTED ? ", …" : ""}.`);
+  const uncheckedCommands = [...new Set(check.unchecked.map(({ command }) => command))];
+  const unchecked = uncheckedCommands.length > 0 && h("p", { class: "note" }, `Passed on to the printer, and not followed by the checker: ${uncheckedCommands.slice(0, MAX_LISTED).join(", ")}${uncheckedCommands.length > MAX_LISTED ? ", …" : ""}.`);
   return [found, ...(unchecked ? [unchecked] : []), ...warnings.map((words) => h("p", { class: "note" }, words))];
 }

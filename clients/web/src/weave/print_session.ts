@@ -1,17 +1,17 @@
-// How the sheet is printed: what is set, what the server plans, and the file. Knows no element of the page.
-import { late } from "../base/late";
+// The print session: settings, the server's plan, and the G-code file. It does not depend on elements of the page.
+import { debounce } from "../base/debounce";
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort, Problem } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { WeaveToolpath, WeaveToolpathRequest } from "../contract/types";
-import { DEFAULT_SETTINGS, keptSettings, type PrintSettings, toolpathRequest, type Value, withProfile } from "./printer";
+import { DEFAULT_SETTINGS, storedSettings, type PrintSettings, toolpathRequest, type Value, withProfile } from "./printer";
 import type { WeaveSession } from "./session";
-import { type LaidSheet, laySheet, unknownWords } from "./sheet_layout";
+import { type SheetLayout, layOutSheet, unknownWords } from "./sheet_layout";
 import { type Layer, layersOf } from "./toolpath";
 
 const KEY = "supple-print";
-/** Seconds that an answer may take before it becomes a job whose progress is shown. */
+/** Time in seconds after which a computation becomes a job with progress. */
 const IMMEDIATE_SECONDS = 0.4;
 const PAUSE_MS = 150;
 
@@ -19,11 +19,11 @@ export interface Plan {
   readonly settings: PrintSettings;
   readonly toolpath: WeaveToolpath;
   readonly layers: readonly Layer[];
-  /** What to know of the sheet before it is printed. */
+  /** Warnings about the sheet. */
   readonly warnings: readonly string[];
 }
 
-/** What a problem says of one place of the request. */
+/** A fault of one field of the request. */
 export interface Fault {
   readonly pointer: string;
   readonly words: string;
@@ -36,64 +36,64 @@ export type PrintActivity =
 
 export class PrintSession {
   readonly settings: Observable<PrintSettings>;
-  /** The newest plan; of earlier settings until that of the settings has come. */
+  /** The newest plan. It is of earlier settings until the server has answered. */
   readonly plan = new Observable<Plan | null>(null);
   readonly activity = new Observable<PrintActivity>({ kind: "idle" });
   private readonly requests = new Latest();
-  private readonly later = late(() => this.ask(), PAUSE_MS);
-  private sheet: LaidSheet | null = null;
-  private open = false;
+  private readonly later = debounce(() => this.ask(), PAUSE_MS);
+  private sheet: SheetLayout | null = null;
+  private isOpen = false;
 
   constructor(
     private readonly session: WeaveSession,
     private readonly client: Client,
   ) {
-    this.settings = new Observable(keptSettings(stored()));
+    this.settings = new Observable(storedSettings(stored()));
   }
 
-  /** Whether the plan is that of the settings. */
+  /** Whether the plan belongs to the present settings. */
   get isCurrent(): boolean {
     return this.plan.get()?.settings === this.settings.get();
   }
 
-  /** Plans the print of the weave as it is now. */
+  /** Opens the session and plans the print of the present weave. */
   begin(): void {
-    this.open = true;
+    this.isOpen = true;
     this.sheet = null;
     this.plan.set(null);
     this.ask();
   }
 
-  /** Nobody looks any more. */
+  /** Closes the session and cancels its requests. */
   end(): void {
-    this.open = false;
+    this.isOpen = false;
     this.later.cancel();
     this.requests.cancel();
     this.activity.set({ kind: "idle" });
   }
 
   change(pointer: string, value: Value): void {
-    if (this.settings.get()[pointer] !== value) this.use({ ...this.settings.get(), [pointer]: value });
+    if (this.settings.get()[pointer] !== value) this.applySettings({ ...this.settings.get(), [pointer]: value });
   }
 
   reset(): void {
-    this.use(DEFAULT_SETTINGS);
+    this.applySettings(DEFAULT_SETTINGS);
   }
 
-  /** Takes the printer of a file. */
+  /** Loads the printer settings of a file. */
   openProfile(text: string): void {
     try {
-      this.use(withProfile(this.settings.get(), text));
+      this.applySettings(withProfile(this.settings.get(), text));
     } catch (error) {
       this.activity.set({ kind: "failed", sentence: explain(error), faults: [] });
     }
   }
 
   retry(): void {
-    if (this.open && this.activity.get().kind === "failed") this.ask();
+    if (this.isOpen && this.activity.get().kind === "failed") this.ask();
   }
 
-  /** The file of the plan. An equal request has an equal answer, so that it is the print that was seen. */
+  /** Saves the G-code of the plan. It is computed again; equal requests have equal answers, so that it is the print of the plan. */
   save(take: (gcode: string) => void): void {
     if (!this.isCurrent) return;
     const settings = this.settings.get();
@@ -103,21 +103,21 @@ export class PrintSession {
     });
   }
 
-  private use(settings: PrintSettings): void {
+  private applySettings(settings: PrintSettings): void {
     this.settings.set(settings);
     try {
       localStorage.setItem(KEY, JSON.stringify(settings));
     } catch {
-      // they last as long as the page
+      // storage is blocked: the settings last as long as the page
     }
-    if (this.open) this.later.ask();
+    if (this.isOpen) this.later.schedule();
   }
 
   private ask(): void {
     this.later.cancel();
     const settings = this.settings.get();
     this.attempt("Laying out the sheet", async (signal) => {
-      this.sheet ??= await laySheet(this.client, this.session.state.get(), signal);
+      this.sheet ??= await layOutSheet(this.client, this.session.state.get(), signal);
       const { layout } = this.sheet;
       const toolpath = await this.compute(settings, ["moves"], "Planning the print", signal);
       if (signal.aborted) return;

@@ -1,9 +1,9 @@
-// What can be set of a print: the printer's profile and how the sheet lies on the bed. Each field is a place in the request,
-// by its JSON pointer, so that what the server says of a place is shown at its field.
+// The settings of a print: the printer profile, and the position of the sheet on the bed. Each setting is identified by the JSON pointer
+// of its field in the request, so that a fault that the server reports is shown at its field.
 import type { Weave, WeaveToolpathRequest } from "../contract/types";
 
 export type Value = number | string | boolean | null;
-/** By pointer; null is left to the server. */
+/** Values by JSON pointer; null for the server's default. */
 export type PrintSettings = Readonly<Record<string, Value>>;
 
 export interface Field {
@@ -18,15 +18,15 @@ export interface Field {
 export interface FieldGroup {
   readonly title: string;
   readonly fields: readonly Field[];
-  /** What is set seldom is in sight once it is opened. */
-  readonly seldom: boolean;
+  /** Whether the group is folded up, because its settings are seldom changed. */
+  readonly isAdvanced: boolean;
 }
 
 const number = (pointer: string, words: string, initial: number | null, unit?: string): Field => ({ pointer, words, initial, unit, kind: "number" });
 
 export const PRINT_FIELDS: readonly FieldGroup[] = [
   {
-    title: "Printer", seldom: false,
+    title: "Printer", isAdvanced: false,
     fields: [
       { pointer: "/printer/name", words: "Name of the profile", initial: "Prusa i3 MK3S, PLA", kind: "text" },
       number("/printer/bed/0", "Bed along x", 250, "mm"), number("/printer/bed/1", "Bed along y", 210, "mm"), number("/printer/bed/2", "Height", 210, "mm"),
@@ -34,11 +34,11 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     ],
   },
   {
-    title: "Temperatures", seldom: false,
+    title: "Temperatures", isAdvanced: false,
     fields: [number("/printer/nozzle_temperature", "Nozzle", 180, "°C"), number("/printer/bed_temperature", "Bed", 60, "°C")],
   },
   {
-    title: "Sheet on the bed", seldom: false,
+    title: "Sheet on the bed", isAdvanced: false,
     fields: [
       number("/overrun/start", "Overrun at starts", 0, "mm"), number("/overrun/end", "Overrun at ends", 0, "mm"),
       number("/loop_overlap", "Overlap of loops", 0, "mm"),
@@ -47,7 +47,7 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     ],
   },
   {
-    title: "Speeds", seldom: true,
+    title: "Speeds", isAdvanced: true,
     fields: [
       number("/printer/strand_speed", "On the bed", 600, "mm/min"), number("/printer/lifted_speed", "Lifted parts", 600, "mm/min"),
       number("/printer/channel_speed", "Channels", 300, "mm/min"), number("/printer/travel_speed", "Travels", 3000, "mm/min"),
@@ -55,7 +55,7 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     ],
   },
   {
-    title: "Beads and heights", seldom: true,
+    title: "Beads and heights", isAdvanced: true,
     fields: [
       number("/printer/strand_height", "Nozzle over the bed", 0.5, "mm"), number("/printer/travel_clearance", "Travels over the print", 1, "mm"),
       number("/printer/strand_width", "Width of a frame", 0.5, "mm"), number("/printer/bead_area", "Area of a bead", null, "mm²"),
@@ -63,14 +63,14 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     ],
   },
   {
-    title: "Lifts over strands", seldom: true,
+    title: "Lifts over strands", isAdvanced: true,
     fields: [
       number("/printer/lift/height", "Height over a strand", 1, "mm"), number("/printer/lift/top", "Fully up within", 0.75, "mm"),
       number("/printer/lift/run", "Begins to rise at", 2, "mm"), number("/printer/lift/bridge", "Stays up for less than", 2.5, "mm"),
     ],
   },
   {
-    title: "Channels", seldom: true,
+    title: "Channels", isAdvanced: true,
     fields: [
       { pointer: "/printer/channel/shape", words: "Shape", initial: "triangle", kind: "choice", choices: [["triangle", "Triangle"], ["arc", "Arc"]] },
       number("/printer/channel/half_width", "First foot to crossing", 1.2, "mm"), number("/printer/channel/longer", "Second half longer by", 0.2),
@@ -78,7 +78,7 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
     ],
   },
   {
-    title: "Start and end", seldom: true,
+    title: "Start and end", isAdvanced: true,
     fields: [
       number("/printer/priming_length", "Line that fills the nozzle", 60, "mm"),
       { pointer: "/printer/park", words: "Park the nozzle at the end", initial: true, kind: "switch" },
@@ -93,19 +93,19 @@ export const DEFAULT_SETTINGS: PrintSettings = Object.fromEntries(ALL_FIELDS.map
 
 type Document = { [name: string]: unknown };
 
-/** What is asked of the server, all of the settings in it: an equal request has an equal answer, whatever its defaults are. */
+/** The request for a toolpath. It contains all settings, so that equal requests have equal answers even if the server's defaults change. */
 export function toolpathRequest(weave: Weave, settings: PrintSettings, include: WeaveToolpathRequest["include"]): WeaveToolpathRequest {
   const request: Document = { weave };
   for (const { pointer } of ALL_FIELDS) {
     const value = settings[pointer];
-    // Whether there is a frame is no place of the request.
+    // "/frame" is a switch of the page, not a field of the request.
     if (value === null || pointer === "/frame" || (pointer.startsWith("/frame/") && settings["/frame"] !== true)) continue;
-    put(request, pointer, value);
+    setAtPointer(request, pointer, value);
   }
   return { ...request, include } as unknown as WeaveToolpathRequest;
 }
 
-function put(document: Document, pointer: string, value: Value): void {
+function setAtPointer(document: Document, pointer: string, value: Value): void {
   const names = pointer.slice(1).split("/");
   let place = document;
   names.slice(0, -1).forEach((name, k) => {
@@ -115,13 +115,13 @@ function put(document: Document, pointer: string, value: Value): void {
   place[names[names.length - 1]] = value;
 }
 
-/** The printer as a file, such as `supple weave print --profile` takes. */
+/** The printer profile as JSON, for a file that `supple weave print --profile` reads. */
 export function profileText(settings: PrintSettings): string {
   const { printer } = toolpathRequest({} as Weave, settings, []);
   return `${JSON.stringify(printer, null, 2)}\n`;
 }
 
-/** Settings with the printer of a file; what the file leaves out is as it was to begin with. Throws a sentence where it is none. */
+/** Settings with the printer profile of a file; missing values are the default ones. Throws an Error with a sentence if the text is no profile. */
 export function withProfile(settings: PrintSettings, text: string): PrintSettings {
   let printer: unknown;
   try {
@@ -132,16 +132,16 @@ export function withProfile(settings: PrintSettings, text: string): PrintSetting
   if (!isDocument(printer)) throw new Error("The file is no printer: an object such as {\"nozzle_temperature\": 200} is.");
   const others = Object.entries(settings).filter(([pointer]) => !pointer.startsWith("/printer/"));
   const found = { ...DEFAULT_SETTINGS, ...Object.fromEntries(others) };
-  take(printer, "/printer", found);
+  readDocument(printer, "/printer", found);
   return found;
 }
 
-function take(document: Document, pointer: string, into: Record<string, Value>): void {
+function readDocument(document: Document, pointer: string, into: Record<string, Value>): void {
   for (const [name, value] of Object.entries(document)) {
     const place = `${pointer}/${name}`;
     const field = ALL_FIELDS.find((one) => one.pointer === place);
     if (field && isValueOf(field, value)) into[place] = value;
-    else if (!field && typeof value === "object" && value !== null && ALL_FIELDS.some((one) => one.pointer.startsWith(`${place}/`))) take(value as Document, place, into);
+    else if (!field && typeof value === "object" && value !== null && ALL_FIELDS.some((one) => one.pointer.startsWith(`${place}/`))) readDocument(value as Document, place, into);
     else throw new Error(field ? `The file has no ${field.kind === "number" ? "number" : "text"} at ${place}.` : `A printer has no ${place}.`);
   }
 }
@@ -156,18 +156,18 @@ function isValueOf({ kind, choices, initial }: Field, value: unknown): value is 
   return typeof value === "string" && (!choices || choices.some(([choice]) => choice === value));
 }
 
-/** Settings that a browser has kept; the first ones for whatever is no setting, as another version may have kept it. */
-export function keptSettings(text: string | null): PrintSettings {
+/** Settings from the text in the browser's storage, which another version may have written: missing and invalid values are the default ones. */
+export function storedSettings(text: string | null): PrintSettings {
   try {
-    const kept: unknown = JSON.parse(text ?? "{}");
-    const known = ALL_FIELDS.filter((field) => isDocument(kept) && isValueOf(field, kept[field.pointer]));
-    return { ...DEFAULT_SETTINGS, ...Object.fromEntries(known.map(({ pointer }) => [pointer, (kept as Document)[pointer] as Value])) };
+    const stored: unknown = JSON.parse(text ?? "{}");
+    const known = ALL_FIELDS.filter((field) => isDocument(stored) && isValueOf(field, stored[field.pointer]));
+    return { ...DEFAULT_SETTINGS, ...Object.fromEntries(known.map(({ pointer }) => [pointer, (stored as Document)[pointer] as Value])) };
   } catch {
     return DEFAULT_SETTINGS;
   }
 }
 
-/** Fields that a place of a problem means: the field itself, what lies below it, or what it lies in. */
+/** The fields to which a JSON pointer in a problem applies: the field itself, those below it, and those above it. */
 export function fieldsAt(pointer: string): readonly Field[] {
   return ALL_FIELDS.filter((field) => field.pointer === pointer || field.pointer.startsWith(`${pointer}/`) || pointer.startsWith(`${field.pointer}/`)).filter((field) => pointer.length > 1 && field.kind !== "switch");
 }

@@ -1,4 +1,4 @@
-// The printer's settings as fields, each with what the server says of it.
+// The form with the printer's settings, where faults that the server reports are shown at their fields.
 import { button, Checkbox, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { download } from "../base/download";
@@ -8,7 +8,7 @@ import { type Field, type FieldGroup, fieldsAt, PRINT_FIELDS, profileText, type 
 
 interface Row {
   readonly element: HTMLElement;
-  /** Shows the value that is used. */
+  /** Shows a value. */
   readonly show: (value: Value) => void;
   readonly tell: (words: readonly string[]) => void;
 }
@@ -16,13 +16,13 @@ interface Row {
 export function printerForm(print: PrintSession): HTMLElement {
   const rows = new Map<string, Row>();
 
-  function group({ title, fields, seldom }: FieldGroup): HTMLElement {
+  function group({ title, fields, isAdvanced }: FieldGroup): HTMLElement {
     const body = h("div", { class: "print-fields" }, ...fields.map((field) => {
       const row = rowOf(print, field);
       rows.set(field.pointer, row);
       return row.element;
     }));
-    return seldom
+    return isAdvanced
       ? h("details", { class: "more" }, h("summary", {}, title), body)
       : h("fieldset", { class: "print-group" }, h("legend", {}, title), body);
   }
@@ -35,10 +35,10 @@ export function printerForm(print: PrintSession): HTMLElement {
   });
   print.activity.watch((activity) => {
     const faults = activity.kind === "failed" ? activity.faults : [];
-    // Of several fields that a place means, as those of the bed, the first one says what is wrong.
+    // A fault that applies to several fields, such as those of the bed, is shown at the first one.
     const first = faults.map((fault) => ({ words: fault.words, pointer: fieldsAt(fault.pointer)[0]?.pointer }));
     for (const [pointer, row] of rows) row.tell(first.filter((fault) => fault.pointer === pointer).map((fault) => fault.words));
-    // What is wrong must be in sight.
+    // Groups with invalid fields are unfolded.
     if (faults.length > 0) element.querySelectorAll<HTMLDetailsElement>("details:has([aria-invalid])").forEach((details) => (details.open = true));
   });
   return element;
@@ -60,16 +60,16 @@ function rowOf(print: PrintSession, field: Field): Row {
     field.kind === "lines" ? h("textarea", { id, class: "code", rows: 3, spellcheck: "false" })
     : field.kind === "text" ? h("input", { id, type: "text", class: "number text", spellcheck: "false", autocomplete: "off" })
     : h("input", { id, type: "number", class: "number", step: "any" });
-  let used: Value = null;
+  let current: Value = null;
   const show = (value: Value) => {
-    used = value;
+    current = value;
     showText(input, value === null ? "" : String(value));
   };
   input.addEventListener("change", () => {
     if (field.kind !== "number") return change(input.value);
     if (input.value === "") change(field.initial);
     else if (Number.isFinite(Number(input.value))) change(Number(input.value));
-    show(print.settings.get()[field.pointer] ?? used); // what is used, where something else was written
+    show(print.settings.get()[field.pointer] ?? current); // the present value replaces an invalid entry
   });
   const unit = field.unit && h("span", { class: "unit", "aria-hidden": "true" }, field.unit);
   const label = h("label", { for: id }, field.words, field.unit && h("span", { class: "visually-hidden" }, `, ${field.unit}`));
@@ -90,10 +90,10 @@ function rowOf(print: PrintSession, field: Field): Row {
   };
 }
 
-/** Profiles are files, such as the command line reads. */
+/** Buttons to open and save printer profiles, in the file format of the command line. */
 function profileFiles(print: PrintSession): HTMLElement {
-  const file = h("input", { type: "file", accept: ".json,application/json", class: "visually-hidden", id: uniqueId("file"), onchange: () => void take() });
-  async function take(): Promise<void> {
+  const file = h("input", { type: "file", accept: ".json,application/json", class: "visually-hidden", id: uniqueId("file"), onchange: () => void openFile() });
+  async function openFile(): Promise<void> {
     const chosen = file.files?.[0];
     if (chosen) print.openProfile(await chosen.text());
     file.value = "";

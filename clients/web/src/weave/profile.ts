@@ -1,31 +1,33 @@
-// Young's modulus and Poisson's ratio over direction, as plots, tables and files show them.
+// Young's modulus and Poisson's ratio over direction, for plots, tables and files.
 import type { Curve } from "../base/curve";
 import { degrees } from "../base/format";
 import type { WeaveHomogenization, WeaveStop } from "../contract/types";
 
 export interface Profile {
-  /** What was asked, all but the directions. */
+  /** Key of the request without its directions. */
   readonly key: string;
   readonly strain: number;
-  /** Radians, in [0, pi). */
+  /** In radians, in [0, pi). */
   readonly directions: readonly number[];
-  /** N/m; null where there is no value. */
+  /** In N/m; null for directions without a value. */
   readonly youngs: readonly (number | null)[];
   readonly poisson: readonly (number | null)[];
-  /** Why there is no value; null where there is one. */
+  /** Why a direction has no value; null if it has one. */
   readonly reasons: readonly (string | null)[];
-  /** Directions whose cell left its plane, and whose equilibrium is not stable. */
+  /** Number of directions in which the cell leaves its plane. */
   readonly outOfPlane: number;
+  /** Number of directions with a value whose equilibrium is unstable. */
   readonly unstable: number;
-  /** Directions in which sliders do not stand at their limits, and by how much the largest energy may be too high. */
+  /** Number of directions in which sliding strands have not reached their limits within the tolerance. */
   readonly shortOfLimits: number;
+  /** Upper bound of the relative error of energies that this causes; null if it is not known. */
   readonly limitError: number | null;
   readonly seconds: number;
-  /** Few directions: finer ones follow. */
+  /** Whether the profile is a preview with few directions. */
   readonly provisional: boolean;
 }
 
-export const STOP_WORDS: Record<WeaveStop, string> = {
+export const TERMINATION_WORDS: Record<WeaveStop, string> = {
   converged: "converged",
   iteration_limit: "the smallest load step did not converge",
   step_too_small: "no descent was found, at a limit or a fold",
@@ -33,7 +35,7 @@ export const STOP_WORDS: Record<WeaveStop, string> = {
 };
 
 export function profileOf(answer: WeaveHomogenization, key: string, provisional: boolean): Profile {
-  const reasons = answer.stopped.map((stop) => (stop === "converged" ? null : STOP_WORDS[stop]));
+  const reasons = answer.stopped.map((termination) => (termination === "converged" ? null : TERMINATION_WORDS[termination]));
   return {
     key,
     strain: answer.strain,
@@ -58,25 +60,25 @@ export function poissonCurve(profile: Profile): Curve {
   return { x: profile.directions, y: profile.poisson };
 }
 
-/** Index of the direction next to an angle. */
+/** Index of the direction nearest to an angle. */
 export function nearestDirection(profile: Profile, angle: number): number {
   let best = 0;
   let least = Infinity;
   profile.directions.forEach((direction, k) => {
-    const away = Math.abs(direction - angle) % Math.PI;
-    const distance = Math.min(away, Math.PI - away);
+    const difference = Math.abs(direction - angle) % Math.PI;
+    const distance = Math.min(difference, Math.PI - difference);
     if (distance < least) [least, best] = [distance, k];
   });
   return best;
 }
 
-/** Least and largest value; null where there is none. */
+/** The smallest and the largest value; null if there are none. */
 export function extremes(values: readonly (number | null)[]): readonly [number, number] | null {
   const known = values.filter((value): value is number => value !== null);
   return known.length > 0 ? [Math.min(...known), Math.max(...known)] : null;
 }
 
-/** Directions without a value by their reason, one sentence each. */
+/** A sentence for each reason why directions have no value. */
 export function gapWords(profile: Profile): string[] {
   const byReason = new Map<string, number[]>();
   profile.reasons.forEach((reason, k) => {

@@ -1,10 +1,10 @@
-// Both quantities over direction, the strain that they are taken at, and what is going on.
+// The card with the polar plots of Young's modulus and Poisson's ratio, the strain, and the state of the computation.
 import { announce } from "../base/announce";
 import { button, Segments, Slider } from "../base/controls";
 import type { Curve } from "../base/curve";
 import { h, replace, svg } from "../base/dom";
 import { degrees, digits } from "../base/format";
-import { Working } from "../base/working";
+import { ProgressRow } from "../base/progress_row";
 import type { DeformedCell } from "./deformed_cell";
 import type { Pins } from "./pins";
 import { type ChartView, PolarChart } from "./polar_chart";
@@ -12,7 +12,7 @@ import { extremes, gapWords, nearestDirection, poissonCurve, type Profile, young
 import { type Activity, profileKey, type WeaveSession } from "./session";
 import { isPeriodic, STRAIN_LIMITS, usableStrain } from "./state";
 
-const LEAST_SIDE = 220;
+const MIN_SIDE = 220;
 
 export class ProfileCard {
   readonly element: HTMLElement;
@@ -22,24 +22,24 @@ export class ProfileCard {
   private readonly legend = h("ul", { class: "legend", "aria-label": "Legend" });
   private readonly notes = h("div", { class: "notes" });
   private readonly status = h("div", { class: "status" });
-  private readonly working = new Working("Progress", () => this.session.cancel());
+  private readonly progressRow = new ProgressRow("Progress", () => this.session.cancel());
   private logarithmic = false;
   private scheduled = false;
-  private announced = "";
+  private announcedKey = "";
 
   constructor(
     private readonly session: WeaveSession,
     private readonly deformed: DeformedCell,
     private readonly pins: Pins,
   ) {
-    const wishes = {
+    const actions = {
       hover: (angle: number | null) => deformed.hover(angle),
       choose: (angle: number) => deformed.choose(angle),
       step: (count: number) => deformed.step(count),
     };
     this.charts = [
-      new PolarChart({ kind: "stiffness", title: "Young’s modulus", unit: "N/m", ...wishes }),
-      new PolarChart({ kind: "poisson", title: "Poisson’s ratio", unit: "", ...wishes }),
+      new PolarChart({ kind: "stiffness", title: "Young’s modulus", unit: "N/m", ...actions }),
+      new PolarChart({ kind: "poisson", title: "Poisson’s ratio", unit: "", ...actions }),
     ];
     this.stages.forEach((stage, k) => {
       stage.append(this.charts[k].element);
@@ -69,7 +69,7 @@ export class ProfileCard {
     return h("div", { class: "profile-controls" }, strain.element, scale.element);
   }
 
-  /** Draws once before the next picture, however much has changed. */
+  /** Schedules one drawing before the next repaint of the browser. */
   private schedule(): void {
     if (this.scheduled) return;
     this.scheduled = true;
@@ -118,19 +118,19 @@ export class ProfileCard {
 
   private resize(index: number): void {
     const { width, height } = this.stages[index].getBoundingClientRect();
-    this.charts[index].resize(Math.max(LEAST_SIDE, Math.floor(width)), Math.max(LEAST_SIDE, Math.floor(height)));
+    this.charts[index].resize(Math.max(MIN_SIDE, Math.floor(width)), Math.max(MIN_SIDE, Math.floor(height)));
   }
 
   private showActivity(activity: Activity): void {
     const { session } = this;
     this.element.setAttribute("aria-busy", String(activity.kind === "busy"));
     if (activity.kind === "failed") {
-      // The layout's card says it already where there is no such weave at all.
+      // A fault that the layout reports, too, is not repeated here.
       if (activity.sentence === session.fault.get()) return replace(this.status);
       announce(activity.sentence);
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
     } else if (activity.kind === "busy") {
-      this.working.show(this.status, `${activity.directions} directions`, activity.progress);
+      this.progressRow.show(this.status, `${activity.directions} directions`, activity.progress);
     } else {
       replace(this.status);
       this.tellOutcome();
@@ -139,8 +139,8 @@ export class ProfileCard {
 
   private tellOutcome(): void {
     const profile = this.session.profile.get();
-    if (!profile || profile.key === this.announced || !isPeriodic(this.session.state.get())) return;
-    this.announced = profile.key;
+    if (!profile || profile.key === this.announcedKey || !isPeriodic(this.session.state.get())) return;
+    this.announcedKey = profile.key;
     const [youngs, poisson] = [extremes(profile.youngs), extremes(profile.poisson)];
     if (youngs && poisson) announce(`Young’s modulus ${digits(youngs[0])} to ${digits(youngs[1])} newton per metre, Poisson’s ratio ${digits(poisson[0])} to ${digits(poisson[1])}.`);
   }

@@ -1,15 +1,15 @@
-// From what the person decided to what the server is asked.
+// The requests of the weave page, made from its state.
 import type { Weave, WeaveHomogenizationRequest, WeaveLayoutRequest, WeaveStrands } from "../contract/types";
 import type { WeaveState } from "./state";
 
-/** Directions over half a turn: enough to see what a change does while it is made, and for the plot. */
+/** Numbers of directions over half a turn: for a preview during changes, and for the final plot. */
 export const COARSE_DIRECTIONS = 24;
 export const FINE_DIRECTIONS = 200;
 
 type Connections = NonNullable<Extract<Weave, { pattern: "regular" }>["connections"]>;
 const REGULAR: readonly Connections[] = ["fused", "slides_x", "slides_y", [["slides_x", "slides_y"], ["slides_y", "slides_x"]]];
 
-/** The periodic cell, or the sheet where there is none. */
+/** The weave in a request: the periodic cell, or the sheet if there is none. */
 export function weaveOf(state: WeaveState): Weave {
   const { lengths, pattern, type } = state;
   const common = {
@@ -35,7 +35,7 @@ export function weaveOf(state: WeaveState): Weave {
   }
 }
 
-/** Whether there is anything to ask about. */
+/** Whether the weave has strands, so that there is anything to compute. */
 export function hasStrands(state: WeaveState): boolean {
   return state.pattern !== "layout" || state.layout.strands.length > 0;
 }
@@ -44,7 +44,7 @@ export function layoutRequest(state: WeaveState): WeaveLayoutRequest {
   return { weave: weaveOf(state) };
 }
 
-/** Stiffness and Poisson's ratio over `directions`: how many over half a turn, or which, in radians. */
+/** The request for stiffness and Poisson's ratio. `directions`: their number over half a turn, or their angles in radians. */
 export function homogenizationRequest(state: WeaveState, directions: number | readonly number[]): WeaveHomogenizationRequest {
   return {
     weave: weaveOf(state),
@@ -56,7 +56,7 @@ export function homogenizationRequest(state: WeaveState, directions: number | re
   };
 }
 
-/** The same along one direction, with the deformed cell. */
+/** The request for one direction, with the deformed cell. */
 export function cellRequest(state: WeaveState, direction: number): WeaveHomogenizationRequest {
   return { ...homogenizationRequest(state, [direction]), deformed: [0] };
 }

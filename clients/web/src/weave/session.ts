@@ -1,17 +1,17 @@
-// The weave session: what was decided, what the server says of it, and what is going on. Knows no element of the page.
+// The weave session: the state, the server's layout and profile, and the running computation. It does not depend on elements of the page.
 import { History } from "../base/history";
 import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
 import type { WeaveHomogenization, WeaveLayout } from "../contract/types";
-import { carriedOverrides, type LaidOut } from "./carried";
+import { carriedOverrides, type LayoutResult } from "./carried";
 import { nextConnection, withConnection } from "./connections";
 import { type Profile, profileOf } from "./profile";
 import { COARSE_DIRECTIONS, FINE_DIRECTIONS, hasStrands, homogenizationRequest, layoutRequest } from "./requests";
 import { DEFAULT_STATE, type FreeLayout, isPeriodic, type WeaveState } from "./state";
 
-/** Seconds that an answer may take before it becomes a job whose progress is shown. */
+/** Time in seconds after which a computation becomes a job with progress. */
 const IMMEDIATE_SECONDS = 0.4;
 
 export type Activity =
@@ -24,17 +24,17 @@ export interface Steps {
   redo: boolean;
 }
 
-/** All that the stiffness depends on but the directions: two states with the same key have the same profile. */
+/** A key of all that the profile depends on, except the directions. States with the same key have the same profile. */
 export function profileKey(state: WeaveState): string {
   return JSON.stringify(homogenizationRequest(state, []));
 }
 
 export class WeaveSession {
   readonly state = new Observable<WeaveState>(DEFAULT_STATE);
-  readonly laidOut = new Observable<LaidOut | null>(null);
-  /** Why the state has no layout; empty where it has one. */
+  readonly laidOut = new Observable<LayoutResult | null>(null);
+  /** Why the state has no layout; empty if it has one. */
   readonly fault = new Observable("");
-  /** The newest profile; of an earlier state until that of the state has come. */
+  /** The newest profile. It is of an earlier state until the server has answered. */
   readonly profile = new Observable<Profile | null>(null);
   readonly activity = new Observable<Activity>({ kind: "idle" });
   readonly steps = new Observable<Steps>({ undo: false, redo: false });
@@ -43,36 +43,36 @@ export class WeaveSession {
   private readonly profiles = new Latest();
   private history = new History<WeaveState>(DEFAULT_STATE);
   private inGesture = false;
-  /** A thorough request runs: it gives way at once. */
-  private thorough = false;
+  /** Whether a request with many directions is running. A newer request aborts it at once. */
+  private isFineRunning = false;
   private unanswered = false;
-  /** Layout whose crossings' connections a new one is to take over. */
-  private carryFrom: LaidOut | null = null;
+  /** The layout whose connections are carried over to the next layout; null if none are. */
+  private carrySource: LayoutResult | null = null;
 
   constructor(private readonly client: Client) {}
 
   start(state: WeaveState): void {
     this.history = new History(state);
     this.state.set(state);
-    this.tellSteps();
+    this.publishSteps();
     this.refresh();
   }
 
-  /** A state on the way to another, as a slider gives it. */
+  /** Shows an intermediate state of a change, for example of a slider. */
   preview(change: Partial<WeaveState>): void {
     this.inGesture = true;
     this.state.set({ ...this.state.get(), ...change });
     this.refresh();
   }
 
-  /** The change is done: one step to undo. */
+  /** Ends a change, which becomes one step of the history. */
   finish(): void {
     if (!this.inGesture) return;
     this.inGesture = false;
     this.push();
   }
 
-  /** A change in one go. */
+  /** Makes a change without intermediate states. */
   apply(change: Partial<WeaveState>): void {
     this.finish();
     this.state.set({ ...this.state.get(), ...change });
@@ -89,15 +89,15 @@ export class WeaveSession {
     if (this.history.redo()) this.restore();
   }
 
-  /** Other strands of one's own; crossings that stay where they are keep their connection. */
+  /** Replaces the user-drawn strands. Crossings that stay in place keep their connection. */
   setLayout(layout: FreeLayout): void {
     const laidOut = this.laidOut.get();
-    if (laidOut?.state.pattern === "layout" && !this.carryFrom) this.carryFrom = laidOut;
-    // Crossings that were listed refer to strands by number: with other strands they are found anew.
+    if (laidOut?.state.pattern === "layout" && !this.carrySource) this.carrySource = laidOut;
+    // A list of crossings refers to strands by index, so that it is dropped: the server finds the crossings again.
     this.apply({ layout: { strands: layout.strands, lattice: layout.lattice }, overrides: [] });
   }
 
-  /** A crossing goes on to its next connection. */
+  /** Changes a crossing to its next connection. */
   cycle(index: number): void {
     const laidOut = this.laidOut.get();
     const crossing = laidOut?.layout.crossings[index];
@@ -109,25 +109,25 @@ export class WeaveSession {
     this.activity.set({ kind: "idle" });
   }
 
-  /** Asks again for what a lost connection or a fault left open. */
+  /** Repeats the requests that a lost connection or a fault has ended. */
   retry(): void {
     if (this.unanswered || this.activity.get().kind === "failed") this.refresh();
   }
 
   private push(): void {
     this.history.push(this.state.get());
-    this.tellSteps();
+    this.publishSteps();
     this.refresh();
   }
 
   private restore(): void {
-    this.carryFrom = null;
+    this.carrySource = null;
     this.state.set(this.history.current);
-    this.tellSteps();
+    this.publishSteps();
     this.refresh();
   }
 
-  private tellSteps(): void {
+  private publishSteps(): void {
     this.steps.set({ undo: this.history.canUndo, redo: this.history.canRedo });
   }
 
@@ -140,7 +140,7 @@ export class WeaveSession {
     const state = this.state.get();
     if (!hasStrands(state)) {
       this.layouts.cancel();
-      this.carryFrom = null;
+      this.carrySource = null;
       this.laidOut.set(null);
       return this.fault.set("");
     }
@@ -154,22 +154,22 @@ export class WeaveSession {
         const layout = await this.client.post<WeaveLayout>("/v1/weave-layouts", request, { signal });
         if (signal.aborted) return;
         this.fault.set("");
-        if (!this.carry(state, layout)) this.laidOut.set({ state, layout });
+        if (!this.carryConnections(state, layout)) this.laidOut.set({ state, layout });
       } catch (error) {
         if (isAbort(error)) return;
         this.unanswered = true;
-        this.carryFrom = null;
+        this.carrySource = null;
         if (!(error instanceof ConnectionLost)) this.fault.set(explain(error));
       }
     });
   }
 
-  /** Gives the crossings of a layout just drawn the connections that they had; true where that changes the state. */
-  private carry(asked: WeaveState, layout: WeaveLayout): boolean {
-    const from = this.carryFrom;
+  /** Carries connections over to the crossings of a new layout. Returns true if this has changed the state. */
+  private carryConnections(asked: WeaveState, layout: WeaveLayout): boolean {
+    const from = this.carrySource;
     const state = this.state.get();
-    if (!from || state.layout !== asked.layout) return false; // further strands came meanwhile: theirs is the layout to look at
-    this.carryFrom = null;
+    if (!from || state.layout !== asked.layout) return false; // the strands have changed meanwhile: the next layout is used
+    this.carrySource = null;
     if (state.overrides.length > 0) return false;
     const overrides = carriedOverrides(from, { state: asked, layout });
     if (overrides.length === 0) return false;
@@ -191,27 +191,27 @@ export class WeaveSession {
     if (shown?.key === key && !shown.provisional && !this.profiles.busy) return;
     this.profiles.submit(async (signal) => {
       try {
-        if (this.profile.get()?.key !== key) await this.coarse(state, key, signal);
+        if (this.profile.get()?.key !== key) await this.requestCoarse(state, key, signal);
         const superseded = signal.aborted || profileKey(this.state.get()) !== key;
-        if (!superseded && this.profile.get()?.provisional) await this.fine(state, key, signal);
+        if (!superseded && this.profile.get()?.provisional) await this.requestFine(state, key, signal);
         if (!signal.aborted) this.unanswered = false;
         if (!signal.aborted) this.activity.set({ kind: "idle" });
       } catch (error) {
         this.fail(error);
       } finally {
-        this.thorough = false;
+        this.isFineRunning = false;
       }
-    }, this.thorough);
+    }, this.isFineRunning);
   }
 
-  private async coarse(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
+  private async requestCoarse(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
     this.activity.set({ kind: "busy", directions: COARSE_DIRECTIONS, progress: null });
     const answer = await this.homogenize(state, COARSE_DIRECTIONS, signal);
     if (!signal.aborted) this.profile.set(profileOf(answer, key, true));
   }
 
-  private async fine(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
-    this.thorough = true;
+  private async requestFine(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
+    this.isFineRunning = true;
     this.activity.set({ kind: "busy", directions: FINE_DIRECTIONS, progress: null });
     const answer = await this.homogenize(state, FINE_DIRECTIONS, signal);
     if (!signal.aborted) this.profile.set(profileOf(answer, key, false));

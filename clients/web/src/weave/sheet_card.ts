@@ -1,25 +1,25 @@
-// A sheet of the weave that is stretched, sheared or pushed: what is asked, and what comes out.
+// The card of a sheet under load: controls of sheet and load, and the results.
 import { announce } from "../base/announce";
 import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, percent, seconds } from "../base/format";
-import { Working } from "../base/working";
-import { STOP_WORDS } from "./profile";
+import { ProgressRow } from "../base/progress_row";
+import { TERMINATION_WORDS } from "./profile";
 import type { WeaveSession } from "./session";
-import { LOAD_WORDS, pullOf } from "./sheet";
+import { LOAD_WORDS, loadForce } from "./sheet";
 import { unknownWords } from "./sheet_layout";
 import { sheetKey, type SheetResult, type SheetSession } from "./sheet_session";
 import { type Lines, SheetViewer } from "./sheet_viewer";
-import { isPeriodic, type LoadKind, MOST_AMOUNT, MOST_CELLS, type SheetState } from "./state";
+import { isPeriodic, type LoadKind, MAX_AMOUNT, MAX_CELLS, type SheetState } from "./state";
 import type { Vector } from "./tubes";
 
-/** `print` opens what is to be seen before the sheet is printed. */
+/** `print` opens the print dialog. */
 export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () => void): HTMLElement {
   const body = h("div", { class: "sheet-body", hidden: true });
   const stale = h("p", { class: "note", hidden: true }, "The weave or its load has changed since: simulate again.");
   const status = h("div", { class: "status" });
-  const working = new Working("Progress of the simulation", () => sheet.cancel());
+  const progressRow = new ProgressRow("Progress of the simulation", () => sheet.cancel());
   let view: SheetView | null = null;
 
   sheet.result.watch((result) => {
@@ -41,7 +41,7 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () 
       announce(activity.sentence);
       return replace(status, h("p", { class: "note" }, activity.sentence));
     }
-    working.show(status, activity.words, activity.progress);
+    progressRow.show(status, activity.words, activity.progress);
   });
   return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), status, stale, body);
 }
@@ -52,12 +52,12 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: ()
     if (done) session.finish();
   };
   const count = (label: string, set: (value: number) => Partial<SheetState>) =>
-    new Slider({ label, lower: 1, upper: MOST_CELLS, step: 1, digits: 0, changed: (value, done) => change(set(Math.round(value)), done) });
+    new Slider({ label, lower: 1, upper: MAX_CELLS, step: 1, digits: 0, changed: (value, done) => change(set(Math.round(value)), done) });
   const columns = count("Cells along x", (value) => ({ columns: value }));
   const rows = count("Cells along y", (value) => ({ rows: value }));
   const load = new Select<LoadKind>("Load", [], (value) => change({ load: value }, true));
   const amount = new Slider({
-    label: "How far, in shares of the sheet", lower: -MOST_AMOUNT, upper: MOST_AMOUNT, step: 0.01, digits: 3,
+    label: "How far, in shares of the sheet", lower: -MAX_AMOUNT, upper: MAX_AMOUNT, step: 0.01, digits: 3,
     changed: (value, done) => change({ amount: value }, done),
   });
   const run = button("Simulate", () => void sheet.run(), { kind: "primary" });
@@ -77,7 +77,7 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: ()
   return h("div", { class: "sheet-controls" }, columns.element, rows.element, load.element, amount.element, h("div", { class: "row" }, run, print));
 }
 
-/** The states of a result, rest first. */
+/** The view of a result: its states, beginning with rest, in 3D and as facts. */
 class SheetView {
   readonly element = h("div", { class: "sheet-view" });
   private readonly facts = h("dl", { class: "facts" });
@@ -135,13 +135,13 @@ class SheetView {
     if (index === 0) return [["Load", "none: at rest"]];
     const state = result.answer.states[index - 1];
     const heights = (state.strands ?? []).flatMap((line) => line.map((place) => Math.abs(place[2])));
-    const rise = heights.reduce((most, height) => Math.max(most, height), 0);
+    const rise = heights.reduce((max, height) => Math.max(max, height), 0);
     return [
       [LOAD_WORDS[load], percent(amount * state.share)],
-      ["Force", `${digits(pullOf(result.answer, index - 1, load))} N`],
+      ["Force", `${digits(loadForce(result.answer, index - 1, load))} N`],
       ["Elastic energy", `${digits(state.energy)} N mm`],
       ["Rise out of the plane", state.out_of_plane ? `${digits(rise)} mm` : "none"],
-      ["Equilibrium", state.stopped === "converged" ? (state.stable ? "stable" : "not stable") : STOP_WORDS[state.stopped]],
+      ["Equilibrium", state.stopped === "converged" ? (state.stable ? "stable" : "not stable") : TERMINATION_WORDS[state.stopped]],
       ["Time", seconds(result.answer.cost.seconds)],
     ];
   }

@@ -1,19 +1,19 @@
-// A finite sheet before it is put under load or printed: laid out, and connected as the cell is.
+// The layout of a finite sheet, connected as the cell is, for simulations and prints.
 import type { Client } from "../contract/client";
 import type { Weave, WeaveLayout } from "../contract/types";
 import { layoutRequest } from "./requests";
 import { sheetOverrides, sheetWeave } from "./sheet";
 import { isPeriodic, type WeaveState } from "./state";
 
-export interface LaidSheet {
+export interface SheetLayout {
   readonly weave: Weave;
   /** The sheet at rest. */
   readonly layout: WeaveLayout;
-  /** Crossings of the sheet that the cell does not have. */
+  /** Number of crossings of the sheet without a counterpart in the cell. */
   readonly unknown: number;
 }
 
-export async function laySheet(client: Client, state: WeaveState, signal: AbortSignal): Promise<LaidSheet> {
+export async function layOutSheet(client: Client, state: WeaveState, signal: AbortSignal): Promise<SheetLayout> {
   const lay = (weave: unknown) => client.post<WeaveLayout>("/v1/weave-layouts", { weave }, { signal });
   const weave = sheetWeave(state);
   const layout = await lay(weave);
@@ -22,7 +22,7 @@ export async function laySheet(client: Client, state: WeaveState, signal: AbortS
   return { weave: overrides.length > 0 ? { ...weave, overrides } : weave, layout, unknown };
 }
 
-/** How many crossings of a sheet nobody connected, in words; empty where there is none. */
-export function unknownWords({ layout, unknown }: Pick<LaidSheet, "layout" | "unknown">): string {
+/** A sentence about crossings without a counterpart in the cell; empty if there are none. */
+export function unknownWords({ layout, unknown }: Pick<SheetLayout, "layout" | "unknown">): string {
   return unknown > 0 ? `${unknown} of ${layout.crossings.length} crossings of the sheet are none of the cell’s: they stay as they were found.` : "";
 }

@@ -1,4 +1,4 @@
-// The sheet under load: laid out, connected as the cell is, simulated. Knows no element of the page.
+// The sheet session: lays out a sheet and simulates it under load. It does not depend on elements of the page.
 import { Observable } from "../base/observable";
 import { type Client, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
@@ -6,7 +6,7 @@ import type { WeaveLayout, WeaveSimulation, WeaveSimulationRequest } from "../co
 import { layoutRequest } from "./requests";
 import type { WeaveSession } from "./session";
 import { simulationRequest } from "./sheet";
-import { laySheet } from "./sheet_layout";
+import { layOutSheet } from "./sheet_layout";
 import { isPeriodic, type WeaveState } from "./state";
 
 export interface SheetResult {
@@ -15,13 +15,13 @@ export interface SheetResult {
   /** The sheet at rest. */
   readonly layout: WeaveLayout;
   readonly answer: WeaveSimulation;
-  /** Crossings of the sheet that the cell does not have. */
+  /** Number of crossings of the sheet without a counterpart in the cell. */
   readonly unknown: number;
 }
 
 export type SheetActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
 
-/** All that the sheet's response depends on. */
+/** A key of all that the result depends on. */
 export function sheetKey(state: WeaveState): string {
   const { columns, rows, load, amount } = state.sheet;
   return JSON.stringify([layoutRequest(state), state.segments, state.space, isPeriodic(state) && [columns, rows], load, amount]);
@@ -40,14 +40,14 @@ export class SheetSession {
   run(): Promise<void> {
     return this.attempt("Laying out the sheet", async (signal) => {
       const state = this.session.state.get();
-      const { weave, layout, unknown } = await laySheet(this.client, state, signal);
+      const { weave, layout, unknown } = await layOutSheet(this.client, state, signal);
       const request = simulationRequest(state, weave, layout);
       const answer = await this.simulate(request, "Simulating", signal);
       if (!signal.aborted) this.result.set({ state, request, layout, answer, unknown });
     });
   }
 
-  /** The file of one of the result's states; it is computed again for that. */
+  /** Saves a file of one state of the result. The simulation is run again for it. */
   async file(kind: "obj" | "vtu", index: number, save: (text: string) => void): Promise<void> {
     const result = this.result.get();
     if (!result) return;

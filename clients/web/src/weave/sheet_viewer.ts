@@ -1,14 +1,15 @@
-// A sheet in space: its strands as tubes, and faintly where they are at rest. Knows nothing of the server.
+// The 3D view of a sheet: strands as tubes, and faint lines for the sheet at rest. It does not depend on the server.
 import * as THREE from "three";
 import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
 import { tubes, type Vector } from "./tubes";
 
+/** Initial direction from the sheet to the camera. */
 const FROM = new THREE.Vector3(0.15, -0.6, 1.2);
-/** Vertices around a tube; fewer where there are many points, so that a picture is drawn at once. */
+/** Vertices around a tube. They are reduced above a number of points, so that drawing stays fast. */
 const SIDES = 8;
-const FEW_SIDES = 4;
-const MANY_POINTS = 60_000;
+const REDUCED_SIDES = 4;
+const MAX_POINTS_WITH_ALL_SIDES = 60_000;
 
 export type Lines = readonly (readonly Vector[])[];
 
@@ -19,7 +20,7 @@ export class SheetViewer {
   private readonly strands = new THREE.Mesh(new THREE.BufferGeometry(), this.material);
   private readonly rest = new THREE.LineSegments(new THREE.BufferGeometry(), this.restMaterial);
 
-  /** Throws where the browser has no WebGL. */
+  /** Throws if the browser has no WebGL. */
   constructor() {
     const { scene, camera } = this.view;
     const lamp = new THREE.DirectionalLight(0xffffff, 1.6);
@@ -33,7 +34,7 @@ export class SheetViewer {
     return this.view.element;
   }
 
-  /** Another sheet: `states` are what is to be in sight, the first of them at rest. */
+  /** Shows a new sheet. The camera shows all of `states`, of which the first is at rest. */
   setSheet(states: readonly Lines[]): void {
     const places = states.flatMap((lines) => lines.flatMap((line) => line.map((place) => new THREE.Vector3(...place))));
     this.view.showAll(new THREE.Box3().setFromPoints(places).getBoundingSphere(new THREE.Sphere()), FROM);
@@ -42,10 +43,10 @@ export class SheetViewer {
     this.rest.geometry = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(pieces, 3));
   }
 
-  /** The strands with their radii, and what a screen reader says of them. */
+  /** Draws the strands with their radii. `words`: description for screen readers. */
   setStrands(lines: Lines, radii: readonly number[], words: string): void {
     const points = lines.reduce((sum, line) => sum + line.length, 0);
-    const { positions, normals, triangles } = tubes(lines, radii, points > MANY_POINTS ? FEW_SIDES : SIDES);
+    const { positions, normals, triangles } = tubes(lines, radii, points > MAX_POINTS_WITH_ALL_SIDES ? REDUCED_SIDES : SIDES);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     geometry.setAttribute("normal", new THREE.BufferAttribute(normals, 3));

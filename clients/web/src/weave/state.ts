@@ -1,4 +1,4 @@
-// What a person has decided on the weave page. Values: a change makes a new state, so that each can be undone.
+// The state of the weave page: everything that the user has chosen. States are immutable, so that changes can be undone.
 import type { CrossingOverride, WeaveStrands } from "../contract/types";
 import { DEFAULT_LENGTHS, type Lengths, type PatternId, PATTERNS } from "./patterns";
 
@@ -7,10 +7,10 @@ export type Point = readonly [x: number, y: number];
 export type Lattice = readonly [Point, Point];
 export type Strand = WeaveStrands["strands"][number];
 
-/** Strands of one's own, with whatever else a pasted layout says of its crossings. */
+/** User-drawn strands, and the settings of crossings in a pasted layout. */
 export interface FreeLayout {
   readonly strands: readonly Strand[];
-  /** null for a sheet. */
+  /** Null for a sheet, which is not periodic. */
   readonly lattice: Lattice | null;
   readonly crossings?: WeaveStrands["crossings"];
   readonly sliding_share?: number;
@@ -18,43 +18,43 @@ export interface FreeLayout {
 
 export type LoadKind = "stretch_x" | "stretch_y" | "shear" | "push";
 
-/** The finite piece that is put under load. */
+/** The finite sheet under load. */
 export interface SheetState {
   readonly columns: number;
   readonly rows: number;
   readonly load: LoadKind;
-  /** Of the sheet's width or height, dimensionless. */
+  /** Displacement over the width or height of the sheet; for the rings, over 30 mm. */
   readonly amount: number;
 }
 
 export interface WeaveState {
   readonly pattern: PatternId;
-  /** Which of the pattern's types, from 1. */
+  /** Number of the pattern's type, from 1. */
   readonly type: number;
   readonly lengths: Lengths;
-  /** Of the strands' material, MPa. */
+  /** Young's modulus of the material of the strands, in MPa. */
   readonly youngsModulus: number;
   readonly layout: FreeLayout;
-  /** Crossings that are connected otherwise than the pattern has it, by rising number. */
+  /** Crossings whose connection differs from the pattern's, in ascending order. */
   readonly overrides: readonly CrossingOverride[];
-  /** Stretch minus one along each direction; never 0. */
+  /** Engineering strain along each direction; never 0. */
   readonly strain: number;
   readonly shear: "free" | "suppressed";
   /** Whether the weave may leave its plane. */
   readonly space: "automatic" | "off";
-  /** Pieces of rod between neighbouring crossings. */
+  /** Number of rod segments between neighbouring crossings. */
   readonly segments: number;
   readonly sheet: SheetState;
 }
 
 export const STRAIN_LIMITS: readonly [number, number] = [-0.3, 0.6];
-export const LEAST_STRAIN = 0.001;
-export const MOST_SEGMENTS = 12;
-/** Cells of a sheet along one side. */
-export const MOST_CELLS = 30;
-export const MOST_AMOUNT = 0.6;
+export const MIN_STRAIN = 0.001;
+export const MAX_SEGMENTS = 12;
+/** Limit of the cells of a sheet along one side. */
+export const MAX_CELLS = 30;
+export const MAX_AMOUNT = 0.6;
 
-/** A first layout to draw on: two waves that cross. */
+/** The initial layout of user-drawn strands: two waves that cross. */
 export const FIRST_LAYOUT: FreeLayout = {
   strands: [
     { points: [[0, 5], [2.5, 6.5], [7.5, 3.5]], ends: "periodic", translation: [10, 0] },
@@ -64,7 +64,7 @@ export const FIRST_LAYOUT: FreeLayout = {
 };
 
 export const DEFAULT_STATE: WeaveState = {
-  // The page opens on what is computed while one looks: a fraction of a second for all directions.
+  // The page opens with a pattern whose profile takes a fraction of a second.
   pattern: "interlacing_circles",
   type: 1,
   lengths: DEFAULT_LENGTHS,
@@ -78,17 +78,17 @@ export const DEFAULT_STATE: WeaveState = {
   sheet: { columns: 3, rows: 3, load: "stretch_x", amount: 0.2 },
 };
 
-/** Whether there is a cell whose stiffness has a meaning in every direction. */
+/** Whether the weave has a periodic cell, so that its stiffness is defined in every direction. */
 export function isPeriodic(state: WeaveState): boolean {
   return state.pattern === "layout" ? state.layout.lattice !== null : PATTERNS[state.pattern].periodic;
 }
 
-/** Strain moved away from 0, where a secant modulus has no meaning. */
+/** A strain moved away from 0, at which the secant modulus is undefined. */
 export function usableStrain(strain: number): number {
-  return Math.abs(strain) >= LEAST_STRAIN ? strain : strain < 0 ? -LEAST_STRAIN : LEAST_STRAIN;
+  return Math.abs(strain) >= MIN_STRAIN ? strain : strain < 0 ? -MIN_STRAIN : MIN_STRAIN;
 }
 
-/** The weave as a name for lists. */
+/** Label of a weave in lists. */
 export function weaveWords(state: WeaveState): string {
   const { words, types } = PATTERNS[state.pattern];
   const type = types.length > 0 ? `, ${types[state.type - 1].toLowerCase()}` : "";

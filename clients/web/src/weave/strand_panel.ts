@@ -1,4 +1,4 @@
-// Strands of one's own: the cell that they repeat in, drawing them, and their text.
+// The panel of user-drawn strands: lattice, drawing tools, list of strands, and their text.
 import { button, Segments } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { showText } from "../base/writing";
@@ -14,7 +14,7 @@ export function strandPanel(session: WeaveSession, draft: Draft): HTMLElement {
   return section;
 }
 
-/** Whether the strands repeat, and the two translations. */
+/** The controls of the lattice: whether the strands repeat, and the two translations. */
 function latticeFields(session: WeaveSession): HTMLElement {
   const kind = new Segments<"cell" | "sheet">("What is drawn", [{ value: "cell", words: "A cell that repeats" }, { value: "sheet", words: "A sheet" }], (value) => {
     const { layout } = session.state.get();
@@ -28,9 +28,9 @@ function latticeFields(session: WeaveSession): HTMLElement {
   function change(): void {
     const [ax, ay, bx, by] = fields.map((field) => Number(field.value));
     const lattice: Lattice = [[ax, ay], [bx, by]];
-    const sound = fields.every((field) => field.value !== "") && isLattice(lattice);
-    fields[3].setCustomValidity(sound ? "" : "The second translation must lie to the left of the first.");
-    if (sound) session.setLayout(withLattice(session.state.get().layout, lattice));
+    const isValid = fields.every((field) => field.value !== "") && isLattice(lattice);
+    fields[3].setCustomValidity(isValid ? "" : "The second translation must lie to the left of the first.");
+    if (isValid) session.setLayout(withLattice(session.state.get().layout, lattice));
     else fields[3].reportValidity();
   }
 
@@ -119,7 +119,7 @@ function textBox(session: WeaveSession): HTMLElement {
     h("div", { class: "field" }, h("label", { for: id }, "Strands, as in a request’s weave"), text), fault, apply);
 }
 
-/** "x, y" or "x y" as a point; null where it is none. */
+/** A point from a text such as "x, y" or "x y"; null if the text is invalid. */
 export function readPoint(text: string): Point | null {
   const parts = text.trim().split(/[\s,;]+/).map(Number);
   return parts.length === 2 && text.trim() !== "" && parts.every(Number.isFinite) ? [parts[0], parts[1]] : null;

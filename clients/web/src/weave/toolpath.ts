@@ -1,4 +1,4 @@
-// The moves of a printer by layers: what lies on the bed, what is printed over it, what is bridged over that.
+// The moves of a printer, grouped into layers: strands on the bed, strands that rise over others, and channels that bridge them.
 import type { PrintMove } from "../contract/types";
 
 export type Stage = "bed" | "sliding" | "channels";
@@ -9,21 +9,21 @@ export const STAGE_WORDS: Readonly<Record<Stage, string>> = {
   channels: "channels over sliding strands",
 };
 
-/** Moves that are printed one after the other, at one stage of the sheet. */
+/** A sequence of moves of one stage of the print. */
 export interface Layer {
   readonly stage: Stage;
   readonly moves: readonly PrintMove[];
-  /** Heights of the nozzle while it prints, mm. */
+  /** Smallest and largest height of the nozzle while it prints, in mm. */
   readonly lowest: number;
   readonly highest: number;
-  /** Printed, mm. */
+  /** Printed length, in mm. */
   readonly length: number;
   readonly travels: number;
-  /** Lengths over speeds, minutes. */
+  /** Lengths over speeds, in minutes. */
   readonly minutes: number;
 }
 
-/** A travel belongs to what it leads to; one at the end to what it comes from. */
+/** The layers of a sequence of moves. A travel belongs to the layer of the next printed move; the last travels belong to the last layer. */
 export function layersOf(moves: readonly PrintMove[]): Layer[] {
   const rising = new Set(moves.filter((move) => move.kind === "lifted").map((move) => move.strand));
   const runs: { stage: Stage; moves: PrintMove[] }[] = [];
@@ -45,10 +45,10 @@ export function layersOf(moves: readonly PrintMove[]): Layer[] {
 function layerOf({ stage, moves }: { stage: Stage; moves: readonly PrintMove[] }): Layer {
   let [lowest, highest, length, minutes] = [Infinity, -Infinity, 0, 0];
   for (const move of moves) {
-    const own = lengthOf(move);
-    minutes += own / move.speed;
+    const moveLength = lengthOf(move);
+    minutes += moveLength / move.speed;
     if (move.kind === "travel") continue;
-    length += own;
+    length += moveLength;
     for (const [, , z] of move.points) [lowest, highest] = [Math.min(lowest, z), Math.max(highest, z)];
   }
   return { stage, moves, lowest, highest, length, travels: moves.filter((move) => move.kind === "travel").length, minutes };
@@ -58,7 +58,7 @@ export function lengthOf({ points }: PrintMove): number {
   return points.reduce((sum, point, k) => (k === 0 ? 0 : sum + Math.hypot(point[0] - points[k - 1][0], point[1] - points[k - 1][1], point[2] - points[k - 1][2])), 0);
 }
 
-/** Width of the round bead that has a move's area, mm. */
+/** Width in mm of a round bead with the cross-section of a move. */
 export function widthOf({ area }: PrintMove): number {
   return 2 * Math.sqrt(area / Math.PI);
 }

@@ -1,4 +1,4 @@
-// A toolpath from above, on the printer's bed: one layer with what lies below it.
+// A drawing of a toolpath on the printer's bed from above: one layer, and faintly the layers below it.
 import { h } from "../base/dom";
 import { dark } from "../base/theme";
 import type { PrintMove } from "../contract/types";
@@ -6,44 +6,44 @@ import { type Layer, widthOf } from "./toolpath";
 
 export interface ToolpathView {
   readonly layers: readonly Layer[];
-  /** Width and depth, mm. */
+  /** Width and depth of the bed, in mm. */
   readonly bed: readonly [number, number];
-  /** Of all that is printed: x, y of its corners. */
+  /** Bounding box of the print, in mm. */
   readonly box: readonly [left: number, bottom: number, right: number, top: number];
-  /** From 0. */
+  /** Index of the layer. */
   readonly layer: number;
-  /** Moves of the layer that are made. */
+  /** Number of the layer's moves that are drawn. */
   readonly moves: number;
   readonly travels: boolean;
-  /** The whole bed, or what is printed alone. */
+  /** Whether the whole bed is visible; otherwise the print alone. */
   readonly whole: boolean;
 }
 
 type Kind = PrintMove["kind"];
 const COLOURS: Readonly<Record<Kind, string>> = { strand: "--achieved", lifted: "--target", channel: "--simulated", support: "--before", priming: "--before", travel: "--line-strong" };
 const KINDS = Object.keys(COLOURS) as Kind[];
-/** Pixels around what is shown. */
+/** Margin in pixels. */
 const MARGIN = 14;
-/** Printed lines are at least so many pixels wide. */
-const LEAST_WIDTH = 1.2;
+/** Minimum width of printed lines, in pixels. */
+const MIN_WIDTH = 1.2;
 const BELOW_OPACITY = 0.28;
-/** Distances of the bed's lines, mm: the first that leaves so many pixels between them. */
+/** Distances of the bed's grid lines in mm; the smallest one that leaves MIN_GRID_PIXELS between lines is used. */
 const GRID = [1, 5, 10, 50, 100];
-const LEAST_GRID_PIXELS = 14;
-/** A drawing of the bed within that of the part, as a share of the width. */
-const INSET = 0.18;
+const MIN_GRID_PIXELS = 14;
+/** Size of the inset that shows the bed, as a fraction of the width of the drawing. */
+const INSET_FRACTION = 0.18;
 
-/** Paths of moves by their kind, in mm. */
+/** The paths of moves by kind, in mm. */
 type Paths = Readonly<Record<Kind, Path2D>>;
 
 export class ToolpathDrawing {
   readonly element = h("canvas", { class: "toolpath", role: "img" });
   private view: ToolpathView | null = null;
-  private readonly whole = new WeakMap<Layer, Paths>();
+  private readonly pathsByLayer = new WeakMap<Layer, Paths>();
   private scheduled = false;
-  /** The bed and the layers below, which stay while a slider moves through the moves of one layer. */
-  private readonly ground = h("canvas");
-  private groundKey: readonly unknown[] = [];
+  /** A cached picture of the bed and the layers below, which do not change while a slider goes through the moves of one layer. */
+  private readonly background = h("canvas");
+  private backgroundKey: readonly unknown[] = [];
 
   constructor() {
     dark.watch(() => this.schedule());
@@ -55,7 +55,7 @@ export class ToolpathDrawing {
     this.schedule();
   }
 
-  /** Once before the next picture, however fast a slider moves. */
+  /** Schedules one drawing before the next repaint of the browser. */
   private schedule(): void {
     if (this.scheduled) return;
     this.scheduled = true;
@@ -78,10 +78,10 @@ export class ToolpathDrawing {
     if (!view) return;
     const [left, bottom, right, top] = view.whole ? [0, 0, ...view.bed] : view.box;
     const scale = Math.min((width - 2 * MARGIN) / Math.max(1, right - left), (height - 2 * MARGIN) / Math.max(1, top - bottom));
-    // From mm with y upwards to pixels of the canvas.
+    // Converts mm with y upwards to pixels of the canvas.
     const toPixels = new DOMMatrix([ratio * scale, 0, 0, -ratio * scale, ratio * (width / 2 - (scale * (left + right)) / 2), ratio * (height / 2 + (scale * (bottom + top)) / 2)]);
-    this.drawGround(view, toPixels, scale, wide, high);
-    context.drawImage(this.ground, 0, 0);
+    this.drawBackground(view, toPixels, scale, wide, high);
+    context.drawImage(this.background, 0, 0);
     context.setTransform(toPixels);
     const layer = view.layers[view.layer];
     if (layer) {
@@ -92,12 +92,12 @@ export class ToolpathDrawing {
     if (!view.whole) this.drawInset(context, view, width, height, ratio);
   }
 
-  private drawGround(view: ToolpathView, toPixels: DOMMatrix, scale: number, wide: number, high: number): void {
+  private drawBackground(view: ToolpathView, toPixels: DOMMatrix, scale: number, wide: number, high: number): void {
     const key = [view.layers, view.layer, ...view.bed, wide, high, toPixels.toString(), dark.get()];
-    if (key.every((part, k) => part === this.groundKey[k])) return;
-    this.groundKey = key;
-    [this.ground.width, this.ground.height] = [wide, high];
-    const context = this.ground.getContext("2d");
+    if (key.every((part, k) => part === this.backgroundKey[k])) return;
+    this.backgroundKey = key;
+    [this.background.width, this.background.height] = [wide, high];
+    const context = this.background.getContext("2d");
     if (!context) return;
     context.setTransform(toPixels);
     this.drawBed(context, view, scale);
@@ -105,15 +105,15 @@ export class ToolpathDrawing {
   }
 
   private pathsOf(layer: Layer): Paths {
-    const known = this.whole.get(layer) ?? pathsOf(layer.moves);
-    this.whole.set(layer, known);
-    return known;
+    const cached = this.pathsByLayer.get(layer) ?? pathsOf(layer.moves);
+    this.pathsByLayer.set(layer, cached);
+    return cached;
   }
 
   private drawBed(context: CanvasRenderingContext2D, { bed: [width, depth] }: ToolpathView, scale: number): void {
     context.fillStyle = this.colour("--surface");
     context.fillRect(0, 0, width, depth);
-    const step = GRID.find((distance) => distance * scale >= LEAST_GRID_PIXELS) ?? GRID[GRID.length - 1];
+    const step = GRID.find((distance) => distance * scale >= MIN_GRID_PIXELS) ?? GRID[GRID.length - 1];
     const lines = new Path2D();
     for (let k = 1; k * step < width; ++k) lines.rect(k * step, 0, 0, depth);
     for (let k = 1; k * step < depth; ++k) lines.rect(0, k * step, width, 0);
@@ -133,7 +133,7 @@ export class ToolpathDrawing {
       const move = layer.moves.find((one) => one.kind === kind);
       if (!move) continue;
       context.strokeStyle = this.colour(COLOURS[kind]);
-      context.lineWidth = Math.max(widthOf(move), LEAST_WIDTH / scale);
+      context.lineWidth = Math.max(widthOf(move), MIN_WIDTH / scale);
       context.stroke(paths[kind]);
     }
     if (travels) {
@@ -146,7 +146,7 @@ export class ToolpathDrawing {
     context.globalAlpha = 1;
   }
 
-  /** Where the nozzle is after the last move. */
+  /** Draws the nozzle at the end of the last move. */
   private drawNozzle(context: CanvasRenderingContext2D, made: readonly PrintMove[], scale: number): void {
     const point = made.at(-1)?.points.at(-1);
     if (!point) return;
@@ -159,9 +159,9 @@ export class ToolpathDrawing {
     context.stroke();
   }
 
-  /** The bed in a corner, with a rectangle where the part is. */
+  /** Draws the bed in a corner, with a rectangle at the position of the part. */
   private drawInset(context: CanvasRenderingContext2D, { bed, box: [left, bottom, right, top] }: ToolpathView, width: number, height: number, ratio: number): void {
-    const scale = (INSET * Math.min(width, 600)) / Math.max(...bed);
+    const scale = (INSET_FRACTION * Math.min(width, 600)) / Math.max(...bed);
     context.setTransform(ratio * scale, 0, 0, -ratio * scale, ratio * (width - MARGIN / 2 - scale * bed[0]), ratio * (height - MARGIN / 2));
     context.globalAlpha = 0.9;
     context.fillStyle = this.colour("--surface");

@@ -1,17 +1,17 @@
-// Strands in space as the surfaces of tubes.
+// Triangle meshes of tubes around strands.
 
 export type Vector = readonly [number, number, number];
 
 export interface TubeMesh {
   /** x, y, z of each vertex. */
   readonly positions: Float32Array;
-  /** Unit vectors away from the strand. */
+  /** Unit normal of each vertex. */
   readonly normals: Float32Array;
   /** Three vertices of each triangle. */
   readonly triangles: Uint32Array;
 }
 
-/** Tubes around polylines of at least two points; `sides` vertices around each point. Ends are open. */
+/** Open tubes around polylines of at least two points, with `sides` vertices around each point. */
 export function tubes(lines: readonly (readonly Vector[])[], radii: readonly number[], sides: number): TubeMesh {
   const usable = lines.map((line, k) => ({ line: withoutRepeats(line), radius: radii[k] })).filter(({ line }) => line.length > 1);
   const count = usable.reduce((sum, { line }) => sum + line.length, 0);
@@ -22,15 +22,15 @@ export function tubes(lines: readonly (readonly Vector[])[], radii: readonly num
   let vertex = 0;
   let corner = 0;
   for (const { line, radius } of usable) {
-    let across = perpendicular(tangentAt(line, 0));
+    let firstNormal = perpendicular(tangentAt(line, 0));
     line.forEach((place, k) => {
       const tangent = tangentAt(line, k);
-      across = unit(minus(across, scaled(tangent, dot(across, tangent))), perpendicular(tangent));
-      const third = cross(tangent, across);
+      firstNormal = unit(minus(firstNormal, scaled(tangent, dot(firstNormal, tangent))), perpendicular(tangent));
+      const secondNormal = cross(tangent, firstNormal);
       for (let side = 0; side < sides; ++side) {
         const angle = (2 * Math.PI * side) / sides;
         for (let axis = 0; axis < 3; ++axis) {
-          const normal = Math.cos(angle) * across[axis] + Math.sin(angle) * third[axis];
+          const normal = Math.cos(angle) * firstNormal[axis] + Math.sin(angle) * secondNormal[axis];
           normals[3 * (vertex + side) + axis] = normal;
           positions[3 * (vertex + side) + axis] = place[axis] + radius * normal;
         }
@@ -49,7 +49,7 @@ function withoutRepeats(line: readonly Vector[]): Vector[] {
   return line.filter((place, k) => k === 0 || place.some((value, axis) => value !== line[k - 1][axis]));
 }
 
-/** Direction at a point: the mean of those before and after it. */
+/** Unit tangent at a point: the normalized mean of the directions before and after it. */
 function tangentAt(line: readonly Vector[], k: number): Vector {
   const before = k > 0 ? unit(minus(line[k], line[k - 1]), [0, 0, 0]) : null;
   const after = k + 1 < line.length ? unit(minus(line[k + 1], line[k]), [0, 0, 0]) : null;
@@ -57,7 +57,7 @@ function tangentAt(line: readonly Vector[], k: number): Vector {
   return unit([before[0] + after[0], before[1] + after[1], before[2] + after[2]], after);
 }
 
-/** A unit vector at right angles: upwards where the direction lies in the plane. */
+/** A unit vector normal to a tangent. It points to +z if the tangent is in the plane. */
 function perpendicular(tangent: Vector): Vector {
   const up: Vector = Math.abs(tangent[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0];
   return unit(minus(up, scaled(tangent, dot(up, tangent))), [1, 0, 0]);

@@ -1,11 +1,11 @@
-// Profile and crossings as tables, for those who do not see the drawings.
+// Tables of profile and crossings, for users who do not see the drawings.
 import { h, replace } from "../base/dom";
 import { degrees, digits } from "../base/format";
 import { connectionWords } from "./connections";
 import type { WeaveSession } from "./session";
 
-/** Rows of the profile: every so many directions, and all that have no value. */
-const MOST_ROWS = 50;
+/** Limit of the rows of evenly selected directions. Directions without a value are always listed. */
+const MAX_ROWS = 50;
 
 export function valueTable(session: WeaveSession): HTMLElement {
   const curves = h("div", { class: "table-box", tabindex: 0, role: "region", "aria-label": "Values over direction" });
@@ -23,10 +23,10 @@ export function valueTable(session: WeaveSession): HTMLElement {
     const profile = session.profile.get();
     if (!profile) return replace(curves);
     const gaps = profile.reasons.some((reason) => reason !== null);
-    const every = Math.max(1, Math.ceil(profile.directions.length / MOST_ROWS));
+    const stride = Math.max(1, Math.ceil(profile.directions.length / MAX_ROWS));
     const rows = profile.directions.flatMap((direction, k) => {
       const reason = profile.reasons[k];
-      if (k % every !== 0 && reason === null) return [];
+      if (k % stride !== 0 && reason === null) return [];
       const value = (quantity: number | null) => (quantity === null ? "none" : digits(quantity, 4));
       return [[degrees(direction), value(profile.youngs[k]), value(profile.poisson[k]), ...(gaps ? [reason ?? ""] : [])]];
     });

@@ -1,16 +1,16 @@
-// Which weave: pattern, type and lengths; under "More" what the computation assumes.
+// The controls of the weave: pattern, type and lengths; under "More" the settings of the computation.
 import { Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { type LengthName, lengthLimits, LENGTH_WORDS, type PatternId, PATTERN_IDS, PATTERNS, withLength } from "./patterns";
 import type { WeaveSession } from "./session";
-import { type LoadKind, MOST_SEGMENTS, type WeaveState } from "./state";
+import { type LoadKind, MAX_SEGMENTS, type WeaveState } from "./state";
 
 export function weaveControls(session: WeaveSession): HTMLElement {
   const pattern = new Select<PatternId>("Pattern", PATTERN_IDS.map((value) => ({ value, words: PATTERNS[value].words })), (value) => choose(value));
   const type = new Select<string>("Connections of its crossings", [], (value) => session.apply({ type: Number(value), overrides: [] }));
   const lengths = h("div", { class: "parameters" });
   const radius = lengthSlider("radius");
-  let shown: PatternId | null = null;
+  let shownPattern: PatternId | null = null;
   let sliders: [LengthName, Slider][] = [["radius", radius]];
 
   function choose(value: PatternId): void {
@@ -32,7 +32,7 @@ export function weaveControls(session: WeaveSession): HTMLElement {
 
   function build(state: WeaveState): void {
     const { lengths: names, types } = PATTERNS[state.pattern];
-    shown = state.pattern;
+    shownPattern = state.pattern;
     type.setChoices(types.map((words, k) => ({ value: String(k + 1), words })));
     type.element.hidden = types.length === 0;
     sliders = [...names.map((name): [LengthName, Slider] => [name, lengthSlider(name)]), ["radius", radius]];
@@ -40,7 +40,7 @@ export function weaveControls(session: WeaveSession): HTMLElement {
   }
 
   session.state.watch((state) => {
-    if (shown !== state.pattern) build(state);
+    if (shownPattern !== state.pattern) build(state);
     pattern.value = state.pattern;
     type.value = String(state.type);
     for (const [name, slider] of sliders) {
@@ -57,7 +57,7 @@ function moreControls(session: WeaveSession): HTMLElement {
     changed: (value, done) => change({ youngsModulus: value }, done),
   });
   const segments = new Slider({
-    label: "Pieces of rod between crossings", lower: 1, upper: MOST_SEGMENTS, step: 1, digits: 0,
+    label: "Pieces of rod between crossings", lower: 1, upper: MAX_SEGMENTS, step: 1, digits: 0,
     changed: (value, done) => change({ segments: Math.round(value) }, done),
   });
   const shear = new Select<WeaveState["shear"]>(

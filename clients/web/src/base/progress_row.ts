@@ -1,9 +1,9 @@
-// Work that goes on: its words, its progress and a button that stops it.
+// A row that shows running work: a text, a progress bar and a cancel button.
 import { button } from "./controls";
 import { h, replace } from "./dom";
 
-/** One row for all of the work: a button that is replaced with each word of progress loses its focus and clicks. */
-export class Working {
+/** The same elements serve for all of the work, because a button that is replaced while it is updated would lose its focus and clicks. */
+export class ProgressRow {
   private readonly words = h("span");
   private readonly bar: HTMLProgressElement;
   private readonly element: HTMLElement;
@@ -13,7 +13,7 @@ export class Working {
     this.element = h("div", { class: "working" }, this.words, this.bar, button("Cancel", cancel));
   }
 
-  /** Alone within `place`. Progress is a share from 0 to 1, or null where nobody knows it. */
+  /** Shows the row as the only child of `place`. Progress is a fraction from 0 to 1; null if it is unknown. */
   show(place: Element, words: string, progress: number | null): void {
     this.words.textContent = words;
     if (progress === null) this.bar.removeAttribute("value");
