@@ -1,5 +1,4 @@
-// Feeds arbitrary bytes to the drawing readers. Whatever they are, the answer is polygons within the limits or an
-// Error.
+// Feeds arbitrary bytes to the drawing readers, which must return polygons within the limits or throw an Error.
 
 #include <cstdint>
 #include <cstdlib>

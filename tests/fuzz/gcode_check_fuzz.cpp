@@ -1,5 +1,5 @@
-// Feeds arbitrary bytes to the checker of G-code. Whatever they are, it reports: finite numbers, lines that exist,
-// messages that can be shown, and the same when asked again.
+// Feeds arbitrary bytes to the checker of G-code. Its report must have finite numbers, existing lines and printable
+// messages, and must be the same when it is made again.
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,5 @@
-// Any bytes are a table with finite points, or an error with the place of a field.
+// Feeds arbitrary bytes to the reader of measurements, which must return finite points or throw an Error that names a
+// field.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>

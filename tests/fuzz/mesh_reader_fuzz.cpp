@@ -1,4 +1,4 @@
-// Feeds arbitrary bytes to the mesh readers. Whatever they are, the answer is a mesh that holds together or an Error.
+// Feeds arbitrary bytes to the mesh readers, which must return a consistent mesh or throw an Error.
 
 #include <cstdint>
 #include <cstdlib>
@@ -22,7 +22,7 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
-/// Messages go to users as JSON: they must be printable whatever the bytes were.
+/// Checks that the messages of an error are printable for any bytes, since users get them as JSON.
 void check_error(const supple::Error& error) {
   require(!error.code().empty() && !error.details().empty());
   const auto printable = [](std::string_view text) {
@@ -50,7 +50,7 @@ void check_mesh(const TriangleMesh& mesh) {
   require(again.faces() == mesh.faces() && again.positions() == mesh.positions());
 }
 
-/// Repairs the soup automatically: the mesh is sound then, or no repairs make it so.
+/// Repairs the soup automatically. The resulting mesh must be valid, or the error must say that it cannot be repaired.
 void check_repairs(supple::surface::TriangleSoup soup) {
   try {
     const auto outcome = supple::surface::repair_automatically(soup, limits);

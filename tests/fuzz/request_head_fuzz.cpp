@@ -1,4 +1,4 @@
-// Bytes as they may arrive on a connection: heads of requests, and bodies in chunks.
+// Feeds arbitrary bytes to the reader of a connection: heads of requests, and chunked bodies.
 
 #include <algorithm>
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace {
 using supple::http::ChunkedBody;
 using supple::http::InputBuffer;
 
-/// The body, whether it is complete, and what is left; nothing of it where the framing is refused.
+/// The decoded body, whether it is complete, and the remaining bytes; all empty if the framing is refused.
 struct Outcome {
   std::string body;
   std::string left;
@@ -47,7 +47,7 @@ void read_head_of(const std::string& bytes) {
   try {
     const auto head = supple::http::read_head(bytes.substr(0, end));
     supple::http::read_query(head.query);
-    // What was understood is understood in one way only.
+    // The end of the body must be unambiguous.
     if (head.chunked && head.content_length) std::abort();
     if (head.path.empty() || head.path.front() != '/') std::abort();
   } catch (const supple::Error&) {
@@ -60,7 +60,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
   read_head_of(bytes);
-  // However the bytes arrive, they say the same, unless more than a body's end is there to be refused.
+  // The result must not depend on how the bytes are divided. One of the two may be refused, because of bytes after the
+  // end of the body.
   const auto whole = read_in_pieces(bytes, std::max<std::size_t>(bytes.size(), 1));
   const auto pieces = read_in_pieces(bytes, std::size_t{1} + data[0] % 16);
   if (!whole.refused && !pieces.refused && !(whole == pieces)) std::abort();

@@ -1,6 +1,6 @@
-// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to A in the seeds, chooses the parser, the rest
-// is the body. Whatever it is, the answer is a request within the limits or an Error, and the problem that a client
-// would get is valid JSON in UTF-8.
+// Feeds arbitrary bytes to the request parsers. The first byte, from 0 to A in the seeds, chooses the parser; the
+// others are the body. A parser must return a request within the limits or throw an Error, and the problem document for
+// a client must be valid JSON in UTF-8.
 
 #include <Eigen/LU>
 #include <cmath>
@@ -159,7 +159,7 @@ void check_network(const json::EmbeddedSystemRequest& request) {
   require(options.mollifier_length > 0 && options.mollifier_length <= 0.5);
 }
 
-/// The ranges of requests are those of the engine.
+/// Checks that the engine permits the options, since requests have the same ranges.
 void check_options(const weave::EquilibriumOptions& options) {
   try {
     weave::validate(options);
@@ -168,7 +168,7 @@ void check_options(const weave::EquilibriumOptions& options) {
   }
 }
 
-/// What the engine still refuses is a relation of two fields, or a byte.
+/// Checks the ranges of a printer profile. The engine may still refuse relations between fields, and bytes of a text.
 void check_printer(const weave::PrinterProfile& printer) {
   require(printer.bed.minCoeff() > 0 && printer.strand_width > 0 && printer.filament_diameter > 0);
   require(printer.travel_speed > 0 && printer.lift.run > 0 && printer.startup_gcode.size() <= 20'000);
@@ -336,7 +336,7 @@ void parse(unsigned which, std::string_view body) {
 }
 
 void check_problem(const problem::Problem& problem) {
-  // Strict parsing: the library refuses bytes that are not UTF-8 and numbers that are not finite.
+  // The library's parser is strict: it refuses bytes that are not UTF-8 and numbers that are not finite.
   const auto document = nlohmann::json::parse(json::write_problem(problem));
   require(document.at("status").get<int>() >= 400 && document.at("status").get<int>() < 500);
   require(!document.at("detail").get<std::string>().empty());

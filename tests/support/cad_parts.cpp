@@ -26,7 +26,7 @@ using Loop = std::vector<Vector2d>;
 
 bool happens(RandomStream& stream, double probability) { return stream.uniform() < probability; }
 
-// Outlines, counterclockwise, about 10 to 40 wide.
+// Counterclockwise outlines, about 10 to 40 wide.
 
 Loop sharp_outline(RandomStream& stream) {
   const double a = stream.uniform(10, 40);
@@ -54,7 +54,7 @@ Loop sharp_outline(RandomStream& stream) {
   return polygon;
 }
 
-/// Rounds or chamfers some corners.
+/// An outline with some corners rounded or chamfered.
 Loop outline(RandomStream& stream) {
   const Loop sharp = sharp_outline(stream);
   const double rounded = stream.uniform();
@@ -91,7 +91,7 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - along * (b - a)).norm();
 }
 
-/// How far inside the outline a point lies; negative outside.
+/// Distance of a point from the outline; negative if the point is outside.
 double depth_within(const Loop& outline, const Vector2d& p) {
   double least = 1e9;
   bool inside = false;
@@ -105,12 +105,12 @@ double depth_within(const Loop& outline, const Vector2d& p) {
   return inside ? least : -least;
 }
 
-/// A hole's outline within a circle, clockwise: round, hexagonal, or a slot.
+/// The clockwise outline of a hole within a circle: round, hexagonal, or a slot.
 Loop opening(RandomStream& stream, const Vector2d& centre, double radius) {
   Loop loop;
   const double first = stream.uniform(0, pi);
   if (happens(stream, 0.3)) {
-    // A rectangle whose corners lie on the circle, with the same angles whatever its size.
+    // A rectangle whose corners lie on the circle, at angles that do not depend on the radius.
     const double half = stream.uniform(0.2, 1.2);
     for (const double angle : {half, pi - half, pi + half, -half})
       loop.push_back(centre + radius * Vector2d(std::cos(first + angle), std::sin(first + angle)));
@@ -125,7 +125,7 @@ Loop opening(RandomStream& stream, const Vector2d& centre, double radius) {
   return loop;
 }
 
-/// Puts the part together.
+/// Assembles the part.
 class Builder {
  public:
   explicit Builder(RandomStream& stream)
@@ -137,7 +137,7 @@ class Builder {
   void build() {
     const Loop profile = outline(stream_);
     const double height = stream_.uniform(2, 20);
-    // Closed; without the bottom; walls alone; a flat sheet; a sheet with some of its walls.
+    // The kinds are: closed; without the bottom; only walls; a flat sheet; a sheet with some of its walls.
     const int kind = std::array{0, 0, 0, 0, 1, 1, 2, 3, 4, 4}[static_cast<std::size_t>(stream_.below(10))];
     what = std::array{"closed", "without bottom", "walls", "sheet", "sheet with flaps"}[static_cast<std::size_t>(kind)];
     what += ", " + std::to_string(profile.size()) + " corners";
@@ -183,7 +183,7 @@ class Builder {
         what += ", through hole";
         const Ring low = ring(loop, 0);
         walls(loop, low, rim, 1);
-        // Seen from below, where the bottom is filled, the hole is clockwise the other way round.
+        // The bottom is triangulated as seen from below, where the orientation of the hole is reversed.
         through.push_back(reversed(low));
         return;
       }
@@ -205,14 +205,14 @@ class Builder {
     }
   }
 
-  /// The same ring, counted from the corner that the loop begins with.
+  /// The same ring, beginning with the first corner of the loop.
   static Ring start_at(Ring ring, const Loop& loop) {
     const auto first = std::find_if(ring.begin(), ring.end(), [&](const RingCorner& c) { return c.at == loop[0]; });
     std::rotate(ring.begin(), first, ring.end());
     return ring;
   }
 
-  /// Places within an edge, relative to its length, ascending.
+  /// Random places within an edge, relative to its length, ascending.
   std::vector<double> places(double length) {
     std::vector<double> result;
     if (length < 1.5) return result;
@@ -223,7 +223,7 @@ class Builder {
     return result;
   }
 
-  /// The loop at a height, with vertices within its edges.
+  /// The loop at a height, with additional vertices within its edges.
   Ring ring(const Loop& loop, double z) {
     Ring result;
     for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -236,7 +236,8 @@ class Builder {
     return result;
   }
 
-  /// Walls between two rings of the loop, each with its own vertices within the edges. Material is left of the loop.
+  /// Walls between two rings of the loop, which differ in their vertices within the edges. Material is on the left of
+  /// the loop.
   void walls(const Loop& loop, const Ring& low, const Ring& high, double share) {
     const std::size_t n = loop.size();
     std::vector<std::optional<std::vector<std::int32_t>>> uprights(n);
@@ -253,7 +254,7 @@ class Builder {
       return *uprights[i];
     };
     const auto piece = [&](const Ring& ring, std::size_t& at, std::size_t i) {
-      // From corner i to the next one, both included.
+      // The vertices from corner i to the next corner, both included.
       Ring result{ring[at]};
       do {
         at = (at + 1) % ring.size();
@@ -301,11 +302,11 @@ class Builder {
 
   RandomStream& stream_;
   bool careful_;
-  double dense_;  ///< how many vertices lie within straight edges
+  double dense_;  ///< density of the vertices within straight edges
   Ring bottom_;
 };
 
-/// Splits edges of the part at a vertex of its own, in all of their faces: as a T-vertex is mended.
+/// Splits random edges at a new vertex in all of their faces, as the repair of a T-vertex does.
 void split_edges(Soup& soup, int count, RandomStream& stream) {
   for (int k = 0; k < count; ++k) {
     const surface::Triangle& face =
@@ -396,7 +397,7 @@ CadPart cad_part(RandomStream& stream) {
       CadPart part = drawn(stream);
       if (part.mesh.component_count() == 1 && part.mesh.vertex_count() <= 400) return part;
     } catch (const Error&) {
-      // Rounding has made a face flat, or walls touch in a vertex.
+      // Rounding has made a face degenerate, or walls touch in a vertex.
     } catch (const std::runtime_error&) {
       // Rounding has left a polygon without an ear.
     }

@@ -33,8 +33,8 @@ struct CgalGeodesics::Implementation {
   explicit Implementation(const surface::TriangleMesh& source_mesh)
       : faces(source_mesh.faces()), mesh(converted(source_mesh)) {}
 
-  /// CGAL counts a face's corners from the source of its halfedge, we from the first vertex given. Points on edges move
-  /// into the face.
+  /// The point for CGAL, which counts a face's corners from the source of its halfedge, and not from the face's first
+  /// vertex. Points on edges are moved into the face.
   ShortestPath::Face_location location(const surface::SurfacePoint& point) const {
     const Mesh::Face_index face(index(point.face));
     const auto first = mesh.halfedge(face);

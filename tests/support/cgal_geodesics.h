@@ -7,12 +7,11 @@
 
 namespace supple::testing {
 
-/// Geodesic distances by CGAL's Surface_mesh_shortest_path (exact predicates, inexact constructions): the oracle of the
-/// tests and the peer of the benchmarks. CGAL's headers stay in the source file.
+/// Geodesic distances by CGAL's Surface_mesh_shortest_path (exact predicates, inexact constructions), as the oracle of
+/// tests and the peer of benchmarks. Only the source file includes CGAL's headers.
 ///
-/// CGAL 5.5 mirrors a point that lies exactly on an edge along that edge, as a source and as a target, so that its
-/// distances are off by up to the edge's length: such a point is moved into its face by 1e-12 of its coordinates. Not
-/// for use by several threads.
+/// CGAL 5.5 mirrors a source or target that lies exactly on an edge along that edge, so that distances are wrong by up
+/// to the edge's length. Such a point is therefore moved into its face by 1e-12 of its coordinates. Not thread-safe.
 class CgalGeodesics {
  public:
   explicit CgalGeodesics(const surface::TriangleMesh& mesh);
@@ -20,13 +19,13 @@ class CgalGeodesics {
   CgalGeodesics(const CgalGeodesics&) = delete;
   CgalGeodesics& operator=(const CgalGeodesics&) = delete;
 
-  /// Forgets the last source and its sequence tree.
+  /// Sets the source and deletes the sequence tree of the previous one.
   void set_source(const surface::SurfacePoint& source);
-  /// Builds the source's sequence tree: CGAL's search from one point to all.
+  /// Builds the source's sequence tree, which is CGAL's search from one point to all others.
   void search();
-  /// Distance from the source to a point; infinity where unreachable. Needs search().
+  /// Distance from the source to a point; infinity if it is unreachable. Requires search().
   double distance(const surface::SurfacePoint& point) const;
-  /// Distance from the source to every vertex. Needs search().
+  /// Distance from the source to every vertex. Requires search().
   std::vector<double> vertex_distances() const;
 
  private:

@@ -49,7 +49,7 @@ Soup torus_soup(int around, int across, double major, double minor) {
   });
 }
 
-// Closes a grid that wraps in u by a fan over its first and its last row.
+// Closes a grid that wraps in u by a fan of faces at its first and at its last row.
 void close_ends(Soup& soup, int columns, const Vector3d& first, const Vector3d& last) {
   const auto end = static_cast<std::int32_t>(soup.positions.size());
   const std::int32_t a = soup.add(first), b = soup.add(last);
@@ -93,7 +93,7 @@ TriangleMesh bumpy_cube(int n, double bumps, double amplitude) {
   for (Vector3d& p : soup.positions) {
     const Vector3d wave = (2 * pi * bumps * p.array()).sin();
     const Vector3d centred = 2 * p - Vector3d::Ones();
-    // Each side moves along its own normal; at the cube's edges the waves of the sides vanish together.
+    // Each side moves along its own normal. At the cube's edges the waves of both sides are zero.
     const double height = amplitude * (wave[0] * wave[1] + wave[1] * wave[2] + wave[2] * wave[0]);
     int axis = 0;
     centred.cwiseAbs().maxCoeff(&axis);
@@ -139,7 +139,7 @@ TriangleMesh sliver_sphere(int around, int pairs, double gap) {
       [&](int i, int j) {
         const double latitude = -pi / 2 + pi * (j / 2 + 1) / (pairs + 1);
         if (j % 2 == 0) return on_ring(i, latitude);
-        // Over the chord of the lower ring, which makes the face between them a sliver.
+        // The vertex is close to the chord of the lower ring, so that the face between them is a sliver.
         return Vector3d(0.6 * on_ring(i, latitude + gap) + 0.4 * on_ring(i + 1, latitude + gap));
       },
       true);
@@ -163,8 +163,8 @@ TriangleMesh trefoil_knot(int along, int across) {
                            const Vector3d tangent = Vector3d(std::cos(t) + 4 * std::cos(2 * t),
                                                              -std::sin(t) + 4 * std::sin(2 * t), -3 * std::cos(3 * t))
                                                         .normalized();
-                           // The knot is nowhere vertical, so the part of z across it makes a frame without twist
-                           // jumps.
+                           // The knot is nowhere vertical, so that the component of z normal to it gives a continuous
+                           // frame.
                            const Vector3d up = (Vector3d::UnitZ() - tangent[2] * tangent).normalized();
                            return Vector3d(centre + radius * (std::cos(v) * tangent.cross(up) + std::sin(v) * up));
                          })

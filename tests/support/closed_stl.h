@@ -12,8 +12,8 @@
 
 namespace supple::testing {
 
-/// Expects every edge of a binary STL's surface to be one of exactly two triangles, in opposite directions; returns the
-/// enclosed volume.
+/// Expects that every edge in a binary STL file belongs to exactly two triangles, which have it in opposite directions.
+/// Returns the enclosed volume.
 inline double volume_of_closed_stl(const std::string& stl) {
   using Vertex = std::array<float, 3>;
   std::uint32_t count = 0;

@@ -13,7 +13,7 @@
 
 namespace supple::testing {
 
-/// A diagram without the points where borders only bend.
+/// The diagram without the points at which borders only bend.
 inline voronoi::Diagram without_bends(voronoi::Diagram diagram) {
   std::vector<std::int32_t> renamed(diagram.points.size(), -1);
   std::vector<voronoi::DiagramPoint> kept;
@@ -37,10 +37,10 @@ inline voronoi::Diagram without_bends(voronoi::Diagram diagram) {
   return diagram;
 }
 
-/// Expects two diagrams to be the same but for rounding: the same points, vertices, edges and cells in the same order,
-/// places within `tolerance` of each other, areas within 1e-12 of all of the area. Inner points mark where a border
-/// bends: rounding moves them along it by some 1e-7 of a face, and decides whether a cell's part of a face is one piece
-/// or two, so that of pieces only their sites are compared.
+/// Expects that two diagrams are the same up to rounding: they have the same points, vertices, edges and cells in the
+/// same order, positions agree within `tolerance`, and areas within 1e-12 of the total area. Rounding moves the inner
+/// points of a border, at which it bends, along it by about 1e-7 of a face. It also decides whether a cell's part of a
+/// face is one piece or two, so that only the sites of pieces are compared.
 inline void expect_same_diagram(const voronoi::Diagram& found, const voronoi::Diagram& wanted, double tolerance) {
   ASSERT_EQ(found.points.size(), wanted.points.size());
   for (std::size_t i = 0; i < wanted.points.size(); ++i) {

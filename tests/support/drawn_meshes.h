@@ -20,11 +20,11 @@
 
 namespace supple::microscale::testing {
 
-/// Rows of a drawing from top to bottom, '#' for solid: each character is a rectangle of two quadratic triangles.
+/// The rows of a drawing from top to bottom. Each '#' is a solid rectangle of two quadratic triangles.
 using Drawing = std::vector<std::string>;
 
-/// The drawing as a periodic mesh. `columns` and `rows` are the rectangles' widths from the left and heights from the
-/// bottom; `skew` maps the whole plane.
+/// The drawing as a periodic mesh. `columns` are the rectangles' widths from left to right, `rows` their heights from
+/// bottom to top; `skew` is a linear map of the plane.
 inline tiling::PeriodicMesh draw(const Drawing& drawing, const std::vector<double>& columns,
                                  const std::vector<double>& rows,
                                  const Eigen::Matrix2d& skew = Eigen::Matrix2d::Identity()) {
@@ -33,7 +33,7 @@ inline tiling::PeriodicMesh draw(const Drawing& drawing, const std::vector<doubl
   const auto solid = [&](int i, int j) {
     return drawing[static_cast<std::size_t>(ny - 1 - (j + ny) % ny)][static_cast<std::size_t>((i + nx) % nx)] == '#';
   };
-  // Coordinates of lines and midlines.
+  // Coordinates of the grid lines and of the lines in the middle between them.
   const auto lines = [](const std::vector<double>& widths) {
     std::vector<double> at{0};
     for (const double width : widths) {
@@ -88,12 +88,12 @@ inline std::vector<double> equal(int count, double width) {
   return std::vector<double>(static_cast<std::size_t>(count), width);
 }
 
-/// A wall of width 1 that fills the height, and a gap to its own next image.
+/// A wall of width 1 that fills the height of the cell, and a gap between the wall and its next periodic image.
 inline tiling::PeriodicMesh wall(double gap, int rows, double height = 2) {
   return draw(Drawing(static_cast<std::size_t>(rows), "##."), {0.5, 0.5, gap}, equal(rows, height / rows));
 }
 
-/// Teeth on a bar that interlock with those of the next image; two pieces cross the cell's border.
+/// A bar with teeth that interlock with those of its next periodic image. Two pieces cross the border of the cell.
 inline tiling::PeriodicMesh comb(const Eigen::Matrix2d& skew = Eigen::Matrix2d::Identity()) {
   return draw({"..######..",  //
                "..#....#..",  //
@@ -115,8 +115,8 @@ inline tiling::PeriodicMesh open_ring() {
               {0.1, 0.3, 0.4, 0.4, 0.3, 0.1}, {0.3, 0.3, 0.05, 0.3, 0.3, 0.1});
 }
 
-/// The same plane of the same pieces, with `times` first translations added to the second: what were neighbouring
-/// images are then many cells apart.
+/// The same periodic pattern with another lattice basis: `times` the first translation is added to the second one, so
+/// that neighbouring images are many cells apart.
 inline tiling::PeriodicMesh redescribe(tiling::PeriodicMesh mesh, int times) {
   mesh.lattice.col(1) += times * mesh.lattice.col(0);
   for (auto& shifts : mesh.shifts)
@@ -125,7 +125,7 @@ inline tiling::PeriodicMesh redescribe(tiling::PeriodicMesh mesh, int times) {
   return mesh;
 }
 
-/// A change of x whose points wave about by about `amplitude`, and F by about `strain`.
+/// A random change of x, which moves points in waves of about `amplitude` and changes F by about `strain`.
 inline Eigen::VectorXd random_motion(const tiling::PeriodicMesh& mesh, double amplitude, double strain,
                                      RandomStream& random) {
   const CellCoordinates coordinates{mesh.nodes.cols()};
@@ -144,7 +144,7 @@ inline Eigen::VectorXd random_motion(const tiling::PeriodicMesh& mesh, double am
   return step;
 }
 
-/// Distance of the origin from a segment, by clamping the foot of the perpendicular.
+/// Distance of the origin from a segment. The foot of the perpendicular is clamped to the segment.
 inline double distance_to(const Eigen::Vector2d& tail, const Eigen::Vector2d& head) {
   const Eigen::Vector2d side = head - tail;
   const double squared = side.squaredNorm();
@@ -152,8 +152,8 @@ inline double distance_to(const Eigen::Vector2d& tail, const Eigen::Vector2d& he
   return (tail + share * side).norm();
 }
 
-/// All images of points in a state that segments at most `first` and `second` cells away end in, as plain numbers:
-/// tests look at millions.
+/// The images of all points in a state, at most `first` and `second` cells away along the lattice's translations. They
+/// are plain numbers because tests compare millions of them.
 class Images {
  public:
   Images(const ContactOutline& outline, const Eigen::VectorXd& x, int first, int second)
@@ -184,8 +184,8 @@ class Images {
 
 using PairKey = std::tuple<int, int, int, int>;
 
-/// Node of the point, segment and image of all pairs within their range at x: by testing all of them, for images up to
-/// `first` and `second` cells away.
+/// All pairs of a point and a segment within their range at x, as the point's node, the segment and the image. They are
+/// found by testing all pairs with images up to `first` and `second` cells away.
 inline std::set<PairKey> brute_contacts(const ContactOutline& outline, const Eigen::VectorXd& x, double range,
                                         double rest_fraction, int first, int second) {
   const Images now(outline, x, first, second);
@@ -213,14 +213,14 @@ inline std::set<PairKey> brute_contacts(const ContactOutline& outline, const Eig
   return contacts;
 }
 
-/// Whether two segments cross, images included, by testing all of them.
+/// Whether any two segments cross, including images, found by testing all pairs.
 inline bool brute_intersects(const ContactOutline& outline, const Eigen::VectorXd& x, int images) {
   using Point = std::array<double, 2>;
   const auto turn = [](const Point& a, const Point& b, const Point& c) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   };
   const auto distance = [](const Point& a, const Point& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); };
-  // Segments on one line lie behind each other; what rounding makes of their turns means nothing.
+  // For disjoint segments on one line, the signs of the orientations are mere rounding.
   const auto apart = [](const Point& a, const Point& b, const Point& c, const Point& d, std::size_t k) {
     return std::max(a[k], b[k]) < std::min(c[k], d[k]) || std::max(c[k], d[k]) < std::min(a[k], b[k]);
   };
@@ -234,7 +234,7 @@ inline bool brute_intersects(const ContactOutline& outline, const Eigen::VectorX
           const Point& c = now.at(second.tail, i, j);
           const Point& d = now.at(second.head, i + second.head_shift[0], j + second.head_shift[1]);
           if (apart(a, b, c, d, 0) || apart(a, b, c, d, 1)) continue;
-          // Neighbours meet in their common end.
+          // Neighbouring segments have a common end.
           if (std::min({distance(a, c), distance(a, d), distance(b, c), distance(b, d)}) < 1e-13) continue;
           if (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0) return true;
         }

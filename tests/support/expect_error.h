@@ -11,7 +11,8 @@
 
 namespace supple::testing {
 
-/// Runs `action`, expects it to throw Error of that code, and returns the error (one of code "" if none came).
+/// Runs `action`, expects that it throws an Error with this code, and returns the error, or one with the code "" if
+/// none was thrown.
 template <typename Action>
 Error expect_error(const std::string& code, Action&& action) {
   try {
@@ -36,15 +37,15 @@ void expect_cancelled(StopReason reason, Action&& action) {
   ADD_FAILURE() << "expected the action to be cancelled, but it ended";
 }
 
-/// Where the error's details lie, in order.
+/// The places of the error's details, in order.
 inline std::vector<std::string> places(const Error& error) {
   std::vector<std::string> result;
   for (const Error::Detail& detail : error.details()) result.push_back(detail.where);
   return result;
 }
 
-/// The text that `read` returns; where it throws an Error, of that code if one is given, the places of its details,
-/// separated by blanks.
+/// The text that `read` returns. If it throws an Error, which must have the code if one is given, the places of its
+/// details separated by blanks.
 template <typename Read>
 std::string text_or_places(Read&& read, const std::string& code = {}) {
   try {

@@ -8,8 +8,8 @@
 
 namespace supple::training {
 
-/// Energy, stress and tangent of a compressible neo-Hookean sheet at e = (E_xx, E_yy, 2 E_xy): the exact answer that
-/// networks are compared with. psi = mu/2 (tr C - 2 - ln det C) + lambda/8 (ln det C)^2 with C = 2 E + I.
+/// Energy, stress and tangent of a compressible neo-Hookean sheet at e = (E_xx, E_yy, 2 E_xy), with which networks are
+/// compared: psi = mu/2 (tr C - 2 - ln det C) + lambda/8 (ln det C)^2 with C = 2 E + I.
 struct LawState {
   double energy = 0;
   Eigen::Vector3d stress;
@@ -43,7 +43,7 @@ inline LawState law_at(double mu, double lambda, const Eigen::Vector3d& e) {
 /// The law's state for the one parameter p of `law_samples`.
 inline LawState law_of_design(double p, const Eigen::Vector3d& e) { return law_at(1 + 4 * p, 2 + 3 * p, e); }
 
-/// Designs with one parameter p in [0, 1]: mu = 1 + 4 p, lambda = 2 + 3 p; strains at random.
+/// Samples at random strains of designs with one parameter p in [0, 1]: mu = 1 + 4 p, lambda = 2 + 3 p.
 inline Samples law_samples(int designs, int rows, std::uint64_t seed) {
   RandomStream stream("law samples", seed);
   Samples samples;

@@ -9,7 +9,7 @@
 
 namespace supple::testing {
 
-/// The point of the surface nearest to `p` in space. O(faces). For tests that know where things are in space.
+/// The point of the surface nearest to `p`, with which tests can give points by their positions in space. O(faces).
 inline surface::SurfacePoint nearest_point(const surface::TriangleMesh& mesh, const Eigen::Vector3d& p) {
   surface::SurfacePoint best;
   double least = std::numeric_limits<double>::infinity();

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-// A fan of faces between vertex 0 and the ring 1 ... n, then strips between rings of n vertices.
+// A disk: a fan of faces between vertex 0 and the ring of vertices 1 to n, then strips between rings of n vertices.
 Soup disk(int n, int rings, const Vector3d& centre, const std::function<Vector3d(int i, int ring)>& at) {
   Soup soup;
   soup.add(centre);
@@ -53,7 +53,7 @@ TriangleMesh open_hemisphere(int around, int rings) {
 TriangleMesh slit_annulus(int around, int rings) {
   return parametric_grid(around, rings, Wrap::none,
                          [&](int i, int j) {
-                           // The last column repeats the first one's coordinates exactly.
+                           // The last column has exactly the coordinates of the first one.
                            const double angle = 2 * pi * (i % around) / around, radius = 1 - 0.5 * j / rings;
                            return Vector3d(radius * std::cos(angle), radius * std::sin(angle), 0);
                          })
@@ -85,8 +85,8 @@ TriangleMesh jittered_grid(int nx, int ny, RandomStream& stream) {
   for (int j = 0; j <= ny; ++j) {
     for (int i = 0; i <= nx; ++i) {
       Vector3d p(i, j, 0);
-      // Movements below 1/4 of the side along each diagonal keep every quadrilateral convex; 0.3 may not, so both cuts
-      // of a quadrilateral are tried below.
+      // Displacements below 1/4 of the side along each diagonal leave every quadrilateral convex. 0.3 may not, so that
+      // both diagonals of a quadrilateral are tried below.
       if (i > 0 && i < nx) p[0] += stream.uniform(-0.3, 0.3);
       if (j > 0 && j < ny) p[1] += stream.uniform(-0.3, 0.3);
       soup.add(p);
@@ -110,7 +110,7 @@ TriangleMesh jittered_grid(int nx, int ny, RandomStream& stream) {
 
 TriangleMesh cone(int n, double total_angle, int rings) {
   const double sector = total_angle / n, turn = 2 * pi / n;
-  // Rim points at unit distance from the apex whose neighbours are seen under the angle `sector`.
+  // Rim points at unit distance from the apex, at which two neighbouring points span the angle `sector`.
   std::function<Vector3d(int)> rim;
   if (total_angle <= 2 * pi) {
     const double radius = std::sin(sector / 2) / std::sin(turn / 2);
@@ -118,7 +118,8 @@ TriangleMesh cone(int n, double total_angle, int rings) {
     rim = [=](int i) { return Vector3d(radius * std::cos(turn * i), radius * std::sin(turn * i), -depth); };
   } else {
     if (n % 2 != 0 || sector >= pi) throw std::invalid_argument("a saddle cone needs even n and sectors below pi");
-    // Alternately up and down: cos(sector) = c^2 (1 + cos(turn)) - 1 with c the cosine of the elevation.
+    // Rim points are alternately above and below: cos(sector) = c^2 (1 + cos(turn)) - 1, with the cosine c of the
+    // elevation.
     const double c = std::sqrt((1 + std::cos(sector)) / (1 + std::cos(turn)));
     const double s = std::sqrt(1 - c * c);
     rim = [=](int i) { return Vector3d(c * std::cos(turn * i), c * std::sin(turn * i), i % 2 == 0 ? s : -s); };

@@ -7,7 +7,7 @@
 
 namespace supple::testing {
 
-/// Vertices and faces while a shape is put together.
+/// Vertices and faces of a shape during its construction.
 struct Soup {
   std::vector<Eigen::Vector3d> positions;
   std::vector<surface::Triangle> faces;
@@ -16,7 +16,7 @@ struct Soup {
     positions.push_back(p);
     return static_cast<std::int32_t>(positions.size()) - 1;
   }
-  /// The quadrilateral a b c d, counterclockwise, cut from a to c, or from b to d.
+  /// Adds the counterclockwise quadrilateral a b c d, cut from a to c, or from b to d if `from_b`.
   void add_quad(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d, bool from_b = false);
   void append(const Soup& other, const Eigen::Vector3d& offset);
   surface::TriangleMesh build() && { return surface::TriangleMesh::build(std::move(positions), std::move(faces)); }
@@ -24,16 +24,16 @@ struct Soup {
 
 enum class Wrap { none, u, both };
 
-/// Grid of nu by nv quadrilaterals over (i, j), joined end to end in the wrapped directions. Vertex (i, j) is number
-/// j * columns + i; `from_b` picks the diagonals as in add_quad.
+/// Grid of nu by nv quadrilaterals over (i, j), closed in the wrapped directions. Vertex (i, j) has the index
+/// j * columns + i; `from_b` chooses the diagonals as in add_quad.
 Soup parametric_grid(int nu, int nv, Wrap wrap, const std::function<Eigen::Vector3d(int i, int j)>& at,
                      bool from_b = false);
 
-/// Surface of a union of unit cells of the integer grid, each exposed side cut into n by n squares. `filled` says which
-/// cells of [0, size) belong.
+/// Surface of a union of unit cells of the integer grid. Each exposed side is divided into n by n squares. `filled`
+/// says which cells of [0, size) belong to the union.
 Soup cell_surface(const Eigen::Vector3i& size, int n, const std::function<bool(int x, int y, int z)>& filled);
 
-/// Moves every vertex to the mean of itself and its neighbours' mean, `rounds` times.
+/// Laplacian smoothing: moves every vertex halfway to the mean of its neighbours, `rounds` times.
 void smooth(Soup& soup, int rounds);
 
 }  // namespace supple::testing

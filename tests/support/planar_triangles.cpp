@@ -8,17 +8,17 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Sines of angles below this are zero: corners within straight edges are computed, not exact.
-constexpr double kFlat = 1e-7;
+/// Sines of angles up to this count as zero, since corners within straight edges are subject to rounding.
+constexpr double max_flat_sine = 1e-7;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// -1, 0 or 1: on which side of the line from a to b the point p lies.
+/// 1, 0 or -1 if the point p is on the left of, on, or on the right of the line from a to b.
 int side(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   const Vector2d u = b - a;
   const Vector2d v = p - a;
   const double turn = cross(u, v);
-  const double flat = kFlat * u.norm() * v.norm();
+  const double flat = max_flat_sine * u.norm() * v.norm();
   return turn > flat ? 1 : turn < -flat ? -1 : 0;
 }
 
@@ -26,7 +26,7 @@ bool between(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   return side(a, b, p) == 0 && (p - a).dot(b - a) > 0 && (p - b).dot(a - b) > 0;
 }
 
-/// Whether the open segments meet, or one passes an end of the other.
+/// Whether the open segments intersect, or one contains an end of the other.
 bool blocks(const RingCorner& a, const RingCorner& b, const RingCorner& c, const RingCorner& d) {
   if (between(a.at, b.at, c.at) || between(a.at, b.at, d.at)) return true;
   const auto shared = [&](const RingCorner& x) { return x.vertex == c.vertex || x.vertex == d.vertex; };
@@ -42,7 +42,7 @@ bool blocked(const Ring& ring, const RingCorner& a, const RingCorner& b) {
   return false;
 }
 
-/// Joins the hole to the polygon by the shortest segment that crosses nothing.
+/// Joins the hole to the polygon by the shortest segment that crosses no edge.
 void bridge(Ring& outer, const std::vector<Ring>& holes, std::size_t hole) {
   const Ring& inner = holes[hole];
   double shortest = -1;
@@ -69,7 +69,7 @@ void bridge(Ring& outer, const std::vector<Ring>& holes, std::size_t hole) {
   outer.insert(outer.begin() + static_cast<std::ptrdiff_t>(from) + 1, way.begin(), way.end());
 }
 
-/// 0 if the corner cannot be cut off, else the sine of the ear's smallest angle.
+/// The sine of the smallest angle of the ear at a corner; 0 if the corner is no ear.
 double quality(const Ring& ring, std::size_t i) {
   const RingCorner& a = ring[(i + ring.size() - 1) % ring.size()];
   const RingCorner& b = ring[i];

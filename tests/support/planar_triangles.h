@@ -8,17 +8,17 @@
 
 namespace supple::testing {
 
-/// A closed polyline of the plane: where each corner lies, and which vertex it is.
+/// A corner of a closed polyline in the plane: its position and its vertex.
 struct RingCorner {
   Eigen::Vector2d at;
   std::int32_t vertex;
 };
 using Ring = std::vector<RingCorner>;
 
-/// Cuts a polygon with holes into triangles by ear clipping: every corner is used, also those within straight edges,
-/// and no triangle is flat. The outer ring is counterclockwise, holes are clockwise. `careful` takes the best shaped
-/// ear each time, otherwise any, which leaves slivers and long fans. Throws std::runtime_error if no ear is left.
-/// O(n^3).
+/// Triangulates a polygon with holes by ear clipping. It uses every corner, also those within straight edges, and no
+/// triangle is degenerate. The outer ring is counterclockwise, holes are clockwise. With `careful` it clips the best
+/// shaped ear each time, otherwise any ear, which gives slivers and long fans. Throws std::runtime_error if no ear is
+/// left. O(n^3).
 std::vector<surface::Triangle> planar_triangles(Ring outer, std::vector<Ring> holes, bool careful,
                                                 RandomStream& stream);
 

@@ -10,8 +10,8 @@
 
 namespace supple::testing {
 
-/// A PostgreSQL server that this process alone uses, gone with it. It takes a second to start, so that the tests of a
-/// process share one, with a database each.
+/// A PostgreSQL server that only this process uses, and which ends with it. Since it takes a second to start, the tests
+/// of a process share one, and each has its own database.
 class PrivatePostgres {
  public:
   PrivatePostgres() : address_(run("start")) {}
@@ -19,13 +19,13 @@ class PrivatePostgres {
   PrivatePostgres(const PrivatePostgres&) = delete;
   PrivatePostgres& operator=(const PrivatePostgres&) = delete;
 
-  /// A connection string of a database that is made for it.
+  /// Creates a database and returns its connection string.
   std::string new_database() {
     const auto name = "test" + std::to_string(++databases_);
     psql("CREATE DATABASE " + name);
     return "host=" + (folder_ / "postgres").string() + " user=supple dbname=" + name;
   }
-  /// What psql prints of the rows of a statement. The statement has no single quotes.
+  /// The output of psql for the rows of a statement, which must not contain single quotes.
   static std::string rows(const std::string& database, const std::string& statement) {
     return output_of("psql --no-align --tuples-only --dbname='" + database + "' --command='" + statement + "'");
   }

@@ -8,17 +8,17 @@
 
 namespace supple::neural {
 
-/// Standard deviations of random weights, times the square root of a layer's inputs; as large as those of trained ones,
-/// so that the function bends.
+/// Standard deviations of random weights times the square root of a layer's number of inputs. They are as large as
+/// those of trained networks, so that the function is nonlinear.
 struct RandomWeights {
-  double first = 6;  ///< of the layer that reads strains
+  double first = 6;  ///< for the layer whose inputs are strains
   double hidden = 1.6;
   double last = 1;
-  double bias = 0.3;  ///< of the biases themselves
+  double bias = 0.3;  ///< standard deviation of the biases, without that factor
 };
 
-/// A pentagon whose corners are moved by the parameters, far enough that it crosses itself in places, and the first
-/// features of all kinds in turn.
+/// A pentagon whose corners the parameters move so far that it crosses itself for some of them. It has features of all
+/// kinds in turn.
 inline TileGeometry random_geometry(int parameters, int features, RandomStream& stream) {
   constexpr int corners = 5;
   const auto point = [&](double x, double y, double moved) {
@@ -41,7 +41,7 @@ inline TileGeometry random_geometry(int parameters, int features, RandomStream& 
   return geometry;
 }
 
-/// A network whose weights are drawn from a named stream.
+/// A network with random weights from a named stream.
 inline Network random_network(NetworkShape shape, std::uint64_t seed, const RandomWeights& weights = {}) {
   RandomStream stream("random network", seed);
   const auto layer = [&](long outputs, long inputs, double gain) {
@@ -79,7 +79,7 @@ inline Network random_network(NetworkShape shape, std::uint64_t seed, const Rand
   return network;
 }
 
-/// "sum_of_squares_swish_40_4", as part of a test's name.
+/// The shape as part of a test's name, such as "sum_of_squares_swish_40_4".
 inline std::string name_of(const NetworkShape& shape) {
   return std::string(to_string(shape.form)) + "_" + std::string(to_string(shape.activation)) + "_" +
          std::to_string(shape.width) + "_" + std::to_string(shape.parameters) +

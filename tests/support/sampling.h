@@ -7,7 +7,7 @@
 
 namespace supple::testing {
 
-/// Draws points of a mesh, uniform by area, in O(log faces) each. The mesh must outlive it.
+/// Draws random points of a mesh, uniform by area, in O(log faces) each. The mesh must outlive the sampler.
 class SurfaceSampler {
  public:
   explicit SurfaceSampler(const surface::TriangleMesh& mesh);
@@ -17,11 +17,11 @@ class SurfaceSampler {
   std::vector<double> cumulative_areas_;
 };
 
-/// A point uniform by area. O(faces); SurfaceSampler draws many.
+/// A random point, uniform by area. O(faces); SurfaceSampler is faster for many points.
 surface::SurfacePoint random_point(const surface::TriangleMesh& mesh, RandomStream& stream);
-/// A point exactly on a random edge, not at its ends, written in either face of the edge.
+/// A point exactly on a random edge, not at its ends, given in either face of the edge.
 surface::SurfacePoint random_edge_point(const surface::TriangleMesh& mesh, RandomStream& stream);
-/// A point exactly on a random used vertex, written in a random face of it.
+/// A point exactly on a random used vertex, given in a random face of that vertex.
 surface::SurfacePoint random_vertex_point(const surface::TriangleMesh& mesh, RandomStream& stream);
 
 }  // namespace supple::testing

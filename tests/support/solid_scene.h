@@ -60,7 +60,7 @@ inline surface::TriangleMesh box(const Eigen::Vector3d& size, const Eigen::Vecto
   return surface::TriangleMesh::build(std::move(positions), std::move(faces));
 }
 
-/// A solid without a network, ready to be minimized.
+/// A solid without a network, for the minimizer.
 struct SolidScene {
   using State = embedded::NetworkState;
 
@@ -68,7 +68,7 @@ struct SolidScene {
       : surface(std::make_shared<const surface::TriangleMesh>(std::move(mesh))),
         solid(meshing::fill(surface->positions(), surface->faces(), options)) {}
 
-  /// A state whose nodes are where `place` puts those at rest.
+  /// A state whose nodes are the images of the nodes at rest under `place`.
   State state(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& place,
               std::vector<surface::SurfacePoint> points = {}) const {
     std::vector<Eigen::Vector3d> positions;
@@ -85,7 +85,8 @@ struct SolidScene {
     return state([](const Eigen::Vector3d& place) { return place; });
   }
 
-  /// Its elements, and its weight if it has one; nodes are held where `held` says so of their place at rest.
+  /// The system of the solid's elements, and of gravity if the host has it. Nodes are fixed if `held` is true for their
+  /// position at rest.
   numerics::System<State> system(const embedded::SolidHost& host, State start,
                                  const std::function<bool(const Eigen::Vector3d&)>& held) const {
     std::vector<bool> fixed(static_cast<std::size_t>(start.dimension()), true);

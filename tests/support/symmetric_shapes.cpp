@@ -21,7 +21,7 @@ using surface::SurfacePoint;
 
 using Symmetry = Eigen::Affine3d;
 
-/// A shape before it has sites.
+/// A shape without sites.
 struct Shape {
   std::string name;
   TriangleMesh mesh;
@@ -38,7 +38,7 @@ Symmetry mirror(const Vector3d& normal, const Vector3d& centre = Vector3d::Zero(
   return Eigen::Translation3d(centre) * Eigen::Affine3d(reflection) * Eigen::Translation3d(-centre);
 }
 
-/// All products of some generators of a small group.
+/// The finite group that some generators generate.
 std::vector<Symmetry> group(const std::vector<Symmetry>& generators) {
   std::vector<Symmetry> found{Symmetry::Identity()};
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -51,7 +51,7 @@ std::vector<Symmetry> group(const std::vector<Symmetry>& generators) {
   return found;
 }
 
-/// Turns by a random divisor of `order`, two or more.
+/// Rotations whose number is a random divisor of `order`, at least two.
 std::vector<Symmetry> turns(int order, RandomStream& stream) {
   std::vector<int> divisors;
   for (int d = 2; d <= order; ++d)
@@ -91,7 +91,7 @@ Shape box_shape(RandomStream& stream) {
   return {"box", cell_surface(size, n, [](int, int, int) { return true; }).build(), group(generators)};
 }
 
-/// A tube about the z axis, its ends closed by fans where they have middles.
+/// A tube about the z axis, whose ends are closed by fans if `closed`.
 Shape tube_shape(bool closed, RandomStream& stream) {
   const int around = 3 + stream.below(6);
   const int along = 1 + stream.below(3);
@@ -117,7 +117,7 @@ Shape tube_shape(bool closed, RandomStream& stream) {
   return {closed ? "prism" : "tube", std::move(soup).build(), std::move(symmetries)};
 }
 
-/// The squares of a plane grid that `filled` says, each cut along one of its diagonals.
+/// The squares of a plane grid for which `filled` is true, each cut along one of its diagonals.
 TriangleMesh plane_squares(int nx, int ny, const std::function<bool(int i, int j)>& filled,
                            const std::function<bool(int i, int j)>& from_b) {
   Soup soup;
@@ -286,7 +286,7 @@ SymmetricSites random_symmetric_sites(int family, RandomStream& stream) {
         const auto same = [&](const SurfacePoint& other) {
           return (position(result.mesh, other) - position(result.mesh, image)).norm() < 1e-6;
         };
-        // A place on an axis or a plane of the symmetry is its own image.
+        // A place on an axis or a plane of symmetry is its own image.
         if (std::any_of(result.sites.begin(), result.sites.end(), same)) continue;
         result.sites.push_back(image);
         result.orbits.push_back(orbit);

@@ -9,7 +9,7 @@
 
 namespace supple::testing {
 
-/// A folder of its own for each object, gone with it.
+/// A temporary folder, which the destructor removes.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -27,7 +27,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// A file's content; empty where there is none.
+/// The content of a file; empty if there is no such file.
 inline std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};

@@ -1,4 +1,4 @@
-// A helper process whose tasks do what helpers must not: spin for ever, crash, ask for too much memory.
+// A helper process whose tasks do what helpers must not do: loop for ever, crash, request too much memory.
 
 #include <array>
 #include <atomic>
@@ -20,14 +20,14 @@ int main(int argc, char** argv) {
     }
   };
   tasks["crash"] = [](std::string_view) -> std::string {
-    std::signal(SIGSEGV, SIG_DFL);  // sanitizers have a handler of their own
+    std::signal(SIGSEGV, SIG_DFL);  // removes the handler of a sanitizer
     std::raise(SIGSEGV);
     return {};
   };
   tasks["leave"] = [](std::string_view) -> std::string { std::_Exit(3); };
   tasks["leave without a word"] = [](std::string_view) -> std::string { std::_Exit(0); };
   tasks["remember"] = [](std::string_view request) {
-    // What tasks leave behind: a count, and addresses of memory that depend on what was freed before.
+    // State that earlier tasks leave in the process: their number, and the effect of freed memory on addresses.
     static std::vector<std::string> before;
     before.emplace_back(request);
     const auto here = std::make_unique<std::array<char, 100>>();
@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
   };
   tasks["surprise"] = [](std::string_view) -> std::string { throw std::logic_error("a surprise"); };
   tasks["swell"] = [](std::string_view request) {
-    // A length that the compiler knows makes clang 14 try it out, and crash.
+    // With a constant length, clang 14 would evaluate this at compile time, and crash.
     return std::string(request.size() + (std::size_t{4} << 30U), 'x');
   };
   return supple::serve_as_helper(argc, argv, tasks);

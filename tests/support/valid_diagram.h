@@ -31,7 +31,7 @@ inline double area_of(const surface::TriangleMesh& mesh) {
   return area;
 }
 
-/// V - E + F of a mesh whose vertices are all used.
+/// The Euler characteristic V - E + F of a mesh whose vertices are all used.
 inline int euler_characteristic(const surface::TriangleMesh& mesh) {
   int edges = 0;
   for (std::int32_t h = 0; h < mesh.halfedge_count(); ++h)
@@ -39,7 +39,7 @@ inline int euler_characteristic(const surface::TriangleMesh& mesh) {
   return mesh.vertex_count() - edges + mesh.face_count();
 }
 
-/// Puts a site of three on a vertex of its face and one on an edge.
+/// Of every three sites, moves one to a vertex of its face and one to an edge.
 inline std::vector<surface::SurfacePoint> on_vertices_and_edges(std::vector<surface::SurfacePoint> sites) {
   for (std::size_t i = 0; i < sites.size(); ++i) {
     Eigen::Vector3d& weights = sites[i].barycentric;
@@ -56,7 +56,7 @@ inline std::vector<surface::SurfacePoint> on_vertices_and_edges(std::vector<surf
   return sites;
 }
 
-/// The distance of every site from any point, each by a search of its own.
+/// Distances of all sites from any point, with a separate search for each site.
 class SiteDistances {
  public:
   SiteDistances(const surface::TriangleMesh& mesh, const std::vector<surface::SurfacePoint>& sites) {
@@ -76,7 +76,7 @@ class SiteDistances {
   std::vector<surface::GeodesicField> fields_;
 };
 
-/// The area of each site's whole faces and pieces, as polygons.
+/// The sum of the areas of each site's whole faces and pieces, which are polygons.
 inline std::vector<double> areas_of_pieces(const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram) {
   std::vector<double> areas(diagram.cells.size(), 0);
   for (std::size_t face = 0; face < diagram.face_sites.size(); ++face)
@@ -98,8 +98,9 @@ inline std::vector<double> areas_of_pieces(const surface::TriangleMesh& mesh, co
   return areas;
 }
 
-/// Pieces are polygons and borders are curves: of each cell a bound on the area between its borders and the straight
-/// lines between their points. An arc of length L over a chord C bulges by about sqrt(3 C (L - C) / 8).
+/// For each cell a bound of the area between its curved borders and the straight lines between their points, by which
+/// the areas of polygonal pieces deviate. The sagitta of an arc of length L over a chord C is about
+/// sqrt(3 C (L - C) / 8).
 inline std::vector<double> areas_beside_chords(const voronoi::Diagram& diagram) {
   std::vector<double> bounds(diagram.cells.size(), 0);
   for (const voronoi::DiagramEdge& edge : diagram.edges) {
@@ -127,8 +128,8 @@ inline bool is_convex(const voronoi::Diagram& diagram, const voronoi::DiagramPie
   return true;
 }
 
-/// Every whole face, and every convex piece whose cell has straight borders only, belongs to a site than which none is
-/// nearer in its middle.
+/// Expects that the site of a whole face, and that of a convex piece of a cell with straight borders, is a nearest site
+/// of its centre.
 inline void expect_nearest_sites(const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram,
                                  const SiteDistances& distances, double tolerance) {
   const auto expect_at = [&](std::int32_t face, const Eigen::Vector3d& barycentric, std::int32_t site) {
@@ -150,7 +151,7 @@ inline void expect_nearest_sites(const surface::TriangleMesh& mesh, const vorono
   }
 }
 
-/// The points of a diagram, those in one place as one.
+/// The distinct places of a diagram's points.
 class DiagramPlaces {
  public:
   DiagramPlaces(const voronoi::Diagram& diagram, double same_place) {
@@ -172,8 +173,9 @@ class DiagramPlaces {
   std::vector<std::int32_t> number_;
 };
 
-/// Borders close: each part of an edge is walked once by the loop of the cell on its left and, backwards, by that of
-/// the cell on its right. What else loops walk is the mesh's boundary, all of it.
+/// Expects that borders are closed: the loop of the cell on the left of an edge contains each part of it once, and the
+/// loop of the cell on the right contains it once in the opposite direction. All other parts of loops are exactly the
+/// boundary of the mesh.
 inline void expect_closed_loops(const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram, double same_place) {
   using Part = std::array<std::int32_t, 3>;  // site, from, to
   const DiagramPlaces places(diagram, same_place);
@@ -215,8 +217,8 @@ inline void expect_closed_loops(const surface::TriangleMesh& mesh, const voronoi
   EXPECT_NEAR(left, boundary, 10 * same_place) << "what loops walk besides borders is not the mesh's boundary";
 }
 
-/// The number of loops is what topology says: with V vertices and E edges that end, both within the surface, the cells'
-/// Euler characteristics 2 - 2 handles - loops and V - E add up to that of the surface.
+/// Expects the number of loops that topology requires: with V vertices in the interior of the surface and E edges that
+/// are not closed, the cells' Euler characteristics 2 - 2 handles - loops and V - E add up to that of the surface.
 inline void expect_loops_of_topology(const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram) {
   int handles_and_loops = static_cast<int>(diagram.vertices.size());
   for (const voronoi::DiagramEdge& edge : diagram.edges) {
@@ -230,7 +232,7 @@ inline void expect_loops_of_topology(const surface::TriangleMesh& mesh, const vo
   EXPECT_EQ(twice_handles % 2, 0);
 }
 
-/// Points of borders are as far from the sites on both sides, and no other site is nearer.
+/// Expects that points of borders have equal distances from the sites on both sides, and that no other site is nearer.
 inline void expect_equidistant(const voronoi::Diagram& diagram, const SiteDistances& distances, double tolerance) {
   for (const voronoi::DiagramPoint& point : diagram.points)
     EXPECT_GE(distances.least(point.point), point.distance - tolerance);
@@ -248,15 +250,15 @@ inline void expect_equidistant(const voronoi::Diagram& diagram, const SiteDistan
   }
 }
 
-/// How exact a diagram must be, relative to the bounding box's diagonal or the area.
+/// Tolerances of a diagram, relative to the bounding box's diagonal or the total area.
 struct DiagramTolerance {
   double distance = 1e-9;
-  double area = 1e-12;   ///< of all cells together
-  double pieces = 1e-9;  ///< of a cell and its pieces, besides what curved borders add
-  double place = 1e-9;   ///< points closer than this count as one
+  double area = 1e-12;   ///< for the sum of all cells
+  double pieces = 1e-9;  ///< between a cell and its pieces, besides the effect of curved borders
+  double place = 1e-9;   ///< distance below which points count as one
 };
 
-/// All of the above.
+/// Makes all of the checks above.
 inline void expect_valid_diagram(const surface::TriangleMesh& mesh, const voronoi::Diagram& diagram,
                                  const DiagramTolerance& tolerance = {}) {
   const double size = mesh.diagonal();

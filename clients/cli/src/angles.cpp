@@ -27,8 +27,8 @@ std::optional<double> number_in(std::string_view text) {
   return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
 }
 
-/// Says so where a number without a unit is more than a whole turn.
-double checked(double angle, std::string_view text, const char* option) {
+/// The angle; warns if it is a number without a unit that exceeds a whole turn.
+double with_warning(double angle, std::string_view text, const char* option) {
   if (std::abs(angle) > 2 * pi && number_in(text))
     print_notice(fmt::format("{} {}: this is in radians and more than a whole turn; {} degrees are written {}deg",
                              option, text, text, text));
@@ -49,7 +49,7 @@ std::optional<double> angle_in(std::string_view text) {
 double parse_angle(const std::string& text, const char* option) {
   const auto angle = angle_in(text);
   if (!angle) throw Failure(ExitCode::usage, fmt::format("{}: '{}' is no angle: {}", option, text, how_to_write));
-  return checked(*angle, text, option);
+  return with_warning(*angle, text, option);
 }
 
 std::vector<double> parse_angles(const std::string& text, const char* option) {

@@ -37,7 +37,7 @@ std::vector<std::string> spellings(const CLI::Option& option) {
 bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
 std::vector<std::string> choices(const CLI::Option& option) {
-  // CLI11 keeps the choices within the checks and shows them in the name of the type: "TEXT:{on,off}".
+  // CLI11 shows the permitted values in the name of the type only: "TEXT:{on,off}".
   const std::string type = option.get_type_name();
   const std::size_t begin = type.find('{');
   const std::size_t end = type.find('}', begin);

@@ -30,7 +30,7 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options);
 void add_weave_commands(CLI::App& program, const GlobalOptions& options);
 void add_job_commands(CLI::App& program, const GlobalOptions& options);
 
-/// `completion` and `man`, which describe the program itself and speak to no server.
+/// Adds `completion` and `man`, which describe the program itself and need no server.
 void add_program_commands(CLI::App& program, const std::string& version);
 
 }  // namespace supple::cli

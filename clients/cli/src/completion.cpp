@@ -10,7 +10,7 @@
 namespace supple::cli {
 namespace {
 
-/// A text between single quotes as sh has it.
+/// The text in single quotes, for sh.
 std::string quoted(const std::string& text) { return "'" + replaced(text, "'", R"('\'')") + "'"; }
 
 /// The options that may follow a command: its own and, since all others pass them on, those of the program.
@@ -22,7 +22,7 @@ std::vector<const CLI::Option*> options_after(const CLI::App& program, const CLI
   return options;
 }
 
-/// All words of commands after their parents' as alternatives of a case: 'supple mesh' | 'supple mesh add'.
+/// All commands as alternatives of a case: 'supple mesh' | 'supple mesh add'.
 std::string command_pattern(const std::vector<DescribedCommand>& commands, const char* separator) {
   std::vector<std::string> calls;
   for (const auto& command : commands)
@@ -30,15 +30,15 @@ std::string command_pattern(const std::vector<DescribedCommand>& commands, const
   return joined(calls, separator);
 }
 
-/// "'supple design --task' | 'supple design -t'": an option right after which a value stands.
+/// The names of an option with a value as alternatives of a case: 'supple design --task' | 'supple design -t'.
 std::string option_pattern(const std::string& called, const CLI::Option& option) {
   std::vector<std::string> patterns;
   for (const auto& name : spellings(option)) patterns.push_back(quoted(fmt::format("{} {}", called, name)));
   return joined(patterns, " | ");
 }
 
-/// The cases of what may follow an option with a value. `choose` makes a line from the values, `anything` stands where
-/// all are allowed.
+/// The cases for what may follow an option with a value. `choose` makes a line of the permitted values; `anything` is
+/// the line if all are permitted.
 template <class Choose>
 std::string value_cases(const CLI::App& program, const std::vector<DescribedCommand>& commands, const Choose& choose,
                         const char* anything) {
@@ -61,7 +61,7 @@ std::vector<std::string> option_words(const CLI::App& program, const CLI::App& a
   return words;
 }
 
-/// What is given to choose from in the first place that has no dash: commands, or the values of the first argument.
+/// The words that can be the first one without a dash: subcommands, or the permitted values of the first argument.
 std::vector<std::string> first_words(const CLI::App& app) {
   std::vector<std::string> words;
   for (const CLI::App* command : app.get_subcommands({})) words.push_back(command->get_name());

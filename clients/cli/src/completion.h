@@ -3,7 +3,7 @@
 #include <CLI/App.hpp>
 #include <string>
 
-// Scripts by which a shell completes command lines: commands, options, values to choose from, and files.
+// Scripts with which a shell completes command lines: commands, options, the values that an option permits, and files.
 namespace supple::cli {
 
 std::string bash_completion(const CLI::App& program);

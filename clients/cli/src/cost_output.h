@@ -4,7 +4,7 @@
 
 namespace supple::cli {
 
-/// How long the server took.
+/// Prints how long the server took.
 void print_cost(const nlohmann::json& answer);
 
 }  // namespace supple::cli

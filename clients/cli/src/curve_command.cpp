@@ -15,7 +15,8 @@ struct CurveArguments {
   MeasuredCurveArguments measured;
 };
 
-/// Control points as lines that --target-points reads, and --target as a measured curve: their titles say the units.
+/// Lines of control points for --target-points. --target can read them as a measured curve, since the titles have
+/// units.
 std::string as_lines(const nlohmann::json& answer) {
   const auto task = answer.at("task").get<std::string>();
   std::string lines = task == "stress_strain" ? "strain [1],stress [MPa]\n"

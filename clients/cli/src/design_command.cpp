@@ -62,8 +62,8 @@ nlohmann::json request_in_file(const std::string& file) {
   return request;
 }
 
-/// The curve of a file of measurements. Where the server refuses it, and its lines could be control points, the failure
-/// names the option that reads those.
+/// The reduced curve of a file of measurements. If the server refuses the file, but its lines could be control points,
+/// the failure names the option that reads those.
 nlohmann::json measured_curve(Session& session, const DesignArguments& arguments, const std::string& bytes,
                               const std::string& task) {
   try {
@@ -78,8 +78,8 @@ nlohmann::json measured_curve(Session& session, const DesignArguments& arguments
   }
 }
 
-/// The target of a file of measurements. Instruments measure stretch and force over rest width.
-void take_measured_target(Session& session, const DesignArguments& arguments, nlohmann::json& request) {
+/// Sets the target from a file of measurements. Testing machines measure engineering strain and force over rest width.
+void set_measured_target(Session& session, const DesignArguments& arguments, nlohmann::json& request) {
   const std::string task = request.value("task", "stress_strain");
   const std::string bytes = bytes_of_measurements(arguments.target);
   const auto answer = measured_curve(session, arguments, bytes, task);
@@ -91,7 +91,7 @@ void take_measured_target(Session& session, const DesignArguments& arguments, nl
   print_curve_notes(answer);
 }
 
-/// "1,2" is a pair, the lesser first.
+/// Two numbers such as "1,2", the lesser first.
 nlohmann::json parse_pair(const std::string& text, const char* option) {
   auto pair = parse_numbers(text, option);
   if (pair.size() != 2 || pair[0] > pair[1])
@@ -139,7 +139,7 @@ void set_size(const DesignArguments& arguments, nlohmann::json& request) {
   set_limits("cell_size", arguments.cell_size_limits, "--cell-size-limits");
 }
 
-/// What is given on the command line takes the place of what the file says.
+/// The request in the file, in which options of the command line replace fields.
 nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   nlohmann::json request =
       arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
@@ -150,7 +150,7 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   request.update(profile_fields(arguments.profile));
   const bool over_directions = is_over_directions(request.value("task", ""));
   if (!arguments.target.empty() && is_measured(arguments.target)) {
-    take_measured_target(session, arguments, request);
+    set_measured_target(session, arguments, request);
   } else if (!arguments.target.empty()) {
     request["target"] = parse_target(arguments.target, over_directions);
   } else if (!arguments.target_points.empty()) {

@@ -22,7 +22,7 @@ std::string numbers_text(const nlohmann::json& values) {
   return text;
 }
 
-/// A number, or nothing where it is null.
+/// A number, or "-" for null.
 std::string number_text(const nlohmann::json& value) {
   return value.is_null() ? "-" : fmt::format("{:.5g}", value.get<double>());
 }
@@ -37,7 +37,7 @@ const char* x_heading(const nlohmann::json& profile) {
 
 const char* y_unit(const nlohmann::json& profile) { return profile.at("task") == "poisson" ? "" : "/MPa"; }
 
-/// "stress_strain along 0.5 rad" or "poisson at the Green strain 0.05".
+/// What the profile shows, such as "stiffness over directions at the Green strain 0.05".
 std::string kind_text(const nlohmann::json& profile) {
   const bool green = profile.at("strain_measure") == "green";
   if (profile.at("task") == "stress_strain") {
@@ -49,7 +49,7 @@ std::string kind_text(const nlohmann::json& profile) {
                      profile.at("strain").get<double>());
 }
 
-/// What the simulation has at a sample; nothing where it was not simulated there.
+/// The simulated value at a sample; nothing if there is none.
 std::optional<nlohmann::json> verified_at(const nlohmann::json& profile, const nlohmann::json& x) {
   const auto& verified = profile.at("verified");
   if (verified.is_null()) return std::nullopt;
@@ -59,7 +59,7 @@ std::optional<nlohmann::json> verified_at(const nlohmann::json& profile, const n
   return verified.at("y").at(static_cast<std::size_t>(found - places.begin()));
 }
 
-/// An answer without error bars has null for all of them.
+/// The error bar of sample `i`; null if the answer has none.
 nlohmann::json error_bar_at(const nlohmann::json& profile, std::size_t i) {
   const auto& bars = profile.at("error_bar");
   return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);

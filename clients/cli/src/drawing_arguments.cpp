@@ -19,7 +19,7 @@
 namespace supple::cli {
 namespace {
 
-/// Longer lists help nobody.
+/// Longer lists of names end with "...".
 constexpr std::size_t max_listed_names = 12;
 
 bool is_called(const nlohmann::json& polygon, const std::string& name) {
@@ -48,22 +48,23 @@ bool is_utf8(const std::string& bytes) {
   std::size_t at = 0;
   while (at < bytes.size()) {
     const auto lead = static_cast<unsigned char>(bytes[at]);
-    const std::size_t more = lead < 0x80                   ? 0
-                             : lead >= 0xC2 && lead < 0xE0 ? 1
-                             : lead >= 0xE0 && lead < 0xF0 ? 2
-                             : lead >= 0xF0 && lead < 0xF5 ? 3
-                                                           : 4;
-    if (more == 4 || at + more >= bytes.size() + (more == 0 ? 1 : 0)) return false;
-    for (std::size_t k = 1; k <= more; ++k) {
+    const std::size_t continuation_bytes = lead < 0x80                   ? 0
+                                           : lead >= 0xC2 && lead < 0xE0 ? 1
+                                           : lead >= 0xE0 && lead < 0xF0 ? 2
+                                           : lead >= 0xF0 && lead < 0xF5 ? 3
+                                                                         : 4;
+    if (continuation_bytes == 4 || at + continuation_bytes >= bytes.size() + (continuation_bytes == 0 ? 1 : 0))
+      return false;
+    for (std::size_t k = 1; k <= continuation_bytes; ++k) {
       if ((static_cast<unsigned char>(bytes[at + k]) & 0xC0U) != 0x80U) return false;
     }
-    at += more + 1;
+    at += continuation_bytes + 1;
   }
   return true;
 }
 
-/// The indices of the polygons of that name.
-std::vector<std::size_t> called(const nlohmann::json& drawing, const std::string& name, const char* option) {
+/// The indices of the polygons with this name. Throws Failure(usage) if there are none.
+std::vector<std::size_t> polygons_named(const nlohmann::json& drawing, const std::string& name, const char* option) {
   std::vector<std::size_t> found;
   const auto& polygons = drawing.at("polygons");
   for (std::size_t i = 0; i < polygons.size(); ++i) {
@@ -76,7 +77,7 @@ std::vector<std::size_t> called(const nlohmann::json& drawing, const std::string
   return found;
 }
 
-/// What fills a region, without its outline: NAME=FAMILY[,WIDTH[,ANGLE]].
+/// A region without its outline, from NAME=FAMILY[,WIDTH[,ANGLE]].
 nlohmann::json region_of(const std::string& text) {
   const auto equals = text.rfind('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
@@ -100,40 +101,42 @@ nlohmann::json region_of(const std::string& text) {
   return region;
 }
 
-/// UTF-8 of the text of a drawing in another character set; what is no character of it becomes '?'.
+/// The text of a drawing as UTF-8; bytes that are no character of its character set become '?'. Empty if the character
+/// set is unknown.
 std::string utf8_of(const std::string& bytes, const std::string& character_set) {
   const iconv_t converter = iconv_open("UTF-8", character_set.c_str());
-  // This is how iconv says that it does not know a character set.
+  // iconv_open returns -1 if it does not know a character set.
   if (converter == reinterpret_cast<iconv_t>(-1)) return {};  // NOLINT(performance-no-int-to-ptr)
   std::string source = bytes, result;
   char* in = source.data();
-  std::size_t left = source.size();
+  std::size_t remaining_bytes = source.size();
   std::array<char, 4096> buffer{};
-  while (left > 0) {
+  while (remaining_bytes > 0) {
     char* out = buffer.data();
-    std::size_t room = buffer.size();
-    const bool failed = iconv(converter, &in, &left, &out, &room) == static_cast<std::size_t>(-1);
-    result.append(buffer.data(), buffer.size() - room);
+    std::size_t free_bytes = buffer.size();
+    const bool failed = iconv(converter, &in, &remaining_bytes, &out, &free_bytes) == static_cast<std::size_t>(-1);
+    result.append(buffer.data(), buffer.size() - free_bytes);
     if (!failed || errno == E2BIG) continue;
     result += '?';
     ++in;
-    --left;
+    --remaining_bytes;
   }
   iconv_close(converter);
   return result;
 }
 
-/// DXF files before 2007 name their code page, "ANSI_1252"; others that are no UTF-8 are taken as that one.
+/// The code page of a file that is not UTF-8. DXF files before 2007 name it, such as "ANSI_1252"; it is also the
+/// default.
 std::string code_page_of(const std::string& bytes) {
-  constexpr std::string_view usual = "CP1252";
+  constexpr std::string_view default_code_page = "CP1252";
   const auto at = bytes.find("$DWGCODEPAGE");
-  if (at == std::string::npos) return std::string(usual);
+  if (at == std::string::npos) return std::string(default_code_page);
   const auto end_of_line = bytes.find('\n', bytes.find('\n', at) + 1);
-  if (end_of_line == std::string::npos) return std::string(usual);
+  if (end_of_line == std::string::npos) return std::string(default_code_page);
   const std::string value =
       bytes.substr(end_of_line + 1, bytes.find_first_of("\r\n", end_of_line + 1) - end_of_line - 1);
   const auto digits = value.find_first_of("0123456789");
-  return digits == std::string::npos ? std::string(usual) : "CP" + value.substr(digits);
+  return digits == std::string::npos ? std::string(default_code_page) : "CP" + value.substr(digits);
 }
 
 std::string text_of_drawing(const std::string& file) {
@@ -186,7 +189,7 @@ void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
   nlohmann::json filled = nlohmann::json::array();
   for (const std::string& text : regions) {
     nlohmann::json region = region_of(text);
-    for (const std::size_t i : called(drawing, region.at("name").get<std::string>(), "--region")) {
+    for (const std::size_t i : polygons_named(drawing, region.at("name").get<std::string>(), "--region")) {
       is_region[i] = true;
       region["outline"] = polygons[i].at("points");
       filled.push_back(region);
@@ -194,7 +197,8 @@ void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
   }
   nlohmann::json outline = nlohmann::json::array();
   if (!outline_name.empty()) {
-    for (const std::size_t i : called(drawing, outline_name, "--outline")) outline.push_back(polygons[i].at("points"));
+    for (const std::size_t i : polygons_named(drawing, outline_name, "--outline"))
+      outline.push_back(polygons[i].at("points"));
   } else {
     for (std::size_t i = 0; i < polygons.size(); ++i) {
       if (!is_region[i]) outline.push_back(polygons[i].at("points"));

@@ -9,7 +9,7 @@
 
 namespace supple::cli {
 
-/// How a drawing is to be read.
+/// The options that say how a drawing is read.
 struct DrawingArguments {
   std::string unit;
   double resolution = 0;
@@ -21,18 +21,18 @@ struct DrawingArguments {
 
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments);
 
-/// The server's answer to the text of an SVG or DXF file; its warnings go to standard error. Throws Failure.
+/// The server's answer for the text of an SVG or DXF file; its warnings go to standard error. Throws Failure.
 nlohmann::json read_drawing(Session& session, const std::string& file, const DrawingArguments& arguments);
 
-/// "FILE", or "FILE#NAME" where no file has that whole name: a drawing, and what of it is meant.
+/// A drawing and the name of the curves in it: "FILE", or "FILE#NAME" if no file has that whole name.
 struct DrawingChoice {
   std::string file, name;
 };
 DrawingChoice drawing_choice(const std::string& text);
 
-/// Puts the outline and the regions of a drawing into a request for a part. A region is NAME=FAMILY[,WIDTH[,ANGLE]];
-/// the outline is made of the polygons that are called `outline_name`, or of all that belong to no region. Throws
-/// Failure(usage) that lists the names of the drawing where it has no such one.
+/// Puts the outline and the regions of a drawing into a request for a part. A region is NAME=FAMILY[,WIDTH[,ANGLE]].
+/// The outline consists of the polygons with the name `outline_name`, or of all that belong to no region. Throws
+/// Failure(usage), which lists the names in the drawing if a name is unknown.
 void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
                  const std::vector<std::string>& regions, nlohmann::json& request);
 

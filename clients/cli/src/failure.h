@@ -7,7 +7,7 @@
 
 namespace supple::cli {
 
-/// Ends a command: the sentence goes to standard error, the code to the caller.
+/// An error that ends a command: the message goes to standard error, and the code is the program's exit code.
 class Failure : public std::runtime_error {
  public:
   Failure(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

@@ -21,7 +21,7 @@ static_assert(std::endian::native == std::endian::little,
               "fields and PLY files are written in the machine's byte order");
 
 constexpr std::array<std::uint8_t, 3> unreachable_color = {128, 128, 128};
-constexpr double dark_band = 0.8;  // brightness of every second band
+constexpr double dark_band = 0.8;  // factor on the colours of every second band
 
 template <class Value>
 void append(std::string& bytes, const Value& value) {
@@ -30,7 +30,7 @@ void append(std::string& bytes, const Value& value) {
   std::memcpy(bytes.data() + size, &value, sizeof(Value));
 }
 
-/// The number after `key` in a PLY header; 0 where it is missing.
+/// The number after `key` in a PLY header; 0 if it is missing.
 std::size_t count_of(std::string_view header, std::string_view key) {
   const std::size_t at = header.find(key);
   std::size_t count = 0;
@@ -40,9 +40,9 @@ std::size_t count_of(std::string_view header, std::string_view key) {
   return count;
 }
 
-std::array<std::uint8_t, 3> banded_color(double share, int bands) {
-  auto color = color_of(share);
-  if (bands > 0 && static_cast<int>(std::floor(share * bands)) % 2 == 1) {
+std::array<std::uint8_t, 3> banded_color(double fraction, int bands) {
+  auto color = color_of(fraction);
+  if (bands > 0 && static_cast<int>(std::floor(fraction * bands)) % 2 == 1) {
     for (auto& channel : color) channel = static_cast<std::uint8_t>(dark_band * channel);
   }
   return color;

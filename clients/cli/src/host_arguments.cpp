@@ -16,15 +16,15 @@ namespace {
 
 struct HostOption {
   const char* name;
-  const char* kind;  ///< shell, solid or moving; nullptr: the first two
+  const char* kind;  ///< shell, solid or moving; nullptr: shell and solid
   bool given;
 };
 
 std::array<HostOption, 12> host_options(const HostArguments& arguments) {
   return {{{"--host-youngs-modulus", nullptr, arguments.youngs_modulus > 0},
            {"--host-poisson-ratio", nullptr, arguments.poisson_ratio > -1},
-           {"--fix-vertex", nullptr, !arguments.vertices.empty()},
-           {"--move-vertex", nullptr, !arguments.moves.empty()},
+           {"--fix-vertex", nullptr, !arguments.fixed_vertices.empty()},
+           {"--move-vertex", nullptr, !arguments.moved_vertices.empty()},
            {"--positions", "moving", !arguments.positions.empty()},
            {"--host-thickness", "shell", arguments.thickness > 0},
            {"--volume-weight", "shell", arguments.volume_weight >= 0},
@@ -77,7 +77,7 @@ nlohmann::json move_of(const std::string& text) {
   return {{"vertex", vertex_index(numbers[0], text)}, {"positions", std::move(positions)}};
 }
 
-/// The vertices of an OBJ file, or rows of three numbers.
+/// The vertices of an OBJ file, or the rows of a text file, of three numbers each.
 nlohmann::json positions_in(const std::string& file) {
   std::istringstream lines(read_file(file));
   nlohmann::json positions = nlohmann::json::array();
@@ -152,12 +152,12 @@ void add_host_options(CLI::App& command, HostArguments& arguments) {
                      "Of a solid: force per volume x,y,z, in energy per mesh unit to the fourth");
   command
       .add_option(
-          "--fix-vertex", arguments.vertices,
+          "--fix-vertex", arguments.fixed_vertices,
           "Vertices of a shell or a solid that stay where they are: indices separated by commas; may be repeated")
       ->allow_extra_args(false);
   command
       .add_option(
-          "--move-vertex", arguments.moves,
+          "--move-vertex", arguments.moved_vertices,
           "A vertex I,X,Y,Z[,X,Y,Z...] of a shell or a solid that is taken to these places, in mesh units, once "
           "all is at rest; the rest follows; may be repeated")
       ->allow_extra_args(false);
@@ -172,7 +172,7 @@ void add_host_options(CLI::App& command, HostArguments& arguments) {
 void set_host(const HostArguments& arguments, nlohmann::json& request) {
   const auto given = request.find("host");
   const bool in_file = given != request.end() && given->is_object() && given->contains("kind");
-  if (in_file && !given->at("kind").is_string()) return;  // the server's to refuse
+  if (in_file && !given->at("kind").is_string()) return;  // the server refuses it
   const std::string file_kind = in_file ? given->at("kind").get<std::string>() : "rigid";
   const std::string kind = arguments.kind.empty() ? file_kind : arguments.kind;
   check_kind(arguments, kind);
@@ -192,9 +192,9 @@ void set_host(const HostArguments& arguments, nlohmann::json& request) {
   }
   if (!arguments.regions.empty()) host["regions"] = nlohmann::json::array();
   for (const auto& region : arguments.regions) host["regions"].push_back(stiffened_region(region));
-  if (!arguments.vertices.empty()) host["fixed_vertices"] = vertices_of(arguments.vertices);
-  if (!arguments.moves.empty()) host["moved_vertices"] = nlohmann::json::array();
-  for (const auto& move : arguments.moves) host["moved_vertices"].push_back(move_of(move));
+  if (!arguments.fixed_vertices.empty()) host["fixed_vertices"] = vertices_of(arguments.fixed_vertices);
+  if (!arguments.moved_vertices.empty()) host["moved_vertices"] = nlohmann::json::array();
+  for (const auto& move : arguments.moved_vertices) host["moved_vertices"].push_back(move_of(move));
   if (!arguments.positions.empty()) host["positions"] = nlohmann::json::array();
   for (const auto& file : arguments.positions) host["positions"].push_back(positions_in(file));
   if (arguments.no_bending) request["effects"]["bending"] = "off";

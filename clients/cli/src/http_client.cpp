@@ -14,7 +14,7 @@ namespace supple::cli {
 namespace {
 
 constexpr auto connect_timeout = std::chrono::seconds(5);
-/// An answer may take as long as a large mesh takes to be read; computations are followed as jobs instead.
+/// Long enough for the upload of a large mesh. Computations do not need it, since they are followed as jobs.
 constexpr auto answer_timeout = std::chrono::minutes(10);
 
 double seconds_in(const std::string& text) {

@@ -6,27 +6,27 @@
 
 namespace supple::cli {
 
-/// What came back, whatever its status.
+/// An answer of the server, with any status.
 struct Answer {
   int status = 0;
   std::string content_type;
-  std::string location;    ///< of a created mesh or an accepted job; empty otherwise
-  double retry_after = 0;  ///< seconds the server asks to wait before the next look; 0 where it says nothing
+  std::string location;    ///< path of a created mesh or an accepted job; empty otherwise
+  double retry_after = 0;  ///< seconds after which the server wants to be asked again; 0 if it says nothing
   std::string body;
-  std::string largest_distance;  ///< of the request's points in space from the surface; empty where there are none
+  std::string largest_distance;  ///< largest distance of the request's points in space from the surface; else empty
 
-  /// The body as JSON. Throws Failure(server_error) where it is none.
+  /// The body as JSON. Throws Failure(server_error) if it is none.
   nlohmann::json json() const;
 };
 
-/// One server, spoken to over HTTP/1.1. Sends one request at a time.
+/// The connection to one server over HTTP/1.1. It sends one request at a time.
 ///
-/// Every call throws Failure(unreachable) where no answer arrives, Failure(rejected) for a 4xx answer and
+/// Every call throws Failure(unreachable) if no answer arrives, Failure(rejected) for a 4xx answer and
 /// Failure(server_error) for a 5xx one, with the problem's sentence, code and the fields it names.
 class HttpClient {
  public:
-  /// `url` is scheme, host and port, e.g. http://127.0.0.1:8080. Throws Failure(usage) where it is not. The key, if
-  /// there is one, goes along with each request as a header.
+  /// `url` is scheme, host and port, such as http://127.0.0.1:8080; Failure(usage) is thrown if it is not. Each request
+  /// has the key, if there is one, in a header.
   explicit HttpClient(const std::string& url, const std::string& key = "");
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
@@ -40,7 +40,7 @@ class HttpClient {
               const std::string& accept = "application/json", const std::string& prefer = "");
   Answer erase(const std::string& path);
 
-  /// Breaks the request in progress, from any thread: the call that waits for it throws.
+  /// Aborts the request in progress, so that the call that waits for it throws. Any thread may call this.
   void abort();
 
  private:

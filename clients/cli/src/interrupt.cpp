@@ -14,15 +14,15 @@
 namespace supple::cli {
 namespace {
 
-std::atomic<bool> interrupt_seen = false;
+std::atomic<bool> is_interrupted = false;
 std::mutex action_mutex;
 std::function<void()> current_action;
 
 void watch(sigset_t signals) {
   int signal_number = 0;
   while (sigwait(&signals, &signal_number) == 0) {
-    // A second Ctrl-C means that the user does not want to wait for the tidy end.
-    if (interrupt_seen.exchange(true)) _exit(static_cast<int>(ExitCode::interrupted));
+    // A second Ctrl-C means that the user does not want to wait for the cancellation.
+    if (is_interrupted.exchange(true)) _exit(static_cast<int>(ExitCode::interrupted));
     const std::lock_guard lock(action_mutex);
     if (!current_action) _exit(static_cast<int>(ExitCode::interrupted));
     current_action();
@@ -40,7 +40,7 @@ InterruptWatch::InterruptWatch() {
   std::thread(watch, signals).detach();
 }
 
-bool InterruptWatch::interrupted() { return interrupt_seen; }
+bool InterruptWatch::interrupted() { return is_interrupted; }
 
 InterruptWatch::Scope::Scope(std::function<void()> action) {
   const std::lock_guard lock(action_mutex);

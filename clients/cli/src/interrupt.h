@@ -4,8 +4,8 @@
 
 namespace supple::cli {
 
-/// Turns Ctrl-C and SIGTERM into a call on a thread of its own, where, unlike in a signal handler, everything is
-/// allowed. Construct the watch before any other thread, so that all of them inherit the blocked signals.
+/// Turns Ctrl-C and SIGTERM into a call on a separate thread, which, unlike a signal handler, may do anything. The
+/// watch must be constructed before any other thread, so that all threads inherit the blocked signals.
 class InterruptWatch {
  public:
   InterruptWatch();
@@ -15,8 +15,8 @@ class InterruptWatch {
   /// Whether Ctrl-C was pressed.
   static bool interrupted();
 
-  /// While it lives, an interrupt calls `action` once from the watching thread. Scopes nest; the innermost one is
-  /// called. Outside of all scopes an interrupt ends the process.
+  /// During its lifetime an interrupt calls `action` once, from the watching thread. If scopes are nested, the
+  /// innermost one's action is called. Outside of all scopes an interrupt ends the process.
   class Scope {
    public:
     explicit Scope(std::function<void()> action);

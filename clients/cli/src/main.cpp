@@ -18,7 +18,7 @@ namespace {
 
 int run(int argument_count, char** arguments) {
   using supple::cli::ExitCode;
-  // First of all, so that every thread that follows leaves Ctrl-C to the watch.
+  // Constructed first, so that every later thread leaves Ctrl-C to the watch.
   const supple::cli::InterruptWatch watch;
   supple::cli::GlobalOptions options;
   const auto program = supple::cli::make_program(options);

@@ -11,7 +11,7 @@
 namespace supple::cli {
 namespace {
 
-/// Text that roff takes as it stands: dashes that can be copied, and no line that begins with a control character.
+/// The text escaped for roff: dashes can be copied, and no line begins with a control character.
 std::string roff(const std::string& text) {
   std::string out = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
   if (out.starts_with('.') || out.starts_with('\'')) out.insert(0, "\\&");
@@ -23,8 +23,8 @@ std::string capitals(std::string text) {
   return text;
 }
 
-/// The lines one below the other as they stand, without the spaces that all of them begin with.
-std::string as_it_stands(const std::vector<std::string>& lines) {
+/// The lines without reformatting, and without the spaces that all of them begin with.
+std::string verbatim(const std::vector<std::string>& lines) {
   std::size_t indentation = std::string::npos;
   for (const auto& line : lines) indentation = std::min(indentation, line.find_first_not_of(' '));
   std::string out = ".PP\n.nf\n";
@@ -32,7 +32,7 @@ std::string as_it_stands(const std::vector<std::string>& lines) {
   return out + ".fi\n";
 }
 
-/// What a help text ends with: paragraphs with a first line "Examples:" and lines below it, or one line of text.
+/// The footer of a help text: paragraphs with a first line such as "Examples:" and lines below it, or one line of text.
 /// `heading` is the macro for the first lines.
 std::string closing_text(const std::string& footer, const char* heading) {
   std::string out;
@@ -44,7 +44,7 @@ std::string closing_text(const std::string& footer, const char* heading) {
       out += fmt::format("{} {}\n", heading, roff(capitals(lines.front().substr(0, lines.front().size() - 1))));
       lines.erase(lines.begin());
     }
-    out += headed ? as_it_stands(lines) : ".PP\n" + roff(joined(lines, " ")) + "\n";
+    out += headed ? verbatim(lines) : ".PP\n" + roff(joined(lines, " ")) + "\n";
     lines.clear();
   };
   std::istringstream text(footer);
@@ -66,7 +66,7 @@ std::string value_name(const CLI::Option& option) {
   return number ? " NUMBER" : " VALUE";
 }
 
-/// A line may be broken between the values to choose from.
+/// The text with permitted line breaks between the values of an option.
 std::string breakable(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -20,7 +20,7 @@ namespace {
 constexpr int max_control_points = 64;
 constexpr int max_blocks = 10'000;
 
-/// Whether a text can stand in JSON as it is: no overlong forms and no surrogates either.
+/// Whether a text is valid UTF-8, as JSON requires: without overlong forms and without surrogates.
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
@@ -55,7 +55,7 @@ std::string base64(std::string_view bytes) {
 }
 
 /// Two entries separated by a comma, either of which may be empty.
-std::pair<std::string, std::string> two_of(const std::string& text, const char* option) {
+std::pair<std::string, std::string> parse_two_texts(const std::string& text, const char* option) {
   const auto comma = text.find(',');
   if (comma == std::string::npos || text.find(',', comma + 1) != std::string::npos)
     throw Failure(ExitCode::usage,
@@ -125,7 +125,7 @@ std::string bytes_of_measurements(const std::string& file) {
 nlohmann::json reduce_curve(Session& session, const std::string& bytes, const std::string& task,
                             const MeasuredCurveArguments& arguments) {
   nlohmann::json request;
-  // The server tells the encodings of instruments apart; JSON can hold UTF-8 alone.
+  // The server recognizes other encodings, but JSON can contain only UTF-8, so other bytes are sent as base64.
   if (is_utf8(bytes) && bytes.find('\0') == std::string::npos) {
     request["text"] = bytes;
   } else {
@@ -133,12 +133,12 @@ nlohmann::json reduce_curve(Session& session, const std::string& bytes, const st
   }
   if (!task.empty()) request["task"] = task;
   if (!arguments.columns.empty()) {
-    const auto [x, y] = two_of(arguments.columns, "--columns");
+    const auto [x, y] = parse_two_texts(arguments.columns, "--columns");
     if (!x.empty()) request["columns"]["x"] = column_of(x);
     if (!y.empty()) request["columns"]["y"] = column_of(y);
   }
   if (!arguments.units.empty()) {
-    const auto [x, y] = two_of(arguments.units, "--units");
+    const auto [x, y] = parse_two_texts(arguments.units, "--units");
     if (!x.empty()) request["units"]["x"] = x;
     if (!y.empty()) request["units"]["y"] = y;
   }

@@ -8,7 +8,7 @@
 
 namespace supple::cli {
 
-/// How a file of measurements is to be read, and how closely it is to be followed.
+/// The options that say how a file of measurements is read, and with how many control points it is approximated.
 struct MeasuredCurveArguments {
   std::string columns;  ///< "0,2", or names
   std::string units;    ///< "%,kPa"
@@ -24,21 +24,20 @@ struct MeasuredCurveArguments {
 
 void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& arguments);
 
-/// Whether the argument of --target is a file of measurements, or standard input (-), rather than control points that
-/// stand on the command line.
+/// Whether the argument of --target is a file of measurements or standard input (-), and not a list of control points.
 bool is_measured(const std::string& target);
 
-/// The bytes of a file, or of standard input where it is "-". Throws Failure(local_file).
+/// The bytes of a file, or of standard input if it is "-". Throws Failure(local_file).
 std::string bytes_of_measurements(const std::string& file);
 
-/// The answer of the server to the measurements that the bytes of a file hold. Throws Failure.
+/// The server's answer for the measurements in a file, of which `bytes` is the content. Throws Failure.
 nlohmann::json reduce_curve(Session& session, const std::string& bytes, const std::string& task,
                             const MeasuredCurveArguments& arguments);
 
-/// How close the control points come, in a sentence.
+/// A sentence on how well the control points approximate the curve.
 std::string reduction_words(const nlohmann::json& answer);
 
-/// Says what to know about the curve on standard error, warnings in their colour.
+/// Prints the notes and warnings about the curve on standard error, warnings in their colour.
 void print_curve_notes(const nlohmann::json& answer);
 
 }  // namespace supple::cli

@@ -36,11 +36,11 @@ void print_repairs(const nlohmann::json& made) {
 }
 
 struct RepairArguments {
-  std::string repairs;         ///< names separated by commas; empty for none
-  std::string weld_tolerance;  ///< a number; empty for the server's
+  std::string repairs;         ///< names separated by commas; empty for no repairs
+  std::string weld_tolerance;  ///< a number; empty for the server's default
 };
 
-/// The path of an upload that asks for the repairs.
+/// The path of an upload, with the repairs in its query.
 std::string upload_path(const RepairArguments& arguments) {
   constexpr const char* letters = "abcdefghijklmnopqrstuvwxyz_,";
   if (arguments.repairs.find_first_not_of(letters) != std::string::npos) {

@@ -7,7 +7,7 @@
 namespace supple::cli {
 namespace {
 
-/// The mean error of stresses on designs that the model has not seen, or on states that it has not.
+/// The mean error of stresses on designs that the model was not trained on or, if unknown, on such states.
 std::string shown_error(const nlohmann::json& errors) {
   for (const char* split : {"design_split", "row_split"}) {
     if (const auto& found = errors.at(split); !found.is_null())

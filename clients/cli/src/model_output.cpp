@@ -19,7 +19,7 @@ void print_model_and_cost(const nlohmann::json& answer) {
   print_cost(answer);
 }
 
-/// An answer without error bars has null for all of them.
+/// The stress error bar of state `i`; null if the answer has none.
 nlohmann::json stress_error_bar_at(const nlohmann::json& answer, std::size_t i) {
   const auto& bars = answer.at("stress_error_bar");
   return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);

@@ -5,15 +5,15 @@
 
 namespace supple::cli {
 
-/// One line for each strain with everything that the answer has, after a line of names. `strains` are those of the
+/// CSV with a line of names, and a line for each strain with all values of the answer. `strains` are those of the
 /// request.
 std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::json& answer);
-/// The same for people.
+/// Prints the answer for people.
 void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answer);
 
-/// One line for each state, after a line of names. What is null is empty.
+/// CSV with a line of names and a line for each state. Null gives an empty cell.
 std::string uniaxial_as_csv(const nlohmann::json& states);
-/// The states for people.
+/// Prints the states for people.
 void print_uniaxial(const nlohmann::json& answer);
 
 }  // namespace supple::cli

@@ -11,8 +11,8 @@
 namespace supple::cli {
 namespace {
 
-/// A series of more numbers than any server takes is a slip of the finger.
-constexpr std::int64_t longest_series = 1'000'000;
+/// A longer series is a typing error, since no server accepts so many numbers.
+constexpr std::int64_t max_series_length = 1'000'000;
 
 template <class Number>
 std::optional<Number> number_in(std::string_view part) {
@@ -30,11 +30,11 @@ std::optional<std::vector<double>> spaced_numbers_in(std::string_view text) {
   const auto last = number_in<double>(text.substr(first_colon + 1, second_colon - first_colon - 1));
   const auto count = number_in<std::int64_t>(text.substr(second_colon + 1));
   if (!first || !last || !count || !std::isfinite(*first) || !std::isfinite(*last)) return std::nullopt;
-  if (*count < 2 || *count > longest_series) return std::nullopt;
+  if (*count < 2 || *count > max_series_length) return std::nullopt;
   std::vector<double> values;
   for (std::int64_t i = 0; i < *count; ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(*count - 1);
-    values.push_back((1 - share) * *first + share * *last);
+    const double fraction = static_cast<double>(i) / static_cast<double>(*count - 1);
+    values.push_back((1 - fraction) * *first + fraction * *last);
   }
   return values;
 }

@@ -8,10 +8,10 @@
 
 namespace supple::cli {
 
-/// The numbers between the commas, e.g. "0.1,-2,3e-4"; nothing where one of them is none or not finite.
+/// Numbers separated by commas, such as "0.1,-2,3e-4"; nothing if one of them is malformed or not finite.
 std::optional<std::vector<double>> numbers_in(std::string_view text);
 
-/// The same. Throws Failure(usage) that quotes the text and names `what`.
+/// Numbers separated by commas. Throws Failure(usage) that quotes the text and names `what`.
 std::vector<double> parse_numbers(const std::string& text, const char* what);
 
 /// One number. Throws Failure(usage) that quotes the text and names `what`.
@@ -21,13 +21,14 @@ double parse_number(const std::string& text, const char* what);
 /// Failure(usage) that quotes the text and names `what`.
 std::vector<double> parse_series(const std::string& text, const char* what);
 
-/// A number that counts from 0. Throws Failure(usage) that quotes `text` and names `what`: "point".
+/// The number as an index that counts from 0. Throws Failure(usage) that quotes `text` and names `what`, such as
+/// "point".
 std::int64_t index_of(double number, const std::string& text, const char* what);
 
-/// Indices separated by commas. Throws the same.
+/// Indices separated by commas. Throws as index_of does.
 std::vector<std::int64_t> parse_indices(const std::string& text, const char* what);
 
-/// The integer that all of `text` is, or nothing.
+/// The integer that the whole text is, or nothing.
 std::optional<std::int64_t> integer_in(std::string_view text);
 
 }  // namespace supple::cli

@@ -42,7 +42,7 @@ struct PartArguments {
   std::string svg_file;
 };
 
-/// "20x60": two lengths in mm.
+/// Two lengths in mm, such as "20x60".
 std::pair<double, double> parse_size(const std::string& text, const char* option) {
   const std::size_t cross = text.find('x');
   const auto first = numbers_in(std::string_view(text).substr(0, cross));
@@ -76,7 +76,7 @@ nlohmann::json object_in(const std::string& file) {
   return object;
 }
 
-/// The only direction along which a design is loaded; null where its profiles are over directions or of several ones.
+/// The only direction along which a design is loaded; null if its profiles are over directions or have several ones.
 nlohmann::json load_direction(const nlohmann::json& design) {
   nlohmann::json direction = design.at("profile").value("direction", nlohmann::json());
   for (const auto& further : design.at("also")) {
@@ -85,7 +85,8 @@ nlohmann::json load_direction(const nlohmann::json& design) {
   return direction;
 }
 
-/// The structure of a design as `supple design --json` prints it. A coupon or a block of it is loaded as the design.
+/// Sets the structure from a file with the output of `supple design --json`. The load axis of a coupon or a block is
+/// the direction of the design's load.
 void use_design(const std::string& file, bool has_load_axis, nlohmann::json& request) {
   const nlohmann::json design = object_in(file);
   try {

@@ -16,13 +16,13 @@
 namespace supple::cli {
 namespace {
 
-/// Pixels of a PNG for each of the picture's own.
-constexpr double sharpness = 2;
-/// The longest side that Cairo's surfaces may have.
-constexpr double longest_side = 32767;
+/// Pixels of a PNG for each pixel of the SVG picture.
+constexpr double pixel_ratio = 2;
+/// Longest side that Cairo permits, in pixels.
+constexpr double max_side = 32767;
 
-/// Makes PNG files by librsvg and the Cairo under it. They are looked for when a PNG is asked for: the program itself
-/// needs neither, to be built or to run.
+/// Makes PNG files with librsvg and Cairo. These are loaded only when a PNG is requested, so that neither building nor
+/// running the program needs them otherwise.
 class Rasterizer {
  public:
   static bool available() { return library() != nullptr; }
@@ -43,9 +43,9 @@ class Rasterizer {
         new_from_data(reinterpret_cast<const std::uint8_t*>(svg.data()), svg.size(), nullptr), unref);
     Rectangle page;
     if (!handle || size_of(handle.get(), &page.width, &page.height) == 0) fail("the picture cannot be read");
-    page.width = std::ceil(sharpness * page.width);
-    page.height = std::ceil(sharpness * page.height);
-    if (!(std::min(page.width, page.height) >= 1 && std::max(page.width, page.height) <= longest_side))
+    page.width = std::ceil(pixel_ratio * page.width);
+    page.height = std::ceil(pixel_ratio * page.height);
+    if (!(std::min(page.width, page.height) >= 1 && std::max(page.width, page.height) <= max_side))
       fail("the picture is too large; write it as .svg");
     const std::unique_ptr<void, void (*)(void*)> surface(
         create_surface(argb32, static_cast<int>(page.width), static_cast<int>(page.height)), destroy_surface);
@@ -57,14 +57,14 @@ class Rasterizer {
   }
 
  private:
-  /// RsvgRectangle.
+  /// The layout of RsvgRectangle.
   struct Rectangle {
     double x = 0;
     double y = 0;
     double width = 0;
     double height = 0;
   };
-  /// CAIRO_FORMAT_ARGB32.
+  /// The value of CAIRO_FORMAT_ARGB32.
   static constexpr int argb32 = 0;
 
   [[noreturn]] static void fail(const char* what) { throw Failure(ExitCode::local_file, what); }
@@ -79,7 +79,7 @@ class Rasterizer {
     return found;
   }
 
-  /// A function of the library or of one that it needs, such as Cairo.
+  /// A function of librsvg, or of a library that it needs, such as Cairo.
   template <class Signature>
   static Signature* function(const char* name) {
     void* const address = library() == nullptr ? nullptr : dlsym(library(), name);

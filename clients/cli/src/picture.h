@@ -5,12 +5,12 @@
 
 namespace supple::cli {
 
-/// Checks the name of a file that a plot is to be written to, before anything is computed: it ends with .svg or .png or
-/// has no ending, which means SVG, and for .png this machine has what makes them.
+/// Checks the name of a plot's file before anything is computed. It must end with .svg or .png, or have no ending,
+/// which means SVG. For .png this machine must have librsvg.
 CLI::Validator plot_file();
 
-/// Writes a picture given as SVG to a file, or to standard output where the path is "-": as PNG where the name ends
-/// with .png, two pixels for each of the picture's. Throws Failure(local_file).
+/// Writes an SVG picture to a file, or to standard output if the path is "-". If the name ends with .png, it is
+/// converted to PNG at twice its size. Throws Failure(local_file).
 void write_picture(const std::string& path, const std::string& svg);
 
 }  // namespace supple::cli

@@ -4,22 +4,22 @@
 
 #include "plot_curves.h"
 
-// What surrounds the curves of a panel.
+// The axes around the curves of a panel.
 namespace supple::cli {
 
-/// Axes as SVG, in the order in which they are drawn: the grid, the curves within `shape`, the labels.
+/// Axes as SVG. They are drawn in this order: the grid, the curves clipped to `shape`, the labels.
 struct Axes {
   Frame frame;
-  std::string shape;   ///< the area of the curves, an element without its end
+  std::string shape;   ///< the area of the curves, as an SVG element without its closing "/>"
   std::string grid;    ///< lines, and the numbers outside of the area
-  std::string labels;  ///< what stands above the curves
+  std::string labels;  ///< texts that are drawn over the curves
 };
 
-/// Straight axes; the ranges are widened a little.
+/// Straight axes, whose ranges are slightly wider than x and y.
 Axes cartesian_axes(Range x, Range y, const std::string& x_label, const std::string& y_label);
 
-/// Angles in rad around, values outwards from 0, or from below the least one where there are negative ones.
-/// `all_around`: the samples cover the half turn.
+/// Polar axes with angles in rad. The centre has the value 0, or one below the least value if that is negative.
+/// `all_around` says that the samples cover the half turn, after which the profile repeats.
 Axes polar_axes(Range values, bool all_around);
 
 }  // namespace supple::cli

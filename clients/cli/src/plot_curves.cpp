@@ -11,18 +11,18 @@ namespace {
 
 using std::numbers::pi;
 
-bool known(Point point) { return std::isfinite(point.x) && std::isfinite(point.y); }
+bool is_finite(Point point) { return std::isfinite(point.x) && std::isfinite(point.y); }
 
-/// The way from sample `i` of a curve to the next one.
+/// The segment from a sample of a curve to the next one.
 struct Chord {
-  double length = 0;  ///< of the parameter
-  Point slope;
+  double length = 0;  ///< difference of the parameter
+  Point slope;        ///< difference of the positions over `length`
 };
 
 Chord chord_after(const Curve& curve, std::size_t i) {
   const std::size_t n = curve.points.size();
   const std::size_t next = (i + 1) % n;
-  // Samples cover the turn evenly enough: the last stretch is taken to be as long as the first.
+  // The interval that closes the curve is assumed to be as long as the first one.
   const double length =
       next == 0 ? curve.parameter[1] - curve.parameter[0] : curve.parameter[next] - curve.parameter[i];
   const Point from = curve.points[i];
@@ -30,17 +30,18 @@ Chord chord_after(const Curve& curve, std::size_t i) {
   return {length, {(to.x - from.x) / length, (to.y - from.y) / length}};
 }
 
-/// The slope of a smooth curve between two chords: their harmonic mean, 0 at an extremum, so that nothing is drawn
-/// beyond the samples.
+/// The slope of a smooth curve between two chords: their harmonic mean, or 0 at an extremum, so that the curve does not
+/// overshoot the samples.
 double slope_between(double before, double after) {
   return before * after > 0 ? 2 * before * after / (before + after) : 0;
 }
 
-/// Of a closed curve, which goes around: the mean.
+/// The derivative of a smooth curve at a sample, by the parameter. On a closed curve it is the mean of the chords'
+/// slopes.
 Point tangent_at(const Curve& curve, std::size_t i) {
   const std::size_t n = curve.points.size();
-  const bool has_before = (i > 0 || curve.closed) && known(curve.points[(i + n - 1) % n]);
-  const bool has_after = (i + 1 < n || curve.closed) && known(curve.points[(i + 1) % n]);
+  const bool has_before = (i > 0 || curve.closed) && is_finite(curve.points[(i + n - 1) % n]);
+  const bool has_after = (i + 1 < n || curve.closed) && is_finite(curve.points[(i + 1) % n]);
   if (!has_before && !has_after) return {};
   const Point before = chord_after(curve, has_before ? (i + n - 1) % n : i).slope;
   const Point after = has_after ? chord_after(curve, i).slope : before;
@@ -64,7 +65,7 @@ std::vector<Curve> curves_of(const Frame& frame, const std::vector<double>& x, c
   for (int half = 0; half < (frame.polar ? 2 : 1); ++half) {
     auto& curve = curves[std::min<std::size_t>(static_cast<std::size_t>(half), curves.size() - 1)];
     for (const auto i : order) {
-      // A place that is given twice is one.
+      // A parameter that occurs twice is used once.
       if (!curve.parameter.empty() && !(x[i] + half * pi > curve.parameter.back())) continue;
       curve.parameter.push_back(x[i] + half * pi);
       curve.points.push_back(frame.place(x[i] + half * pi, y[i]));
@@ -80,7 +81,7 @@ std::string path_of(const Curve& curve) {
   bool open = false;
   for (std::size_t i = 0; i < n + (curve.closed ? 1 : 0); ++i) {
     const Point to = curve.points[i % n];
-    if (!known(to)) {
+    if (!is_finite(to)) {
       open = false;
       continue;
     }

@@ -6,30 +6,31 @@
 
 #include "plot_paper.h"
 
-// Smooth curves through samples, on any kind of paper.
+// Smooth curves through samples, for straight and for polar axes.
 namespace supple::cli {
 
-/// How numbers become places on the paper.
+/// The map from numbers to positions in the picture.
 struct Frame {
   std::function<Point(double, double)> place;
   bool polar = false;
-  bool all_around = false;  ///< of polar curves: the samples cover the half turn
+  bool all_around = false;  ///< whether the samples of polar curves cover the half turn, after which they repeat
 };
 
-/// Where the samples of a curve lie on the paper, in the order of their parameter.
+/// The positions of a curve's samples in the picture, in the order of their parameter.
 struct Curve {
   std::vector<double> parameter;
   std::vector<Point> points;
   bool closed = false;    ///< the first sample follows the last one
-  bool straight = false;  ///< from sample to sample, without rounding
+  bool straight = false;  ///< whether straight segments connect the samples
 };
 
-/// One curve; over directions a second copy half a turn away, or one closed curve. x in any order.
+/// The curves of y over x, which may be in any order. On polar axes there are two, half a turn apart, or one closed
+/// curve if the samples are all around.
 std::vector<Curve> curves_of(const Frame& frame, const std::vector<double>& x, const std::vector<double>& y);
 
-/// A path through the samples, smooth unless `straight`. It begins anew after one that is missing.
+/// An SVG path through the samples, smooth unless `straight`. It has a gap at a missing sample.
 std::string path_of(const Curve& curve);
-/// The paths of all curves; nothing where there are no values.
+/// The SVG path of all curves; empty if there are no values.
 std::string path_of(const Frame& frame, const std::vector<double>& x, const std::vector<double>& y);
 
 }  // namespace supple::cli

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-// What plots are drawn with: sizes, inks, and the elements of an SVG file.
+// Sizes, colours and SVG elements of plots.
 namespace supple::cli {
 
 // Sizes in pixels.
@@ -27,10 +27,11 @@ struct Point {
   double y = 0;
 };
 
-/// Text as it may stand in an SVG file, without control characters.
+/// The text escaped for an SVG file, without control characters.
 std::string escaped(const std::string& text);
 
-/// Elements of an SVG file. `more` are further attributes; a path that is empty and a dot at no place are nothing.
+/// Elements of an SVG file. `more` are further attributes. An empty path and a dot at a position that is not finite
+/// give empty text.
 std::string text_at(Point at, const std::string& text, const char* anchor = "middle", double size = 12,
                     const char* color = ink, const char* more = "");
 std::string line(Point from, Point to, const char* color, double width = 1);
@@ -52,14 +53,14 @@ struct Range {
   double size() const { return high - low; }
 };
 
-/// The range, or some length around it where it has none.
+/// The range; an empty one or one without length is replaced by one around it that has a length.
 Range widened(Range range);
 
-/// 1, 2 or 5 times a power of ten: the spacing of about `count` ticks over `range`.
+/// The spacing of about `count` ticks over `range`: 1, 2 or 5 times a power of ten.
 double tick_spacing(double range, int count);
-/// Multiples of the spacing between both ends, ends included.
+/// Multiples of the spacing from `low` to `high`.
 std::vector<double> ticks_of(double low, double high, double spacing);
-/// A tick's number with a true minus sign and without the sign of -0.
+/// A tick's number with a typographic minus sign; -0 becomes 0.
 std::string tick_text(double value, double spacing);
 
 }  // namespace supple::cli

@@ -14,7 +14,7 @@ using std::numbers::pi;
 
 // Sizes in pixels.
 constexpr double polar_radius = 166;
-constexpr double polar_top = 24;  ///< above the rim, for the directions' names
+constexpr double polar_top = 24;  ///< space above the rim, for the names of directions
 
 }  // namespace
 
@@ -53,7 +53,7 @@ Axes polar_axes(Range values, bool all_around) {
         "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.2f}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
         center.x, center.y, radius(value), rim || zero ? axis_color : grid_color, rim || zero ? 1.2 : 1.0);
   }
-  // The rings' numbers stand above the curves, between two rays.
+  // The rings' numbers are drawn over the curves, between two rays.
   for (int ring = inner < 0 ? 0 : 1; ring <= rings; ++ring) {
     const double value = inner + ring * step;
     const Point at = frame.place(5 * pi / 12, value);

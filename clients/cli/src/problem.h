@@ -8,16 +8,16 @@
 
 namespace supple::cli {
 
-/// The failure that a problem document (RFC 9457) of the server stands for.
+/// A failure with the problem document (RFC 9457) that the server sent.
 class Problem : public Failure {
  public:
   Problem(ExitCode code, int status, const std::string& message, nlohmann::json document)
       : Failure(code, message), status_(status), document_(std::move(document)) {}
 
-  /// Of the answer.
+  /// The HTTP status of the answer.
   int status() const noexcept { return status_; }
 
-  /// What the server sent.
+  /// The problem document.
   const nlohmann::json& document() const noexcept { return document_; }
 
  private:
@@ -25,11 +25,11 @@ class Problem : public Failure {
   nlohmann::json document_;
 };
 
-/// The failure that a 4xx or 5xx answer stands for: where the body is a problem document a Problem with the server's
-/// sentence. Any other body is quoted shortened.
+/// Throws the failure for a 4xx or 5xx answer. If the body is a problem document, this is a Problem with the server's
+/// sentence. The message quotes the beginning of any other body.
 [[noreturn]] void throw_problem(int status, const std::string& body);
 
-/// A text among the members of an object; empty where there is none.
+/// The text of an object's member; empty if there is none.
 std::string member_text(const nlohmann::json& object, const char* key);
 
 }  // namespace supple::cli

@@ -15,7 +15,8 @@
 namespace supple::cli {
 namespace {
 
-/// Fields whose options have another name, by the command; a field within one of these belongs to the same option.
+/// A field whose option has another name, for one command or, if that is empty, for all. Fields within the field belong
+/// to the same option.
 struct FieldName {
   std::string_view command;
   std::string_view pointer;
@@ -63,10 +64,10 @@ constexpr std::array<FieldName, 39> field_names{{
     {"", "/weave/pattern", "weave"},
 }};
 
-/// Options that name files of whole requests or of parts of them.
+/// Options whose values are files of whole requests or of parts of them.
 constexpr std::array<const char*, 6> request_files{"request", "network", "options", "load", "profile", "limits"};
 
-/// What to do next where the server's own words are for those who write requests.
+/// Advice for problems whose hint by the server is for authors of requests.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 7> hints{{
     {"mesh.not_found", "See 'supple mesh list', or name a mesh file, which is uploaded."},
     {"point.vertex_out_of_range", "Vertices are numbered from 0; 'supple mesh show' says how many there are."},
@@ -91,10 +92,10 @@ bool lies_within(const std::string& pointer, std::string_view field) {
 
 const CLI::Option* option_named(const CLI::App& app, const std::string& part) {
   const std::string name = replaced(part, "_", "-");
-  std::vector<std::string> spelt{name};
-  // One option for each entry: --spring for springs.
-  if (name.ends_with('s')) spelt.push_back(name.substr(0, name.size() - 1));
-  for (const auto& one : spelt)
+  std::vector<std::string> names{name};
+  // An option may be repeated for each entry of a list: --spring for springs.
+  if (name.ends_with('s')) names.push_back(name.substr(0, name.size() - 1));
+  for (const auto& one : names)
     for (const CLI::Option* option : app.get_options())
       if (option->check_lname(one) || (one.size() == 1 && option->check_sname(one)) ||
           option->get_name(/*positional=*/true) == one)
@@ -106,7 +107,7 @@ std::string shown_name(const CLI::Option& option) {
   return option.nonpositional() ? spellings(option).back() : option.get_name(/*positional=*/true);
 }
 
-/// The value of an argument with several that an entry of a list came from: " 'v9'".
+/// The value from which an entry of a list came, if an option has several values: " 'v9'".
 std::string quoted_value(const CLI::Option& option, const std::vector<std::string>& parts, std::size_t at) {
   if (at + 1 >= parts.size() || option.get_items_expected_max() <= 1) return {};
   const auto index = integer_in(parts[at + 1]);
@@ -115,7 +116,7 @@ std::string quoted_value(const CLI::Option& option, const std::vector<std::strin
   return fmt::format(" '{}'", values[static_cast<std::size_t>(*index)]);
 }
 
-/// Where in an option's value a fault lies: the number in a list (" at index 1", from 0), or the name of an entry
+/// The place of a fault in an option's value: an index in a list (" at index 1", from 0), or the name of an entry
 /// (" 'beauty'").
 std::string place_in_value(const std::vector<std::string>& parts, std::size_t at) {
   const auto index = std::find_if(parts.begin() + static_cast<std::ptrdiff_t>(std::min(at, parts.size())), parts.end(),
@@ -124,7 +125,7 @@ std::string place_in_value(const std::vector<std::string>& parts, std::size_t at
   return at + 1 == parts.size() ? fmt::format(" '{}'", parts[at]) : std::string();
 }
 
-/// Both ends of geodesics are told in turn.
+/// The point on the command line for an end of a geodesic; the points are the start and the end of each one in turn.
 std::string name_of_end(const CLI::App& command, const std::vector<std::string>& parts) {
   const CLI::Option* points = option_named(command, "points");
   const auto pair = parts.size() > 2 ? integer_in(parts[1]) : std::nullopt;
@@ -140,11 +141,11 @@ bool reads_request_file(const CLI::App& command) {
   });
 }
 
-/// The server's sentence with the option in the place of a field that it names, with its first slash or without.
+/// The server's sentence with the option in place of the field that it names, with or without its first slash.
 std::string with_name_of_field(const std::string& sentence, const std::string& pointer, const std::string& name) {
   const std::string text = replaced(sentence, pointer, name);
   const std::string bare = pointer.substr(1);
-  // A single word may be meant as such elsewhere in the sentence.
+  // A single word may occur in the sentence with another meaning.
   if (bare.find('/') != std::string::npos) return replaced(text, bare, name);
   return text.starts_with(bare + ":") ? name + text.substr(bare.size()) : text;
 }
@@ -154,7 +155,7 @@ std::string hint_of(const nlohmann::json& document) {
   for (const auto& [known, hint] : hints)
     if (code == known) return std::string(hint);
   auto hint = member_text(document, "hint");
-  // Such hints are for those who write requests by hand.
+  // Hints with these words are for authors of requests.
   for (const char* const word : {"/openapi.yaml", "/v1/", "entries of errors", "entry of errors", "The message names"})
     if (hint.find(word) != std::string::npos) return {};
   return hint;
@@ -170,12 +171,12 @@ std::string name_of_field(const std::string& pointer, const std::vector<const CL
   const bool from_file = reads_request_file(command);
   if (command.get_name() == "geodesic" && parts.front() == "pairs") return name_of_end(command, parts);
   for (const auto& known : field_names) {
-    const bool here = known.command.empty() || known.command == command.get_name();
-    if (!here || !lies_within(pointer, known.pointer)) continue;
+    const bool is_of_command = known.command.empty() || known.command == command.get_name();
+    if (!is_of_command || !lies_within(pointer, known.pointer)) continue;
     if (from_file) return field;
     const CLI::Option* const points = command.get_option_no_throw("--target-points");
     if (known.name == "--target" && points != nullptr && points->count() > 0) return "--target-points";
-    // Entries of several options are counted together, which tells nothing of one of them.
+    // The index counts the entries of several options together, so that it does not identify an entry of one.
     const bool several = known.name.find(" or ") != std::string_view::npos;
     return std::string(known.name) +
            (several ? "" : place_in_value(parts, parts_of(std::string(known.pointer)).size()));
@@ -209,8 +210,8 @@ std::string problem_message(const Problem& problem, const CLI::App& program) {
     sentence = fmt::format("{}: {}", faults.front().first, sentence);
   std::string message = fmt::format("{} [{}, HTTP {}]", sentence, member_text(document, "code"), problem.status());
   for (const auto& [place, detail] : faults) {
-    const bool said = sentence.find(place) != std::string::npos && sentence.find(detail) != std::string::npos;
-    if (!said) message += fmt::format("\n  {}{}{}", place, place.empty() ? "" : ": ", detail);
+    const bool is_in_sentence = sentence.find(place) != std::string::npos && sentence.find(detail) != std::string::npos;
+    if (!is_in_sentence) message += fmt::format("\n  {}{}{}", place, place.empty() ? "" : ": ", detail);
   }
   if (const auto hint = hint_of(document); !hint.empty()) message += "\n" + hint;
   return message;

@@ -16,11 +16,11 @@
 namespace supple::cli {
 namespace {
 
-/// x and y; then a weight; then a band.
+// Columns of a control point: x, y, weight, band.
 constexpr std::size_t min_columns = 2;
 constexpr std::size_t max_columns = 4;
 
-/// Whether a row begins with a word. One that begins with a number is a control point, or a mistake to be told.
+/// Whether a row begins with a word. A row that begins with a number is a control point, or a fault to be reported.
 bool is_heading(const std::string& row) { return !angle_in(std::string_view(row).substr(0, row.find(','))); }
 
 }  // namespace

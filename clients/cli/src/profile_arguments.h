@@ -8,7 +8,7 @@
 
 namespace supple::cli {
 
-/// The options that say which profile is meant: what it shows, of which family, and where it is taken.
+/// The options that say which profile is meant: its task, its family, and its direction or strain.
 struct ProfileArguments {
   std::string task;
   std::string family;
@@ -20,25 +20,25 @@ struct ProfileArguments {
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments);
 
-/// The fields of a request that have been given. Throws Failure(usage).
+/// The fields of a request for the options that are set. Throws Failure(usage).
 nlohmann::json profile_fields(const ProfileArguments& arguments);
 
-/// The two to four numbers of a control point "x,y,weight,band"; over directions the first is an angle, which may have
-/// a unit. Nothing where the text is none.
+/// The two to four numbers of a control point "x,y,weight,band"; over directions x is an angle, which may have a unit.
+/// Nothing if the text is no control point.
 std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions);
 
-/// A target spline from control points "x,y;x,y" or the lines of a file, whose first may be a heading. A third number
-/// for each is its weight, a fourth its band. Where the task is over directions each x is an angle, in radians or with
-/// a unit. Throws Failure(usage), Failure(local_file).
+/// A target spline from control points "x,y;x,y" or from the lines of a file, whose first may be a heading. A third
+/// number of a point is its weight, a fourth its band. Over directions each x is an angle, in radians or with a unit.
+/// Throws Failure(usage) and Failure(local_file).
 nlohmann::json parse_target(const std::string& argument, bool over_directions);
 
-/// Whether every line of a text is a control point as parse_target reads it, below a heading or not.
+/// Whether every line of a text, perhaps after a heading, is a control point as parse_target reads it.
 bool holds_control_points(const std::string& text, bool over_directions);
 
-/// Whether the x of a task's profile are directions.
+/// Whether the profile of a task is over directions.
 bool is_over_directions(const std::string& task);
 
-/// Parameters of which some are "free": numbers and nulls. Throws Failure(usage).
+/// Fixed parameters as numbers, with null for those that are "free". Throws Failure(usage).
 nlohmann::json parse_fixed(const std::string& text);
 
 }  // namespace supple::cli

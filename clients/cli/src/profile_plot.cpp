@@ -17,19 +17,20 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::size_t most_panels = 3;
+/// Largest number of panels side by side.
+constexpr std::size_t panels_per_row = 3;
 
-// Target under result: where both agree the result runs within the wide pale line.
+// The target is a wide pale line under the result, so that both are visible where they agree.
 constexpr auto envelope_color = "#edf1f7";
 constexpr auto target_color = "#f3b562";
 constexpr auto achieved_color = "#1f4e9c";
 constexpr auto initial_color = "#98a4ae";
 constexpr auto verified_color = "#c2362f";
 
-/// Most that the envelope may widen the range of y on either side, as a share of that of the curves.
-constexpr double envelope_share = 0.35;
+/// How much the envelope may extend the range of y on either side at most, as a fraction of the range of the curves.
+constexpr double envelope_fraction = 0.35;
 
-/// The range of the curves, and of the envelope as far as it leaves them visible.
+/// The range of the curves and, up to envelope_fraction, of the envelope.
 Range range_of_y(const ProfilePlot& plot) {
   Range range;
   for (const auto* curve : {&plot.target, &plot.initial, &plot.achieved, &plot.verified}) range.add(*curve);
@@ -37,8 +38,8 @@ Range range_of_y(const ProfilePlot& plot) {
   Range wide = range;
   wide.add(plot.lower);
   wide.add(plot.upper);
-  const double most = envelope_share * range.size();
-  return {std::max(wide.low, range.low - most), std::min(wide.high, range.high + most)};
+  const double max_extension = envelope_fraction * range.size();
+  return {std::max(wide.low, range.low - max_extension), std::min(wide.high, range.high + max_extension)};
 }
 
 bool cover_half_turn(const ProfilePlot& plot) {
@@ -59,21 +60,21 @@ std::string envelope_of(const ProfilePlot& plot, const Frame& frame) {
     upper[c].straight = lower[c].straight = true;
     std::reverse(lower[c].points.begin(), lower[c].points.end());
     std::string back = path_of(lower[c]);
-    // Around a whole turn both are rings of their own; else the way back closes the area.
+    // Two closed curves bound a ring. Open ones are joined: the lower one, reversed, closes the area.
     if (!frame.all_around && !back.empty()) back.front() = 'L';
     path += path_of(upper[c]) + (frame.all_around ? "Z" : "") + back + "Z";
   }
   return fmt::format("<path d=\"{}\" fill=\"{}\" fill-rule=\"evenodd\"/>\n", path, envelope_color);
 }
 
-/// Hollow where the design leaves what the model was trained on.
+/// Dots at the achieved values, hollow if the model was not trained on such states.
 std::string dots_of(const ProfilePlot& plot, const Frame& frame) {
   std::string out;
   for (std::size_t i = 0; i < plot.achieved.size(); ++i) {
-    const bool known = plot.in_range.empty() || plot.in_range[i];
-    if (frame.polar && known) continue;
+    const bool is_in_range = plot.in_range.empty() || plot.in_range[i];
+    if (frame.polar && is_in_range) continue;
     for (int half = 0; half < (frame.polar ? 2 : 1); ++half)
-      out += dot(frame.place(plot.x[i] + half * pi, plot.achieved[i]), 2.6, known ? achieved_color : "#ffffff",
+      out += dot(frame.place(plot.x[i] + half * pi, plot.achieved[i]), 2.6, is_in_range ? achieved_color : "#ffffff",
                  achieved_color, 1.3);
   }
   return out;
@@ -149,7 +150,7 @@ std::string parameter_text(const nlohmann::json& values) {
   return text;
 }
 
-/// What answers about designs and about profiles have in common.
+/// A plot with what answers about designs and about profiles have in common.
 ProfilePlot plot_of_kind(const nlohmann::json& profile) {
   const auto task = profile.at("task").get<std::string>();
   const bool green = profile.at("strain_measure") == "green";
@@ -219,7 +220,7 @@ ProfilePlot plot_of_profile(const nlohmann::json& answer) {
 }
 
 std::string plot_svg(const std::vector<ProfilePlot>& plots) {
-  const std::size_t columns = std::min(most_panels, std::max<std::size_t>(1, plots.size()));
+  const std::size_t columns = std::min(panels_per_row, std::max<std::size_t>(1, plots.size()));
   const std::size_t rows = (plots.size() + columns - 1) / columns;
   const double width = panel_width * static_cast<double>(columns);
   const double height = panel_height * static_cast<double>(rows);

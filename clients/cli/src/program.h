@@ -7,8 +7,8 @@
 
 namespace supple::cli {
 
-/// The program as it is called: its options, its commands and what is said of them, from which its help, its manual
-/// page and the completion of command lines are made. `options` are filled by parsing and must outlive the program.
+/// The program with its options, its commands and their descriptions, from which its help, its manual page and the
+/// completion scripts are made. Parsing fills `options`, which must outlive the program.
 std::unique_ptr<CLI::App> make_program(GlobalOptions& options);
 
 }  // namespace supple::cli

@@ -25,10 +25,10 @@ ProgressBar::~ProgressBar() {
 void ProgressBar::show(double fraction, const std::string& stage) {
   const auto elapsed = std::chrono::steady_clock::now() - start_;
   if (!enabled_ || elapsed < quiet_time) return;
-  const double share = std::clamp(fraction, 0.0, 1.0);
-  const int filled = static_cast<int>(std::lround(share * bar_width));
+  const double clamped = std::clamp(fraction, 0.0, 1.0);
+  const int filled = static_cast<int>(std::lround(clamped * bar_width));
   fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {:3.0f} %  {:.0f} s  {}", "", filled, "", bar_width - filled,
-             100 * share, std::chrono::duration<double>(elapsed).count(), stage);
+             100 * clamped, std::chrono::duration<double>(elapsed).count(), stage);
   std::fflush(stderr);
   drawn_ = true;
 }

@@ -5,8 +5,8 @@
 
 namespace supple::cli {
 
-/// A bar on standard error that is redrawn in place. Draws nothing where standard error is no terminal, and nothing in
-/// the first half second, so that short computations leave no flicker.
+/// A bar on standard error that is redrawn in place. It is not drawn if standard error is no terminal, nor in the first
+/// half second, so that short computations do not flicker.
 class ProgressBar {
  public:
   explicit ProgressBar(bool enabled);
@@ -15,7 +15,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `fraction` in [0, 1]; `stage` says what runs now.
+  /// Draws the bar. `fraction` is in [0, 1]; `stage` is a description of the current stage.
   void show(double fraction, const std::string& stage);
 
  private:

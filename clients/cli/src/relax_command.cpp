@@ -54,7 +54,7 @@ struct RelaxArguments {
   bool history = false;
 };
 
-/// "0,1" or "0,1,rest_length" or "0,1,rest_length,weight".
+/// A spring from "0,1", "0,1,rest_length" or "0,1,rest_length,weight".
 nlohmann::json parse_spring(const std::string& text, const RelaxArguments& arguments) {
   const auto numbers = parse_numbers(text, "spring");
   if (numbers.size() < 2 || numbers.size() > 4)
@@ -68,9 +68,9 @@ nlohmann::json parse_spring(const std::string& text, const RelaxArguments& argum
 }
 
 void set_points(const RelaxArguments& arguments, nlohmann::json& request) {
-  const int ways = static_cast<int>(!arguments.points.empty()) + static_cast<int>(!arguments.per_face.empty()) +
-                   static_cast<int>(arguments.poisson_disk > 0) + static_cast<int>(request.contains("points"));
-  if (ways != 1)
+  const int sources = static_cast<int>(!arguments.points.empty()) + static_cast<int>(!arguments.per_face.empty()) +
+                      static_cast<int>(arguments.poisson_disk > 0) + static_cast<int>(request.contains("points"));
+  if (sources != 1)
     throw Failure(ExitCode::usage, "give points, or one of --per-face, --poisson-disk and --network with points");
   if (!arguments.points.empty()) {
     request["points"] = nlohmann::json::array();
@@ -101,13 +101,13 @@ void set_triangles(const RelaxArguments& arguments, nlohmann::json& request) {
 }
 
 void set_springs(const RelaxArguments& arguments, nlohmann::json& request) {
-  const int ways = static_cast<int>(!arguments.springs.empty()) + static_cast<int>(arguments.adjacent_faces) +
-                   static_cast<int>(arguments.voronoi_dual) + static_cast<int>(request.contains("springs"));
-  if (ways == 0 && request.contains("triangles")) {
+  const int sources = static_cast<int>(!arguments.springs.empty()) + static_cast<int>(arguments.adjacent_faces) +
+                      static_cast<int>(arguments.voronoi_dual) + static_cast<int>(request.contains("springs"));
+  if (sources == 0 && request.contains("triangles")) {
     request["springs"] = nlohmann::json::array();
     return;
   }
-  if (ways != 1) {
+  if (sources != 1) {
     throw Failure(ExitCode::usage,
                   "give springs by --spring, or one of --adjacent-faces, --voronoi-dual and --network with springs, or "
                   "triangles");
@@ -190,7 +190,7 @@ void run(const GlobalOptions& options, const RelaxArguments& arguments) {
   request["mesh"] = session.mesh_id(arguments.mesh);
   const nlohmann::json answer = session.compute(networks_path, request).json();
   if (!arguments.obj_file.empty()) {
-    // Paths are in the answer; faces of triangles and of the host are in the server's file.
+    // The paths are in the answer. Faces of triangles and of the host are only in the server's file.
     if (answer.contains("membrane") || answer.contains("host")) {
       write_file(arguments.obj_file, session.compute(networks_path, request, "model/obj").body);
     } else {

@@ -23,12 +23,12 @@
 namespace supple::cli {
 namespace {
 
-/// SHA-256 in hexadecimal.
+/// Length of an id, which is a SHA-256 in hexadecimal.
 constexpr std::size_t full_id_length = 64;
-/// Seconds in which the server may answer at once; whatever takes longer becomes a job.
+/// The Prefer header for an answer within one second; a longer computation becomes a job.
 constexpr auto prefer_immediate = "wait=1";
-constexpr auto shortest_poll = std::chrono::milliseconds(50);
-constexpr auto longest_poll = std::chrono::milliseconds(1000);
+constexpr auto min_poll_interval = std::chrono::milliseconds(50);
+constexpr auto max_poll_interval = std::chrono::milliseconds(1000);
 
 [[noreturn]] void throw_interrupted(const std::string& what) { throw Failure(ExitCode::interrupted, what); }
 
@@ -57,8 +57,8 @@ bool is_file(const std::string& path) {
   throw Failure(ExitCode::local_file, fmt::format("{} cannot be written: {}", path, why));
 }
 
-/// What runs now, with what the job tells of its way: how close the best design so far comes, or how far a network is
-/// from rest. Jobs may tell of other things, too.
+/// The stage of a job and, if the job reports it, how far the best design so far is from its target, or a network from
+/// its equilibrium. Jobs may report other things, which are ignored.
 std::string stage_of(const nlohmann::json& job) {
   if (job.at("state") != "running") return "waiting";
   auto stage = job.at("stage").get<std::string>();
@@ -68,16 +68,16 @@ std::string stage_of(const nlohmann::json& job) {
     return stage + fmt::format("  iteration {}, |gradient| {:.2g}", partial->at("iteration").get<int>(),
                                partial->at("gradient_norm").get<double>());
   if (partial->contains("round") || partial->contains("error")) {
-    const bool round = partial->contains("round");
-    const auto error = round ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");
+    const bool is_polishing = partial->contains("round");
+    const auto error = is_polishing ? partial->at("round").at("target_error") : partial->at("error").at("relative_rms");
     if (error.is_number())
       stage += fmt::format("  {} {} {:.3g} %", partial->at("family").get<std::string>(),
-                           round ? "simulated, off by" : "off by", 100 * error.get<double>());
+                           is_polishing ? "simulated, off by" : "off by", 100 * error.get<double>());
   }
   return stage;
 }
 
-/// Sleeps, but not past Ctrl-C.
+/// Sleeps until the time has passed or Ctrl-C was pressed.
 void pause(std::chrono::milliseconds duration) {
   const auto end = std::chrono::steady_clock::now() + duration;
   while (!InterruptWatch::interrupted() && std::chrono::steady_clock::now() < end) {
@@ -90,7 +90,7 @@ void pause(std::chrono::milliseconds duration) {
 std::string Session::mesh_id(const std::string& mesh) {
   if (is_file(mesh)) {
     const nlohmann::json added = http_.post("/v1/meshes", read_file(mesh), "application/octet-stream").json();
-    // A surface that is open along cracks gives other distances than the one that was meant.
+    // Warnings must be shown: for example, on a surface with cracks distances differ from those that the user expects.
     for (const auto& warning : added.at("warnings")) print_notice(mesh + ": " + warning.get<std::string>());
     return added.at("id").get<std::string>();
   }
@@ -125,11 +125,11 @@ void Session::for_each_entry(const std::string& path, const char* key,
 }
 
 Answer Session::compute(const std::string& path, const nlohmann::json& request, const std::string& accept) {
-  // Between the answer and the job's first look an interrupt only leaves its mark.
+  // Between the answer and the first poll of the job, an interrupt is only recorded.
   const InterruptWatch::Scope quiet([] {});
   Answer answer;
   try {
-    // An interrupt hangs up, which cancels an immediate computation on the server.
+    // An interrupt closes the connection, which cancels an immediate computation on the server.
     const InterruptWatch::Scope scope([this] { http_.abort(); });
     answer = http_.post(path, request.dump(), "application/json", accept, prefer_immediate);
   } catch (const Failure&) {
@@ -144,10 +144,10 @@ Answer Session::compute(const std::string& path, const nlohmann::json& request, 
 }
 
 Answer Session::follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt) {
-  // The polling loop looks at the flag itself: nothing needs to be broken off.
+  // The polling loop checks for interrupts itself, so that nothing needs to be aborted.
   const InterruptWatch::Scope scope([] {});
   ProgressBar bar(!options_.no_progress);
-  auto interval = shortest_poll;
+  auto interval = min_poll_interval;
   while (true) {
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
@@ -155,7 +155,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
     if (state != "accepted" && state != "running") break;
     bar.show(job.at("progress").get<double>(), stage_of(job));
     pause(interval);
-    interval = std::min(2 * interval, longest_poll);
+    interval = std::min(2 * interval, max_poll_interval);
     if (InterruptWatch::interrupted()) {
       if (!cancel_on_interrupt) throw_interrupted("interrupted; the job goes on");
       http_.erase(job_path);

@@ -10,13 +10,13 @@
 
 namespace supple::cli {
 
-/// What the options before the command say.
+/// The options of all commands.
 struct GlobalOptions {
   std::string server = "http://127.0.0.1:8080";
-  std::string key;           ///< that is sent along; none where empty
-  std::string key_file;      ///< holds the key where `key` is empty
-  bool json = false;         ///< print the server's answers unchanged
-  bool no_progress = false;  ///< never draw a progress bar
+  std::string key;           ///< key that requests carry; may be empty
+  std::string key_file;      ///< file with the key, if `key` is empty
+  bool json = false;         ///< whether the server's answers are printed unchanged
+  bool no_progress = false;  ///< whether no progress bar is drawn
 };
 
 /// One run of the program: the options and the connection that its commands share.
@@ -28,26 +28,26 @@ class Session {
   HttpClient& http() { return http_; }
   bool json() const { return options_.json; }
 
-  /// The id of a mesh given as its id, as the beginning of an id that fits one mesh of the server only, or as a mesh
-  /// file, which is uploaded (once: equal content is one mesh). Throws Failure.
+  /// The id of a mesh. `mesh` is its id, the beginning of the id of only one of the server's meshes, or a mesh file,
+  /// which is uploaded (equal content is stored once). Throws Failure.
   std::string mesh_id(const std::string& mesh);
 
-  /// Calls `visit` for each entry of a list that the server gives page by page; `key` names the array.
+  /// Calls `visit` for each entry of a list that the server sends in pages; `key` is the name of the array.
   void for_each_entry(const std::string& path, const char* key,
                       const std::function<void(const nlohmann::json&)>& visit);
 
   /// Runs a computation and waits for its result, which it returns in the media type `accept`.
   ///
-  /// The server answers within the first second or hands out a job, which is then followed with a progress bar. Ctrl-C
+  /// The server answers within the first second or creates a job, which is then followed with a progress bar. Ctrl-C
   /// cancels the computation on the server and throws Failure(interrupted).
   Answer compute(const std::string& path, const nlohmann::json& request,
                  const std::string& accept = "application/json");
 
-  /// Is shown a job that is followed, as the server describes it, each time it is looked at.
+  /// Sets a function that is called with the server's description of a job whenever `follow` polls it.
   void set_observer(std::function<void(const nlohmann::json& job)> observer) { observer_ = std::move(observer); }
 
-  /// Follows a job to its end and returns its result. Ctrl-C cancels the job where `cancel_on_interrupt`, and otherwise
-  /// merely stops looking.
+  /// Follows a job to its end and returns its result. Ctrl-C throws Failure(interrupted), and cancels the job if
+  /// `cancel_on_interrupt`.
   Answer follow(const std::string& job_path, const std::string& accept, bool cancel_on_interrupt);
 
  private:
@@ -56,16 +56,15 @@ class Session {
   std::function<void(const nlohmann::json&)> observer_;
 };
 
-/// Prints a server's answer for programs.
+/// Prints a server's answer as JSON.
 void print_json(const nlohmann::json& document);
-/// Whether a text can only be meant as the name of a file: it has a folder or an ending, such as "curves/target.csv".
+/// Whether a text is surely the name of a file, since it has a folder or an extension, such as "curves/target.csv".
 bool looks_like_path(const std::string& text);
 /// The content of a file. Throws Failure(local_file) that says why it cannot be read, for example "no such file".
 std::string read_file(const std::string& path);
-/// Writes a file, or standard output where the path is "-". Throws Failure(local_file).
+/// Writes to a file, or to standard output if the path is "-". Throws Failure(local_file).
 void write_file(const std::string& path, const std::string& content);
-/// Puts a file in the place of an older one, which stays as it is until the new one is complete. Throws
-/// Failure(local_file).
+/// Replaces a file atomically: the old one is unchanged until the new one is complete. Throws Failure(local_file).
 void replace_file(const std::string& path, const std::string& content);
 
 }  // namespace supple::cli

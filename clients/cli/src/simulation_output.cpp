@@ -68,11 +68,11 @@ void print_simulation(const nlohmann::json& answer) {
   if (error.is_null()) {
     fmt::print("mesh error  unknown\n");
   } else {
-    const bool missed = accuracy.at("error_accepted") == false;
+    const bool exceeded = accuracy.at("error_accepted") == false;
     fmt::print(
         "mesh error  {:.2g} % of the stress, {:.2g} % of the energy{}{}\n", 100 * error.at("stress").get<double>(),
         100 * error.at("energy").get<double>(), accuracy.at("extrapolated").get<bool>() ? ", after extrapolation" : "",
-        missed ? fmt::format("; {:.2g} % was asked for", 100 * accuracy.at("accepted_error").get<double>()) : "");
+        exceeded ? fmt::format("; {:.2g} % was asked for", 100 * accuracy.at("accepted_error").get<double>()) : "");
   }
   print_cost(answer);
   if (const auto message = answer.at("message").get<std::string>(); !message.empty()) {

@@ -5,14 +5,14 @@
 
 namespace supple::cli {
 
-/// One line for each state with everything that is a number, after a line of names. What is null is empty.
+/// CSV with a line of names, and a line for each state with all of its numbers. Null gives an empty cell.
 std::string states_as_csv(const nlohmann::json& states);
 
-/// Where the file of a state goes: the file itself where there is one state, else "name-0007.vtu", counted from 0.
-/// `extension` is for names without one.
+/// The name of a state's file: `file` itself if there is one state, else "name-0007.vtu", counted from 0. `extension`
+/// is added to names without one.
 std::string state_file(const std::string& file, std::size_t state, std::size_t states, const char* extension);
 
-/// The states for people, and why the path ended early.
+/// Prints the states for people, and why the path ended early.
 void print_simulation(const nlohmann::json& answer);
 
 }  // namespace supple::cli

@@ -17,7 +17,8 @@ bool shows_colors(std::FILE* stream) {
   return isatty(fileno(stream)) == 1;
 }
 
-/// Select Graphic Rendition codes of ECMA-48: the sixteen colours that every terminal has, in its user's own palette.
+/// Codes of ECMA-48 (Select Graphic Rendition) for the sixteen standard colours, which follow the palette of the user's
+/// terminal.
 const char* code_of(Style style) {
   switch (style) {
     case Style::error:

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t shortest_abbreviation = 3;
 
-/// Insertions, deletions, replacements and swaps of neighbours that lead from one word to the other (the restricted
-/// Damerau-Levenshtein distance), in O(length of one times length of the other).
+/// The restricted Damerau-Levenshtein distance: the number of insertions, deletions, replacements and swaps of
+/// neighbouring letters that lead from one word to the other. Takes O(product of both lengths).
 std::size_t edit_distance(std::string_view from, std::string_view to) {
   std::vector<std::size_t> before_last(to.size() + 1);
   std::vector<std::size_t> last(to.size() + 1);
@@ -45,7 +45,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// The first command below `app` that has the option: "supple relax". Empty where none has it.
+/// The words that call the first command below `app` with the option, such as "supple relax". Empty if none has it.
 std::string command_with_option(const CLI::App& app, const std::string& option, const std::string& called) {
   for (const CLI::App* command : app.get_subcommands({})) {
     auto name = called + " " + command->get_name();
@@ -78,7 +78,7 @@ std::string unknown_word(const std::vector<const CLI::App*>& commands, const std
   return message;
 }
 
-/// "--task: stiffnes not in {stress_strain,stiffness,poisson}" with the value that was meant.
+/// A message such as "--task: stiffnes not in {stress_strain,stiffness,poisson}", with a suggested value.
 std::string with_nearest_value(const std::string& message) {
   constexpr std::string_view between = " not in {";
   const std::size_t at = message.find(between);
@@ -97,13 +97,13 @@ std::string with_nearest_value(const std::string& message) {
 
 std::optional<std::string> nearest_word(const std::string& word, const std::vector<std::string>& candidates) {
   const std::string* nearest = nullptr;
-  // A third of the letters may be wrong, but one letter of a short word too.
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+  // Up to a third of the letters may be wrong, and at least one letter.
+  std::size_t least_distance = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const auto& candidate : candidates) {
     const bool begins = word.size() >= shortest_abbreviation && candidate.starts_with(word);
     const std::size_t distance = begins ? 0 : edit_distance(word, candidate);
-    if (distance >= least) continue;
-    least = distance;
+    if (distance >= least_distance) continue;
+    least_distance = distance;
     nearest = &candidate;
   }
   return nearest == nullptr ? std::nullopt : std::optional(*nearest);
@@ -133,7 +133,7 @@ std::string usage_message(const CLI::App& program, const CLI::ParseError& error)
   const auto commands = given_commands(program);
   const auto called = command_line_of(commands);
   const auto help = fmt::format("\nSee '{} --help'.", called);
-  // What could not be understood comes first: an option that seems to be missing may be the one that is misspelt.
+  // Unknown arguments are reported first: an option that seems to be missing may be one that is misspelt.
   const auto unknown = program.remaining(/*recurse=*/true);
   for (const auto& argument : unknown)
     if (argument.starts_with('-') && argument != "--") return unknown_option(program, commands, argument) + help;

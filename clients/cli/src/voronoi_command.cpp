@@ -26,7 +26,7 @@ struct VoronoiArguments {
   std::string mesh;
   std::vector<std::string> sites;
   std::string sites_file;
-  std::string way_file;
+  std::string progress_file;
   std::string method;
   double relative_error = 0;
   std::string objectives;
@@ -61,11 +61,11 @@ nlohmann::json sites_in_file(const std::string& file) {
 }
 
 nlohmann::json voronoi_sites(const VoronoiArguments& arguments) {
-  const int ways = static_cast<int>(!arguments.sites.empty()) + static_cast<int>(arguments.random > 0) +
-                   static_cast<int>(!arguments.sites_file.empty());
-  if (ways != 1) throw Failure(ExitCode::usage, "give sites, or one of --random and --sites");
-  if (std::error_code ignored; std::filesystem::is_regular_file(arguments.way_file, ignored))
-    return sites_in_file(arguments.way_file);
+  const int sources = static_cast<int>(!arguments.sites.empty()) + static_cast<int>(arguments.random > 0) +
+                      static_cast<int>(!arguments.sites_file.empty());
+  if (sources != 1) throw Failure(ExitCode::usage, "give sites, or one of --random and --sites");
+  if (std::error_code ignored; std::filesystem::is_regular_file(arguments.progress_file, ignored))
+    return sites_in_file(arguments.progress_file);
   if (!arguments.sites_file.empty()) return sites_in_file(arguments.sites_file);
   if (arguments.random > 0) {
     nlohmann::json random = {{"count", arguments.random}};
@@ -77,7 +77,7 @@ nlohmann::json voronoi_sites(const VoronoiArguments& arguments) {
   return sites;
 }
 
-/// "centroidal" or "edge_length=1,planarity=0.5": names with weights, 1 without one.
+/// Objectives with their weights, from "centroidal" or "edge_length=1,planarity=0.5"; the default weight is 1.
 nlohmann::json voronoi_objectives(const std::string& text) {
   nlohmann::json objectives = nlohmann::json::object();
   for (std::size_t at = 0; at <= text.size();) {
@@ -112,7 +112,7 @@ nlohmann::json optimization_request(const VoronoiArguments& arguments) {
                   "diagrams are optimized by exact distances: leave out --method and --relative-error");
   nlohmann::json request = {{"sites", voronoi_sites(arguments)},
                             {"objectives", voronoi_objectives(arguments.objectives)}};
-  if (!arguments.way_file.empty() && arguments.target_length == 0 && request["objectives"].contains("edge_length"))
+  if (!arguments.progress_file.empty() && arguments.target_length == 0 && request["objectives"].contains("edge_length"))
     throw Failure(ExitCode::usage,
                   "--continue with edge_length needs --target-length, which would be another one after each start");
   if (arguments.target_length > 0) request["target_length"] = arguments.target_length;
@@ -186,29 +186,29 @@ void print_diagram(const nlohmann::json& answer, bool history) {
   fmt::print("took        {:.4g} s\n", answer.at("cost").at("seconds").get<double>());
 }
 
-/// Keeps the sites of the latest iteration in a file, for as long as they are few enough to be told.
-void keep_way(const std::string& file, const nlohmann::json& job) {
+/// Saves the sites of the latest iteration in a file. The server does not report them if there are too many.
+void save_progress(const std::string& file, const nlohmann::json& job) {
   const auto partial = job.find("partial");
   if (partial == job.end() || !partial->contains("sites")) return;
-  const nlohmann::json kept = {{"iteration", partial->at("iteration")}, {"sites", partial->at("sites")}};
-  replace_file(file, kept.dump());
+  const nlohmann::json progress = {{"iteration", partial->at("iteration")}, {"sites", partial->at("sites")}};
+  replace_file(file, progress.dump());
 }
 
 void run(const GlobalOptions& options, const VoronoiArguments& arguments) {
   const bool optimized = !arguments.objectives.empty();
-  if (!optimized && !arguments.way_file.empty())
+  if (!optimized && !arguments.progress_file.empty())
     throw Failure(ExitCode::usage, "--continue is for optimizations: give --optimize, too");
   auto request = optimized ? optimization_request(arguments) : diagram_request(arguments);
   Session session(options);
   request["mesh"] = session.mesh_id(arguments.mesh);
-  if (!arguments.way_file.empty())
-    session.set_observer([&arguments](const nlohmann::json& job) { keep_way(arguments.way_file, job); });
+  if (!arguments.progress_file.empty())
+    session.set_observer([&arguments](const nlohmann::json& job) { save_progress(arguments.progress_file, job); });
   const nlohmann::json answer = session.compute(optimized ? optimizations_path : diagrams_path, request).json();
   session.set_observer({});
-  if (!arguments.way_file.empty())
-    replace_file(arguments.way_file,
+  if (!arguments.progress_file.empty())
+    replace_file(arguments.progress_file,
                  nlohmann::json{{"iteration", answer.at("iterations")}, {"sites", answer.at("sites")}}.dump());
-  // A file of an optimized diagram is that of the sites at the end, which need not be found again.
+  // The files of an optimized diagram are those of its final sites, without another optimization.
   nlohmann::json drawn = optimized ? nlohmann::json{{"mesh", request["mesh"]}} : request;
   drawn["sites"] = answer.at("sites");
   if (arguments.panel_scale > 0) drawn["panel_scale"] = arguments.panel_scale;
@@ -239,7 +239,7 @@ void add_optimization_options(CLI::App& command, VoronoiArguments& arguments) {
   command.add_option("--max-iterations", arguments.max_iterations, "Give up after so many (100)")
       ->check(CLI::PositiveNumber);
   command.add_option(
-      "--continue", arguments.way_file,
+      "--continue", arguments.progress_file,
       "Keep the sites on their way in this file, and go on from them where it is there already: after an "
       "interruption, give the same command again");
   command.add_flag("--history", arguments.history, "Show every iteration");

@@ -32,7 +32,8 @@ std::int64_t parsed_index(std::string_view text, const char* what) {
   return *index;
 }
 
-/// "fused", or four of them in two rows from below: "fused,slides_x;slides_y,fused".
+/// One connection for all crossings, such as "fused", or four in two rows, the lower row first:
+/// "fused,slides_x;slides_y,fused".
 nlohmann::json parse_connections(const std::string& text) {
   if (text.find_first_of(",;") == std::string::npos) return text;
   auto rows = nlohmann::json::array();
@@ -65,7 +66,7 @@ nlohmann::json parse_overrides(const WeaveArguments& arguments) {
       throw Failure(ExitCode::usage, fmt::format("'{}' is no crossing and member: write for example 3:0", entry));
     const auto crossing = parsed_index(std::string_view(entry).substr(0, colon), "crossing");
     const auto member = parsed_index(std::string_view(entry).substr(colon + 1), "member of a crossing");
-    // Members of one crossing that are named one by one slide together.
+    // Both members of a crossing slide if each is named by itself.
     if (!overrides.empty() && overrides.back()["crossing"] == crossing && !overrides.back()["slides"].empty()) {
       overrides.back()["slides"].push_back(member);
     } else {
@@ -147,7 +148,7 @@ nlohmann::json weave_of(const WeaveArguments& arguments) {
                   fmt::format("'{}' is neither a pattern (regular, squares, circles, rings, sample) nor a file{}",
                               arguments.weave, suggestion(arguments.weave, pattern_names())));
   nlohmann::json weave = pattern.empty() ? object_in_file(arguments.weave) : nlohmann::json{{"pattern", pattern}};
-  // A file may hold a whole request.
+  // The file may be a whole request.
   if (weave.contains("weave")) weave = weave.at("weave");
   set_pattern_fields(arguments, weave);
   if (arguments.radius > 0) weave["radius"] = arguments.radius;

@@ -7,7 +7,7 @@
 
 namespace supple::cli {
 
-/// The options that say what is woven.
+/// The options that describe the weave.
 struct WeaveArguments {
   std::string weave;  ///< a pattern or a file
   std::string type;
@@ -24,13 +24,13 @@ struct WeaveArguments {
   double youngs_modulus = 0;
   std::string poisson_ratio;
   double sliding_share = 0;
-  std::vector<std::string> fused;    ///< crossings
+  std::vector<std::string> fused;    ///< crossings whose strands are fused
   std::vector<std::string> sliding;  ///< "crossing:member"
 };
 
 void add_weave_options(CLI::App& command, WeaveArguments& arguments);
 
-/// The weave as the wire has it. Throws Failure(usage), Failure(local_file).
+/// The weave as JSON. Throws Failure(usage) and Failure(local_file).
 nlohmann::json weave_of(const WeaveArguments& arguments);
 
 /// The options that say how equilibria are found.
@@ -50,10 +50,10 @@ struct EquilibriumArguments {
 
 void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments);
 
-/// Sets the fields of a request that have been given.
+/// Sets the fields of a request for the options that are set.
 void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::json& request);
 
-/// A JSON object in a file. Throws Failure(local_file).
+/// The JSON object in a file. Throws Failure(local_file).
 nlohmann::json object_in_file(const std::string& file);
 
 }  // namespace supple::cli

@@ -74,7 +74,7 @@ nlohmann::json request_of(const HomogenizeArguments& arguments) {
   return request;
 }
 
-/// Deformed cells as OBJ files; none without a name.
+/// Writes deformed cells as OBJ files, unless `file` is empty.
 void write_cells(const std::string& file, const nlohmann::json& cells) {
   for (std::size_t i = 0; i < cells.size() && !file.empty(); ++i)
     write_file(numbered_file(file, i, cells.size()), strands_as_obj(cells.at(i).at("strands")));
@@ -163,7 +163,7 @@ struct SimulateArguments {
   WeaveArguments weave;
   EquilibriumArguments equilibrium;
   std::string load_file;
-  std::vector<std::string> held;
+  std::vector<std::string> fixed_places;
   std::vector<std::string> moved;
   std::vector<std::string> forces;
   bool clamped = false;
@@ -188,7 +188,8 @@ nlohmann::json request_of(const SimulateArguments& arguments) {
     for (const char* const name : {"supports", "forces"})
       if (load.contains(name)) request[name] = load.at(name);
   }
-  for (const auto& text : arguments.held) request["supports"].push_back(support_at(parse_place(text), arguments));
+  for (const auto& text : arguments.fixed_places)
+    request["supports"].push_back(support_at(parse_place(text), arguments));
   for (const auto& text : arguments.moved) {
     auto [place, displacement] = parse_placed_vector(text, "displacement of a place");
     request["supports"].push_back(support_at(std::move(place), arguments));
@@ -228,7 +229,8 @@ void add_weave_simulate_command(CLI::App& weave, const GlobalOptions& options) {
   const auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = weave.add_subcommand("simulate", "A woven sheet that is held, moved and pulled");
   add_weave_options(*command, arguments->weave);
-  command->add_option("--hold", arguments->held, "Places that are held: c12, 3@5.2, 3:end or xmin,ymin,xmax,ymax");
+  command->add_option("--hold", arguments->fixed_places,
+                      "Places that are held: c12, 3@5.2, 3:end or xmin,ymin,xmax,ymax");
   command->add_option("--move", arguments->moved, "Places that are moved by mm: 0,76,80,80=24,0");
   command->add_option("--pull", arguments->forces, "Places that are pulled with newtons: c12=0,-0.1");
   command->add_flag("--clamp", arguments->clamped, "What is held or moved keeps its direction too");

@@ -94,7 +94,7 @@ namespace {
 constexpr auto state_names =
     "energy_density,stopped,residual,out_of_plane,stable,iterations,load_steps,branches,limit_error";
 
-/// What every equilibrium of a cell has beside its gradient and stress, as `state_names` say.
+/// Adds the fields `state_names`, which every equilibrium of a cell has besides its gradient and stress.
 void append_state(std::string& line, const nlohmann::json& answer, std::size_t i) {
   for (const char* name : {"energy_density", "stopped", "residual", "out_of_plane", "stable", "iterations",
                            "load_steps", "branches", "limit_error"})
@@ -158,7 +158,7 @@ void print_homogenization(const nlohmann::json& answer) {
     const auto& value = answer.at(name).at(i);
     return value.is_null() ? std::string("-") : fmt::format("{:.5g}", value.get<double>());
   };
-  // Few directions are read, many are plotted.
+  // More directions than this are not printed, since they are better plotted.
   constexpr std::size_t max_lines = 24;
   if (directions.size() <= max_lines) {
     fmt::print("{:>10}  {:>12}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "Poisson", "stopped");

@@ -33,22 +33,22 @@ struct PrintArguments {
   double deadline = 0;
 };
 
-/// As many numbers as allowed. Throws Failure(usage) that shows how to write them.
-std::vector<double> numbers_of(const std::string& text, const char* what, std::size_t least, std::size_t most,
+/// Numbers separated by commas, from `min_count` to `max_count` of them. Throws Failure(usage) that shows an example.
+std::vector<double> numbers_of(const std::string& text, const char* what, std::size_t min_count, std::size_t max_count,
                                const char* example) {
   auto numbers = parse_numbers(text, what);
-  if (numbers.size() < least || numbers.size() > most)
+  if (numbers.size() < min_count || numbers.size() > max_count)
     throw Failure(ExitCode::usage, fmt::format("'{}' is no {}: write for example {}", text, what, example));
   return numbers;
 }
 
-/// "24" for both ends or "24,0" for start and end.
+/// The overrun of strands in mm, from "24" for both ends or "24,0" for start and end.
 nlohmann::json parse_overrun(const std::string& text) {
   const auto lengths = numbers_of(text, "overrun", 1, 2, "24 or 24,0");
   return {{"start", lengths.front()}, {"end", lengths.back()}};
 }
 
-/// "3:24" or "3:24,0": a strand before its overrun.
+/// A strand and its overrun, from "3:24" or "3:24,0".
 nlohmann::json parse_overrun_of_strand(const std::string& text) {
   const std::size_t colon = text.find(':');
   const auto strand = integer_in(std::string_view(text).substr(0, colon));
@@ -140,7 +140,7 @@ struct CheckArguments {
 };
 
 void check(const GlobalOptions& options, const CheckArguments& arguments) {
-  // JSON carries text only; what is none is as faulty as what it is replaced by, and in comments neither counts.
+  // JSON can contain only text. Other bytes become '?', which is a fault too, except in comments, where any text is.
   std::string gcode = read_file(arguments.gcode_file);
   std::replace_if(
       gcode.begin(), gcode.end(), [](char c) { return static_cast<unsigned char>(c) > '~'; }, '?');

@@ -6,7 +6,7 @@
 
 namespace supple::cli {
 
-/// `print` and `check` of the command `weave`.
+/// Adds `print` and `check` to the command `weave`.
 void add_weave_print_commands(CLI::App& weave, const GlobalOptions& options);
 
 }  // namespace supple::cli

@@ -15,14 +15,14 @@ namespace {
 double number(const nlohmann::json& object, const char* name) { return object.at(name).get<double>(); }
 
 std::string heights_text(const nlohmann::json& heights) {
-  constexpr std::size_t most = 10;
+  constexpr std::size_t max_listed = 10;
   std::string text;
-  for (std::size_t i = 0; i < heights.size() && i < most; ++i)
+  for (std::size_t i = 0; i < heights.size() && i < max_listed; ++i)
     text += fmt::format("{}{:.6g}", i > 0 ? ", " : "", heights.at(i).get<double>());
-  return heights.empty() ? "none" : text + (heights.size() > most ? " ... mm" : " mm");
+  return heights.empty() ? "none" : text + (heights.size() > max_listed ? " ... mm" : " mm");
 }
 
-/// What toolpaths and reports have in common.
+/// Prints what toolpaths and reports have in common.
 void print_totals(const nlohmann::json& totals, std::size_t channels) {
   fmt::print("extruded    {:.6g} mm of strands, {:.6g} mm of filament\n", number(totals, "extruded_length"),
              number(totals, "filament"));

@@ -4,12 +4,12 @@
 
 namespace supple::cli {
 
-/// What a toolpath amounts to, for people.
+/// Prints a summary of a toolpath for people.
 void print_toolpath(const nlohmann::json& answer);
-/// What a checker found in a file, for people.
+/// Prints a summary of a G-code check for people.
 void print_gcode_report(const nlohmann::json& answer);
 
-/// Lists a report's violations with their lines on standard error and throws Failure(violations) where there are any.
+/// If a report has violations, prints them with their lines on standard error and throws Failure(violations).
 void fail_on_violations(const nlohmann::json& report);
 
 }  // namespace supple::cli

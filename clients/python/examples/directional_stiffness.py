@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""How stiff a structure is in every direction, as a neural model has it: at rest, and under compression.
+"""The stiffness of a structure in every direction by a neural model: at rest, and under compression.
 
     PYTHONPATH=clients/python clients/python/examples/directional_stiffness.py [MODEL [P1,P2,...]]
 
-Without a model the server's first one is taken, without parameters the middle of its bounds.
+The default model is the server's first one; the default parameters are the middle of its bounds.
 """
 
 import sys
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import supple
 
 STRAIN = -0.05
-"""Green strain along the direction, of the second column."""
+"""Green strain along the direction for the second column."""
 DIRECTIONS = 12
 
 

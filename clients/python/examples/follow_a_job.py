@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A distance field as a job: progress while it runs, Ctrl-C cancels it.
+"""A distance field as a job, with its progress; Ctrl-C cancels it.
 
     PYTHONPATH=clients/python clients/python/examples/follow_a_job.py MESH_FILE
 """

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""A structure that grows stiffer as it is stretched: tiling parameters for a wanted stress over strain.
+"""A structure that becomes stiffer as it is stretched: tiling parameters for a wanted stress over strain.
 
     PYTHONPATH=clients/python clients/python/examples/inverse_design.py [FAMILY [SVG_FILE]]
 
-Without a family every family is searched that the server has a model of. The structure is written as SVG.
+By default all families are searched for which the server has a model. The structure is written as SVG.
 """
 
 import sys
@@ -17,7 +17,7 @@ WANTED = [(0.0, 0.0), (0.05, 0.015), (0.1, 0.05), (0.15, 0.12)]
 
 
 def follow(job: "supple.Job[supple.DesignResult]") -> supple.DesignResult:
-    """Waits and shows the best design so far, on a terminal."""
+    """Waits for the job and shows the best design so far on a terminal."""
     while not (status := job.status()).finished:
         best = status.partial
         if isinstance(best, supple.PartialDesign) and sys.stderr.isatty():

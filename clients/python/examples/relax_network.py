@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A network of random points on a mesh whose springs pull it tight between fixed ones, with its state on the way.
+"""A network of random points on a mesh, stretched between fixed points, with its state after each iteration.
 
     PYTHONPATH=clients/python clients/python/examples/relax_network.py MESH_FILE [NETWORK.obj]
 """

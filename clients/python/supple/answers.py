@@ -1,4 +1,4 @@
-"""What the server answers, as dataclasses and numpy arrays.
+"""The server's answers as dataclasses and numpy arrays.
 
 Lengths are in mesh units (the unit of the mesh's coordinates), angles in radians, times in seconds.
 """
@@ -36,7 +36,7 @@ class Cost(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Effect(Shown):
-    """An optional part of a computation: whether it ran, what decided, how often and for how many seconds it ran."""
+    """An optional part of a computation: whether it ran, why or why not, how often, and for how many seconds."""
 
     name: str
     ran: bool
@@ -47,7 +47,7 @@ class Effect(Shown):
 
 @dataclass(frozen=True, repr=False)
 class MeshInfo(Shown):
-    """What the server found out about a mesh.
+    """The server's description of a mesh.
 
     Attributes:
         id: SHA-256 of the canonical content; equal meshes have equal ids.
@@ -61,7 +61,7 @@ class MeshInfo(Shown):
         area: sum of the faces' areas, mesh units squared.
         edge_min, edge_mean, edge_max: edge lengths.
         angle_min, angle_max: corner angles, radians.
-        warnings: what was repaired or deserves attention.
+        warnings: a sentence for each repair and for each fact that deserves attention.
     """
 
     id: str
@@ -87,21 +87,20 @@ class MeshInfo(Shown):
 
 @dataclass(frozen=True, repr=False)
 class MeshRepair(Shown):
-    """What the repairs that an upload asked for have changed.
+    """What the repairs of an uploaded mesh have changed.
 
     Attributes:
         made: names of the repairs that have changed something, in their order.
         welded_vertices: vertices that were joined to an earlier one.
         weld_distance: distance up to which they were joined, mesh units: the tolerance, or without one the widest gap of a
-            crack; 0 where that was not asked for.
+            crack; 0 if welding was not requested.
         dropped_degenerate_faces: degenerate faces that were dropped.
         dropped_duplicate_faces: faces that were dropped because an earlier one has their vertices.
-        split_edges: edges of more than two faces at which these were taken apart.
-        split_vertices: vertices that became several.
-        removed_vertices: vertices that were removed since all of their faces were dropped, welded ones not counted.
-        vertices: for each uploaded vertex its vertices in the mesh: one, several where it was split, none where it was
-            removed.
-        faces: for each uploaded face its face in the mesh, -1 where it was dropped; shape (uploaded faces,).
+        split_edges: edges with more than two faces at which the faces were separated.
+        split_vertices: vertices that were split into several.
+        removed_vertices: vertices that were removed since all of their faces were dropped, without welded ones.
+        vertices: for each uploaded vertex its vertices in the mesh: one, several if it was split, none if it was removed.
+        faces: for each uploaded face its face in the mesh, -1 if it was dropped; shape (uploaded faces,).
     """
 
     made: Tuple[str, ...]
@@ -121,9 +120,9 @@ class Path(Drawn):
     """A path on the surface, straight between neighbouring points.
 
     Attributes:
-        points: where it starts, crosses edges, passes vertices and ends.
-        positions: the same in space, shape (n, 3).
-        vertices: for each point the vertex that it is, or None.
+        points: its start, its crossings of edges, the vertices that it passes, and its end.
+        positions: their positions in space, shape (n, 3).
+        vertices: for each point the index of the vertex that it is, or None.
     """
 
     points: Tuple[SurfacePoint, ...]
@@ -166,19 +165,19 @@ class Geodesic(Drawn):
     """A shortest path between two points.
 
     Attributes:
-        distance: its length; infinity where `unreachable`.
-        unreachable: whether the points lie on different components; all that follows is empty then.
+        distance: its length; infinity if `unreachable`.
+        unreachable: whether the points lie on different components; all further attributes are empty then.
         unique: whether no other shortest path was found, within 1e-9 relative.
         near_cut_locus: whether a path from another direction is longer by less than 1e-6, relative.
-        competing_excess: length by which the best path from another direction exceeds the distance; infinity where none
-            was met.
+        competing_excess: length by which the shortest path from another direction exceeds the distance; infinity if none was
+            found.
         pinned_at: saddle or boundary vertices that the path bends at, from the first end to the second.
-        differentiable: False where the ends coincide; None where no derivatives were asked for.
-        gradient, hessian: what was asked for.
+        differentiable: False if the ends coincide; None if no derivatives were requested.
+        gradient, hessian: the derivatives that were requested.
         frames: orthonormal frames of the ends' faces in space, shape (2, 2, 3): end, axis, coordinate. None without
             derivatives.
-        path: None where it was not asked for.
-        points_in_space: where those of its ends lie on the surface that were given as points in space.
+        path: None if it was not requested.
+        points_in_space: the nearest points on the surface of those ends that were given as points in space.
     """
 
     distance: float
@@ -205,7 +204,7 @@ class Field(Shown):
     Attributes:
         distances: shape (vertices,), mesh units; infinity where unreached.
         method: "windows" or "edge_graph".
-        relative_error_bound: guaranteed bound of every distance's relative error; None where the method gives none.
+        relative_error_bound: guaranteed bound of every distance's relative error; None if the method gives none.
         seconds: duration of the computation on the server.
         largest_distance: largest distance of a source that is a point in space from the surface, mesh units; None
             without such a source.
@@ -220,8 +219,8 @@ class Field(Shown):
 
 @dataclass(frozen=True, repr=False)
 class KarcherStep(Shown):
-    """One state of the iteration: objective (mesh units squared), norm of its gradient (mesh units), length moved to get
-    there (mesh units) and what was added to the Hessian's diagonal (dimensionless)."""
+    """One state of the iteration: objective (mesh units squared), norm of its gradient (mesh units), length of the step to it
+    (mesh units) and what that step added to the Hessian's diagonal (dimensionless)."""
 
     objective: float
     gradient_norm: float
@@ -234,14 +233,14 @@ class KarcherMean(Shown):
     """The point of least weighted mean squared geodesic distance: E = sum w_i g_i^2 / (2 sum w_i).
 
     Attributes:
-        mean: the point; `position` is the same in space.
+        mean: the point; `position` is its position in space.
         objective: E at the mean, mesh units squared.
-        gradient_norm: |grad E| at the mean, mesh units; the bound that was asked for is `gradient_tolerance`.
-        iterations: steps taken from the start that led here.
-        start: which of the starts that is, from 0.
+        gradient_norm: |grad E| at the mean, mesh units; the requested bound is `gradient_tolerance`.
+        iterations: steps from the start that led to the mean.
+        start: number of that start, from 0.
         stopped: "converged", "kink", "step_too_small" or "iteration_limit".
         history: the start and every step.
-        points_in_space: where the request's points in space lie on the surface.
+        points_in_space: the nearest points on the surface of the request's points in space.
     """
 
     mean: SurfacePoint
@@ -265,17 +264,17 @@ class KarcherMean(Shown):
 
 @dataclass(frozen=True, repr=False)
 class ExponentialMap(Drawn):
-    """Where a straightest path ends.
+    """The end of a straightest path.
 
     Attributes:
-        end: the point; `position` is the same in space.
+        end: the point; `position` is its position in space.
         end_direction: unit tangent of the path at its end, in space.
-        length: length travelled; less than asked only where the path met the boundary.
-        reached_boundary: whether it did.
-        transport_angle: angle in radians that turns coordinates in the start face's frame into coordinates in the end
-            face's by transport along the path.
-        trace: the path; None where it was not asked for.
-        points_in_space: where the request's points in space lie on the surface.
+        length: length of the path; less than requested only if the path ends at the boundary.
+        reached_boundary: whether it ends there.
+        transport_angle: angle in radians by which parallel transport along the path rotates coordinates in the frame of the
+            start's face into those in the frame of the end's face.
+        trace: the path; None if it was not requested.
+        points_in_space: the nearest points on the surface of the request's points in space.
     """
 
     end: SurfacePoint

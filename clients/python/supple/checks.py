@@ -1,4 +1,4 @@
-"""What is checked before a request is sent, where a slip is likely and a message of the server would come too late."""
+"""Checks before a request is sent, for likely mistakes that the server would report too late or could not recognize."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ WHOLE_TURN = 2 * math.pi
 
 
 class LikelyDegrees(UserWarning):
-    """An angle of more than a whole turn was given where radians are meant."""
+    """An angle in radians exceeds a whole turn, and was probably meant in degrees."""
 
 
 def radians(value: Any, name: str) -> float:
-    """An angle as a float. Raises `TypeError` where it is none; `LikelyDegrees` warns of one beyond a whole turn."""
+    """An angle as a float. Raises `TypeError` if it is no number; warns with `LikelyDegrees` of one beyond a whole turn."""
     angle = number(value, name, "an angle in radians")
     if abs(angle) > WHOLE_TURN:
         warnings.warn(
@@ -56,7 +56,7 @@ def one_of(value: Optional[str], name: str, allowed: Sequence[str]) -> None:
 
 
 def control_points(points: ArrayLike, task: str, direction: Any) -> Array:
-    """The control points of a target, shape (n, 2). Raises `TypeError` where x and y came one after the other."""
+    """The control points of a target, shape (n, 2). Raises `TypeError` if x and y are separate arguments."""
     array = np.asarray(points, dtype=np.float64)
     if array.ndim == 1 and np.ndim(direction) == 1:
         raise TypeError(

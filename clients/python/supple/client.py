@@ -32,7 +32,7 @@ DEFAULT_URL = "http://127.0.0.1:8080"
 
 
 class Client(WeaveCalls, MakerCalls):
-    """Speaks to one supple-server.
+    """A connection to one supple-server.
 
     ::
 
@@ -41,17 +41,17 @@ class Client(WeaveCalls, MakerCalls):
             print(mesh.geodesic(0, 1200).distance)
 
     Args:
-        url: the server's address; None takes the environment's SUPPLE_SERVER, or http://127.0.0.1:8080.
-        key: the key that the server asks for, "supple_ID_SECRET"; None takes that of `key_file`, or the environment's SUPPLE_KEY.
-            It travels as a header, so use https:// beyond this machine.
-        key_file: a file that holds the key; None takes the environment's SUPPLE_KEY_FILE. Others should not be able to read it
-            (`KeyReadableByOthers` warns).
+        url: the server's address; None takes the environment variable SUPPLE_SERVER, or http://127.0.0.1:8080.
+        key: the key that the server requires, "supple_ID_SECRET"; None takes that of `key_file`, or the environment variable
+            SUPPLE_KEY. It is sent as a header, so use https:// beyond this machine.
+        key_file: a file with the key; None takes the environment variable SUPPLE_KEY_FILE. A file that other users may read
+            causes a warning (`KeyReadableByOthers`).
         timeout: seconds that a single request may take to be answered (`RequestTimeout`). Computations that take longer
             than a second are followed as jobs, so it need not be long for them.
-        progress: what calls without a `progress` of their own report to; True shows a bar for all that take longer than a
-            second, on a terminal or in a notebook.
+        progress: the `progress` of calls that have none of their own; True shows a bar for all that take longer than a second,
+            on a terminal or in a notebook.
 
-    A client may be shared by threads as far as `requests.Session` may; one client for each thread is safe in any case.
+    Threads may share a client as far as they may share a `requests.Session`; one client for each thread is always safe.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class Client(WeaveCalls, MakerCalls):
         self.close()
 
     def close(self) -> None:
-        """Closes the connections. Jobs on the server go on."""
+        """Closes the connections. Jobs on the server continue."""
         self._transport.close()
 
     @property
@@ -90,7 +90,7 @@ class Client(WeaveCalls, MakerCalls):
         return f"Client({self.url!r})"
 
     def ready(self) -> bool:
-        """Whether a server answers there and accepts requests."""
+        """Whether a server answers at the address and accepts requests."""
         try:
             self._transport.request("GET", "/readyz", repeatable=False)
             return True
@@ -108,16 +108,16 @@ class Client(WeaveCalls, MakerCalls):
         pyvista.
 
         Args:
-            mesh: str, Path or bytes; or what has triangles as trimesh.Trimesh, meshio.Mesh or pyvista.PolyData have them.
-            repair: "automatic" for the repairs that are needed, or names of repairs to make: "weld" (joins the corners of cracks), "drop_degenerate" (faces without area),
-                "drop_duplicates" (faces given again) and "split_non_manifold" (cuts the surface apart where more than two
-                faces meet in an edge, or several fans in a vertex). `Mesh.repair` says what they have changed and where each
-                vertex and face has gone.
+            mesh: str, Path or bytes; or a trimesh.Trimesh, meshio.Mesh, pyvista.PolyData or similar object.
+            repair: "automatic" for the repairs that are needed, or names of repairs: "weld" (joins the corners of cracks),
+                "drop_degenerate" (faces without area), "drop_duplicates" (repeated faces) and "split_non_manifold" (separates
+                faces at an edge with more than two of them, and fans of faces at a vertex with several). `Mesh.repair` says what
+                they have changed, and gives the new vertices and face of each old one.
             weld_tolerance: distance up to which "weld" joins any vertices, over the diagonal of the bounding box, in
                 [0, 0.01]. Without it only the corners of cracks are joined.
 
-        Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements, also
-        where faults are left after the repairs.
+        Uploading the same content twice gives the same mesh. Raises `InvalidMesh`, whose `faults` name the elements, also if
+        faults remain after the repairs.
         """
         if not isinstance(mesh, (str, Path, bytes)):
             arrays = arrays_of(mesh)
@@ -205,13 +205,13 @@ class Client(WeaveCalls, MakerCalls):
 
         Args:
             family: id of the family.
-            parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` where they give no
-                valid structure.
-            beam_width: in mm; the whole structure scales with it. 0.3 on the server's side.
-            mesh_size: side length of the triangles over beam width; where a mesh option is given, the cell is meshed and
-                the result has the mesh's statistics.
+            parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` if they give no valid
+                structure.
+            beam_width: in mm; the whole structure scales with it. 0.3 by default.
+            mesh_size: side length of the triangles over beam width. With any mesh option the cell is meshed, and the result
+                has the mesh's statistics.
             corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
-            mesh_region: "automatic", "tile" or "cell": what is meshed at a time.
+            mesh_region: whether single tiles or the whole cell are meshed at a time: "automatic", "tile" or "cell".
         """
         computation = tilings.structure(family, parameters, beam_width, mesh_size, corner_size, mesh_region, deadline)
         return run(self._transport, computation, timeout, None)
@@ -260,22 +260,21 @@ class Client(WeaveCalls, MakerCalls):
         Args:
             family, parameters: the structure, as in `structure`.
             load: `GreenStrain`, `Uniaxial` or `Biaxial`.
-            material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 on the
-                server's side.
-            mesh_size, corner_size, mesh_region: as in `structure`. Without `mesh_size` the mesh is the server's, and what
-                it errs by is taken off by extrapolation.
-            discretization_error: the relative error of the stress that the mesh may make; the server then chooses the
-                mesh. `mesh_size` wins where both are given.
-            tolerance: relative residual of an equilibrium. 1e-8 on the server's side.
+            material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 by default.
+            mesh_size, corner_size, mesh_region: as in `structure`. Without `mesh_size` the server chooses the mesh, and reduces
+                its discretization error by extrapolation.
+            discretization_error: permitted relative error of the stress due to the mesh; the server then chooses the mesh.
+                `mesh_size` has precedence if both are given.
+            tolerance: relative residual of an equilibrium. 1e-8 by default.
             max_load_step: largest change of a component of F in one internal load step.
             max_iterations: Newton iterations for one load step before it is halved.
             contact, patch, buckling: "on", "off" or "automatic".
-            refinement: "on" extrapolates the states from the mesh and a finer one, also where `mesh_size` is given, for
-                which "automatic" only estimates the error; "off" does neither, in about half of the time.
+            refinement: "on" extrapolates the states from the mesh and a finer one; "automatic" does so too, but only estimates
+                the error if `mesh_size` is given; "off" does neither, in about half of the time.
             tangents: whether tangent stiffnesses are computed.
             deformed: "json" for the deformed points and triangles of each state, "vtu" for VTK files, "none".
 
-        A path that cannot be followed to its end is no exception: see `Simulation.message`.
+        A path that cannot be followed to its end raises no exception: see `Simulation.message`.
         """
         accuracy = _accuracy(
             mesh_size, corner_size, mesh_region, tolerance, max_load_step, max_iterations, discretization_error
@@ -352,25 +351,25 @@ class Client(WeaveCalls, MakerCalls):
         """Tiling parameters whose response follows a target profile.
 
         Args:
-            target: the profile that is wanted.
+            target: the wanted profile.
             family: id of the family to search; None searches every family that has a model.
-            model: or id of the model.
+            model: id of the model, instead of a family.
             also: further targets of the same design.
             initial: parameters to start from, shape (p,); with a family or model.
-            fixed: parameters that keep their value, None for those to be found, shape (p,); with a family or model.
-            orientation: angle by which the tiling is turned counterclockwise, radians, or a pair (least, most) at most pi
-                apart within which it is found. 0 on the server's side. Directions are those of space.
-            initial_orientation: of `initial`.
-            material: what the structure is made of, or several materials of which the search chooses the one that serves
-                the targets best; None takes the material of the model's data.
-            beam_width, cell_size: the size of the structure in mm, by the one or the other; its response does not depend on
-                it. Beams of 0.3 mm on the server's side.
-            limits: what the structure may measure. Raises `InvalidDesign` where nothing is within them.
-            verify: whether the design found is simulated at its native scale too and corrected until the simulation follows
-                the target (`DesignOptions.polish`); that takes seconds to minutes.
+            fixed: values of fixed parameters, and None for those to be found, shape (p,); with a family or model.
+            orientation: angle by which the tiling is rotated counterclockwise, radians, or a pair (least, greatest) at most pi
+                apart, between which the search finds it. 0 by default. Directions do not rotate with the tiling.
+            initial_orientation: the orientation that belongs to `initial`.
+            material: the material of the structure, or several materials, of which the search chooses the best for the
+                targets; None takes the material of the model's data.
+            beam_width, cell_size: the size of the structure in mm, given by one of the two; its response does not depend on
+                it. Beams of 0.3 mm by default.
+            limits: limits of the structure's size and density. Raises `InvalidDesign` if no design is within them.
+            verify: whether the design is also simulated at its native scale and corrected until the simulation follows the
+                target (`DesignOptions.polish`); this takes seconds to minutes.
             session: a newer request of the same session replaces this one while it runs (`Superseded`).
 
-        A target that no design reaches is no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
+        A target that no design reaches raises no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
         """
         problem = Region(
             target, None, family, model, also, initial, fixed, orientation, initial_orientation, material, beam_width, cell_size,
@@ -416,7 +415,7 @@ class Client(WeaveCalls, MakerCalls):
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> RegionDesigns:
-        """A design for each part of a product, for example forefoot, midfoot and heel of a sole; see `design`."""
+        """A design for each region of a product, for example forefoot, midfoot and heel of a sole; see `design`."""
         computation = designs.design_regions(regions, options, verify, session, deadline)
         return run(self._transport, computation, timeout, progress)
 
@@ -452,18 +451,18 @@ class Client(WeaveCalls, MakerCalls):
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> ProfileCurve:
-        """The profile of given parameters, as the neural model of their family has it.
+        """The profile of given parameters, by the neural model of their family.
 
         Args:
             task, direction, strain, strain_measure: what the profile shows, as in `Target`.
-            parameters: of the design, shape (p,), dimensionless.
-            family, model: whose parameters they are; one of the two.
+            parameters: parameters of the design, shape (p,), dimensionless.
+            family, model: the family or the model of the parameters; one of the two.
             x: strains or angles in radians, shape (n,), in any order.
-            limits: or first and last strain; (-0.1, 0.2) on the server's side. Directions cover half a turn.
-            samples: number of evenly spaced samples. 31 on the server's side, 50 over directions.
-            equilibrium_tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
-            orientation: angle by which the tiling is turned counterclockwise, radians. 0 on the server's side.
-            material: what the structure is made of, with one Young's modulus; None takes the material of the model's data.
+            limits: first and last strain, instead of `x`; (-0.1, 0.2) by default. Directions always cover half a turn.
+            samples: number of evenly spaced samples. 31 by default, 50 over directions.
+            equilibrium_tolerance: relative residual of an equilibrium. 1e-10 by default.
+            orientation: angle by which the tiling is rotated counterclockwise, radians. 0 by default.
+            material: the material of the structure, with one Young's modulus; None takes that of the model's data.
         """
         computation = designs.profile(
             task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
@@ -497,7 +496,7 @@ class Client(WeaveCalls, MakerCalls):
         return submit(self._transport, computation)
 
     def jobs(self, state: Optional[str] = None) -> Iterator[JobStatus]:
-        """The server's jobs, the newest first; only those in `state` where one is given."""
+        """The server's jobs, the newest first; only those in `state` if it is given."""
         return map(status_from_wire, self._entries("/v1/jobs", "jobs", {} if state is None else {"state": state}))
 
     def job(self, job_id: str) -> Job[Any]:
@@ -510,7 +509,7 @@ class Client(WeaveCalls, MakerCalls):
         return Job(self._transport, job_id, decode, "*/*")
 
     def _entries(self, path: str, key: str, query: Dict[str, str]) -> Iterator[Dict[str, Any]]:
-        """Every entry of a list that comes in pages."""
+        """Every entry of a list that the server sends in pages."""
         while True:
             parameters = "&".join(f"{name}={value}" for name, value in query.items())
             page = self._transport.request("GET", path + ("?" + parameters if parameters else "")).json()
@@ -521,7 +520,7 @@ class Client(WeaveCalls, MakerCalls):
 
 
 def _repair_names(repair: Union[str, Sequence[str]]) -> List[str]:
-    """The names as a list; a single text would be taken for a list of letters."""
+    """The names as a list. A single text is a list of one name, and not of letters."""
     if repair == "automatic":
         return ["automatic"]
     if isinstance(repair, str):

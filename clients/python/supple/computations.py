@@ -1,4 +1,4 @@
-"""The requests that work on a mesh, and what makes their answers values."""
+"""The requests of computations on a mesh, and the functions that decode their answers."""
 
 from __future__ import annotations
 

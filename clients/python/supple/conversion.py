@@ -1,5 +1,5 @@
-"""Meshes of other libraries (trimesh, meshio, pyvista), none of which this package needs: from them by what they look like,
-to them where they are installed."""
+"""Conversion of meshes from and to trimesh, meshio and pyvista, none of which this package requires. Their meshes are
+recognized by their attributes; conversion to them needs the library."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Faces = NDArray[np.int64]
 
 
 def arrays_of(mesh: Any) -> Optional[Tuple[Array, Faces]]:
-    """Vertices, shape (n, 3), and triangles, shape (m, 3), of a mesh of trimesh, meshio or pyvista; None of anything else.
+    """Vertices, shape (n, 3), and triangles, shape (m, 3), of a mesh of trimesh, meshio or pyvista; None for other objects.
 
-    Raises `ValueError` where it has faces that are no triangles, or none.
+    Raises `ValueError` if it has faces that are no triangles, or no faces.
     """
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh.Trimesh
         return _positions(mesh.vertices), _triangles(mesh.faces)
@@ -56,7 +56,7 @@ def _library(name: str) -> Any:
 
 
 def to_trimesh(vertices: Array, faces: NDArray[np.int32]) -> Any:
-    # Its own clean-up would number vertices anew.
+    # The clean-up of trimesh (process=True) would renumber vertices.
     return _library("trimesh").Trimesh(vertices=vertices, faces=faces, process=False)
 
 

@@ -1,4 +1,4 @@
-"""Designs and profiles that a server found, as dataclasses and numpy arrays.
+"""Answers about designs and profiles as dataclasses and numpy arrays.
 
 A profile is stress over strain in one direction, or stiffness or Poisson's ratio over directions, under a uniaxial load
 whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, angles in radians.
@@ -20,7 +20,7 @@ Flags = NDArray[np.bool_]
 
 
 def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...]) -> Drawing:
-    """Curves of a profile with the axes that its task has. Poisson's ratios, which may be negative, lie over degrees."""
+    """Curves of a profile with the axes for its task. Poisson's ratios, which may be negative, have straight axes in degrees."""
     if over_strains:
         return Drawing("curves", lines, (), "", "strain along the load", "stress / MPa")
     if task == "stiffness":
@@ -31,10 +31,10 @@ def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...]) -> D
 
 @dataclass(frozen=True, repr=False)
 class DesignError(Shown):
-    """How far profiles are from their targets.
+    """The deviations of profiles from their targets.
 
     Attributes:
-        relative_rms: weighted root mean square of the deviations beyond the bands, over that of the target; over all targets.
+        relative_rms: weighted root mean square of the deviations beyond the bands over that of the target, for all targets.
         max: largest deviation of the main target beyond its band, in its unit.
     """
 
@@ -44,16 +44,18 @@ class DesignError(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Verification(Shown):
-    """A profile by simulation at native scale.
+    """A profile that was simulated at native scale.
 
     Attributes:
         x: strains or angles, shape (m,).
-        target: the target there, shape (m,).
-        y: simulated values, shape (m,); nan where the simulation did not get there.
-        model: the neural model's values there, shape (m,); nan where nothing was simulated.
-        relative_rms: root mean square of their difference over that of the simulation; None where nothing was simulated.
-        target_error: how far the simulation is from the target, as `DesignError.relative_rms`; None where a sample is missing.
-        discretization_error: estimated error that the mesh makes, root mean square over that of the simulation. None where a sample is missing or the deadline passed.
+        target: values of the target, shape (m,).
+        y: simulated values, shape (m,); nan where the simulation did not reach x.
+        model: values of the neural model, shape (m,); nan where there is no simulated value.
+        relative_rms: root mean square of the difference of model and simulation over that of the simulation; None if nothing
+            was simulated.
+        target_error: deviation of the simulation from the target, as `DesignError.relative_rms`; None if a sample is missing.
+        discretization_error: estimated error due to the mesh, root mean square over that of the simulation; None if a sample
+            is missing or the deadline passed.
     """
 
     x: Array
@@ -70,13 +72,13 @@ class PolishRound(Shown):
     """One structure that was simulated.
 
     Attributes:
-        proposal: where it came from: "search", "step", "probe", "new_search" or "survey".
-        parameters: of the structure, shape (p,).
-        target_error: simulated, as `DesignError.relative_rms`; None where the simulation failed.
-        accepted: whether it is the best so far.
+        proposal: the method that proposed it: "search", "step", "probe", "new_search" or "survey".
+        parameters: parameters of the structure, shape (p,).
+        target_error: deviation of the simulation, as `DesignError.relative_rms`; None if the simulation failed.
+        accepted: whether it was the best so far.
         reason: why it was not accepted; empty if it was.
-        seconds: what the round cost.
-        orientation: of the structure, radians.
+        seconds: duration of the round.
+        orientation: angle by which its tiling is rotated, radians.
     """
 
     proposal: str
@@ -90,10 +92,10 @@ class PolishRound(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Polish(Shown):
-    """What simulation says of a design and how it was corrected.
+    """The correction of a design by simulations.
 
     Attributes:
-        target_error: simulated, over all targets, as `DesignError.relative_rms`; None where a sample is missing.
+        target_error: deviation of the simulation for all targets, as `DesignError.relative_rms`; None if a sample is missing.
         stopped: "reached", "no_improvement", "round_limit", "time_limit", "deadline" or "not_simulated".
         rounds: the structures that were simulated; the first is the design that the search found.
     """
@@ -105,24 +107,25 @@ class Polish(Shown):
 
 @dataclass(frozen=True, repr=False)
 class DesignProfile(Drawn):
-    """A target and what designs do, at n samples.
+    """A target and the profiles of designs, at n samples.
 
     Attributes:
         task: "stress_strain", "stiffness" or "poisson".
-        direction: of the load; None over directions.
-        strain: along the load; None over strains.
+        direction: direction of the load; None if the profile is over directions.
+        strain: strain along the load; None if the profile is over strains.
         strain_measure: "green" or "engineering".
         x: strains or angles, shape (n,).
-        target: shape (n,), MPa or dimensionless, as the values that follow.
-        initial: at the first starting point, shape (n,); nan where it has no equilibrium.
-        achieved: of the design found, shape (n,).
-        error_bar: which the simulated value differs from it by no more than, in 90 of 100 cases, shape (n,); nan outside
-            of what the model was trained on, None where the model has no error bars.
-        in_range: whether each sample of it is to be trusted: within what the model was trained on and with an error bar
-            of at most 5 % of a stress, 10 % of a stiffness, 0.1 of a Poisson's ratio, shape (n,).
-        reached: whether the model of it is within the band of each sample, or within 1 % of the target's root mean square beyond it.
-        lower, upper: least and greatest values over all designs that were looked at, shape (n,); None where there are none.
-        verified: None where no simulation was asked for.
+        target: values of the target, shape (n,), MPa or dimensionless like the following values.
+        initial: values of the first starting point, shape (n,); nan where it has no equilibrium.
+        achieved: values of the design that was found, shape (n,).
+        error_bar: bound of the difference between `achieved` and the simulated value in 90 of 100 cases, shape (n,); nan
+            outside of what the model was trained on; None if the model has no error bars.
+        in_range: whether each sample of `achieved` can be trusted: it is within what the model was trained on, and its error
+            bar is at most 5 % of a stress, 10 % of a stiffness, 0.1 for a Poisson's ratio, shape (n,).
+        reached: whether `achieved` is within the band of each sample, or exceeds it by at most 1 % of the target's root mean
+            square.
+        lower, upper: least and greatest values over all designs that the search evaluated, shape (n,); None if there are none.
+        verified: None if no simulation was requested.
     """
 
     task: str
@@ -155,12 +158,11 @@ class DesignCandidate(Shown):
     """The best design of one family.
 
     Attributes:
-        error: how far it is from the targets.
-        model_error: mean relative error of the model's stress on designs that its training has not seen; None where
-            nobody measured it.
-        simulated_error: as `error.relative_rms`, of the simulated structure; None where it was not simulated.
-        orientation: angle by which the tiling is turned, radians.
-        material: what the design is of; its modulus is the one found for this family, where the request leaves a choice.
+        error: its deviation from the targets.
+        model_error: mean relative error of the model's stress on designs that it was not trained on; None if unknown.
+        simulated_error: as `error.relative_rms`, but of the simulated structure; None if it was not simulated.
+        orientation: angle by which the tiling is rotated, radians.
+        material: its material, with the modulus that was found for this family if the request leaves a choice.
     """
 
     family: str
@@ -176,11 +178,11 @@ class DesignCandidate(Shown):
 
 @dataclass(frozen=True, repr=False)
 class MadeOf(Shown):
-    """The material that profiles are of.
+    """The material of a design or profile.
 
     Attributes:
-        name: empty where the request gives none.
-        youngs_modulus: in MPa; the one found, where the request leaves a choice.
+        name: empty if the request gives none.
+        youngs_modulus: in MPa; the one that was found, if the request leaves a choice.
         law, poisson_ratio: those of the model's data.
         density: in g/cm^3.
     """
@@ -194,7 +196,7 @@ class MadeOf(Shown):
 
 @dataclass(frozen=True, repr=False)
 class StructureSize(Shown):
-    """What the structure of a design measures; None where there is no such structure (the design's `message` says why).
+    """The size and density of a design's structure; None where there is no such structure (the design's `message` says why).
 
     Attributes:
         beam_width: in mm.
@@ -214,22 +216,22 @@ class Design(Drawn):
     """A design that was found.
 
     Attributes:
-        name: of its region; empty where it has none.
+        name: name of its region; may be empty.
         family, parameters: the structure; `Client.structure_file` writes it.
-        model, sha256: the neural model that was searched, and its file.
-        orientation: angle by which the tiling is turned counterclockwise, radians; directions are those of space.
-        material: what it is made of; `size` is what its structure measures.
-        profile: the main target and what was achieved.
-        also: the further targets, in their order.
-        error: how far it is from them.
-        reached: whether all samples of all targets are reached: by the simulation where one got to all of them, by the
-            model otherwise. A target out of reach is no exception.
-        iterations, starts: of the search in this family.
+        model, sha256: the neural model of the search, and the checksum of its file.
+        orientation: angle by which the tiling is rotated counterclockwise, radians; directions do not rotate with it.
+        material: its material; `size` has the size and density of its structure.
+        profile: the main target and the profiles for it.
+        also: the same for the further targets, in their order.
+        error: its deviation from all targets.
+        reached: whether all samples of all targets are reached: by the simulation if it has values at all of them, otherwise
+            by the model. A target out of reach raises no exception.
+        iterations, starts: iterations and starting points of the search in this family.
         stopped: "converged", "reached", "iteration_limit", "step_too_small", "no_free_parameters" or "trusted".
-        message: what to know about the result; empty where there is nothing.
-        polish: what simulation says of it and how it was corrected; None where it was not simulated.
-        ranking: the best design of each family that was searched, best first by its simulated deviation, or where it was not
-            simulated by the root of the squares of its deviation and of its model's error.
+        message: facts that deserve attention; may be empty.
+        polish: its correction by simulations; None if it was not simulated.
+        ranking: the best design of each family that was searched, the best one first. They are compared by the simulated
+            deviation, or without a simulation by the root of the summed squares of its deviation and its model's error.
         structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
     """
 
@@ -261,11 +263,11 @@ class Design(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class DesignResult(Design):
-    """A design and what it took.
+    """A design, with the accuracy and the cost of the computation.
 
     Attributes:
-        tolerance, equilibrium_tolerance: as asked for.
-        residual: largest one of the design's equilibria.
+        tolerance, equilibrium_tolerance: as requested.
+        residual: largest residual of the design's equilibria.
         effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
     """
 
@@ -278,7 +280,7 @@ class DesignResult(Design):
 
 @dataclass(frozen=True, repr=False)
 class RegionDesigns(Shown):
-    """The designs of several regions, in their order, and what they took; the fields are those of `DesignResult`."""
+    """The designs of several regions, in their order, with accuracy and cost; the fields are those of `DesignResult`."""
 
     regions: Tuple[Design, ...]
     tolerance: float
@@ -290,13 +292,13 @@ class RegionDesigns(Shown):
 
 @dataclass(frozen=True, repr=False)
 class PartialDesign(Shown):
-    """The best design so far of a job that runs.
+    """The best design so far of a running job.
 
     Attributes:
-        name: of its region; empty where it has none.
-        x, achieved: samples of the main target and the profile there, shape (n,).
+        name: name of its region; may be empty.
+        x, achieved: samples of the main target and the design's profile at them, shape (n,).
         iteration: iterations so far.
-        orientation: of the design, radians.
+        orientation: angle by which the tiling is rotated, radians.
     """
 
     name: str
@@ -312,10 +314,10 @@ class PartialDesign(Shown):
 
 @dataclass(frozen=True, repr=False)
 class PartialRound(Shown):
-    """The structure that a running job simulated last, of the family and model of its design.
+    """The structure that a running job simulated last; `family` and `model` are those of its design.
 
     Attributes:
-        name: of its region; empty where it has none.
+        name: name of its region; may be empty.
     """
 
     name: str
@@ -329,14 +331,14 @@ class ProfileCurve(Drawn):
     """The profile of given parameters.
 
     Attributes:
-        task, direction, strain, strain_measure: what it shows, as in `DesignProfile`.
+        task, direction, strain, strain_measure: as in `DesignProfile`.
         x: strains or angles, shape (n,).
         y: shape (n,), MPa or dimensionless; nan where no equilibrium was found.
-        error_bar, in_range: of y, as in `DesignProfile`.
-        orientation: angle by which the tiling is turned counterclockwise, radians.
-        material: that the profile is of.
-        equilibrium_tolerance: as asked for; `residual` is the largest one of the equilibria.
-        sha256: of the model's file that answered.
+        error_bar, in_range: as in `DesignProfile`, for y.
+        orientation: angle by which the tiling is rotated counterclockwise, radians.
+        material: the material of the structure.
+        equilibrium_tolerance: as requested; `residual` is the largest residual of the equilibria.
+        sha256: checksum of the model's file.
     """
 
     family: str
@@ -365,7 +367,7 @@ class ProfileCurve(Drawn):
 
 
 def _array(values: Any) -> Array:
-    """An array whose entries that are null are nan."""
+    """The values as an array, with nan for None."""
     return np.asarray([np.nan if value is None else value for value in values], dtype=np.float64)
 
 

@@ -1,4 +1,4 @@
-"""Inverse design: targets and problems, and the requests that they become."""
+"""Inverse design: targets, problems and their requests."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Target:
-    """One profile that is wanted: a curve through control points. What is None is left to the server.
+    """A wanted profile: a curve through control points. None stands for the server's default.
 
     Attributes:
         task: "stress_strain" (MPa over strain in one direction), "stiffness" (MPa over directions) or "poisson"
             (Poisson's ratio over directions).
         control_points: (x, y), shape (n, 2), x increasing: strains, or angles in radians of period pi.
-        direction: angle of the load from the x axis, radians; of stress_strain. 0 on the server's side.
-        strain: along the load; of stiffness and poisson. 0.05 on the server's side.
+        direction: angle of the load from the x axis, radians, for stress_strain. 0 by default.
+        strain: strain along the load, for stiffness and poisson. 0.05 by default.
         strain_measure: "green" (Green strain, second Piola-Kirchhoff stress) or "engineering" (stretch - 1, force over rest
-            width). "green" on the server's side.
-        interpolation: "cubic", "monotone" or "linear"; "cubic" on the server's side.
-        weights: how much deviations count at each control point, shape (n,).
-        bands: deviations that count as none at each control point, shape (n,), in the unit of y.
-        samples: points at which the target is compared. 10 on the server's side, 50 over directions.
-        weight: how much this target counts beside others. 1 on the server's side.
+            width). "green" by default.
+        interpolation: "cubic", "monotone" or "linear"; "cubic" by default.
+        weights: weights of the deviations at the control points, shape (n,).
+        bands: tolerated deviations at the control points, shape (n,), in the unit of y.
+        samples: number of points at which profiles are compared with the target. 10 by default, 50 over directions.
+        weight: weight of this target among several. 1 by default.
     """
 
     task: str
@@ -69,13 +69,13 @@ class Target:
 
     @classmethod
     def from_csv(cls, source: Union[str, Path], client: Optional["Client"] = None, **how: Any) -> "Target":
-        """The target of a measured curve in a file, or in text with line breaks; see `Client.measured_curve` for `how` it may
-        be read, and for what came of it. Without a client the one of the environment is asked."""
+        """The target of a measured curve in a file, or in a text with line breaks. `how` are arguments of
+        `Client.measured_curve`. Without a client, one with the environment's address and key is used."""
         return _measured(client, source, None, how)
 
     @classmethod
     def from_xy(cls, x: ArrayLike, y: ArrayLike, client: Optional["Client"] = None, **how: Any) -> "Target":
-        """The target of measured points in the order of the measurement, likewise; x and y have the shape (n,)."""
+        """The same for measured points in the order of the measurement; x and y have the shape (n,)."""
         return _measured(client, None, np.column_stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)]), how)
 
     def to_wire(self) -> Dict[str, Any]:
@@ -119,7 +119,7 @@ def _measured(
 
 
 def _holds_control_points(source: Union[str, Path]) -> bool:
-    """Whether each line of a file or text is two to four numbers, below a heading or not: what control points look like."""
+    """Whether each line of a file or text, perhaps after a heading, has two to four numbers, as control points have."""
     from .measured import text_of
 
     lines = [line for line in text_of(source).splitlines() if line.strip() and not line.lstrip().startswith("#")]
@@ -135,14 +135,14 @@ def _holds_control_points(source: Union[str, Path]) -> bool:
 
 @dataclass(frozen=True)
 class Material:
-    """What a structure is made of. What is None is left to the server, which takes the material of the model's data.
+    """The material of a structure. None stands for that of the model's data.
 
     Attributes:
-        youngs_modulus: E in MPa, to which stresses and stiffnesses are proportional. A pair (least, most) leaves it to the
-            search to find the modulus that serves the targets best; of several materials each needs one.
-        density: in g/cm^3. 1.2 on the server's side.
-        name: which the answer repeats.
-        poisson_ratio, law: a model knows those of its data alone. Others are refused (`InvalidDesign`).
+        youngs_modulus: E in MPa, to which stresses and stiffnesses are proportional. With a pair (least, greatest) the search
+            finds the best modulus for the targets. Each of several materials needs one.
+        density: in g/cm^3. 1.2 by default.
+        name: a name that the answer repeats.
+        poisson_ratio, law: only those of the model's data are permitted (`InvalidDesign`).
     """
 
     youngs_modulus: Union[float, Tuple[float, float], None] = None
@@ -171,12 +171,12 @@ class Material:
 
 @dataclass(frozen=True)
 class Limits:
-    """What a structure may measure: pairs (least, most), or None for no limit.
+    """Limits of a structure's size and density: pairs (least, greatest), or None for no limit.
 
     Attributes:
         relative_density: solid area / area of the cell, dimensionless.
-        cell_size: in mm, for beams of a given width.
-        beam_width: in mm, for cells of a given size; beams are the walls of a part.
+        cell_size: square root of a cell's area, mm, for beams of a given width.
+        beam_width: width of the beams, mm, for cells of a given size; beams are the walls of a part.
     """
 
     relative_density: Optional[Tuple[float, float]] = None
@@ -202,7 +202,7 @@ def _materials(material: Union[Material, Sequence[Material], None]) -> Union[Dic
 
 @dataclass(frozen=True)
 class Region:
-    """What one part of a product is to do, and where to look for it; the fields are those of `Client.design`."""
+    """The design problem of one region of a product; the fields are those of `Client.design`."""
 
     target: Target
     name: Optional[str] = None
@@ -246,24 +246,24 @@ class Region:
 
 @dataclass(frozen=True)
 class DesignOptions:
-    """How designs are searched for. What is None is left to the server.
+    """How designs are searched for. None stands for the server's default.
 
     Attributes:
-        tolerance: the search ends once a step promises to lessen the relative deviation by at most this. 1e-6.
+        tolerance: the search ends once a step's predicted reduction of the relative deviation is at most this. 1e-6.
         equilibrium_tolerance: relative residual of an equilibrium. 1e-10.
-        max_iterations: from one starting point. 200.
-        starts: starting points that are followed at most. 24, or 4 of each family where all are searched.
-        candidates: designs spread over the bounds from which they are chosen.
-        verified_samples: samples of each target that are simulated, at most, where the design is verified. 12.
+        max_iterations: iterations from one starting point. 200.
+        starts: largest number of starting points. 24, or 4 for each family if all are searched.
+        candidates: number of designs, spread over the bounds, from which starting points are chosen.
+        verified_samples: largest number of samples of each target that verification simulates. 12.
         polish_tolerance: polishing ends once the simulated relative deviation is at most this. 0.002.
-        polish_rounds: structures that polishing simulates at most, beyond the first. 30.
+        polish_rounds: largest number of structures that polishing simulates besides the first. 30.
         polish_seconds: a round that would end later than this is not begun. 120.
-        trust: whether designs of which the model can be trusted come before others that are nearly as near: "automatic",
-            "on" or "off".
-        multi_start: further starting points: "automatic", "on" or "off".
-        envelope: least and greatest values over all designs that were looked at: "automatic", "on" or "off".
-        polish: correcting the design by simulations until they follow the targets: "automatic" where it is verified, "on"
-            verifies it too, "off".
+        trust: whether designs for which the model can be trusted are preferred to others with almost the same deviation:
+            "automatic", "on" or "off".
+        multi_start: whether there are further starting points: "automatic", "on" or "off".
+        envelope: whether least and greatest values over all evaluated designs are returned: "automatic", "on" or "off".
+        polish: whether the design is corrected by simulations until they follow the targets: "on" (which verifies it too),
+            "off", or "automatic", which polishes a design that is verified.
     """
 
     tolerance: Optional[float] = None

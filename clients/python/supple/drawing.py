@@ -1,4 +1,4 @@
-"""Pictures of results: what they consist of, as SVG for notebooks and for matplotlib where that is installed."""
+"""Pictures of results, drawn as SVG for notebooks, or with matplotlib if it is installed."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from ._arrays import Array
 
 BLUE, ORANGE, RED, GREY, PALE, SOLID = "#1f4e9c", "#f3b562", "#c2362f", "#98a4ae", "#dbe3f0", "#b9c6d8"
 WIDTH, HEIGHT = 480.0, 360.0
-"""Of an SVG picture, pixels."""
+"""Size of an SVG picture, pixels."""
 FLAT = 1e-6
-"""What lies within so small a share of its width is flat."""
+"""Lines in space count as planar if their extent along z is below this fraction of their largest extent."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A polyline of shape (n, 2), or (n, 3) in space; its points are marked instead where `marks`. nan interrupts it."""
+    """A polyline of shape (n, 2), or (n, 3) in space. With `marks` its points are marked instead. nan interrupts it."""
 
     points: Array
     color: str = BLUE
@@ -32,7 +32,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Area:
-    """What lies between closed polylines of shape (n, 2): the first is the outline, the others are holes."""
+    """The area between closed polylines of shape (n, 2): the first one is the outline, the others are holes."""
 
     rings: Tuple[Array, ...]
     color: str = SOLID
@@ -44,10 +44,10 @@ class Drawing:
 
     Attributes:
         kind: "curves" (axes with numbers), "polar" (x are angles of period pi, in radians) or "map" (equal scales and no
-            axes; what is in space is seen from a corner).
-        lines, areas: what it shows; areas lie below.
+            axes; lines in space are drawn in isometric projection).
+        lines, areas: its content; areas are drawn below lines.
         title: one line of text.
-        x_label, y_label: of curves.
+        x_label, y_label: labels of the axes of curves.
     """
 
     kind: str
@@ -59,7 +59,7 @@ class Drawing:
 
     @property
     def in_space(self) -> bool:
-        """Whether any line leaves a plane z = constant that all of them lie in; if none does, that is seen from above."""
+        """Whether the lines do not lie in one plane z = constant. Lines that do are drawn as seen from above."""
         points = [line.points for line in self.lines if line.points.shape[1] == 3]
         every = np.vstack(points) if points else np.empty((0, 3))
         every = every[np.isfinite(every).all(axis=1)]
@@ -71,28 +71,28 @@ def curve(x: Any, y: Any, **style: Any) -> Line:
     return Line(np.column_stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)]), **style)
 
 
-def _seen(points: Array) -> Array:
-    """Points of space as they are seen along (-1, -1, -1), with z upwards; points of the plane as they are."""
+def _isometric(points: Array) -> Array:
+    """The isometric projection of points in space along (-1, -1, -1), with z upwards; points in the plane are unchanged."""
     if points.shape[1] == 2:
         return points
     x, y, z = points.T
     return np.column_stack([(y - x) / math.sqrt(2), (2 * z - x - y) / math.sqrt(6)])
 
 
-def _around(angles: Array, values: Array) -> Array:
-    """A curve over half a turn as a closed one over the whole turn, in the plane."""
+def _closed_polar(angles: Array, values: Array) -> Array:
+    """A polar curve over half a turn as a closed curve over the whole turn, in Cartesian coordinates."""
     order = np.argsort(angles)
-    turned = np.concatenate([angles[order], angles[order] + np.pi])
-    twice = np.abs(np.concatenate([values[order], values[order]]))
-    around = np.column_stack([twice * np.cos(turned), twice * np.sin(turned)])
-    return np.vstack([around, around[:1]])
+    angles_all_around = np.concatenate([angles[order], angles[order] + np.pi])
+    radii = np.abs(np.concatenate([values[order], values[order]]))
+    points = np.column_stack([radii * np.cos(angles_all_around), radii * np.sin(angles_all_around)])
+    return np.vstack([points, points[:1]])
 
 
 def _in_plane(drawing: Drawing) -> List[Array]:
-    """The lines as they lie on the paper, before they are scaled."""
+    """The lines in the plane of the picture, before scaling."""
     if drawing.kind == "polar":
-        return [_around(line.points[:, 0], line.points[:, 1]) for line in drawing.lines]
-    return [_seen(line.points) if drawing.in_space else line.points[:, :2] for line in drawing.lines]
+        return [_closed_polar(line.points[:, 0], line.points[:, 1]) for line in drawing.lines]
+    return [_isometric(line.points) if drawing.in_space else line.points[:, :2] for line in drawing.lines]
 
 
 def _box(points: Sequence[Array]) -> Tuple[Array, Array]:
@@ -193,7 +193,7 @@ def _matplotlib() -> Any:
 
 
 def to_matplotlib(drawing: Drawing, ax: Optional[Any]) -> Any:
-    """Draws with matplotlib and returns the axes; new ones where `ax` is None. Raises `ImportError` where it is missing."""
+    """Draws with matplotlib and returns the axes, new ones if `ax` is None. Raises `ImportError` if it is not installed."""
     pyplot = _matplotlib()
     if ax is None:
         projection = "polar" if drawing.kind == "polar" else "3d" if drawing.in_space else None
@@ -228,14 +228,14 @@ def to_matplotlib(drawing: Drawing, ax: Optional[Any]) -> Any:
 
 
 def joined(polylines: Sequence[Array], size: int = 3) -> Array:
-    """Several polylines as one whose parts are separated by rows of nan; shape (n, size)."""
+    """Several polylines as one, with rows of nan between them; shape (n, size)."""
     gap = np.full((1, size), np.nan)
     parts = [part for polyline in polylines for part in (polyline, gap)]
     return np.vstack(parts) if parts else np.empty((0, size))
 
 
 def plot_surface(vertices: Array, faces: Any, ax: Optional[Any], values: Optional[Any]) -> Any:
-    """A surface in three-dimensional axes of matplotlib, its faces coloured by the means of the values at their corners."""
+    """Draws a surface in three-dimensional axes of matplotlib. The mean of the values at a face's corners is its colour."""
     pyplot = _matplotlib()
     if ax is None:
         ax = pyplot.figure().add_subplot(projection="3d")

@@ -1,4 +1,4 @@
-"""Drawings, SVG or DXF, that become outlines of parts."""
+"""SVG and DXF drawings, and the outlines of parts in them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class DrawnPolygon:
 
     Attributes:
         points: its corners, shape (n, 2), mm, y upwards.
-        names: what it can be chosen by: its id and label, then those of the groups around it; in DXF its layer.
+        names: names by which it can be chosen: its id and label, then those of the groups around it; in DXF its layer.
     """
 
     points: Array
@@ -33,7 +33,7 @@ class DrawnPolygon:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """What of a drawing is no outline: what and where it is, and why."""
+    """An element of a drawing that is no outline, and the reason."""
 
     element: str
     reason: str
@@ -47,12 +47,12 @@ class Drawing:
         format: "svg" or "dxf".
         polygons: in the order of the file.
         size: width and height of all of them together, mm.
-        unit: millimetres of one unit of the drawing; `unit_is_known` is False where it was guessed.
-        open_curves: curves that stay open and were left out.
+        unit: millimetres in one unit of the drawing; `unit_is_known` is False if it was guessed.
+        open_curves: number of curves that were omitted because they are open.
         chord_error: the largest distance of a chord from its curve, mm.
-        warnings: what was left out or guessed.
-        left_out: each element that is no outline, with the reason; the first 1000.
-        cost: what it took.
+        warnings: a sentence for each fact that was guessed and each kind of element that was omitted.
+        left_out: the first 1000 elements that are no outline, with the reasons.
+        cost: the bill of the computation.
     """
 
     format: str
@@ -67,7 +67,7 @@ class Drawing:
     left_out: Tuple[LeftOut, ...] = ()
 
     def named(self, name: str) -> Tuple[DrawnPolygon, ...]:
-        """The polygons that are called so. Raises KeyError that lists the names where there are none."""
+        """The polygons with this name. Raises KeyError, which lists the known names, if there are none."""
         found = tuple(polygon for polygon in self.polygons if name in polygon.names)
         if not found:
             names = sorted({own for polygon in self.polygons for own in polygon.names})
@@ -75,19 +75,19 @@ class Drawing:
         return found
 
     def outline(self, *names: str, without: Tuple[str, ...] = ()) -> Dict[str, Any]:
-        """The outline of a part: the polygons of these names, or all of them, but for those in `without`."""
+        """The outline of a part: the polygons with these names, or all of them, except for those named in `without`."""
         left_out = [id(polygon) for name in without for polygon in self.named(name)]
         chosen = [polygon for name in names for polygon in self.named(name)] if names else self.polygons
-        kept = [polygon.points.tolist() for polygon in chosen if id(polygon) not in left_out]
-        if not kept:
+        remaining = [polygon.points.tolist() for polygon in chosen if id(polygon) not in left_out]
+        if not remaining:
             raise ValueError("every closed curve of the drawing is left out")
-        return {"polygons": kept}
+        return {"polygons": remaining}
 
 
 def text_of(source: Union[str, Path]) -> str:
-    """The text of a drawing; of a string with line breaks or that begins with "<" the string itself.
+    """The text of a drawing in a file; a string with line breaks or that begins with "<" is the text itself.
 
-    A file that is no UTF-8 is read by the code page that its $DWGCODEPAGE names (DXF before 2007), else as Windows-1252.
+    A file that is not UTF-8 is read with the code page in its $DWGCODEPAGE (DXF before 2007), or else as Windows-1252.
     """
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("<")):
         return source

@@ -1,4 +1,4 @@
-"""What can go wrong, as exceptions.
+"""The exceptions of this package.
 
 ::
 
@@ -6,19 +6,19 @@
       ConnectionFailed         no answer: nothing listens, or the connection broke     (also a ConnectionError)
       RequestTimeout           no answer in time                                       (also a TimeoutError)
       ProblemError             the server answered with a problem
-        InvalidRequest         what was asked cannot be done (4xx)                     (also a ValueError)
+        InvalidRequest         the request cannot be fulfilled (4xx)                   (also a ValueError)
           InvalidMesh          the mesh is faulty; `faults` names the elements
           InvalidPoint         a surface point does not lie on the mesh
-          InvalidNetwork       points and springs that make no network on the mesh
-          InvalidHost          a mesh or a material that makes no shell or solid
-          InvalidVoronoi       sites or objectives that make no Voronoi diagram of the mesh
+          InvalidNetwork       points and springs do not form a network on the mesh
+          InvalidHost          a mesh or a material is not suitable for a shell or solid
+          InvalidVoronoi       sites or objectives are not valid for the mesh
           InvalidStructure     a tiling's parameters give no structure
-          InvalidDesign        no design problem, or one that no design has equilibria for
+          InvalidDesign        a design problem is not valid, or no design has equilibria
           InvalidWeave         strands, crossings or loads that do not fit together
-        AccessDenied           the server asks for a key, or for another one (401, 403)
+        AccessDenied           the server requires a key, or another one (401, 403)
         NotFound               no such mesh, job, family or model                      (also a LookupError)
         JobCancelled           the job was cancelled before it finished
-          Superseded           a newer request of the same session took its place
+          Superseded           a newer request of the same session replaced it
         DeadlineExceeded       the server's deadline for the computation passed
         ServerBusy             too much to do at present; try again later
         ServerError            the server failed (5xx)
@@ -35,7 +35,7 @@ class SuppleError(Exception):
 
 
 class ConnectionFailed(SuppleError, ConnectionError):
-    """No answer came: nothing listens at the address, or the connection broke."""
+    """There is no answer: nothing listens at the address, or the connection broke."""
 
 
 class RequestTimeout(SuppleError, TimeoutError):
@@ -44,7 +44,7 @@ class RequestTimeout(SuppleError, TimeoutError):
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing at fault: a JSON pointer into the request or a mesh element, and what is wrong with it."""
+    """One fault: a JSON pointer into the request or a mesh element, and what is wrong with it."""
 
     where: str
     message: str
@@ -59,8 +59,8 @@ class ProblemError(SuppleError):
     Attributes:
         status: HTTP status.
         code: stable identifier such as ``mesh.non_manifold_edge``; the full table is ``api/errors.yaml``.
-        title: what kind of problem it is.
-        detail: what is wrong this time, one sentence.
+        title: the kind of problem.
+        detail: a sentence on what is wrong in this case.
         faults: each field or mesh element at fault.
     """
 
@@ -75,7 +75,7 @@ class ProblemError(SuppleError):
 
 
 class InvalidRequest(ProblemError, ValueError):
-    """What was asked cannot be done; the request must change."""
+    """The request cannot be fulfilled and must be changed."""
 
 
 class InvalidMesh(InvalidRequest):
@@ -87,15 +87,15 @@ class InvalidPoint(InvalidRequest):
 
 
 class InvalidNetwork(InvalidRequest):
-    """Points and springs that make no network on the mesh; `faults` names the entries."""
+    """Points and springs do not form a network on the mesh; `faults` names the entries."""
 
 
 class InvalidHost(InvalidRequest):
-    """The mesh, a material or fixed vertices make no shell or solid under a network; `faults` names the entries."""
+    """The mesh, a material or fixed vertices are not suitable for a shell or solid; `faults` names the entries."""
 
 
 class InvalidVoronoi(InvalidRequest):
-    """Sites, objectives or options that make no Voronoi diagram of the mesh; `faults` names the entries."""
+    """Sites, objectives or options of a Voronoi diagram are not valid for the mesh; `faults` names the entries."""
 
 
 class InvalidStructure(InvalidRequest):
@@ -103,7 +103,7 @@ class InvalidStructure(InvalidRequest):
 
 
 class InvalidDesign(InvalidRequest):
-    """A target or what is given with it makes no design problem, or no design has equilibria at all of its samples."""
+    """A design problem is not valid, or no design has equilibria at all samples of its target."""
 
 
 class InvalidWeave(InvalidRequest):
@@ -111,7 +111,7 @@ class InvalidWeave(InvalidRequest):
 
 
 class AccessDenied(ProblemError):
-    """The server asks for a key, does not accept the one that was sent, or that one may not do this."""
+    """The server requires a key, does not accept the one that was sent, or that key lacks the permission."""
 
 
 class NotFound(ProblemError, LookupError):
@@ -123,7 +123,7 @@ class JobCancelled(ProblemError):
 
 
 class Superseded(JobCancelled):
-    """A newer request of the same session took the place of this one."""
+    """A newer request of the same session replaced this one."""
 
 
 class DeadlineExceeded(ProblemError):
@@ -177,7 +177,7 @@ def _class_for(status: int, code: str) -> Type[ProblemError]:
 
 
 def problem_from(status: int, body: Any) -> ProblemError:
-    """The exception for a problem document; `body` is the decoded JSON, or anything else that came instead."""
+    """The exception for a problem document. `body` is the decoded JSON, or any other content of the answer."""
     document: Mapping[str, Any] = body if isinstance(body, dict) else {}
     code = str(document.get("code", "unknown"))
     title = str(document.get("title", f"HTTP status {status}"))

@@ -1,4 +1,4 @@
-"""What carries a network and is not rigid: shells and solids, which give way under it, and surfaces that move."""
+"""Hosts of networks that are not rigid: shells and solids, which deform, and surfaces that move."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ def _moves(moved: Mapping[int, ArrayLike]) -> Optional[List[Dict[str, Any]]]:
 
 @dataclass(frozen=True)
 class Shell:
-    """The mesh as a thin elastic shell, at rest where the mesh has it: neo-Hookean faces under plane stress, and edges that
-    resist bending.
+    """The mesh as a thin elastic shell, which is at rest in the mesh's shape: neo-Hookean faces under plane stress, and edges
+    that resist bending.
 
     Attributes:
         thickness: mesh units, positive.
         youngs_modulus: energy per cubed mesh unit, positive.
-        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 by default.
         volume_weight: energy per cubed mesh unit, at least 0; adds volume_weight / 2 * (V - volume_scale V0)^2 / V0 for the
-            enclosed volume V, V0 that of the mesh, which must then be closed. 0 on the server's side: the volume is free.
-        volume_scale: the volume to keep over that of the mesh, positive: above 1 the shell is blown up. 1 on the server's side.
-        fixed_vertices: indices of vertices that stay where they are.
-        moved_vertices: where vertices are taken once all is at rest, by their indices: a position of shape (3,), or several of
-            shape (k, 3), one after the other on straight ways and in step with the others'; mesh units. The rest follows
-            from equilibrium to equilibrium. None of them is fixed; with the fixed ones they hold the host at three vertices
-            or more, not all on one line.
+            enclosed volume V, V0 that of the mesh, which must then be closed. 0 by default: the volume is free.
+        volume_scale: ratio of the volume aimed at to that of the mesh, positive: above 1 the shell is inflated. 1 by default.
+        fixed_vertices: indices of fixed vertices.
+        moved_vertices: positions to which vertices move once network and host are in equilibrium, by their indices: one of
+            shape (3,), or several of shape (k, 3), reached one after the other on straight lines and together with the other
+            vertices; mesh units. All else follows from equilibrium to equilibrium. None of them is fixed; together with the
+            fixed ones they are three vertices or more, not all on one line.
     """
 
     thickness: float
@@ -63,10 +63,10 @@ class Shell:
 
 @dataclass(frozen=True)
 class SolidRegion:
-    """A box in which a `Solid` has another stiffness.
+    """A box in which a `Solid` has a Young's modulus of its own.
 
     Attributes:
-        lower, upper: its corners, mesh units; a tetrahedron whose centre at rest is inside belongs to it.
+        lower, upper: its corners, mesh units; it contains the tetrahedra whose centres at rest are inside.
         youngs_modulus: energy per cubed mesh unit, positive.
     """
 
@@ -81,20 +81,20 @@ class SolidRegion:
 
 @dataclass(frozen=True)
 class Solid:
-    """The closed mesh as the surface of an elastic solid, at rest where the mesh has it: neo-Hookean linear tetrahedra.
+    """The closed mesh as the surface of an elastic solid, which is at rest in the mesh's shape: neo-Hookean linear tetrahedra.
 
     Attributes:
         youngs_modulus: energy per cubed mesh unit, positive.
-        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side. From 0.49 on linear tetrahedra are too stiff.
-        element_size: wanted length of edges inside, mesh units, positive; None: the mean edge of the mesh.
-        regions: boxes of another stiffness; where several overlap the last counts.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 by default. From 0.49 on linear tetrahedra are too stiff.
+        element_size: length of inner edges, mesh units, positive; None takes the mean edge of the mesh.
+        regions: boxes with a modulus of their own; where several overlap, the last one applies.
         gravity: force per volume at rest, energy per mesh unit to the fourth; needs three fixed vertices that are not on one
             line. None for none.
-        fixed_vertices: indices of vertices of the mesh that stay where they are.
-        moved_vertices: where vertices are taken once all is at rest, by their indices: a position of shape (3,), or several of
-            shape (k, 3), one after the other on straight ways and in step with the others'; mesh units. The rest follows
-            from equilibrium to equilibrium. None of them is fixed; with the fixed ones they hold the host at three vertices
-            or more, not all on one line.
+        fixed_vertices: indices of fixed vertices of the mesh.
+        moved_vertices: positions to which vertices move once network and host are in equilibrium, by their indices: one of
+            shape (3,), or several of shape (k, 3), reached one after the other on straight lines and together with the other
+            vertices; mesh units. All else follows from equilibrium to equilibrium. None of them is fixed; together with the
+            fixed ones they are three vertices or more, not all on one line.
     """
 
     youngs_modulus: float
@@ -115,12 +115,12 @@ class Solid:
 
 @dataclass(frozen=True)
 class Moving:
-    """The mesh as a surface that moves as it is told and takes no notice of the network, which comes to rest on the mesh first
-    and then follows from equilibrium to equilibrium.
+    """The mesh as a surface that moves through given positions, whatever the network. The network first reaches equilibrium on
+    the mesh and then follows the surface from equilibrium to equilibrium.
 
     Attributes:
-        positions: where all vertices go, one set after the other and each on straight ways: arrays of shape (vertices, 3),
-            mesh units; the first is where they go from the mesh.
+        positions: sets of positions of all vertices, arrays of shape (vertices, 3), mesh units. They are reached one after the
+            other on straight lines that begin at the mesh.
     """
 
     positions: Sequence[ArrayLike]
@@ -134,4 +134,4 @@ class Moving:
 
 
 Host = Union[Shell, Solid, Moving]
-"""What a network may live on besides a rigid surface."""
+"""A host of a network other than a rigid surface."""

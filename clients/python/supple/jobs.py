@@ -1,4 +1,4 @@
-"""Jobs: computations that the server runs while the caller does something else."""
+"""Jobs: computations that run on the server in the background."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from .voronoi_answers import PartialOptimization, partial_optimization_from_wire
 
 Result = TypeVar("Result")
 Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization]
-"""What a job has found so far."""
+"""An intermediate result of a job."""
 
-FIRST_POLL = 0.05
-LONGEST_POLL = 1.0
-"""Seconds between two looks at a job: the pause starts at the first and doubles up to the second."""
+FIRST_POLL_INTERVAL = 0.05
+MAX_POLL_INTERVAL = 1.0
+"""Seconds between two requests for a job's status: the interval doubles from the first value up to the second."""
 
 UNFINISHED = frozenset({"accepted", "running"})
 
 
 @dataclass(frozen=True)
 class JobStatus:
-    """How far a job is.
+    """The status of a job.
 
     Attributes:
-        id: names the job in /v1/jobs/{id}.
+        id: its identifier, as in /v1/jobs/{id}.
         state: "accepted", "running", "successful", "failed" or "dismissed".
         kind: the computation, such as "karcher-means" or "simulations".
-        mesh: id of the mesh that it works on; None where it works on none.
-        progress: share of the work that is done, in [0, 1].
-        stage: what runs now; empty where nothing does.
+        mesh: id of its mesh; None if the computation uses none.
+        progress: fraction of the work that is done, in [0, 1].
+        stage: the current stage; empty if nothing runs.
         created: when the job was accepted, RFC 3339 in UTC.
-        partial: the best design so far while designs are being searched for, then the structure that was simulated last; of
-            a network that is relaxed or a Voronoi diagram that is optimized, its state after the latest iteration; None
-            elsewhere.
+        partial: an intermediate result. While designs are searched it is the best one so far, and then the structure that was
+            simulated last. For a network or an optimized Voronoi diagram it is the state after the latest iteration. None for
+            other computations.
     """
 
     id: str
@@ -84,7 +84,7 @@ def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
 
 @dataclass(frozen=True)
 class Computation(Generic[Result]):
-    """A request that is ready to be sent and what makes its answer a value. Internal: see the methods of `Mesh` and `Client`."""
+    """A request and the function that decodes its answer. Internal: see the methods of `Mesh` and `Client`."""
 
     path: str
     document: Dict[str, Any]
@@ -95,7 +95,7 @@ class Computation(Generic[Result]):
 class Job(Generic[Result]):
     """A computation on the server.
 
-    The job belongs to the server: leaving a `Client` does not end it. `client.job(id)` finds it again.
+    The server owns the job: closing a `Client` does not end it, and `client.job(id)` returns it again.
     """
 
     def __init__(self, transport: Transport, job_id: str, decode: Callable[[Answer], Result], accept: str) -> None:
@@ -116,13 +116,13 @@ class Job(Generic[Result]):
         self._transport.request("DELETE", self._path)
 
     def wait(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> JobStatus:
-        """Returns once the job has finished, however it ended.
+        """Returns once the job has finished, whether successfully or not.
 
-        Raises `RequestTimeout` after `timeout` seconds; the job goes on. An exception from `progress` reaches the caller
-        and leaves the job running too.
+        Raises `RequestTimeout` after `timeout` seconds. Neither that nor an exception from `progress`, which reaches the
+        caller, ends the job.
         """
         end = None if timeout is None else time.monotonic() + timeout
-        pause = FIRST_POLL
+        pause = FIRST_POLL_INTERVAL
         with Reporter(self._transport.progress if progress is None else progress) as report:
             while True:
                 status = self.status()
@@ -132,16 +132,16 @@ class Job(Generic[Result]):
                 if end is not None and time.monotonic() + pause > end:
                     raise RequestTimeout(f"job {self.id} is {status.state} after {timeout} s")
                 time.sleep(pause)
-                pause = min(2 * pause, LONGEST_POLL)
+                pause = min(2 * pause, MAX_POLL_INTERVAL)
 
     def result(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
-        """Waits and returns the result. Raises what the computation failed with, as a `ProblemError`."""
+        """Waits and returns the result. Raises a `ProblemError` if the computation failed."""
         self.wait(timeout=timeout, progress=progress)
         return self._decode(self._transport.request("GET", self._path + "/result", headers={"Accept": self._accept}))
 
 
 def submit(transport: Transport, computation: Computation[Result]) -> Job[Result]:
-    """Hands a computation to the server as a job."""
+    """Submits a computation to the server as a job."""
     answer = transport.request(
         "POST",
         computation.path,
@@ -155,9 +155,9 @@ def submit(transport: Transport, computation: Computation[Result]) -> Job[Result
 def run(
     transport: Transport, computation: Computation[Result], timeout: Optional[float], progress: Optional[Progress]
 ) -> Result:
-    """Computes and returns the result, at once or by way of a job where it takes longer than a second.
+    """Computes and returns the result. A computation that takes longer than a second becomes a job, which is followed.
 
-    Whatever interrupts the wait (a timeout, Ctrl-C, an exception from `progress`) cancels the computation on the server.
+    Anything that interrupts the wait (a timeout, Ctrl-C, an exception from `progress`) cancels the computation on the server.
     """
     answer = transport.request(
         "POST",
@@ -167,7 +167,7 @@ def run(
         repeatable=True,
     )
     if answer.status != 202:
-        # An answer that came at once needs no bar.
+        # An immediate answer needs no bar.
         if callable(progress):
             progress(1.0, "")
         return computation.decode(answer)

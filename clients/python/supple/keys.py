@@ -1,4 +1,4 @@
-"""Where a client's key comes from. Nothing here ever repeats a key: not in an exception, not in a warning."""
+"""The key of a client: from arguments, files or the environment. No exception or warning ever contains a key."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ FORM = re.compile(r"\w+", re.ASCII)
 
 
 class KeyReadableByOthers(UserWarning):
-    """The file of a key may be read by other users of the machine."""
+    """Other users of the machine may read the file of a key."""
 
 
 class KeyHeader:
-    """Sends the key with each request, whatever `~/.netrc` says of the server."""
+    """Adds the key to each request, and takes precedence over `~/.netrc`."""
 
     def __init__(self, key: str) -> None:
         self._key = key
@@ -30,7 +30,8 @@ class KeyHeader:
 
 
 def find_key(key: Optional[str], key_file: Optional[Union[str, Path]]) -> str:
-    """The key given, that in a file, or that of the environment's SUPPLE_KEY or SUPPLE_KEY_FILE; "" where there is none.
+    """The key: `key` itself, the content of a file, or that of the environment's SUPPLE_KEY or SUPPLE_KEY_FILE. "" if there is
+    none.
 
     Raises `ValueError` for text that is no key, `OSError` for a file that cannot be read.
     """

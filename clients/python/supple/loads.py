@@ -1,4 +1,4 @@
-"""Macroscopic loads of a structure. The states of a load are one path from rest, followed in their order."""
+"""Macroscopic loads of a structure. The states of a load form one path from rest, which is followed in their order."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .checks import one_of, radians
 
 @dataclass(frozen=True)
 class GreenStrain:
-    """Green strains (E_xx, E_yy, E_xy; tensor components), imposed exactly. `strains` has the shape (n, 3)."""
+    """Prescribed Green strains (E_xx, E_yy, E_xy; tensor components). `strains` has the shape (n, 3)."""
 
     strains: ArrayLike
 
@@ -28,7 +28,7 @@ class GreenStrain:
 class Uniaxial:
     """Stretches along a direction (angle from the x axis in radians); lateral strain and shear are free.
 
-    `frame` says what the direction is of: "space" (the server's default), or "material" as of models and designs.
+    `frame` is the frame of the direction: "space" (the server's default), or "material", as for models and designs.
     """
 
     direction: float

@@ -1,4 +1,4 @@
-"""The calls of a client about what people bring and take away: measured curves, drawings and parts."""
+"""The calls of a client about measured curves, drawings and parts."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .transport import Transport
 
 
 class MakerCalls:
-    """Mixed into `Client`."""
+    """A base class of `Client`."""
 
     _transport: Transport
 
@@ -45,29 +45,29 @@ class MakerCalls:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> MeasuredCurve:
-        """A measured curve as the few control points of a target.
+        """Approximates a measured curve by the few control points of a target.
 
         Args:
-            source: a file in UTF-8, UTF-16, GBK or Windows-1252, or text with line breaks: numbers separated by commas,
-                semicolons, tabs or blanks, with decimal points or commas, a header and remarks before them or not.
-            points: instead of it (x, y) in the order of the measurement, shape (n, 2).
-            columns: which columns of the text are x and y, by index or name; told by the header without it.
-            units: of x and y, such as ("%", "kPa") or ("mm", "N"); those of the file without it. A file that names none
-                is refused; `points` without units are in 1 or rad, and MPa.
-            gauge_length, area: of the specimen, mm and mm^2, for displacements and forces.
-            limits: least and greatest x that count, as strains or radians.
-            interpolation: "cubic", "monotone" or "linear"; "cubic" on the server's side.
-            max_control_points, tolerance: 12, and 0.005 of relative root mean square deviation on the server's side.
-            origin, loading, rupture: whether the curve passes through zero, whether only first loadings count, and whether what
-                follows a break is left out: "automatic", "on" or "off".
-            sense: "tension" or "compression", whose strains and stresses are negative; told by signs, titles or remarks without
-                it, and tension where nothing tells, which `notes` says.
-            decimal_separator: "point" or "comma", where the numbers of the file do not tell.
-            zero: "first" where displacements count from the first of them, "as_written" where they count from zero.
-            block: which of several blocks of rows below each other, from 0; the first without it.
+            source: a file in UTF-8, UTF-16, GBK or Windows-1252, or text with line breaks. Numbers are separated by commas,
+                semicolons, tabs or blanks, and have decimal points or commas; a header and remarks may precede them.
+            points: instead of `source`, (x, y) in the order of the measurement, shape (n, 2).
+            columns: the columns of x and y, by index or name; by default the header determines them.
+            units: units of x and y, such as ("%", "kPa") or ("mm", "N"); by default those in the file. A file without units
+                is refused; `points` without units are strains or radians, and MPa.
+            gauge_length, area: gauge length and cross section of the specimen, mm and mm^2, for displacements and forces.
+            limits: least and greatest x that are used, as strains or radians.
+            interpolation: "cubic", "monotone" or "linear"; "cubic" by default.
+            max_control_points, tolerance: 12 points, and a relative root mean square deviation of 0.005 by default.
+            origin, loading, rupture: whether the curve passes through zero, whether only the first loading is used, and whether
+                points after a rupture are omitted: "automatic", "on" or "off".
+            sense: "tension" or "compression", in which strains and stresses are negative. By default signs, titles or remarks
+                determine it; if they do not, tension is assumed, which `notes` says.
+            decimal_separator: "point" or "comma", for a file in which it is ambiguous.
+            zero: "first" if displacements are relative to the first one, "as_written" if they are relative to zero.
+            block: the block of rows, from 0, in a file with several one after the other; the first one by default.
 
-        Warns where more than a tenth of the points were set aside. Raises `InvalidRequest` that names the column, unit, length,
-        sense or decimal sign that is missing.
+        Warns if more than a tenth of the points were not used. Raises `InvalidRequest`, which names the column, unit, length,
+        sense or decimal separator that is missing.
         """
         if (source is None) == (points is None):
             raise ValueError("give either source or points")
@@ -97,12 +97,12 @@ class MakerCalls:
 
         Args:
             source: a file, or text with line breaks.
-            width: scales the drawing until all its closed curves together are so wide, mm.
-            unit: what one unit of the drawing is, "mm", "cm", "m", "in", "ft", "pt" or "px"; what the file says without it.
-            tolerance: how far a chord may be from its curve, mm; 0.05 on the server's side.
-            resolution: pixels per inch of an SVG drawing without a physical size; 96 without it.
+            width: width of all closed curves together after scaling, mm.
+            unit: the drawing's unit, "mm", "cm", "m", "in", "ft", "pt" or "px"; by default that in the file.
+            tolerance: largest distance of a chord from its curve, mm; 0.05 by default.
+            resolution: pixels per inch of an SVG drawing without a physical size; 96 by default.
 
-        Warns about what was left out. Raises `InvalidRequest` that names the element or line that cannot be read.
+        Warns about omitted elements. Raises `InvalidRequest`, which names the element or line that cannot be read.
         """
         computation = drawings.drawing(drawings.text_of(source), width, unit, tolerance, deadline, resolution)
         return run(self._transport, computation, timeout, None)
@@ -117,7 +117,8 @@ class MakerCalls:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> Part:
-        """What a part to print or cut is: an outline (`parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`) filled."""
+        """The properties of a part: an outline that a structure fills, for printing or cutting. `outline` comes from
+        `parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`."""
         return run(self._transport, parts.part(outline, family, parameters, options, deadline), timeout, None)
 
     def part_file(
@@ -133,6 +134,6 @@ class MakerCalls:
     ) -> bytes:
         """The same part as a file: `kind` is "step", "stl", "3mf", "dxf" or "svg". Lengths are in mm.
 
-        Warns with the `message` of `Part` where a grip or a plate is missing.
+        Warns with the `message` of `Part` if a grip or a plate is missing.
         """
         return run(self._transport, parts.part_file(outline, family, parameters, kind, options, deadline), timeout, None)

@@ -20,12 +20,12 @@ Column = Union[int, str]
 
 @dataclass(frozen=True)
 class CurveNote:
-    """What to know about a curve.
+    """A note about how a curve was read.
 
     Attributes:
         text: a sentence.
-        is_warning: whether more than a tenth of the points were set aside.
-        pointer: the field of the request that says it otherwise, such as "/sense"; empty where there is none.
+        is_warning: whether it says that more than a tenth of the points were not used.
+        pointer: the field of the request with which this can be changed, such as "/sense"; may be empty.
     """
 
     text: str
@@ -41,21 +41,22 @@ class MeasuredCurve:
         task: "stress_strain", "stiffness" or "poisson".
         control_points: (x, y), shape (n, 2): strains or radians, and MPa or a Poisson's ratio.
         interpolation: "cubic", "monotone" or "linear".
-        points: the measured points that counted, by x, at most 1000 of them, shape (m, 2), in the same units.
-        point_count: how many points of different x counted.
-        set_aside: points that did not count.
-        set_aside_reasons: how many for each reason: "no_row", "no_number", "out_of_range", "not_first_loading",
+        points: the measured points that were used, ordered by x, at most 1000 of them, shape (m, 2), in the same units.
+        point_count: number of points with different x that were used.
+        set_aside: number of points that were not used.
+        set_aside_reasons: their number for each reason: "no_row", "no_number", "out_of_range", "not_first_loading",
             "after_rupture".
         sense: "tension", "compression" or "both"; None over directions.
-        sense_told_by: "request", "titles", "remarks", "signs", or "nothing" where tension was assumed; None over directions.
+        sense_told_by: what determined the sense: "request", "titles", "remarks" or "signs", or "nothing" if tension was
+            assumed; None over directions.
         relative_rms: root mean square deviation of the curve from the points over that of the points, dimensionless.
         max_deviation, max_at: the largest deviation, in the unit of y, and its x.
-        noise: how much the points scatter about their neighbours, relative like `relative_rms`.
-        offset: stress at zero strain that was measured where the curve was made to pass through the origin, MPa.
-        units: the units (x, y) that the numbers were taken to have.
-        message: what to know about the curve; empty where there is nothing.
-        notes: the same, one by one.
-        cost: what it took.
+        noise: scatter of the points about their neighbours, relative like `relative_rms`.
+        offset: measured stress at zero strain, which was subtracted so that the curve passes through the origin, MPa.
+        units: the units (x, y) in which the numbers were read.
+        message: all notes about the curve; may be empty.
+        notes: the notes one by one.
+        cost: the bill of the computation.
     """
 
     task: str
@@ -78,8 +79,8 @@ class MeasuredCurve:
     notes: Tuple[CurveNote, ...] = ()
 
     def target(self, **more: Any) -> Target:
-        """The target of this curve; `more` are further fields of `Target`. A measured stress is one of engineering strain
-        unless `strain_measure` says otherwise."""
+        """The target of this curve; `more` are further fields of `Target`. Stress over strain has the strain measure
+        "engineering" unless `strain_measure` says otherwise."""
         if self.task == "stress_strain":
             more.setdefault("strain_measure", "engineering")
         return Target(self.task, self.control_points, interpolation=self.interpolation, **more)
@@ -110,15 +111,15 @@ def curve_from_wire(answer: Mapping[str, Any]) -> MeasuredCurve:
 
 
 def table_of(source: Union[str, Path]) -> Dict[str, str]:
-    """The field of a request that holds a table: `text` of a string with line breaks, `content` of a file, whose encoding the
-    server recognizes."""
+    """The field of a request for a table: `text` for a string with line breaks, `content` for a file, whose encoding the server
+    recognizes."""
     if isinstance(source, str) and ("\n" in source or "\r" in source):
         return {"text": source}
     return {"content": base64.b64encode(Path(source).read_bytes()).decode("ascii")}
 
 
 def text_of(source: Union[str, Path]) -> str:
-    """The text of a file; of a string with line breaks the string itself. UTF-8, else the Latin-1 of older instruments."""
+    """The text of a file in UTF-8, or else in the Latin-1 of older instruments. A string with line breaks is the text itself."""
     if isinstance(source, str) and "\n" in source:
         return source
     content = Path(source).read_bytes()

@@ -1,4 +1,4 @@
-"""A mesh on the server and what can be asked of it."""
+"""A mesh on the server and the computations on it."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ _FACE = np.dtype([("corners", "u1"), ("vertices", "<i4", (3,))])
 
 
 class Mesh:
-    """A mesh that a server holds. Made by the methods of `Client`.
+    """A mesh on a server. Methods of `Client` create it.
 
     Every computation has two forms: `geodesics(...)` waits and returns the result, `start_geodesics(...)` returns a `Job`
-    at once. The waiting forms take `timeout` (seconds after which `RequestTimeout` is raised; None waits for ever) and
-    `progress` (see `Progress`); whatever interrupts the wait cancels the computation. `deadline` bounds the computation on
-    the server (seconds; `DeadlineExceeded`).
+    immediately. The waiting forms have the arguments `timeout` (seconds after which `RequestTimeout` is raised; None waits
+    without limit) and `progress` (see `Progress`); anything that interrupts the wait cancels the computation. `deadline` bounds
+    the computation on the server (seconds; `DeadlineExceeded`).
 
-    All forms raise `InvalidPoint` where a point does not lie on the mesh.
+    All forms raise `InvalidPoint` if a point does not lie on the mesh.
 
-    `info` describes the mesh; `repair` says what the repairs of its upload have changed, None where none were asked for.
+    `info` describes the mesh; `repair` says what the repairs of its upload have changed, None if none were requested.
     """
 
     def __init__(self, transport: Transport, info: MeshInfo, repair: Optional[MeshRepair] = None) -> None:
@@ -67,15 +67,15 @@ class Mesh:
         return positions.astype(np.float64), faces.astype(np.int32)
 
     def to_trimesh(self) -> Any:
-        """The mesh as a trimesh.Trimesh. Raises `ImportError` where trimesh is not installed."""
+        """The mesh as a trimesh.Trimesh. Raises `ImportError` if trimesh is not installed."""
         return conversion.to_trimesh(*self.arrays())
 
     def to_meshio(self) -> Any:
-        """The mesh as a meshio.Mesh. Raises `ImportError` where meshio is not installed."""
+        """The mesh as a meshio.Mesh. Raises `ImportError` if meshio is not installed."""
         return conversion.to_meshio(*self.arrays())
 
     def to_pyvista(self) -> Any:
-        """The mesh as a pyvista.PolyData. Raises `ImportError` where pyvista is not installed."""
+        """The mesh as a pyvista.PolyData. Raises `ImportError` if pyvista is not installed."""
         return conversion.to_pyvista(*self.arrays())
 
     def nearest_point(self, position: ArrayLike) -> SurfacePoint:
@@ -86,7 +86,7 @@ class Mesh:
         """The points of the surface that are nearest, through space, to positions of shape (n, 3), mesh units.
 
         Returns the points, their positions, shape (n, 3), and their distances, shape (n,), mesh units. The mesh is fetched
-        from the server once; each position is then compared with every face here, in O(n faces).
+        from the server once; then this process compares each position with every face, in O(n faces).
         """
         array = np.asarray(positions, dtype=np.float64)
         if array.ndim != 2 or array.shape[1] != 3 or not np.isfinite(array).all():
@@ -103,7 +103,7 @@ class Mesh:
         return plot_surface(*self.arrays(), ax, values)
 
     def geodesic(self, start: PointLike, end: PointLike, *, derivatives: int = 0, path: bool = False) -> Geodesic:
-        """The shortest path between two points. See `geodesics` for what the options mean."""
+        """The shortest path between two points. The options are those of `geodesics`."""
         return self.geodesics([(start, end)], derivatives=derivatives, paths=path)[0]
 
     def geodesics(
@@ -121,11 +121,11 @@ class Mesh:
         """The exact shortest paths between pairs of points, in their order.
 
         Args:
-            pairs: start and end of each; pairs with a common start share a search where that is less work.
+            pairs: start and end of each path; pairs with a common start share a search if that is faster.
             derivatives: 0 for distances, 1 for gradients, 2 for Hessians too.
             paths: whether the paths are returned.
-            mollifier: "on", "off" or "automatic": smooths derivatives near vertices.
-            mollifier_length: its smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 on the server's side.
+            mollifier: whether derivatives are smoothed near vertices: "on", "off" or "automatic".
+            mollifier_length: smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 by default.
         """
         computation = computations.geodesics(
             self.id, pairs, derivatives, paths, mollifier, mollifier_length, deadline
@@ -163,9 +163,9 @@ class Mesh:
 
         Args:
             sources: at least one point.
-            relative_error: allowed relative error of every distance, a guarantee; 0 is exact.
-            method: "windows", or "edge_graph" for the cheapest upper bound, without a guarantee.
-            max_distance: distances beyond it need not be found. Mesh units.
+            relative_error: guaranteed bound of every distance's relative error; 0 is exact.
+            method: "windows", or "edge_graph" for the cheapest upper bound of the distances, without a guarantee.
+            max_distance: distances beyond it need not be computed, mesh units.
         """
         computation = computations.field(self.id, sources, relative_error, method, max_distance, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -198,19 +198,18 @@ class Mesh:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> KarcherMean:
-        """The point of least weighted mean squared geodesic distance: a local minimum, a problem may have several.
+        """The point of least weighted mean squared geodesic distance. It is a local minimum, of which there may be several.
 
         Args:
             points: at least one, all on one component.
-            weights: one for each point, at least 0 and not all 0; None weighs all the same.
-            tolerance: the iteration stops once |grad E| <= tolerance * diagonal of the bounding box. 1e-9 on the server's
-                side.
+            weights: one for each point, at least 0 and not all 0; None gives all points the same weight.
+            tolerance: the iteration stops once |grad E| <= tolerance * diagonal of the bounding box. 1e-9 by default.
             method: "newton" (with exact second derivatives), "lbfgs" or "gradient_descent".
-            start: where to start; None starts at the given point of least objective.
-            starts: searches that are made; those after the first begin far from the ones before, and the lowest minimum
-                is the answer. 1 on the server's side.
-            max_iterations: 200 on the server's side.
-            kept_fields: "on", "off" or "automatic": keep one distance field for each point over all iterations.
+            start: where the search starts; None starts at the given point with the least objective.
+            starts: number of searches. Each one after the first starts far from the ones before it; the lowest minimum is the
+                answer. 1 by default.
+            max_iterations: 200 by default.
+            kept_fields: whether one distance field for each point is cached over all iterations: "on", "off" or "automatic".
         """
         computation = computations.karcher_mean(
             self.id, points, weights, tolerance, method, start, starts, max_iterations, kept_fields, deadline
@@ -250,26 +249,25 @@ class Mesh:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> RelaxedNetwork:
-        """The equilibrium of an elastic network whose points slide on the surface: a local minimum of
-        E = sum weight (length - rest_length)^2 near the start, plus the energy of a membrane's triangles, and of a host that
-        gives way.
+        """The equilibrium of an elastic network whose points slide on the surface: a local minimum of the energy E near the start.
+        E is the sum of weight (length - rest_length)^2 over the springs, plus the energies of a membrane's triangles and of a
+        deformable host.
 
         Args:
-            points: where they start, at least one: points one by one, `PointsInFaces` or `PoissonDisk`.
-            springs: `Spring` or pairs of indices of points, `AdjacentFaces` or `VoronoiDual`; a spring joins two different
-                points of one component.
-            fixed_points: indices of points that stay where they are.
-            membrane: triangles between the points, besides the springs, of which there may then be none.
-            host: a `Shell` or a `Solid` whose surface is the mesh and which gives way under the network, or a surface that is
-                `Moving`; None: it is rigid.
-                `RelaxedNetwork.host` is where it came to be.
-            options: how the equilibrium is found.
+            points: the points at the start, at least one: a list of points, `PointsInFaces` or `PoissonDisk`.
+            springs: a list of `Spring` or of pairs of indices of points, `AdjacentFaces` or `VoronoiDual`. A spring joins two
+                different points of one component.
+            fixed_points: indices of fixed points.
+            membrane: triangles between the points, besides the springs or instead of them.
+            host: a `Shell` or a `Solid` whose surface is the mesh and which deforms under the network, or a `Moving` surface; None
+                for a rigid surface. `RelaxedNetwork.host` is its state at the end.
+            options: options of the search.
             paths: whether the paths of the springs are returned.
 
-        Raises `InvalidNetwork` where points and springs do not fit together, with the codes "network.spring",
+        Raises `InvalidNetwork` if points and springs do not fit together, with the codes "network.spring",
         "network.triangle", "network.collapsed" (a triangle without area), "network.fixed_point", "network.unreachable" and
-        "network.radius", and `InvalidHost` where the mesh is no such host ("host.open_surface", "solid.not_filled", ...);
-        `faults` names the entries.
+        "network.radius". Raises `InvalidHost` if the mesh is not suitable for the host ("host.open_surface",
+        "solid.not_filled", ...). `faults` names the entries.
         """
         document = networks.relaxation_document(
             self.id, points, springs, fixed_points, options, paths, deadline, membrane, host
@@ -288,7 +286,7 @@ class Mesh:
         paths: bool = False,
         deadline: Optional[float] = None,
     ) -> Job[RelaxedNetwork]:
-        """`relax_network` as a job, whose `status().partial` is the network on its way."""
+        """`relax_network` as a job, whose `status().partial` is the network after the latest iteration."""
         document = networks.relaxation_document(
             self.id, points, springs, fixed_points, options, paths, deadline, membrane, host
         )
@@ -308,8 +306,9 @@ class Mesh:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> bytes:
-        """A relaxed network as a file: `kind` is "obj" or "vtu" (a polyline along each spring's path and the deformed host
-        where there is one, mesh units), or "svg" (energy and gradient norm over the iterations). The arguments are those of `relax_network`."""
+        """A relaxed network as a file. `kind` is "obj" or "vtu" (a polyline along each spring's path, and the host if it
+        deformed or moved, mesh units), or "svg" (energy and gradient norm over the iterations). The other arguments are those
+        of `relax_network`."""
         document = networks.relaxation_document(
             self.id, points, springs, fixed_points, options, False, deadline, membrane, host
         )
@@ -329,22 +328,22 @@ class Mesh:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> VoronoiDiagram:
-        """The geodesic Voronoi diagram of sites: each cell has the points that are nearer to its site than to any other.
+        """The geodesic Voronoi diagram of sites: each cell has the points that are nearer to its site than to any other site.
 
         Args:
-            sites: one by one, or `RandomSites`.
-            method: "exact" (as without it), "bounded" (each distance within `relative_error`, with less work) or "edges"
-                (along edges and across pairs of faces, without a bound).
-            relative_error: allowed for every distance, in (0, 1]; means "bounded". 0.01 on the server's side.
+            sites: a list of points, or `RandomSites`.
+            method: "exact" (the default), "bounded" (each distance within `relative_error`, with less work) or "edges" (along
+                edges and across pairs of faces, without a bound).
+            relative_error: permitted error of every distance, in (0, 1]; implies "bounded". 0.01 by default.
             border_deviation: largest distance of a border from the straight lines between its points, in units of the
-                diagonal of the mesh's bounding box, from 1e-7 to 1. 1e-5 on the server's side. Areas and lengths are those of
-                the curves for any value.
-            points: whether `VoronoiDiagram.points` are returned, which lie where `positions` do.
-            pieces: whether `VoronoiDiagram.pieces` are returned, by which cells are coloured.
-            statistics: whether edges, cells and vertices are measured.
+                diagonal of the mesh's bounding box, from 1e-7 to 1. 1e-5 by default. Areas and lengths are always those of the
+                exact curves.
+            points: whether `VoronoiDiagram.points` are returned, the surface points of its `positions`.
+            pieces: whether `VoronoiDiagram.pieces` are returned, with which cells can be coloured.
+            statistics: whether `VoronoiDiagram.statistics` are returned.
 
         Raises `InvalidVoronoi` (codes "voronoi.no_sites", "voronoi.too_many_sites", "voronoi.invalid_option"), and
-        `InvalidRequest` (code "request.limit_exceeded") where there are more sites than the server takes.
+        `InvalidRequest` (code "request.limit_exceeded") if there are more sites than the server permits.
         """
         document = voronoi.diagram_document(
             self.id, sites, method, relative_error, points, pieces, statistics, deadline, border_deviation
@@ -385,13 +384,13 @@ class Mesh:
         """Moves sites until their Voronoi diagram has a local minimum of the weighted sum of objectives.
 
         Args:
-            sites: where they start: one by one, or `RandomSites`.
+            sites: the sites at the start: a list of points, or `RandomSites`.
             objectives: weights by name, at least 0, of "edge_length" (edges as long as `VoronoiOptions.target_length`),
                 "planarity" (cells whose vertices lie in a plane), "regularity" (vertices near their sites), "centroidal"
-                (sites at the centres of their cells) and "equal_area". Lengths count in units of the mean cell size, so
-                that all of them are numbers without a unit.
-            fixed_sites: indices of sites that stay where they are.
-            options: how the minimum is found.
+                (sites at the centres of their cells) and "equal_area". Lengths are measured in units of the mean cell size, so that
+                all objectives are dimensionless.
+            fixed_sites: indices of fixed sites.
+            options: options of the search.
             points, pieces: as in `voronoi`.
 
         Raises `InvalidVoronoi` with the codes of `voronoi`, "voronoi.no_objective" and "voronoi.fixed_site"; `faults` names
@@ -413,7 +412,8 @@ class Mesh:
         pieces: bool = False,
         deadline: Optional[float] = None,
     ) -> Job[OptimizedVoronoi]:
-        """`optimize_voronoi` as a job, whose `status().partial` is the diagram on its way (`PartialOptimization`)."""
+        """`optimize_voronoi` as a job, whose `status().partial` is the diagram after the latest iteration
+        (`PartialOptimization`)."""
         document = voronoi.optimization_document(
             self.id, sites, objectives, fixed_sites, options, points, pieces, deadline
         )
@@ -432,9 +432,9 @@ class Mesh:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> bytes:
-        """A Voronoi diagram as a file: `kind` is "obj" or "vtu" (borders and the surface cut along them, mesh units), "svg"
-        (flat panels with numbered edges, `panel_scale` millimetres for each mesh unit, 1 on the server's side) or "csv" (the
-        panels' lengths and angles). Of an optimized diagram, give its `sites`. The other arguments are those of `voronoi`."""
+        """A Voronoi diagram as a file. `kind` is "obj" or "vtu" (borders and the surface cut along them, mesh units), "svg" (flat
+        panels with numbered edges, `panel_scale` millimetres for each mesh unit, 1 by default) or "csv" (lengths and angles of
+        the panels). For an optimized diagram, give its `sites`. The other arguments are those of `voronoi`."""
         document = voronoi.diagram_document(
             self.id, sites, method, relative_error, False, False, True, deadline, border_deviation
         )
@@ -449,12 +449,12 @@ class Mesh:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> ExponentialMap:
-        """Where the straightest path of a given direction and length ends.
+        """The end of the straightest path with a given direction and length.
 
         Args:
             start: where it starts.
-            tangent: direction and length in mesh units: three numbers are a vector in space, whose part within the start's
-                face counts; two are coordinates in the frame of that face.
+            tangent: direction and length in mesh units. Three numbers are a vector in space, of which the part in the plane of the
+                start's face is used; two are coordinates in the frame of that face.
             trace: whether the path is returned.
         """
         computation = computations.exponential_map(self.id, start, tangent, trace, deadline)

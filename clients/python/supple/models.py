@@ -1,8 +1,8 @@
-"""Neural models of structures, and what they answer, as dataclasses and numpy arrays.
+"""Neural models of structures, and their answers as dataclasses and numpy arrays.
 
-A model knows a family of structures: it gives energy density, stress and tangent stiffness for tiling parameters and
-Green strains without a simulation. Strains and stresses are (xx, yy, xy), tensor components; stresses, tangents and energy
-densities are in MPa, per rest area of the whole cell.
+A model of a family of structures gives energy density, stress and tangent stiffness for tiling parameters and Green strains
+without a simulation. Strains and stresses are (xx, yy, xy), tensor components; stresses, tangents and energy densities are
+in MPa, per rest area of the whole cell.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True, repr=False)
 class ErrorStatistics(Shown):
-    """Relative errors |x - x*| / |x*| over samples, x* being what was simulated."""
+    """Relative errors |x - x*| / |x*| over samples, where x* is the simulated value."""
 
     mean: float
     root_mean_square: float
@@ -35,12 +35,12 @@ class ErrorStatistics(Shown):
 
 @dataclass(frozen=True, repr=False)
 class SplitErrors(Shown):
-    """Errors on samples that training has not seen.
+    """Errors on samples that the model was not trained on.
 
     Attributes:
-        gradient: of the stress, in the Euclidean norm of (S_xx, S_yy, S_xy).
-        energy: of the energy density.
-        designs, samples: how many were tested on.
+        gradient: errors of the stress, in the Euclidean norm of (S_xx, S_yy, S_xy).
+        energy: errors of the energy density.
+        designs, samples: numbers of designs and samples in the test.
     """
 
     gradient: ErrorStatistics
@@ -51,23 +51,22 @@ class SplitErrors(Shown):
 
 @dataclass(frozen=True, repr=False)
 class ModelInfo(Shown):
-    """What is known of a model.
+    """The description of a model.
 
     Attributes:
         id: its name, such as "ih21".
         family: id of the family of tilings.
-        lower, upper: bounds of the parameters that it was trained on, shape (p,), dimensionless.
-        smallest_principal, largest_principal: principal Green strains that it was trained on.
-        largest_relative_energy: greatest energy density that it was trained on, over the design's rest stiffness.
-        design_split: errors on designs no row of which was trained on; None where they are not known.
-        row_split: errors on other rows of designs that were trained on; None where they are not known.
-        error_bars: level, "judged_by" and, by quantity, what the error bars of its answers are worth; None where it has
-            none.
-        network: form, activation, width, numbers of layers and weights, and "corrects_mesh": whether it takes off what
-            the mesh of its data errs by.
-        provenance: data set, versions, seed and options: enough to make the model again.
-        youngs_modulus, poisson_ratio: of the solid that was simulated; MPa and dimensionless.
-        sha256: of the model's file; another one under the same id is another model.
+        lower, upper: bounds of the parameters in its training data, shape (p,), dimensionless.
+        smallest_principal, largest_principal: bounds of the principal Green strains in its training data.
+        largest_relative_energy: greatest energy density in its training data, over the design's rest stiffness.
+        design_split: errors on designs that were not in the training data at all; None if unknown.
+        row_split: errors on other states of designs in the training data; None if unknown.
+        error_bars: level, "judged_by" and, by quantity, the quality of the error bars of its answers; None if it has none.
+        network: form, activation, width, numbers of layers and weights, and "corrects_mesh": whether it corrects the
+            discretization error of its training data.
+        provenance: data set, versions, seed and options, with which the model can be reproduced.
+        youngs_modulus, poisson_ratio: those of the simulated solid; MPa and dimensionless.
+        sha256: checksum of the model's file. A file with another one is another model, also under the same id.
     """
 
     id: str
@@ -89,18 +88,18 @@ class ModelInfo(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Evaluation(Shown):
-    """What a model says about n strains.
+    """The answer of a model for n strains.
 
     Attributes:
         energy_density: shape (n,), MPa.
         stress: second Piola-Kirchhoff (S_xx, S_yy, S_xy), shape (n, 3), MPa; None without derivatives.
         tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (n, 3, 3), MPa; None without second derivatives.
-        stress_error_bar: which the simulated stress differs by no more than in the Euclidean norm of its components, in 90
-            of 100 cases, shape (n,), MPa; nan outside of what the model was trained on, None without derivatives and
-            where the model has no error bars.
-        in_range: whether each strain lies within what the model was trained on and, with derivatives, its error bar is at
+        stress_error_bar: bound of the Euclidean norm of the difference from the simulated stress in 90 of 100 cases, shape
+            (n,), MPa; nan outside of what the model was trained on; None without derivatives, or if the model has no error
+            bars.
+        in_range: whether each strain is within what the model was trained on and, with derivatives, its error bar is at
             most 10 % of the stress, shape (n,).
-        sha256: of the model's file that answered.
+        sha256: checksum of the model's file.
     """
 
     energy_density: Array
@@ -114,23 +113,23 @@ class Evaluation(Shown):
 
 @dataclass(frozen=True, repr=False)
 class UniaxialCurve(Drawn):
-    """Equilibria of a model under a uniaxial load: n states along the direction d, lateral strain and shear free.
+    """Equilibria of a model under a uniaxial load along the direction d, at n states; lateral strain and shear are free.
 
     Attributes:
         direction: angle of d from the x axis, radians.
         green_strain: (E_xx, E_yy, E_xy), the free components included, shape (n, 3).
         stress: second Piola-Kirchhoff, shape (n, 3), MPa.
         directional_stress: d^T S d, shape (n,), MPa.
-        error_bar: which the simulated one differs by no more than, in 90 of 100 cases, shape (n,), MPa; nan where nobody
-            can say.
+        error_bar: bound of the difference from the simulated directional stress in 90 of 100 cases, shape (n,), MPa; nan where
+            it is unknown.
         energy_density: shape (n,), MPa.
-        in_range: whether each state lies within what the model was trained on and its error bar is at most 5 % of the
-            stress, shape (n,).
+        in_range: whether each state is within what the model was trained on and its error bar is at most 5 % of the stress,
+            shape (n,).
         state_converged: whether each state is an equilibrium within the tolerance, shape (n,).
-        residual: stress on the free strains over the largest stress, shape (n,); nan where a state has none.
+        residual: stress conjugate to the free strains over the largest stress, shape (n,); nan where a state has none.
         iterations: Newton iterations of each state, shape (n,).
-        tolerance: the residual that was asked for.
-        sha256: of the model's file that answered.
+        tolerance: the requested residual.
+        sha256: checksum of the model's file.
     """
 
     direction: float
@@ -161,10 +160,10 @@ class UniaxialCurve(Drawn):
 
 
 class Model:
-    """A model that a server holds. Made by `Client.model` and `Client.models`.
+    """A model on a server. `Client.model` and `Client.models` create it.
 
-    Its file may be replaced on the server at any time; `Evaluation.sha256` says which one answered. `deadline` bounds the
-    computation on the server (seconds; `DeadlineExceeded`), `timeout` the wait for it (`RequestTimeout`).
+    Its file may be replaced on the server at any time; `Evaluation.sha256` identifies the one that was used. `deadline` bounds
+    the computation on the server (seconds; `DeadlineExceeded`), `timeout` the wait for it (`RequestTimeout`).
     """
 
     def __init__(self, transport: Transport, info: ModelInfo) -> None:
@@ -191,12 +190,12 @@ class Model:
         """Energy density, stress and tangent of n strains.
 
         Args:
-            parameters: one design for all strains, shape (p,), or one for each, shape (n, p); dimensionless. Equal ones
-                that follow one another cost less.
+            parameters: one design for all strains, shape (p,), or one for each, shape (n, p); dimensionless. Equal designs in
+                succession cost less.
             green_strain: (E_xx, E_yy, E_xy), tensor components, shape (3,) or (n, 3).
             derivatives: 0 for energies, 1 for stresses too, 2 for tangents too.
 
-        What lies outside of the model's training is answered too: see `Evaluation.in_range`.
+        Strains and parameters outside of the training data are permitted: see `Evaluation.in_range`.
         """
         computation = evaluation(self.id, parameters, green_strain, derivatives, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -225,17 +224,17 @@ class Model:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> UniaxialCurve:
-        """Equilibria along a direction, each followed from the one before, the first from rest.
+        """Equilibria along a direction. The search for each one starts at the one before, and for the first one at rest.
 
         Args:
-            parameters: of the design, shape (p,), dimensionless.
+            parameters: parameters of the design, shape (p,), dimensionless.
             direction: angle of the load from the x axis, radians.
-            stretches: length over rest length along it, shape (n,).
-            green_strains: or Green strains along it, shape (n,), above -0.5. Give one of the two.
-            tolerance: relative residual of an equilibrium. 1e-10 on the server's side.
-            max_iterations: Newton iterations for one state. 50 on the server's side.
+            stretches: length over rest length along the direction, shape (n,).
+            green_strains: Green strains along the direction instead of stretches, shape (n,), above -0.5.
+            tolerance: relative residual of an equilibrium. 1e-10 by default.
+            max_iterations: Newton iterations for one state. 50 by default.
 
-        A state that is not reached is no exception: see `UniaxialCurve.state_converged`.
+        A state that is not reached raises no exception: see `UniaxialCurve.state_converged`.
         """
         computation = uniaxial(
             self.id, parameters, direction, stretches, green_strains, tolerance, max_iterations, deadline
@@ -346,7 +345,7 @@ def uniaxial_from_wire(document: Mapping[str, Any]) -> UniaxialCurve:
 
 
 def _rows(name: str, values: ArrayLike, columns: Optional[int]) -> Array:
-    """An array of shape (n, columns); one row may come without its first axis."""
+    """The values as an array of shape (n, columns). A single row may lack the first axis."""
     array = np.atleast_2d(_array(values))
     if array.ndim != 2 or 0 in array.shape or columns not in (None, array.shape[1]):
         expected = "(n, p)" if columns is None else f"(n, {columns})"

@@ -1,4 +1,4 @@
-"""The points of a mesh that are nearest to points of space, found on this side of the wire."""
+"""The points of a mesh that are nearest to points in space, computed by the client."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ._arrays import Array
 from .points import SurfacePoint
 
 PAIRS_AT_A_TIME = 1_000_000
-"""Pairs of points and faces that are looked at together, which bounds memory."""
+"""Pairs of points and faces that are computed together, which bounds memory."""
 
 
 def _weights(p: Array, a: Array, b: Array, c: Array) -> Array:
     """Barycentric coordinates of the points of triangles abc that are nearest to p, by the region of the plane over which p
-    lies (Ericson, Real-Time Collision Detection, section 5.1.5). Shapes (..., 3)."""
+    lies [Ericson2005, section 5.1.5]. All arrays have the shape (..., 3)."""
 
     def dot(u: Array, v: Array) -> Array:
         return np.asarray(np.einsum("...i,...i->...", u, v), dtype=np.float64)
@@ -49,22 +49,22 @@ def _weights(p: Array, a: Array, b: Array, c: Array) -> Array:
 def nearest_points(
     positions: Array, vertices: Array, faces: NDArray[np.int32]
 ) -> Tuple[List[SurfacePoint], Array, Array]:
-    """For each of the positions, shape (n, 3), the nearest point of the mesh, where it lies, shape (n, 3), and how far away,
-    shape (n,). Looks at every face for every position, in O(n faces)."""
+    """For each of the positions, shape (n, 3): the nearest point of the mesh, its position, shape (n, 3), and its distance,
+    shape (n,). Compares every position with every face, in O(n faces)."""
     a, b, c = vertices[faces[:, 0]], vertices[faces[:, 1]], vertices[faces[:, 2]]
-    found: List[SurfacePoint] = []
-    places = np.empty_like(positions)
+    points: List[SurfacePoint] = []
+    nearest_positions = np.empty_like(positions)
     distances = np.empty(len(positions))
-    at_a_time = max(1, PAIRS_AT_A_TIME // len(faces))
-    for begin in range(0, len(positions), at_a_time):
-        some = positions[begin : begin + at_a_time, None, :]
-        weights = _weights(some, a, b, c)
+    batch_size = max(1, PAIRS_AT_A_TIME // len(faces))
+    for begin in range(0, len(positions), batch_size):
+        batch = positions[begin : begin + batch_size, None, :]
+        weights = _weights(batch, a, b, c)
         nearest = weights[..., :1] * a + weights[..., 1:2] * b + weights[..., 2:] * c
-        squares = ((nearest - some) ** 2).sum(axis=-1)
+        squares = ((nearest - batch) ** 2).sum(axis=-1)
         best = squares.argmin(axis=1)
         for row, face in enumerate(best):
             wa, wb, wc = (float(weight) for weight in weights[row, face])
-            found.append(SurfacePoint(int(face), (wa, wb, wc)))
-            places[begin + row] = nearest[row, face]
+            points.append(SurfacePoint(int(face), (wa, wb, wc)))
+            nearest_positions[begin + row] = nearest[row, face]
             distances[begin + row] = np.sqrt(squares[row, face])
-    return found, places, distances
+    return points, nearest_positions, distances

@@ -25,10 +25,11 @@ class RelaxationStep(Shown):
     """One state of the iteration.
 
     Attributes:
-        energy: of the network.
-        gradient_norm: of the energy by tangent coordinates of the free points; unit of the weights times mesh units.
-        step_length: root of the sum of the points' squared ways to get there, mesh units; 0 for the start.
-        regularization: what was added to the Hessian's diagonal, unit of the weights.
+        energy: energy of the network and its host.
+        gradient_norm: norm of the energy's gradient by tangent coordinates of the free points; unit of the weights times mesh
+            units.
+        step_length: norm of the points' displacements from the state before, mesh units; 0 at the start.
+        regularization: number that was added to the Hessian's diagonal, unit of the weights.
     """
 
     energy: float
@@ -39,14 +40,14 @@ class RelaxationStep(Shown):
 
 @dataclass(frozen=True, repr=False)
 class PartialRelaxation(Shown):
-    """A network on its way, while it is relaxed.
+    """A network after the latest iteration of a running job.
 
     Attributes:
         iteration: iterations so far.
         energy, gradient_norm: as in `RelaxationStep`.
-        positions: where the points are, shape (points, 3), mesh units; None for more than 5000 points.
-        vertices: where the vertices of a host that gives way are, shape (vertices, 3), mesh units; None for more than 5000
-            and on a rigid host.
+        positions: positions of the points, shape (points, 3), mesh units; None for more than 5000 points.
+        vertices: positions of the host's vertices, shape (vertices, 3), mesh units; None for more than 5000, and on a rigid
+            host.
     """
 
     iteration: int
@@ -58,17 +59,18 @@ class PartialRelaxation(Shown):
 
 @dataclass(frozen=True, repr=False)
 class FollowedStop(Shown):
-    """How a network followed a moving surface, or a network and its host moved vertices, to one of their positions.
+    """One load increment: how a network followed a moving surface, or a network and its host moved vertices, to one of their
+    positions.
 
     Attributes:
-        energy, gradient_norm: as in `RelaxedNetwork`, there.
-        iterations: steps of the solver on the way from the position before.
-        load_steps: parts that this way was divided into.
-        jumps: how often an equilibrium was lost on this way, so that network and host went to another one of less energy.
-            On the way back they need not return to where they were.
+        energy, gradient_norm: as in `RelaxedNetwork`, at this position.
+        iterations: iterations of the solver since the position before.
+        load_steps: number of load steps into which the increment was divided.
+        jumps: how often the increment lost its equilibrium path, so that network and host went to another equilibrium of less
+            energy. Under the reverse motion they need not return to where they were.
         stopped: as in `RelaxedNetwork`.
-        reached: share of the way from the position before; below 1 where moved vertices cannot go on, since elements of the
-            host would be turned inside out, or no equilibrium is found: it is then the last stop.
+        reached: fraction of the increment. It is below 1 if moved vertices cannot go on because elements of the host would be
+            inverted or no equilibrium is found; this is then the last increment.
     """
 
     energy: float
@@ -82,14 +84,14 @@ class FollowedStop(Shown):
 
 @dataclass(frozen=True, repr=False)
 class HostState(Shown):
-    """A shell or a solid that gave way under a network, or a surface that moved.
+    """The state of a shell or a solid that deformed under a network, or of a surface that moved.
 
     Attributes:
-        vertices: where the vertices of the mesh are, in their order, shape (vertices, 3), mesh units.
-        largest_displacement: longest way of a vertex, or of a node inside, mesh units.
+        vertices: positions of the mesh's vertices, in their order, shape (vertices, 3), mesh units.
+        largest_displacement: largest displacement of a vertex or an inner node, mesh units.
         volume_ratio: enclosed volume over that at rest; None for open surfaces.
-        tetrahedra, nodes: of a solid, the vertices of the mesh among its nodes; None for others.
-        stops: of a moving surface or of moved vertices, one for each of their positions; None for others.
+        tetrahedra, nodes: those of a solid, whose nodes include the vertices of the mesh; None for other hosts.
+        stops: the load increments of a moving surface or of moved vertices, one for each of their positions; None for others.
     """
 
     vertices: Array
@@ -102,35 +104,36 @@ class HostState(Shown):
 
 @dataclass(frozen=True, repr=False)
 class RelaxedNetwork(Drawn):
-    """A network of springs at rest on a surface: E = sum weight (length - rest_length)^2, plus the energies of a membrane and
-    of a host that gives way, has a local minimum.
+    """A network in equilibrium on a surface, at a local minimum of its energy E: the sum of weight (length - rest_length)^2
+    over its springs, plus the energies of a membrane and of a deformable host.
 
     Attributes:
-        points: where the points came to rest, in their order.
-        positions: the same in space, shape (points, 3), mesh units.
+        points: the points in equilibrium, in their order.
+        positions: their positions in space, shape (points, 3), mesh units.
         springs: the points that each spring joins, shape (springs, 2).
-        lengths: of the springs, shape (springs,), mesh units.
-        energies: of the springs, shape (springs,).
-        compressed: springs shorter than their rest length, shape (springs,).
-        at_cut_locus: springs for which another path is as short, within 1e-9, relative; shape (springs,).
-        paths: of the springs; None where they were not asked for.
-        triangles: the corners of the membrane's triangles; without a membrane triples of points whose Voronoi cells meet,
-            counterclockwise, where the springs are `VoronoiDual`. Shape (triangles, 3), or None.
+        lengths: lengths of the springs, shape (springs,), mesh units.
+        energies: energies of the springs, shape (springs,).
+        compressed: whether each spring is shorter than its rest length, shape (springs,).
+        at_cut_locus: whether another path of each spring is as short, within 1e-9, relative; shape (springs,).
+        paths: paths of the springs; None if they were not requested.
+        triangles: the corners of the membrane's triangles. Without a membrane, but with springs by `VoronoiDual`, the triples
+            of points whose Voronoi cells meet, counterclockwise. Shape (triangles, 3), or None.
         stretches: principal stretches of the membrane's triangles, the greater first, shape (triangles, 2); None without one.
-        triangle_energies: their energies, shape (triangles,); None without one.
-        triangles_at_cut_locus: whether a side that pushes has another shortest path, shape (triangles,); None without one.
-        host: where a host that gives way or moves came to be; None on a rigid one.
+        triangle_energies: their energies, shape (triangles,); None without a membrane.
+        triangles_at_cut_locus: whether a side of the triangle that is under compression has another shortest path, shape
+            (triangles,); None without a membrane.
+        host: the state of a host that deformed or moved; None for a rigid one.
         energy: E, negative only under gravity.
-        terms: what it consists of, by name: "geodesic_springs", "euclidean_springs", "membrane", and of a host
-            "shell_membrane", "shell_bending", "shell_volume", "solid" and "gravity".
-        gradient_norm: |grad E|, unit of the weights times mesh units; the bound that was asked for is `gradient_tolerance`.
-        iterations: steps taken.
+        terms: the terms of E by name: "geodesic_springs", "euclidean_springs", "membrane", and for a host "shell_membrane",
+            "shell_bending", "shell_volume", "solid" and "gravity".
+        gradient_norm: |grad E|, unit of the weights times mesh units; the requested bound is `gradient_tolerance`.
+        iterations: number of iterations.
         history: the start and every step.
         stopped: "converged", "cut_locus", "step_too_small" or "iteration_limit".
         mollified: whether the energy at the end is the mollified one.
-        at_vertices: points that came to rest at a vertex where the energy has a kink, ascending.
-        loose_points: free points that no spring of positive weight and no triangle holds, ascending; they stayed where they were.
-        warnings: what deserves attention, one sentence each.
+        at_vertices: points, ascending, that are in equilibrium at a vertex where the energy has a kink.
+        loose_points: free points, ascending, without a spring of positive weight or a triangle; they did not move.
+        warnings: a sentence for each fact that deserves attention.
     """
 
     points: Tuple[SurfacePoint, ...]
@@ -167,10 +170,10 @@ class RelaxedNetwork(Drawn):
         return self.stopped == "converged"
 
     def _drawing(self) -> Drawing:
-        ways = [path.positions for path in self.paths] if self.paths else [self.positions[ends] for ends in self.springs]
+        polylines = [path.positions for path in self.paths] if self.paths else [self.positions[ends] for ends in self.springs]
         points = Line(self.positions, color=RED, marks=True)
         title = f"{len(self.positions)} points, {len(self.springs)} springs, energy {self.energy:.6g}"
-        return Drawing("map", (Line(joined(ways)), points), title=title)
+        return Drawing("map", (Line(joined(polylines)), points), title=title)
 
 
 def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:

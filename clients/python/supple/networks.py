@@ -1,4 +1,4 @@
-"""Elastic networks on surfaces: what they are made of, and their requests."""
+"""Elastic networks on surfaces, and their requests."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class PointsInFaces:
     """One point in each face, in the order of the faces.
 
     Attributes:
-        barycentric: where it lies in its face: three coordinates, nonnegative and of sum 1.
+        barycentric: its barycentric coordinates in the face, nonnegative and with the sum 1.
     """
 
     barycentric: Tuple[float, float, float] = (0.25, 0.25, 0.5)
@@ -36,7 +36,7 @@ class PoissonDisk:
 
     Attributes:
         radius: least geodesic distance of two points, mesh units.
-        seed: the same seed gives the same points; 1 on the server's side.
+        seed: the same seed gives the same points; 1 by default.
     """
 
     radius: float
@@ -48,7 +48,7 @@ class PoissonDisk:
 
 @dataclass(frozen=True)
 class Spring:
-    """A spring between two points, of energy weight (length - rest_length)^2.
+    """A spring between two points, with the energy weight (length - rest_length)^2.
 
     Attributes:
         start, end: indices of the points.
@@ -79,7 +79,7 @@ class AdjacentFaces:
 
 @dataclass(frozen=True)
 class VoronoiDual:
-    """Springs between points whose geodesic Voronoi cells meet: a triangulation where the points are dense.
+    """Springs between points whose geodesic Voronoi cells meet, which form a triangulation if the points are dense.
     `rest_length` and `weight` are those of each `Spring`."""
 
     rest_length: float = 0.0
@@ -91,15 +91,15 @@ class VoronoiDual:
 
 @dataclass(frozen=True)
 class Membrane:
-    """Triangles whose sides are shortest paths on the surface: compressible neo-Hookean, at rest where the points start.
+    """Compressible neo-Hookean triangles whose sides are shortest paths on the surface. They are at rest where the points start.
 
     Attributes:
-        triangles: triples of indices of points; None: all triples of points whose geodesic Voronoi cells meet in one place.
-        youngs_modulus: energy per cubed mesh unit, positive; 1 on the server's side.
-        poisson_ratio: in [-0.99, 0.4999]; 0.3 on the server's side.
-        thickness: mesh units, positive; 1 on the server's side.
-        rest_scale: lengths at rest over those at the start, positive: below 1 the membrane is stretched from the start. 1 on
-            the server's side.
+        triangles: triples of indices of points; None takes all triples of points whose geodesic Voronoi cells meet.
+        youngs_modulus: energy per cubed mesh unit, positive; 1 by default.
+        poisson_ratio: in [-0.99, 0.4999]; 0.3 by default.
+        thickness: mesh units, positive; 1 by default.
+        rest_scale: ratio of rest lengths to lengths at the start, positive: below 1 the membrane is stretched at the start. 1 by
+            default.
     """
 
     triangles: Optional[Sequence[Tuple[int, int, int]]] = None
@@ -118,26 +118,26 @@ class Membrane:
 
 
 NetworkPoints = Union[Sequence[PointLike], PointsInFaces, PoissonDisk]
-"""What the calls accept as a network's points: one by one, or what makes them."""
+"""The points of a network: a list, or a rule that gives them."""
 NetworkSprings = Union[Sequence[Union[Spring, Tuple[int, int]]], AdjacentFaces, VoronoiDual]
-"""What they accept as its springs: `Spring`, pairs of points (of rest length 0 and weight 1), or what makes them."""
+"""The springs of a network: a list of `Spring` or of pairs of points (with rest length 0 and weight 1), or a rule."""
 
 
 @dataclass(frozen=True)
 class RelaxationOptions:
-    """How an equilibrium is found. What is None is left to the server.
+    """How an equilibrium is found. None stands for the server's default.
 
     Attributes:
         method: "newton" (with exact second derivatives), "lbfgs" or "gradient_descent".
-        spring_length: "geodesic": of the shortest path on the surface; "euclidean": through space.
+        spring_length: "geodesic" for the length of the shortest path on the surface, "euclidean" for the distance in space.
         tolerance: the iteration stops once |grad E| <= tolerance * (largest weight) * (diagonal of the bounding box). 1e-9
-            on the server's side.
-        max_iterations: 200 on the server's side.
-        mollifier: "on", "off" or "automatic": smooths the lengths of paths next to vertices.
-        mollifier_length: its smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 on the server's side.
-        kept_strips: "on", "off" or "automatic": unfold the faces that a spring crossed before searching. Never changes the
-            answer.
-        bending: "on", "off" or "automatic": whether the edges of a shell resist bending; on is automatic. Of no effect on
+            by default.
+        max_iterations: 200 by default.
+        mollifier: whether lengths of paths are smoothed next to vertices: "on", "off" or "automatic".
+        mollifier_length: smoothing length as a fraction of an edge, in (0, 0.5]; 1e-6 by default.
+        kept_strips: whether the strip of faces that a spring crossed in the state before is unfolded first, before a search:
+            "on", "off" or "automatic". Never changes the answer.
+        bending: whether the edges of a shell resist bending: "on", "off" or "automatic", which means on. It has no effect on
             other hosts.
     """
 

@@ -36,20 +36,20 @@ def rectangle(width: float, height: float) -> Dict[str, Any]:
 
 
 def polygons(outlines: Sequence[ArrayLike]) -> Dict[str, Any]:
-    """Polygons of shape (n, 2) as an outline: what lies within an odd number of them belongs to the part."""
+    """Polygons of shape (n, 2) as an outline. A place belongs to the part if it is within an odd number of them."""
     return {"polygons": [_polygon(outline) for outline in outlines]}
 
 
 @dataclass(frozen=True)
 class PartRegion:
-    """A region of a part with a structure of its own.
+    """A region of a part with its own structure.
 
     Attributes:
         outline: corners of a simple polygon, shape (n, 2), mm.
-        family, parameters: the structure; the family's defaults without parameters.
-        beam_width: width of the beams, with which the structure scales. 0.3 mm on the server's side.
-        orientation: angle by which the tiling is turned counterclockwise. 0 on the server's side.
-        name: of the region.
+        family, parameters: the structure; None takes the family's default parameters.
+        beam_width: width of the beams, with which the structure scales. 0.3 mm by default.
+        orientation: angle by which the tiling is rotated counterclockwise. 0 by default.
+        name: name of the region.
     """
 
     outline: ArrayLike
@@ -69,20 +69,21 @@ class PartRegion:
 
 @dataclass(frozen=True)
 class PartOptions:
-    """How a part is made. What is None is left to the server.
+    """How a part is made. None stands for the server's default.
 
     Attributes:
         beam_width: width of the beams, with which the structure scales. 0.3 mm.
-        orientation: angle by which the tiling is turned counterclockwise. 0.
-        direction: direction of the design along which a coupon or a block is loaded, radians: it comes to lie along y, the
-            axis of the part, so that all structures are turned by pi/2 - direction besides. pi/2.
-        regions: parts of the outline with structures of their own; later ones lie over earlier ones.
+        orientation: angle by which the tiling is rotated counterclockwise. 0.
+        direction: direction of the design along which a coupon or a block is loaded, radians. All structures are also rotated
+            by pi/2 - direction, so that it is along y, the axis of the part. pi/2.
+        regions: regions of the outline with their own structures; a later one replaces earlier ones where they overlap.
         frame: width of a solid rim. 0.
-        seam: width of solid strips along the outlines of regions. The width of the finest beams.
-        rim: "clipped": beams are cut off at the outline; "whole": only tiles that lie within it. "clipped".
-        smallest_wall: narrower walls and tips are left out and necks widened to it. Two thirds of the finest beams' width.
-        thickness: of the part. 1 mm.
-        density: of the material, g/cm^3; of `Part.mass`. 1.2.
+        seam: width of solid strips along the outlines of regions. By default the width of the finest beams.
+        rim: "clipped" to cut beams at the outline, "whole" for only those tiles that are inside it. "clipped".
+        smallest_wall: least width of walls: narrower walls and tips are omitted, and narrower necks are widened. Two thirds of
+            the finest beams' width.
+        thickness: thickness of the part. 1 mm.
+        density: density of the material for `Part.mass`, g/cm^3. 1.2.
     """
 
     beam_width: Optional[float] = None
@@ -98,8 +99,8 @@ class PartOptions:
 
     @classmethod
     def of_design(cls, design: "Design", **further: Any) -> "PartOptions":
-        """Options of a coupon or a block of a design: its walls, density and orientation, and its direction if it is loaded
-        along one alone. `further` are other options, which come first."""
+        """Options for a coupon or a block of a design: its beam width, density and orientation, and the direction of its load if
+        there is only one. `further` are options that replace these."""
         directions = {profile.direction for profile in (design.profile, *design.also)}
         options: Dict[str, Any] = {
             "beam_width": design.size.beam_width,
@@ -133,22 +134,21 @@ class Part:
 
     Attributes:
         size: width, height and thickness, mm.
-        outline_area, solid_area: mm^2; `relative_density` is their quotient.
+        outline_area, solid_area: mm^2; `relative_density` is their ratio.
         volume: mm^3.
         mass: g.
-        holes: of the solid.
-        orientation: by which the tiling lies turned in the part, radians.
-        tested_direction: direction of the design that lies along y, the axis of load of a coupon or a block, radians; None
-            for other outlines.
-        smallest_wall: the wall that the part was made for, mm.
-        smallest_neck: width of the narrowest place between wider ones, measured on the finished outline, mm; None where
-            there is none.
-        widened_necks, cut_necks: places narrower than the smallest wall that were widened to it, or cut.
-        trimmed_area: of narrower walls and tips that were left out, mm^2.
-        crumbs: pieces without connection to the largest one that were left out.
-        missing_solids: of "lower_grip", "upper_grip", "lower_plate" and "upper_plate" those that the part has lost.
-        message: what the part lacks of what was asked for, and what helps; empty where nothing is missing.
-        cost: what it took.
+        holes: number of holes of the solid.
+        orientation: angle by which the tiling is rotated in the part, radians.
+        tested_direction: direction of the design along y, the load axis of a coupon or a block, radians; None for other
+            outlines.
+        smallest_wall: the least width of walls that was used, mm.
+        smallest_neck: width of the narrowest neck, measured on the finished outline, mm; None if there is no neck.
+        widened_necks, cut_necks: numbers of necks narrower than the smallest wall that were widened or cut.
+        trimmed_area: area of narrower walls and tips that were omitted, mm^2.
+        crumbs: number of pieces that were omitted since they are not connected to the largest one.
+        missing_solids: those of "lower_grip", "upper_grip", "lower_plate" and "upper_plate" that the part lacks.
+        message: what the part lacks of the request, and what helps; may be empty.
+        cost: the bill of the computation.
     """
 
     size: Tuple[float, float, float]

@@ -13,7 +13,7 @@ class SurfacePoint:
 
     Attributes:
         face: index of the face, from 0.
-        barycentric: three coordinates, nonnegative and of sum 1, in the order of the face's corners.
+        barycentric: three coordinates, nonnegative and with the sum 1, in the order of the face's corners.
     """
 
     face: int
@@ -35,8 +35,8 @@ class Vertex:
 
 @dataclass(frozen=True)
 class SpacePoint:
-    """A point in space, in mesh units; the point of the surface that is nearest to it is meant. Answers say in
-    `points_in_space` which that is, and how far away."""
+    """A point in space, mesh units. It stands for the nearest point of the surface, which answers return in `points_in_space`
+    with its distance."""
 
     x: float
     y: float
@@ -51,12 +51,12 @@ class SpacePoint:
 
 @dataclass(frozen=True)
 class PlacedPoint:
-    """Where a point in space of a request lies on the surface.
+    """The nearest point on the surface of a request's point in space.
 
     Attributes:
-        pointer: to the point in the request, such as "/pairs/3/from" or "/sources/0".
-        point: the nearest point of the surface; `position` is the same in space, mesh units.
-        distance: from the point in space to the surface, mesh units.
+        pointer: JSON pointer to the point in the request, such as "/pairs/3/from" or "/sources/0".
+        point: the nearest point of the surface; `position` is its position in space, mesh units.
+        distance: distance of the point in space from the surface, mesh units.
     """
 
     pointer: str
@@ -66,12 +66,11 @@ class PlacedPoint:
 
 
 PointLike = Union[SurfacePoint, Vertex, SpacePoint, int, Tuple[int, Sequence[float]]]
-"""What the calls accept as a point: a `SurfacePoint`, a `Vertex`, a `SpacePoint`, a plain vertex index, or
-`(face, (a, b, c))`."""
+"""A point as an argument: a `SurfacePoint`, a `Vertex`, a `SpacePoint`, the index of a vertex, or `(face, (a, b, c))`."""
 
 
 def point_to_wire(point: PointLike) -> Dict[str, Any]:
-    """The JSON form of a point. Raises `TypeError` or `ValueError` where it is none."""
+    """The JSON form of a point. Raises `TypeError` or `ValueError` if it is none."""
     if isinstance(point, (SurfacePoint, Vertex, SpacePoint)):
         return point.to_wire()
     if isinstance(point, bool):
@@ -92,13 +91,13 @@ def point_to_wire(point: PointLike) -> Dict[str, Any]:
 
 
 def point_from_wire(document: Dict[str, Any]) -> SurfacePoint:
-    """The point that an answer holds; answers always name a face."""
+    """The point in an answer, which is always given by a face."""
     a, b, c = document["barycentric"]
     return SurfacePoint(int(document["face"]), (float(a), float(b), float(c)))
 
 
 def placed_points_from_wire(document: Mapping[str, Any]) -> Tuple[PlacedPoint, ...]:
-    """The points in space of a request, as its answer tells of them; none where it has none."""
+    """The points in space of a request, from its answer; empty if it has none."""
     placed = []
     for entry in document.get("points_in_space", ()):
         x, y, z = entry["position"]

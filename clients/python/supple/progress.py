@@ -8,19 +8,19 @@ from typing import Any, Callable, Optional, Union
 
 ProgressFunction = Callable[[float, str], None]
 Progress = Union[ProgressFunction, bool]
-"""What the calls accept as `progress`: a function that is called as `progress(fraction, stage)` with the share of the work
-that is done, in [0, 1], and what runs now; or True for a bar on a terminal or in a notebook, and nothing elsewhere."""
+"""The argument `progress`: a function that is called as `progress(fraction, stage)` with the fraction of the work that is
+done, in [0, 1], and the current stage; or True for a bar on a terminal or in a notebook, and nothing elsewhere."""
 
 
 def in_notebook() -> bool:
-    """Whether this runs in the kernel of a notebook."""
+    """Whether the program runs in the kernel of a notebook."""
     shell = sys.modules.get("IPython")
     current = None if shell is None else shell.get_ipython()
     return current is not None and type(current).__name__ == "ZMQInteractiveShell"
 
 
 class _PlainLine:
-    """One line on standard error that is written anew."""
+    """A line on standard error that is overwritten."""
 
     def __init__(self) -> None:
         self._width = 0
@@ -53,7 +53,7 @@ class _Tqdm:
 def _new_bar() -> Union[_PlainLine, _Tqdm]:
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # of what its notebook form lacks; it takes the other one then
+            warnings.simplefilter("ignore")  # tqdm warns that it falls back to its text form in a notebook
             from tqdm.auto import tqdm
 
             return _Tqdm(tqdm)
@@ -62,10 +62,10 @@ def _new_bar() -> Union[_PlainLine, _Tqdm]:
 
 
 class Reporter:
-    """Hands progress to a function, or shows it as a bar. A context manager that takes the bar away in the end.
+    """Passes progress to a function, or shows it as a bar. This is a context manager, which removes the bar at its end.
 
-    `progress` is what the calls accept; None and False show nothing. A bar needs a terminal or a notebook: without one
-    nothing is shown. It is tqdm's where that is installed, else a plain line.
+    `progress` is a `Progress`; None and False show nothing. A bar appears only on a terminal or in a notebook. It is that of
+    tqdm if it is installed, or else a plain line.
     """
 
     def __init__(self, progress: Optional[Progress]) -> None:

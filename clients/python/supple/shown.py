@@ -1,4 +1,4 @@
-"""How results show themselves: in one line, and as tables and pictures in notebooks."""
+"""The display of results: in one line, and as tables and pictures in notebooks."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from .drawing import Drawing, to_matplotlib, to_svg
 
-LONGEST_LINE = 120
-"""Characters of the one line that repr() gives."""
-LONGEST_TEXT = 40
-SHORT_LIST = 4
-"""Lists and arrays of at most so many numbers are shown with them."""
+MAX_LINE_LENGTH = 120
+"""Largest number of characters of repr()."""
+MAX_TEXT_LENGTH = 40
+MAX_SHORT_LIST = 4
+"""Largest number of entries with which a list or an array is shown in full."""
 
 
 def _number(value: Any) -> str:
@@ -30,13 +30,13 @@ def short_text(value: Any) -> str:
     if isinstance(value, (float, np.floating)):
         return _number(value)
     if isinstance(value, str):
-        return repr(value if len(value) <= LONGEST_TEXT else value[: LONGEST_TEXT - 1] + "\u2026")
+        return repr(value if len(value) <= MAX_TEXT_LENGTH else value[: MAX_TEXT_LENGTH - 1] + "\u2026")
     if isinstance(value, np.ndarray):
-        if value.ndim == 1 and value.size <= SHORT_LIST:
+        if value.ndim == 1 and value.size <= MAX_SHORT_LIST:
             return "[" + ", ".join(short_text(entry) for entry in value.tolist()) + "]"
         return f"array{value.shape}"
     if isinstance(value, (tuple, list)):
-        if len(value) <= SHORT_LIST and all(isinstance(entry, (int, float)) for entry in value):
+        if len(value) <= MAX_SHORT_LIST and all(isinstance(entry, (int, float)) for entry in value):
             return "(" + ", ".join(short_text(entry) for entry in value) + ")"
         return "()" if not value else f"{len(value)} \u00d7 {type(value[0]).__name__}"
     if isinstance(value, dict):
@@ -57,7 +57,7 @@ class Shown:
         text = type(self).__name__ + "("
         for index, (name, shown) in enumerate(_entries(self)):
             entry = (", " if index else "") + f"{name}={shown}"
-            if len(text) + len(entry) > LONGEST_LINE:
+            if len(text) + len(entry) > MAX_LINE_LENGTH:
                 return text + ", \u2026)"
             text += entry
         return text + ")"
@@ -75,7 +75,7 @@ class Drawn(Shown):
     """A result that can be drawn."""
 
     def _drawing(self) -> Optional[Drawing]:
-        """What it looks like; None where it has nothing to show."""
+        """Its picture; None if there is nothing to draw."""
         raise NotImplementedError
 
     def _repr_svg_(self) -> Optional[str]:
@@ -86,10 +86,10 @@ class Drawn(Shown):
         return (self._repr_svg_() or "") + super()._repr_html_()
 
     def plot(self, ax: Optional[Any] = None) -> Any:
-        """Draws it with matplotlib into the axes `ax`, or into new ones, and returns them.
+        """Draws the result with matplotlib into the axes `ax`, or into new ones, and returns them.
 
-        Raises `ImportError` where matplotlib is not installed, `ValueError` where there is nothing to draw, such as a
-        geodesic whose path was not asked for.
+        Raises `ImportError` if matplotlib is not installed, and `ValueError` if there is nothing to draw, for example for a
+        geodesic whose path was not requested.
         """
         drawing = self._drawing()
         if drawing is None:

@@ -21,13 +21,13 @@ from .tilings import structure_to_wire
 
 @dataclass(frozen=True, repr=False)
 class PatchMesh(Drawn):
-    """The mesh of a patch at rest, cut open for drawing.
+    """The mesh of a patch at rest, cut along its periodic boundary for drawing.
 
     Attributes:
-        cells: cells along each side of the patch, 1 or 2.
-        lattice: the patch's translations at rest, rows of shape (2, 2), mm.
+        cells: number of cells along each side of the patch, 1 or 2.
+        lattice: the patch's translations at rest as rows, shape (2, 2), mm.
         points: positions at rest, shape (n, 2), mm.
-        triangles: points of each quadratic triangle, shape (m, 6): the corners counterclockwise, then the middles of the
+        triangles: points of each quadratic triangle, shape (m, 6): the corners counterclockwise, then the midpoints of the
             sides 01, 12, 20.
     """
 
@@ -57,24 +57,24 @@ class State(Drawn):
     """One equilibrium.
 
     Attributes:
-        green_strain: (E_xx, E_yy, E_xy), tensor components; of a uniaxial load also the free ones.
+        green_strain: (E_xx, E_yy, E_xy), tensor components, including the free ones of a uniaxial load.
         stress: second Piola-Kirchhoff (S_xx, S_yy, S_xy), MPa.
-        stress_error: estimated error of the stress that the mesh makes (Frobenius norm), MPa; None where there is no
-            estimate.
+        stress_error: estimated error of the stress due to the mesh (Frobenius norm), MPa; None if there is no estimate.
         energy_density: MPa, contact included; `energy_density_error` is its estimated error.
-        tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (3, 3), MPa; None where it was not asked for or the
-            state is singular.
+        tangent: d (S_xx, S_yy, S_xy) / d (E_xx, E_yy, 2 E_xy), shape (3, 3), MPa; None if it was not requested or the state is
+            singular.
         deformation_gradient: macroscopic F, shape (2, 2).
         stopped: "converged", "iteration_limit" or "step_too_small".
-        residual: norm of the forces that do not balance, relative; None where it is not finite.
+        residual: norm of the unbalanced forces, relative; None if it is not finite.
         iterations, load_steps: Newton iterations and internal load steps since the state before.
-        contacts: pairs of boundary points and sides that touch, within a range that is made less until it no longer matters.
-        smallest_gap: mm, between sides that are not neighbours; None where none was looked for.
+        contacts: number of pairs of boundary points and sides in contact. The range of contact is reduced until it does not
+            affect the result.
+        smallest_gap: least distance between sides that are not neighbours, mm; None if it was not computed.
         smallest_jacobian: least determinant of the deformation gradient over all triangles.
-        stable: whether the stiffness is positive definite against all modes that were looked for.
+        stable: whether the stiffness is positive definite for all modes that were tested.
         branch: how often the path has left an unstable branch.
-        cells: cells along each side of the patch, 1 or 2.
-        deformed: None unless deformed="json" was asked for; `vtu` likewise for "vtu".
+        cells: number of cells along each side of the patch, 1 or 2.
+        deformed: None unless deformed="json" was requested; `vtu` likewise for "vtu".
     """
 
     green_strain: Array
@@ -107,7 +107,7 @@ class State(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class DiscretizationError(Shown):
-    """Estimated errors that a mesh makes, relative, as root mean squares over the states of a path."""
+    """Estimated relative errors due to the mesh, as root mean squares over the states of a path."""
 
     stress: float
     energy: float
@@ -119,13 +119,12 @@ class Simulation(Drawn):
 
     Attributes:
         family, parameters: the structure.
-        states: one for each state of the load, fewer where the path ended early; the last then has not converged.
-        message: why the path ended early; empty where it did not.
-        tolerance, residual: the residual that was asked for, and the largest that was reached (None where one is not
-            finite).
-        nodes, triangles: of one cell's mesh; `unknowns` of the largest system that was solved.
-        discretization_error: by how much the mesh errs, None where that is not known.
-        error_accepted: whether that is within the error that the request named; None where it named none.
+        states: one for each state of the load, or fewer if the path ended early; the last one has then not converged.
+        message: why the path ended early; empty if it did not.
+        tolerance, residual: the requested residual, and the largest one that was reached (None if one is not finite).
+        nodes, triangles: numbers for the mesh of one cell; `unknowns` is that of the largest system that was solved.
+        discretization_error: estimated error due to the mesh; None if it is unknown.
+        error_accepted: whether that is within the error that the request permits; None if the request names none.
         extrapolated: whether the states are extrapolated from the mesh and a finer one.
         mesh_size: sides of the triangles over the beam width.
     """
@@ -153,29 +152,29 @@ class Simulation(Drawn):
 
     @property
     def green_strain(self) -> Array:
-        """Shape (n, 3)."""
+        """Green strain (E_xx, E_yy, E_xy) of each state, shape (n, 3)."""
         return _array([state.green_strain for state in self.states]).reshape(-1, 3)
 
     @property
     def stress(self) -> Array:
-        """Shape (n, 3), MPa."""
+        """Second Piola-Kirchhoff stress (S_xx, S_yy, S_xy) of each state, shape (n, 3), MPa."""
         return _array([state.stress for state in self.states]).reshape(-1, 3)
 
     @property
     def energy_density(self) -> Array:
-        """Shape (n,), MPa."""
+        """Energy density of each state, shape (n,), MPa."""
         return _array([state.energy_density for state in self.states])
 
     @property
     def tangent(self) -> Array:
-        """Shape (n, 3, 3), MPa; nan where a state has none."""
+        """Tangent stiffness of each state, shape (n, 3, 3), MPa; nan where a state has none."""
         nothing = np.full((3, 3), np.nan)
         tangents = [nothing if state.tangent is None else state.tangent for state in self.states]
         return _array(tangents).reshape(-1, 3, 3)
 
     @property
     def deformation_gradient(self) -> Array:
-        """Shape (n, 2, 2)."""
+        """Macroscopic deformation gradient of each state, shape (n, 2, 2)."""
         return _array([state.deformation_gradient for state in self.states]).reshape(-1, 2, 2)
 
     def _drawing(self) -> Optional[Drawing]:

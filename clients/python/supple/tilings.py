@@ -1,6 +1,6 @@
 """Families of tilings and their beam structures.
 
-A tiling's edges are beams of one width; a structure is what is solid. Lengths are in millimetres, angles in radians.
+A tiling's edges are beams of one width, which form the solid structure. Lengths are in millimetres, angles in radians.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ class Family(Shown):
 
     Attributes:
         id: its name, such as "IH21".
-        description: what it is.
+        description: its description.
         lower, upper, default: bounds and default of each parameter, shape (n,), dimensionless.
         beam_width: width of the beams in tiling units; `printed_beam_width` is the same in mm.
         scale: millimetres in one tiling unit.
         tiles: tiles in one periodic cell.
-        lattice: the default cell's two translations, rows of shape (2, 2), mm.
-        cell_area: of the default cell, holes included, mm^2.
-        relative_density: share of the default cell that is solid.
+        lattice: the two translations of the cell with default parameters, as rows, shape (2, 2), mm.
+        cell_area: area of this cell, holes included, mm^2.
+        relative_density: fraction of this cell that is solid.
     """
 
     id: str
@@ -51,7 +51,7 @@ class Family(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Tile(Shown):
-    """A tile where it lies in the cell: corners in order, counterclockwise, shape (n, 2), mm."""
+    """A tile in its place in the cell: its corners counterclockwise, shape (n, 2), mm."""
 
     outline: Array
     holes: Tuple[Array, ...]
@@ -74,13 +74,13 @@ class Structure(Drawn):
     """One periodic cell of a beam structure: its tiles minus their holes.
 
     Attributes:
-        family, parameters: what it is made from.
+        family, parameters: the family and parameters of its tiling.
         beam_width: mm.
         scale: millimetres in one tiling unit.
-        lattice: the cell's two translations, rows of shape (2, 2), mm.
+        lattice: the cell's two translations as rows, shape (2, 2), mm.
         tiles: the cell's tiles with their holes.
         cell_area, solid_area: mm^2; `relative_density` is their ratio.
-        mesh: None where no mesh size was given.
+        mesh: None if no mesh option was given.
     """
 
     family: str
@@ -155,7 +155,7 @@ def structure_from_wire(document: Mapping[str, Any]) -> Structure:
 
 
 def structure_to_wire(family: str, parameters: Optional[Sequence[float]]) -> Dict[str, Any]:
-    """The fields that name a structure in a request."""
+    """The fields of a request that describe a structure."""
     document: Dict[str, Any] = {"family": family}
     if parameters is not None:
         document["parameters"] = [float(parameter) for parameter in parameters]

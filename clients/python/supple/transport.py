@@ -1,4 +1,4 @@
-"""Requests and answers: timeouts, retries, problems. The only module that sees `requests`."""
+"""Requests and answers: timeouts, retries, problems. This is the only module that uses the library `requests`."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from .progress import Progress
 
 IDEMPOTENT = frozenset({"GET", "HEAD", "PUT", "DELETE"})
 RETRIES = 3
-FIRST_PAUSE = 0.1
-"""Seconds before the first retry; each further one waits twice as long."""
+FIRST_RETRY_DELAY = 0.1
+"""Seconds before the first retry; the delay doubles for each further one."""
 
 
 class Answer:
@@ -36,11 +36,11 @@ class Answer:
 
 
 class Transport:
-    """One server, over a pool of kept connections.
+    """One server, over a pool of persistent connections.
 
-    A broken connection is tried again (up to three times, pausing 0.1, 0.2, 0.4 s) where repeating the request cannot
-    change its meaning: GET and DELETE always; POST where the caller says so, as for a mesh, which is named by its
-    content, for a computation that is answered immediately, and for a job, which has a key of idempotency.
+    A request whose connection broke is repeated (up to three times, after 0.1, 0.2 and 0.4 s) if it is idempotent. GET and
+    DELETE always are. The caller says so for a POST: of a mesh, whose id is the hash of its content, of a computation that is
+    answered immediately, and of a job, which has an idempotency key.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class Transport:
     ) -> Answer:
         """Sends a request and returns its answer (status below 400).
 
-        Raises `ProblemError` for any other status, `ConnectionFailed` and `RequestTimeout` where no answer comes.
+        Raises `ProblemError` for any other status, and `ConnectionFailed` or `RequestTimeout` if there is no answer.
         """
         sent = dict(headers or {})
         if document is not None:
@@ -99,14 +99,14 @@ class Transport:
             except requests.RequestException as error:
                 if attempt + 1 == attempts:
                     raise ConnectionFailed(f"no answer from {self.url}: {error}") from error
-                self._sleep(FIRST_PAUSE * 2**attempt)
+                self._sleep(FIRST_RETRY_DELAY * 2**attempt)
         if response.status_code >= 400:
             raise problem_from(response.status_code, _decoded(response))
         return Answer(response.status_code, response.headers, response.content)
 
 
 def _plain(value: Any) -> Any:
-    """Numbers and arrays of numpy as JSON has them."""
+    """Numbers and arrays of numpy as Python numbers and lists, for JSON."""
     if isinstance(value, (np.generic, np.ndarray)):
         return value.tolist()
     raise TypeError(f"{value!r} cannot be sent to the server")

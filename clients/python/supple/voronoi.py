@@ -1,4 +1,4 @@
-"""Geodesic Voronoi diagrams: sites, what is to be small, and their requests."""
+"""Geodesic Voronoi diagrams: sites, objectives and requests."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ FILE_TYPES = {"obj": "model/obj", "vtu": "application/x-vtu+xml", "svg": "image/
 
 @dataclass(frozen=True)
 class RandomSites:
-    """Random sites, spread evenly over the area.
+    """Random sites, uniform over the area.
 
     Attributes:
-        count: how many.
-        seed: the same seed gives the same sites; 1 on the server's side.
+        count: number of sites.
+        seed: the same seed gives the same sites; 1 by default.
     """
 
     count: int
@@ -38,20 +38,19 @@ class RandomSites:
 
 
 Sites = Union[Sequence[PointLike], RandomSites]
-"""What the calls accept as sites: one by one, or random ones."""
+"""Sites as an argument: a list of points, or random ones."""
 
 
 @dataclass(frozen=True)
 class VoronoiOptions:
-    """How sites are optimized. What is None is left to the server.
+    """How sites are optimized. None stands for the server's default.
 
     Attributes:
-        target_length: that the objective "edge_length" wants all edges to have, mesh units; the mean of the start on the
-            server's side.
+        target_length: length of all edges at which the objective "edge_length" is least, mesh units; by default the mean length
+            at the start.
         method: "automatic", "gauss_newton" or "lbfgs".
-        tolerance: the iteration stops once |grad E| <= tolerance * sqrt(number of sites) / (mean cell size). 1e-6 on the
-            server's side.
-        max_iterations: 100 on the server's side.
+        tolerance: the iteration stops once |grad E| <= tolerance * sqrt(number of sites) / (mean cell size). 1e-6 by default.
+        max_iterations: 100 by default.
         border_deviation: as in `Mesh.voronoi`.
     """
 

@@ -21,7 +21,7 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, repr=False)
 class Spread(Shown):
-    """A quantity over all that have it: its mean, least and greatest value, and its standard deviation."""
+    """The distribution of a quantity: its mean, least and greatest value, and its standard deviation."""
 
     mean: float
     least: float
@@ -31,13 +31,13 @@ class Spread(Shown):
 
 @dataclass(frozen=True, repr=False)
 class VoronoiStatistics(Shown):
-    """What is asked about a diagram as a design.
+    """Statistics of a diagram as a design.
 
     Attributes:
         edge_length: geodesic distance between the two vertices of an edge, mesh units.
         planarity: distance of a cell's vertices from the plane that fits them best, mesh units.
-        area: of cells, squared mesh units.
-        vertex_distance: distance of a cell's vertices from its site over its mean in the cell; 1 where a cell is regular.
+        area: area of a cell, squared mesh units.
+        vertex_distance: distance of a vertex of a cell from its site, over the mean for this cell; 1 in a regular cell.
     """
 
     edge_length: Spread
@@ -53,8 +53,9 @@ class VoronoiCell(Shown):
     Attributes:
         site: index of the site.
         area: squared mesh units.
-        boundary: closed borders with the cell on their left, each the rows of `VoronoiDiagram.positions` along it, the first
-            not repeated; none where the cell is empty or a whole component, several where it has holes or wraps a handle.
+        boundary: the closed curves around the cell, with the cell on their left. Each is a sequence of rows of
+            `VoronoiDiagram.positions`, without repetition of the first. There is none if the cell is empty or a whole
+            component; there are several if it has holes or wraps a handle.
         neighbours: sites whose cells share a border with this one, ascending.
     """
 
@@ -69,10 +70,11 @@ class VoronoiVertex(Shown):
     """A place where three or more cells meet.
 
     Attributes:
-        point: where it is.
-        position: the same in space, shape (3,), mesh units.
-        sites: of the cells that meet there, counterclockwise seen from outside; one twice where a cell meets itself.
-        distance: to each of these sites, mesh units.
+        point: the point on the surface.
+        position: its position in space, shape (3,), mesh units.
+        sites: the sites of the cells that meet there, counterclockwise seen from outside; a site occurs twice if its cell
+            meets itself.
+        distance: distance from each of these sites, mesh units.
         index: its row of `VoronoiDiagram.positions`.
     """
 
@@ -88,10 +90,10 @@ class VoronoiEdge(Shown):
     """A border of two cells.
 
     Attributes:
-        sites: on the left and on the right of the way along `points`.
-        vertices: indices of the Voronoi vertices at its ends; None at the mesh's boundary and of a closed border.
-        length: along the border, mesh units.
-        points: rows of `VoronoiDiagram.positions` along it, two or more; of a closed one the first is the last.
+        sites: the sites on the left and on the right in the direction of `points`.
+        vertices: indices of the Voronoi vertices at its ends; None at the mesh's boundary, and for a closed border.
+        length: length along the border, mesh units.
+        points: rows of `VoronoiDiagram.positions` along it, two or more; a closed border repeats the first at its end.
     """
 
     sites: Tuple[int, int]
@@ -107,8 +109,8 @@ class VoronoiPiece(Shown):
     Attributes:
         site: index of the site.
         face: index of the face.
-        corners: of the polygon that draws it, shape (n, 3), mesh units, counterclockwise seen from outside.
-        area: squared mesh units, borders taken as the curves that they are.
+        corners: corners of a polygon that approximates it, shape (n, 3), mesh units, counterclockwise seen from outside.
+        area: area within the exact curved borders, squared mesh units.
     """
 
     site: int
@@ -119,11 +121,11 @@ class VoronoiPiece(Shown):
 
 @dataclass(frozen=True, repr=False)
 class VoronoiPieces(Shown):
-    """Which site every part of the surface belongs to.
+    """The nearest site of every part of the surface.
 
     Attributes:
-        vertex_sites: of each vertex of the mesh the nearest site, shape (vertices,); -1 where no path leads to one.
-        face_sites: of each face its site, shape (faces,); -1 where it is cut, and where no path leads to a site.
+        vertex_sites: the nearest site of each vertex of the mesh, shape (vertices,); -1 if no path leads to one.
+        face_sites: the site of each face, shape (faces,); -1 if a border cuts the face, or no path leads to a site.
         cut_faces: the pieces of cut faces, ascending by face.
     """
 
@@ -137,23 +139,23 @@ class VoronoiDiagram(Drawn):
     """A geodesic Voronoi diagram.
 
     Attributes:
-        sites: in their order.
-        site_positions: the same in space, shape (sites, 3), mesh units.
+        sites: the sites in their order.
+        site_positions: their positions in space, shape (sites, 3), mesh units.
         cells: one for each site, in their order.
         vertices: where three or more cells meet.
         edges: borders of two cells between vertices or the mesh's boundary, and closed ones.
         dual: triangles of sites whose cells meet in one place, counterclockwise, shape (triangles, 3).
-        positions: points of all borders, shape (points, 3), mesh units: between two successive points of a border it lies in
-            one face and no farther from the straight line than `border_deviation`.
-        points: the same as points of the surface; None where they were not asked for.
-        pieces: which site every part of the surface belongs to; None where that was not asked for.
-        unreached_area: of the components without a site, squared mesh units.
-        statistics: None where they were left out.
-        warnings: what deserves attention, one sentence each.
-        relative_error_bound: guaranteed bound of the relative error of every distance, rounding aside; None without one.
+        positions: points of all borders, shape (points, 3), mesh units. Between two successive points a border lies in one face
+            and is no farther from the straight line than `border_deviation`.
+        points: the same points on the surface; None if they were not requested.
+        pieces: the nearest site of every part of the surface; None if it was not requested.
+        unreached_area: area of the components without a site, squared mesh units.
+        statistics: None if they were not requested.
+        warnings: a sentence for each fact that deserves attention.
+        relative_error_bound: guaranteed bound of the relative error of every distance, apart from rounding; None without one.
         border_deviation: largest distance of a border from the straight lines between its points, in units of the diagonal of
             the mesh's bounding box.
-        points_in_space: where the request's points in space lie on the surface.
+        points_in_space: the nearest points on the surface of the request's points in space.
     """
 
     sites: Tuple[SurfacePoint, ...]
@@ -175,7 +177,7 @@ class VoronoiDiagram(Drawn):
     border_deviation: float = 0.0
 
     def borders(self, site: int) -> Tuple[Array, ...]:
-        """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point repeated."""
+        """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point at its end too."""
         return tuple(self.positions[np.append(border, border[:1])] for border in self.cells[site].boundary)
 
     def _drawing(self) -> Drawing:
@@ -190,8 +192,8 @@ class OptimizationStep(Shown):
 
     Attributes:
         energy: weighted sum of the objectives.
-        gradient_norm: of the energy by tangent coordinates of the free sites, 1 / mesh unit.
-        step_length: root of the sum of the sites' squared ways to get there, mesh units; 0 for the start.
+        gradient_norm: norm of the energy's gradient by tangent coordinates of the free sites, 1 / mesh unit.
+        step_length: norm of the sites' displacements from the state before, mesh units; 0 at the start.
     """
 
     energy: float
@@ -201,14 +203,15 @@ class OptimizationStep(Shown):
 
 @dataclass(frozen=True, repr=False)
 class SiteMoves(Shown):
-    """What was tried where no step for all sites lowered the energy.
+    """Searches at states where no step of all sites lowered the energy.
 
     Attributes:
-        held_searches: how often this was so; steps then went on without the sites of far the largest gradients.
-        passes: passes of moves of single sites over all free sites, each moved in 8 directions by 5 lengths from 0.3 to 0.001 of the mean cell size.
-        tried: moves of single sites whose energy was computed.
-        taken: moves that lowered the energy, and were kept.
-        energy_before: energy where no step for all sites lowered it for the first time.
+        held_searches: number of such states; the search then continued with the sites of by far the largest gradients fixed.
+        passes: number of passes over all free sites in which single sites were moved, each in 8 directions by 5 lengths from
+            0.3 to 0.001 of the mean cell size.
+        tried: number of moves of single sites for which the energy was computed.
+        taken: number of moves that lowered the energy, and were accepted.
+        energy_before: energy at the first such state.
         last_gain: fraction of the energy by which the last pass lowered it.
     """
 
@@ -225,16 +228,16 @@ class OptimizedVoronoi(Drawn):
     """Sites at a local minimum of the objectives, and their diagram.
 
     Attributes:
-        diagram: at the end; its `statistics` are those at the end.
+        diagram: the diagram at the end, with its `statistics`.
         before: statistics of the diagram at the start.
         energy: weighted sum of the objectives at the end.
-        terms: what it consists of, by name, weights included.
-        gradient_norm: at the end, 1 / mesh unit; the bound that was asked for is `gradient_tolerance`.
-        iterations: steps taken.
+        terms: the weighted objectives by name.
+        gradient_norm: norm of the gradient at the end, 1 / mesh unit; the requested bound is `gradient_tolerance`.
+        iterations: number of iterations.
         history: the start and every step.
-        stopped: "converged"; "step_too_small", where neither steps for all sites nor moves of single ones lower the energy
-            by more than a thousandth; or "iteration_limit".
-        site_moves: what was tried in between; None where steps for all sites sufficed.
+        stopped: "converged"; "step_too_small" if neither steps of all sites nor moves of single ones lower the energy by more
+            than a thousandth; or "iteration_limit".
+        site_moves: searches with single sites; None if steps of all sites sufficed.
     """
 
     diagram: VoronoiDiagram
@@ -259,17 +262,17 @@ class OptimizedVoronoi(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class PartialOptimization(Shown):
-    """A diagram on its way, while it is optimized.
+    """A diagram after the latest iteration of a running job.
 
     Attributes:
         iteration: iterations so far.
         energy, gradient_norm, step_length: as in `OptimizationStep`.
-        sites: where the sites are; None for more than 5000. `optimize_voronoi(partial.sites, ...)` goes on from here, should
-            the job not come to its end.
-        site_positions: the same in space, shape (sites, 3), mesh units; None where `sites` is.
+        sites: the sites; None for more than 5000. If the job does not finish, `optimize_voronoi(partial.sites, ...)` continues
+            from them.
+        site_positions: their positions in space, shape (sites, 3), mesh units; None if `sites` is.
         positions: points of the borders, shape (points, 3), mesh units; None for more than 20000 of them.
-        vertices: which rows of `positions` are Voronoi vertices; None where `positions` is.
-        borders: rows of `positions` along each border; None where `positions` is.
+        vertices: the rows of `positions` that are Voronoi vertices; None if `positions` is.
+        borders: rows of `positions` along each border; None if `positions` is.
     """
 
     iteration: int
@@ -291,7 +294,7 @@ def _indices(document: Any) -> Indices:
     return np.asarray(document, dtype=np.int64)
 
 
-def _or_minus_one(document: Any) -> Indices:
+def _indices_or_minus_one(document: Any) -> Indices:
     return np.array([-1 if value is None else value for value in document], dtype=np.int64)
 
 
@@ -304,8 +307,8 @@ def _pieces(document: Optional[Mapping[str, Any]]) -> Optional[VoronoiPieces]:
     if document is None:
         return None
     return VoronoiPieces(
-        vertex_sites=_or_minus_one(document["vertex_sites"]),
-        face_sites=_or_minus_one(document["face_sites"]),
+        vertex_sites=_indices_or_minus_one(document["vertex_sites"]),
+        face_sites=_indices_or_minus_one(document["face_sites"]),
         cut_faces=tuple(
             VoronoiPiece(piece["site"], piece["face"], _positions(piece["corners"]), piece["area"]) for piece in document["cut_faces"]
         ),

@@ -1,4 +1,4 @@
-"""What is answered about weaves, as dataclasses and numpy arrays. Lengths are in mm, forces in N, stresses per width in N/m."""
+"""Answers about weaves as dataclasses and numpy arrays. Lengths are in mm, forces in N, stresses per width in N/m."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ class LaidStrand(Shown):
 
 @dataclass(frozen=True, repr=False)
 class CrossingMember(Shown):
-    """A strand's part in a crossing: where on the strand, which of its copies, whether it slides, and how far (None for as
-    far as its neighbours let it)."""
+    """A strand's part in a crossing: its place on the strand, which periodic copy of the strand, whether it slides, and how far
+    (None for as far as its neighbours permit)."""
 
     strand: int
     coordinate: float
@@ -39,7 +39,7 @@ class CrossingMember(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Crossing(Shown):
-    """Where strands meet: a position of shape (2,)."""
+    """A place where strands meet; `position` has the shape (2,)."""
 
     position: Array
     members: Tuple[CrossingMember, ...]
@@ -54,9 +54,9 @@ class WeaveLayout(Drawn):
     """A weave at rest.
 
     Attributes:
-        strands, crossings: their indices are what overrides, supports and forces refer to.
+        strands, crossings: overrides, supports and forces refer to them by their indices.
         lattice: the cell's translations as rows, shape (2, 2); None for a sheet.
-        warnings: what is likely to be a mistake, one sentence each.
+        warnings: a sentence for each likely mistake.
     """
 
     strands: Tuple[LaidStrand, ...]
@@ -76,8 +76,8 @@ class WeaveLayout(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class DeformedCell(Drawn):
-    """A deformed cell: `direction` is the index of a direction or of a deformation gradient, `lattice` has the translations as rows, `strands` are polylines of shape
-    (n, 3), `sliding` tells how far each slider has moved."""
+    """A deformed cell. `direction` is the index of a direction or of a deformation gradient, `lattice` has the translations as
+    rows, `strands` are polylines of shape (n, 3), and `sliding` is how far each slider has moved."""
 
     direction: int
     lattice: Array
@@ -93,17 +93,17 @@ class WeaveDeformation(Shown):
     """Equilibria of a periodic weave, one entry for each deformation gradient.
 
     Attributes:
-        deformation_gradient: shape (n, 2, 2); where one was not reached, as far as it came.
+        deformation_gradient: shape (n, 2, 2). For a gradient that was not reached it is the last one on the path to it.
         nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m, shape (n,).
         stopped: "converged", "iteration_limit" or "step_too_small".
         out_of_plane, stable: bool, shape (n,).
-        message: how many gradients were not reached, and where sliders do not stand at their limits; empty if there is
-            nothing to say.
-        cells: the deformed cells that were asked for, by the index of their gradient.
-        tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
-        limit_tolerance, limit_error: what was asked for, and the largest estimated error of an energy because sliders stand
-            short of their limits, relative (None where not finite). `limit_errors` has that of each entry, shape (n,).
+        message: how many gradients were not reached, and for which entries sliders are not exactly at their limits; may be
+            empty.
+        cells: the deformed cells that were requested, by the index of their gradient.
+        tolerance, residual: the requested tolerance, and the largest residual relative to its bound (None if not finite).
+        limit_tolerance, limit_error: the requested tolerance, and the largest relative error of an energy, estimated, because
+            sliders do not quite reach their limits (None if not finite). `limit_errors` has that of each entry, shape (n,).
     """
 
     deformation_gradient: Array
@@ -131,18 +131,17 @@ class WeaveHomogenization(Drawn):
     Attributes:
         strain: stretch minus one.
         directions: radians, shape (n,).
-        youngs_modulus: N/m; nan where not converged. `youngs_modulus_mpa` likewise, None without a thickness.
+        youngs_modulus: N/m; nan where not converged. `youngs_modulus_mpa` is the same in MPa; None without a thickness.
         poisson_ratio: nan where not converged.
         deformation_gradient, nominal_stress, cauchy_stress: shape (n, 2, 2), N/m.
         energy_density: N/m.
         stopped: "converged", "iteration_limit", "step_too_small" or "folded_flat".
         out_of_plane, stable: bool, shape (n,).
-        message: how many directions did not converge, and where sliders do not stand at their limits; empty if there is
-            nothing to say.
-        cells: the deformed cells that were asked for.
-        tolerance, residual: what was asked for, and the largest |g| over what that allows (None where not finite).
-        limit_tolerance, limit_error: what was asked for, and the largest estimated error of an energy because sliders stand
-            short of their limits, relative (None where not finite). `limit_errors` has that of each entry, shape (n,).
+        message: how many directions did not converge, and for which sliders are not exactly at their limits; may be empty.
+        cells: the deformed cells that were requested.
+        tolerance, residual: the requested tolerance, and the largest residual relative to its bound (None if not finite).
+        limit_tolerance, limit_error: the requested tolerance, and the largest relative error of an energy, estimated, because
+            sliders do not quite reach their limits (None if not finite). `limit_errors` has that of each entry, shape (n,).
     """
 
     strain: float
@@ -169,7 +168,7 @@ class WeaveHomogenization(Drawn):
 
     @property
     def converged(self) -> bool:
-        """Whether every direction was followed to the strain."""
+        """Whether the path of every direction reached the strain."""
         return all(stopped == "converged" for stopped in self.stopped)
 
     def _drawing(self) -> Drawing:
@@ -182,17 +181,17 @@ class SheetState(Drawn):
     """One equilibrium of a sheet.
 
     Attributes:
-        share: of the loads, in (0, 1].
-        energy: that the weave stores, N mm.
-        crossings: positions, shape (n, 3).
+        share: fraction of the loads, in (0, 1].
+        energy: energy that the weave stores, N mm.
+        crossings: positions of the crossings, shape (n, 3).
         sliding: how far each slider has moved along its strand, mm.
-        reactions: what holds the sheet at each of `WeaveSimulation.supports`, shape (m, 3), N.
-        out_of_plane, stable: whether it is computed in space, and whether its tangent is positive definite.
+        reactions: reaction forces at `WeaveSimulation.supports`, shape (m, 3), N.
+        out_of_plane, stable: whether it is computed in space, and whether its tangent stiffness is positive definite.
         stopped: "converged", "iteration_limit" or "step_too_small".
-        residual: N; None where it is not finite.
-        limit_error: estimated error of the energy because sliders stand short of their limits, relative; None where it is
-            not finite.
-        iterations, load_steps, branches: since the state before.
+        residual: N; None if it is not finite.
+        limit_error: relative error of the energy, estimated, because sliders do not quite reach their limits; None if it is not
+            finite.
+        iterations, load_steps, branches: numbers since the state before.
         strands: polylines of shape (n, 3); None unless deformed="json". `obj` and `vtu` likewise.
     """
 
@@ -226,7 +225,7 @@ class SheetState(Drawn):
 
 @dataclass(frozen=True, repr=False)
 class HeldPlace(Shown):
-    """A place that is held: which support of the request it belongs to, and where it is at rest, shape (2,)."""
+    """A supported place: the index of its support in the request, and its position at rest, shape (2,)."""
 
     support: int
     strand: int
@@ -239,12 +238,12 @@ class WeaveSimulation(Drawn):
     """The states of a sheet along a load path.
 
     Attributes:
-        supports: each place that is held; a box holds several.
-        sliders: (crossing, member) of what slides, in the order of `SheetState.sliding`.
-        states: one for each that was asked for, fewer where the path ended early; the last then has not converged.
-        message: why the path ended early, and where sliders do not stand at their limits; empty if there is nothing to say.
-        limit_tolerance, limit_error: as those of a homogenization.
-        unknowns: of the largest system that was solved.
+        supports: the supported places; a box may contain several.
+        sliders: (crossing, member) of the sliding members, in the order of `SheetState.sliding`.
+        states: one for each requested state, or fewer if the path ended early; the last one has then not converged.
+        message: why the path ended early, and in which states sliders are not exactly at their limits; may be empty.
+        limit_tolerance, limit_error: as in `WeaveHomogenization`.
+        unknowns: number of unknowns of the largest system that was solved.
     """
 
     supports: Tuple[HeldPlace, ...]

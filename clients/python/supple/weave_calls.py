@@ -1,4 +1,4 @@
-"""The part of `Client` that asks about weaves."""
+"""The calls of a client about weaves."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from .weaves import Force, Support, Weave, WeaveOptions
 
 
 class WeaveCalls:
-    """Layouts, stiffness, sheets under load and printing of digital weaves."""
+    """A base class of `Client`: layouts, stiffness, sheets under load and printing of digital weaves."""
 
     _transport: Transport
 
     def weave_layout(self, weave: Weave, *, deadline: Optional[float] = None, timeout: Optional[float] = None) -> WeaveLayout:
-        """Strands and crossings at rest, and what is likely to be a mistake. Raises `InvalidWeave`."""
+        """Strands and crossings at rest, with warnings of likely mistakes. Raises `InvalidWeave`."""
         return run(self._transport, weaves.layout(weave, deadline), timeout, None)
 
     def weave_picture(self, weave: Weave, *, timeout: Optional[float] = None) -> bytes:
@@ -46,13 +46,13 @@ class WeaveCalls:
 
         Args:
             weave: a cell: a pattern without a sheet, or a layout with a lattice.
-            strain: stretch minus one, in [-0.5, 2], not 0. 0.1 on the server's side.
-            directions: how many over half a turn, or angles in radians, shape (n,). 200 on the server's side.
-            shear: "free", or "suppressed" relative to the direction. "free" on the server's side.
-            thickness: mm, for moduli in MPa too.
-            deformed: indices of the directions whose deformed cells are wanted.
+            strain: stretch minus one, in [-0.5, 2], not 0. 0.1 by default.
+            directions: number of directions over half a turn, or angles in radians, shape (n,). 200 by default.
+            shear: "free", or "suppressed" relative to the direction. "free" by default.
+            thickness: mm; with it moduli in MPa are returned too.
+            deformed: indices of the directions for which deformed cells are returned.
 
-        A direction that could not be followed to the strain is no exception: its numbers are nan.
+            A direction whose path does not reach the strain raises no exception: its numbers are nan.
         """
         computation = weaves.homogenization(weave, strain, directions, shear, thickness, deformed, options, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -84,14 +84,14 @@ class WeaveCalls:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> WeaveDeformation:
-        """Stress and energy of a periodic weave under given deformation gradients, each reached from rest by itself.
+        """Stress and energy of a periodic weave under given deformation gradients. The path to each one begins at rest.
 
         Args:
             weave: a cell: a pattern without a sheet, or a layout with a lattice.
             deformation_gradients: F of positive determinant, shape (n, 2, 2), or (2, 2) for one.
-            deformed: indices of the gradients whose deformed cells are wanted.
+            deformed: indices of the gradients for which deformed cells are returned.
 
-        A gradient that could not be reached is no exception: see `WeaveDeformation.stopped`.
+            A gradient that is not reached raises no exception: see `WeaveDeformation.stopped`.
         """
         computation = weaves.deformation(weave, deformation_gradients, deformed, options, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -125,12 +125,12 @@ class WeaveCalls:
 
         Args:
             weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
-            supports: what is held and moved.
-            forces: what pulls.
-            states: how many are reported, evenly along the path. 1 on the server's side.
-            deformed: "json" for polylines, "obj" or "vtu" for files, "none". "json" on the server's side.
+            supports: supports of the sheet, which may move.
+            forces: forces on the sheet.
+            states: number of states that are returned, evenly along the path. 1 by default.
+            deformed: "json" for polylines, "obj" or "vtu" for files, "none". "json" by default.
 
-        A path that cannot be followed to its end is no exception: see `WeaveSimulation.message`.
+        A path that cannot be followed to its end raises no exception: see `WeaveSimulation.message`.
         """
         computation = weaves.simulation(weave, supports, forces, states, deformed, options, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -161,13 +161,13 @@ class WeaveCalls:
         timeout: Optional[float] = None,
         progress: Optional[Progress] = None,
     ) -> WeaveToolpath:
-        """G-code that prints a sheet, and what an independent checker finds in it. Raises `InvalidWeave`.
+        """G-code that prints a sheet, and the report of an independent checker on it. Raises `InvalidWeave`.
 
         Args:
             weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
             options: supports, overruns, order and place.
             printer: fields of the contract's PrinterProfile; None takes a Prusa i3 MK3S with PLA.
-            include: "gcode", "svg" and "moves" as wanted. ["gcode"] on the server's side.
+            include: parts of the answer: "gcode", "svg", "moves". ["gcode"] by default.
         """
         computation = weave_printing.toolpath(weave, options, printer, include, deadline)
         return run(self._transport, computation, timeout, progress)
@@ -192,10 +192,10 @@ class WeaveCalls:
         deadline: Optional[float] = None,
         timeout: Optional[float] = None,
     ) -> GcodeReport:
-        """What a printer would do with the content of a G-code file, and what is wrong with it.
+        """A check of G-code: what a printer would do with it, and its violations.
 
-        Violations are no exception: see `GcodeReport.violations`. `limits` has fields of the contract's GcodeLimits. Bytes
-        that are not ASCII count as question marks.
+        Violations raise no exception: see `GcodeReport.violations`. `limits` has fields of the contract's GcodeLimits. Bytes
+        that are not ASCII are read as question marks.
         """
         return run(self._transport, weave_printing.report(gcode, limits, deadline), timeout, None)
 

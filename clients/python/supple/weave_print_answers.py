@@ -1,4 +1,4 @@
-"""What is answered about printing weaves. Lengths are in mm, areas in mm^2, speeds in mm/min, durations in minutes."""
+"""Answers about printing weaves. Lengths are in mm, areas in mm^2, speeds in mm/min, durations in minutes."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .shown import Drawn, Shown
 
 @dataclass(frozen=True, repr=False)
 class PrintMove(Shown):
-    """A move of the nozzle: `kind` is "priming", "strand", "lifted", "channel", "support" or "travel"; `points` have the shape (n, 3);
-    `strand` is None of supports and travels, `crossing` of all but channels."""
+    """A move of the nozzle. `kind` is "priming", "strand", "lifted", "channel", "support" or "travel"; `points` has the shape
+    (n, 3); `strand` is None for supports and travels, `crossing` for all kinds except channels."""
 
     kind: str
     points: Array
@@ -27,8 +27,8 @@ class PrintMove(Shown):
 
 @dataclass(frozen=True, repr=False)
 class PrintStatistics(Shown):
-    """What a toolpath amounts to. `heights` are those at which something is printed level; `lowest` and `highest`, shape
-    (3,), are corners of the box of the print, without the line that fills the nozzle."""
+    """Totals of a toolpath. `heights` are the heights of level printed lines; `lowest` and `highest`, shape (3,), are the
+    corners of the print's bounding box, without the line that fills the nozzle."""
 
     strand_length: float
     lifted_length: float
@@ -48,7 +48,7 @@ class PrintStatistics(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Violation(Shown):
-    """What is wrong in a line of G-code, from 1."""
+    """A fault in a line of G-code; lines are numbered from 1."""
 
     kind: str
     line: int
@@ -57,7 +57,7 @@ class Violation(Shown):
 
 @dataclass(frozen=True)
 class UncheckedCommand:
-    """A command that the printer obeys and whose effect the report does not follow: its line and name."""
+    """A command whose effect on the printer the report does not consider: its line and name."""
 
     line: int
     command: str
@@ -65,7 +65,7 @@ class UncheckedCommand:
 
 @dataclass(frozen=True, repr=False)
 class FoundChannel(Shown):
-    """A channel that was recognized: where it begins, its feet and apex, shape (3,), and its length."""
+    """A recognized channel: the line at which it begins, its feet and its apex, shape (3,), and its length."""
 
     line: int
     start: Array
@@ -76,12 +76,12 @@ class FoundChannel(Shown):
 
 @dataclass(frozen=True, repr=False)
 class GcodeReport(Shown):
-    """What G-code prints, and what is wrong with it.
+    """A report on G-code: what it prints, and its violations.
 
     Attributes:
-        minutes: None where it is not finite.
-        violations: by line, the first 1000 of `violation_count`.
-        unchecked: commands that are passed on to the printer and not followed, by line, the first 1000 of `unchecked_count`.
+        minutes: duration; None if it is not finite.
+        violations: the first 1000 of `violation_count`, ordered by line.
+        unchecked: the first 1000 of `unchecked_count` commands whose effect was not considered, ordered by line.
     """
 
     lines: int
@@ -103,14 +103,14 @@ class GcodeReport(Shown):
 
     @property
     def clean(self) -> bool:
-        """Whether nothing is wrong."""
+        """Whether there are no violations."""
         return self.violation_count == 0
 
 
 @dataclass(frozen=True, repr=False)
 class WeaveToolpath(Drawn):
-    """How a weave is printed: `gcode`, `svg` and `moves` are None unless asked for; `check` is what an independent checker
-    found in the G-code."""
+    """The toolpath that prints a weave. `gcode`, `svg` and `moves` are None unless requested; `check` is the report of an
+    independent checker on the G-code."""
 
     gcode: Optional[str]
     svg: Optional[str]

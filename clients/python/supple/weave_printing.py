@@ -1,4 +1,4 @@
-"""Printing weaves: what is asked for beside the weave, and the requests that it becomes. Lengths are in millimetres."""
+"""Printing weaves: options and requests. Lengths are in millimetres."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from .weaves import Weave, given, request_document, vector_of
 
 @dataclass(frozen=True)
 class Grip:
-    """A solid bar by which a printed sheet is held: passes parallel to `start` - `end`, the first one there, each further one
-    to the right of it, over `width`. None takes 10 mm."""
+    """A solid bar at which a printed sheet can be gripped. It consists of passes parallel to the line from `start` to `end`,
+    which is the first pass; the others are to the right of it, over `width`. None takes 10 mm."""
 
     start: ArrayLike
     end: ArrayLike
@@ -27,17 +27,17 @@ class Grip:
 
 @dataclass(frozen=True)
 class PrintOptions:
-    """How a weave is printed. What is None is left to the server.
+    """How a weave is printed. None stands for the server's default.
 
     Attributes:
-        origin: where the weave's (0, 0) comes to lie on the bed, shape (2,); None centres everything.
+        origin: position on the bed of the weave's (0, 0), shape (2,); None centres the print.
         order: all strands in printing order.
-        overrun: how far open strands are printed on before their start and beyond their end.
-        overruns: the same of single strands instead, by their indices.
-        loop_overlap: closed strands are printed on over their beginning by this.
-        frame: (margin, lead_in) of a rectangle around the weave; None for none.
-        grips: bars by which the sheet is held.
-        chord_error: printed polylines leave curved strands by less.
+        overrun: length by which open strands are printed before their start and beyond their end.
+        overruns: the overrun of single strands, by their indices.
+        loop_overlap: length by which closed strands are printed over their beginning.
+        frame: (margin, lead_in) of a rectangle around the weave; None for no frame.
+        grips: bars at which the sheet can be gripped.
+        chord_error: largest distance of printed polylines from curved strands.
     """
 
     origin: Optional[ArrayLike] = None

@@ -1,4 +1,4 @@
-"""Digital weaves: what is woven, how it is held, and the requests that they become.
+"""Digital weaves, their supports and loads, and their requests.
 
 Lengths are in millimetres, forces in newtons, moduli of strands in MPa, angles in radians.
 """
@@ -45,8 +45,8 @@ class Strand:
     Attributes:
         points: shape (n, 2), mm; at least 2 (open), 3 (closed) or 1 (periodic).
         ends: "open", "closed" or "periodic".
-        translation: of a periodic strand, shape (2,), mm: a whole number of the lattice's translations.
-        radius: mm; None takes the weave's.
+        translation: period of a periodic strand, shape (2,), mm: a lattice vector.
+        radius: mm; None takes that of the weave.
     """
 
     points: ArrayLike
@@ -67,11 +67,11 @@ class Strand:
 
 @dataclass(frozen=True)
 class Weave:
-    """What is woven, as the contract has it; made by the functions below. What is None is left to the server.
+    """A weave in the JSON form of the contract. The functions below create it. None stands for the server's default.
 
-    `radius` is that of the strands, `material` has "youngs_modulus" (MPa) and "poisson_ratio", `sliding_share` says how far
-    strands slide, as a share of the way to their next crossing. `sheet` is (columns, rows) of a finite sheet; without it a
-    pattern is a periodic cell.
+    `radius` is that of the strands, and `material` has "youngs_modulus" (MPa) and "poisson_ratio". `sliding_share` is how far
+    strands slide, as a fraction of the distance to the next crossing. `sheet` is (columns, rows) of a finite sheet; without it
+    a pattern is a periodic cell.
     """
 
     document: Mapping[str, Any]
@@ -85,8 +85,8 @@ class Weave:
         fused_border: Optional[int] = None,
         **more: Any,
     ) -> "Weave":
-        """Straight strands at right angles. `connections` are "fused", "slides_x" or "slides_y", or a 2 x 2 block of them in
-        rows from below; crossings of `fused_border` strands at a sheet's border are fused in any case."""
+        """Straight strands at right angles. `connections` is "fused", "slides_x" or "slides_y", or a 2 x 2 block of them with the
+        lower row first. Crossings of the outermost `fused_border` strands of a sheet are always fused."""
         finite = _sheet(sheet)
         if finite is not None and fused_border is not None:
             finite["fused_border"] = fused_border
@@ -102,7 +102,7 @@ class Weave:
         sheet: Optional[Tuple[int, int]] = None,
         **more: Any,
     ) -> "Weave":
-        """Interlacing squares of type 1 (fused), 2 (sliding in x), 3 (both ways) or 4 (one corner fused)."""
+        """Interlacing squares of type 1 (fused), 2 (sliding in x), 3 (sliding in x and y) or 4 (one corner fused)."""
         return Weave(
             given(pattern="interlacing_squares", type=kind, side=side, overlap=overlap, sheet=_sheet(sheet), **more)
         )
@@ -130,13 +130,13 @@ class Weave:
 
     @staticmethod
     def rings(**more: Any) -> "Weave":
-        """Rings that rise when the last strand is pushed in at its end."""
+        """Rings that rise out of the plane when the last strand is pushed at its end."""
         return Weave(given(pattern="actuated_rings", **more))
 
     @staticmethod
     def printed_sample(sample: str, **more: Any) -> "Weave":
         """One of nine sheets that have been printed and tested: "fused_grid", "sliding_grid", "squares_1" to "squares_4",
-        "circles_fused", "circles_sliding" or "actuation". `Client.weave_toolpath` prints it as it was."""
+        "circles_fused", "circles_sliding" or "actuation". `Client.weave_toolpath` prints it in the same way."""
         return Weave(given(pattern="printed_sample", sample=sample, **more))
 
     @staticmethod
@@ -147,8 +147,8 @@ class Weave:
         lattice: Optional[ArrayLike] = None,
         **more: Any,
     ) -> "Weave":
-        """Strands of one's own. Crossings that are not given are found and fused; `lattice` has the cell's translations as
-        rows, shape (2, 2)."""
+        """A weave of the given strands. Crossings that are not given are found and fused. `lattice` has the cell's translations
+        as rows, shape (2, 2)."""
         rows = None if lattice is None else np.asarray(lattice, dtype=np.float64).tolist()
         return Weave(
             given(
@@ -160,13 +160,13 @@ class Weave:
         )
 
     def fuse(self, *crossings: int) -> "Weave":
-        """The same with these crossings fused."""
+        """The same weave with these crossings fused."""
         return self._with([{"crossing": int(crossing), "slides": []} for crossing in crossings])
 
     def slide(
         self, crossing: int, *members: int, backward: Optional[float] = None, forward: Optional[float] = None
     ) -> "Weave":
-        """The same with these members of a crossing sliding, by at most `backward` and `forward` mm; see `WeaveLayout`."""
+        """The same weave, in which these members of a crossing slide by at most `backward` and `forward` mm; see `WeaveLayout`."""
         return self._with([{"crossing": int(crossing), "slides": list(members), **given(backward=backward, forward=forward)}])
 
     def _with(self, changes: Sequence[Mapping[str, Any]]) -> "Weave":
@@ -179,7 +179,7 @@ def _sheet(size: Optional[Tuple[int, int]]) -> Optional[Dict[str, int]]:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a sheet is held or pulled; made by the functions below."""
+    """The place of a support or a force. The functions below create it."""
 
     document: Mapping[str, Any]
 
@@ -189,7 +189,7 @@ class Place:
 
     @staticmethod
     def strand(index: int, *, coordinate: Optional[float] = None, share: Optional[float] = None) -> "Place":
-        """A place `coordinate` mm along a strand, or at a share of its length: 0 and 1 are its ends."""
+        """A place `coordinate` mm along a strand, or at a fraction `share` of its length: 0 and 1 are its ends."""
         if (coordinate is None) == (share is None):
             raise ValueError("a place of a strand is given by either its coordinate or its share of the length")
         return Place(given(strand=int(index), coordinate=coordinate, share=share))
@@ -202,14 +202,14 @@ class Place:
 
 @dataclass(frozen=True)
 class Support:
-    """A place that is held and perhaps moved.
+    """A support, which may move.
 
     Attributes:
-        at: where.
-        displacement: at the end of the path, shape (3,), mm; None holds it where it is.
-        held: whether x, y and z are held; None holds all.
-        clamped: whether the direction is held too.
-        rotation: how a clamped direction is turned, a rotation vector of shape (3,), radians.
+        at: its place.
+        displacement: its displacement at the end of the path, shape (3,), mm; None for a support that does not move.
+        held: whether x, y and z are fixed; None fixes all.
+        clamped: whether the direction of the strand is fixed too.
+        rotation: rotation of a clamped direction, a rotation vector of shape (3,), radians.
     """
 
     at: Place
@@ -230,7 +230,7 @@ class Support:
 
 @dataclass(frozen=True)
 class Force:
-    """A dead load of shape (3,) in N; the places of a box share it."""
+    """A dead load, shape (3,), N. It is distributed over the places of a box."""
 
     at: Place
     force: ArrayLike
@@ -241,20 +241,20 @@ class Force:
 
 @dataclass(frozen=True)
 class WeaveOptions:
-    """How equilibria are found. What is None is left to the server.
+    """How equilibria are found. None stands for the server's default.
 
     Attributes:
-        segments: pieces of rod between crossings. 4 on the server's side: bending is then a few percent too soft, the shear
+        segments: number of rod segments between crossings. 4 by default: bending is then a few percent too soft, and the shear
             of a fused weave of straight strands 11 %; with 8 it is 3 %.
-        tolerance: relative residual. 1e-6 on the server's side.
+        tolerance: relative residual. 1e-6 by default.
         max_iterations: Newton iterations for one load step before it is halved.
-        load_steps: load steps to a state at least; by default as many as keep each to a strain of 4 %.
-        least_distance: of a strand's crossings where one slides, mm; by default the strands that cross there touch.
-        barrier_range: mm before a limit where resistance sets in while a path is followed; answers do not depend on it.
+        load_steps: least number of load steps for a state; by default a step's strain is at most 4 %.
+        least_distance: least distance along a strand between a sliding crossing and its neighbour, mm; by default that at which
+            the strands that cross there touch.
+        barrier_range: distance from a limit of sliding at which its barrier begins to act, mm; answers do not depend on it.
         regularization: stiffness of sliding, N/mm.
         out_of_plane, buckling: "on", "off" or "automatic".
-        limit_tolerance: largest error of the energy because sliders stand short of their limits, relative. 1e-6 on the
-            server's side.
+        limit_tolerance: largest relative error of the energy because sliders do not quite reach their limits. 1e-6 by default.
     """
 
     segments: Optional[int] = None

@@ -1,4 +1,4 @@
-"""What is said before anything is sent, and what of numpy is sent."""
+"""Checks before a request is sent, and numpy values in requests."""
 
 from __future__ import annotations
 

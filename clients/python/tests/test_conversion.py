@@ -1,4 +1,4 @@
-"""Meshes of other libraries, by objects that look like theirs, and the nearest points of a mesh."""
+"""Meshes of other libraries, imitated by objects with the same attributes, and the nearest points of a mesh."""
 
 from __future__ import annotations
 
@@ -117,5 +117,5 @@ def test_nearest_points_are_no_farther_than_any_sample_of_the_surface(monkeypatc
         np.testing.assert_allclose(np.array(point.barycentric) @ vertices[faces[point.face]], place, atol=1e-12)
         assert distance == pytest.approx(np.linalg.norm(position - place))
         assert distance <= np.linalg.norm(samples - position, axis=1).min() + 1e-12
-    monkeypatch.setattr(nearest, "PAIRS_AT_A_TIME", 100)  # a few at a time find the same
+    monkeypatch.setattr(nearest, "PAIRS_AT_A_TIME", 100)  # several batches give the same
     np.testing.assert_array_equal(nearest_points(positions, vertices, faces)[2], distances)

@@ -1,4 +1,4 @@
-"""Requests for designs and profiles and their answers, as they cross the wire."""
+"""The JSON of requests for designs and profiles and of their answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a key comes from, and where it goes."""
+"""The sources of a key, and the requests with it."""
 
 from __future__ import annotations
 

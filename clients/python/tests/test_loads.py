@@ -1,4 +1,4 @@
-"""Loads and answers about structures, as they cross the wire."""
+"""The JSON of loads and of answers about structures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests to neural models and their answers, as they cross the wire."""
+"""The JSON of requests to neural models and of their answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Requests about networks on surfaces and their answers, as they cross the wire."""
+"""The JSON of requests about networks on surfaces and of their answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is accepted as a surface point."""
+"""The accepted forms of a surface point."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Progress as bars: on terminals and in notebooks only."""
+"""Bars of progress, which are shown only on terminals and in notebooks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How results show themselves in a line, in notebooks and with matplotlib."""
+"""The display of results in a line, in notebooks and with matplotlib."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from supple.answers import exponential_map_from_wire, geodesic_from_wire, mesh_i
 from supple.design_answers import design_from_wire, profile_from_wire
 from supple.drawing import Drawing, Line, curve, to_svg
 from supple.models import uniaxial_from_wire
-from supple.shown import LONGEST_LINE, short_text
+from supple.shown import MAX_LINE_LENGTH, short_text
 from supple.weave_answers import layout_from_wire
 
 from test_designs import BILL, MATERIAL, design_document, profile_document
@@ -46,7 +46,7 @@ def test_a_result_is_one_short_line() -> None:
     result = design_from_wire({**design_document(), **BILL})
     line = repr(result)
     assert line.startswith("DesignResult(name='', family='IH21'") and line.endswith("…)")
-    assert "\n" not in line and len(line) <= LONGEST_LINE + 4
+    assert "\n" not in line and len(line) <= MAX_LINE_LENGTH + 4
     assert repr(result.error) == "DesignError(relative_rms=0.02, max=0.3)"
 
 
@@ -60,7 +60,7 @@ def test_a_notebook_shows_a_table_and_a_picture_of_a_design() -> None:
     result = design_from_wire({**design_document(), **BILL})
     html = result._repr_html_()
     assert html.startswith("<svg") and "<th style" in html and "IH21" in html and "<table>" in html
-    assert len(drawn_paths(result._repr_svg_())) == 2  # the target and what is achieved
+    assert len(drawn_paths(result._repr_svg_())) == 2  # the target and the achieved profile
 
 
 def test_what_is_missing_interrupts_a_curve() -> None:
@@ -94,7 +94,7 @@ def test_what_is_flat_is_seen_from_above() -> None:
     assert axes.name == "rectilinear"
     np.testing.assert_array_equal(axes.lines[0].get_xydata(), [[0, 0], [3, 4]])
     start, end = (np.array([float(x) for x in pair.split()]) for pair in drawn_paths(geodesic._repr_svg_())[0][1:].split("L"))
-    assert (start - end)[1] / (end - start)[0] == pytest.approx(4 / 3, rel=0.01)  # upwards on the paper
+    assert (start - end)[1] / (end - start)[0] == pytest.approx(4 / 3, rel=0.01)  # y increases upwards in the picture
 
 
 def test_a_profile_is_plotted_over_strains_or_directions() -> None:

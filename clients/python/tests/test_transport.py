@@ -1,4 +1,4 @@
-"""Retries and timeouts, against sockets that misbehave on purpose."""
+"""Retries and timeouts, against servers that misbehave on purpose."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 2\r\
 
 
 class Listener:
-    """Accepts connections, reads one request from each and answers with the next of `answers` (b"" hangs up)."""
+    """Accepts connections, reads one request from each and answers with the next of `answers` (b"" closes the connection)."""
 
     def __init__(self, answers: List[bytes], delay: float = 0.0) -> None:
         self.requests: List[bytes] = []

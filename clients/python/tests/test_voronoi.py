@@ -1,4 +1,4 @@
-"""Requests about Voronoi diagrams and their answers, as they cross the wire."""
+"""The JSON of requests about Voronoi diagrams and of their answers."""
 
 from __future__ import annotations
 

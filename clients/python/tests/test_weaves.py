@@ -1,4 +1,4 @@
-"""Requests about weaves and their answers, as they cross the wire."""
+"""The JSON of requests about weaves and of their answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The package as it is installed: a wheel that is built and installed without any network."""
+"""The installed package: a wheel is built and installed without network access."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def command(*arguments: str, folder: Path, **environment: str) -> str:
-    """Runs Python in a folder, away from the package's sources, and returns what it prints."""
+    """Runs Python in a folder outside of the package's sources, and returns its output."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_"))}
-    # An address where nothing listens: whatever asks the network fails.
+    # Nothing listens at this address, so that any network access fails.
     offline = {"http_proxy": "http://127.0.0.1:9", "https_proxy": "http://127.0.0.1:9", "PIP_CONFIG_FILE": os.devnull}
     done = subprocess.run([sys.executable, *arguments], cwd=folder, env={**kept, **offline, **environment},
                           capture_output=True, text=True, timeout=120, check=False)

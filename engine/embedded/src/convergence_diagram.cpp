@@ -7,7 +7,7 @@
 namespace supple::embedded {
 namespace {
 
-// Sizes in the picture, in px.
+// Sizes in the picture, in pixels.
 constexpr double diagram_width = 640;
 constexpr double panel_height = 200;
 constexpr double left_edge = 84;
@@ -17,7 +17,7 @@ constexpr double panel_gap = 46;
 constexpr double bottom_edge = 46;
 constexpr double mark_radius = 2.5;
 
-constexpr std::size_t max_marks = 200;  // a curve of more points is drawn as a line without marks
+constexpr std::size_t max_marks = 200;  // a curve with more points is drawn without marks
 constexpr int max_labels = 8;           // along an axis
 
 /// The decades of a logarithmic axis.
@@ -44,7 +44,7 @@ Decades decades_of(const std::vector<RelaxationStep>& history, double Relaxation
   return decades;
 }
 
-/// A step between labels of an axis so that there are not too many of them: 1, 2 or 5 times a power of ten.
+/// The distance between an axis's labels, which gives about max_labels at most: 1, 2 or 5 times a power of ten.
 int label_step(int range) {
   int step = 1;
   for (int k = 0; step * max_labels < range; ++k) step = k % 3 == 1 ? step / 2 * 5 : step * 2;
@@ -103,8 +103,8 @@ class ConvergenceDiagram {
     curve(value, y_of, colour);
   }
 
-  template <class Place>
-  void curve(double RelaxationStep::*value, Place y_of, const char* colour) {
+  template <class VerticalPosition>
+  void curve(double RelaxationStep::*value, VerticalPosition y_of, const char* colour) {
     std::ostringstream path;
     std::ostringstream marks;
     bool pen_down = false;

@@ -13,7 +13,7 @@ constexpr int vtk_tetrahedron = 10;
 
 using Polyline = std::vector<Eigen::Vector3d>;
 
-/// A line for each spring, of at least two points.
+/// A polyline of at least two points for each spring.
 std::vector<Polyline> spring_lines(const surface::TriangleMesh& mesh, const Network& network,
                                    const Relaxation& relaxation) {
   std::vector<Polyline> lines;
@@ -29,7 +29,7 @@ std::vector<Polyline> spring_lines(const surface::TriangleMesh& mesh, const Netw
   return lines;
 }
 
-/// The network's points, where it has triangles to draw between them.
+/// The positions of the network's points if it has triangles, else none.
 Polyline corner_positions(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation) {
   Polyline corners;
   if (network.triangles.empty()) return corners;
@@ -77,14 +77,14 @@ struct Cell {
   Spring spring{0, 0, 0, 0};
   SpringState state{};
   std::array<double, 2> stretches{};
-  bool of_host = false;
+  bool is_host = false;
 };
 
 }  // namespace
 
 namespace {
 
-/// The host's nodes, and its tetrahedra or, without any, its faces.
+/// Adds the host's nodes and its tetrahedra; a shell has no tetrahedra, and its faces are added instead.
 void add_host(const surface::TriangleMesh& mesh, const HostState& host, Polyline& points, std::vector<Cell>& cells) {
   const std::size_t first = points.size();
   points.insert(points.end(), host.vertices.begin(), host.vertices.end());
@@ -92,7 +92,7 @@ void add_host(const surface::TriangleMesh& mesh, const HostState& host, Polyline
   const auto add = [&](int type, const auto& nodes) {
     auto& cell = cells.emplace_back();
     cell.type = type;
-    cell.of_host = true;
+    cell.is_host = true;
     for (const std::int32_t node : nodes) cell.points.push_back(first + static_cast<std::size_t>(node));
   };
   for (const auto& tetrahedron : host.tetrahedra) add(vtk_tetrahedron, tetrahedron);
@@ -140,7 +140,7 @@ std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network,
     out.array("Float64", "greater_stretch", cells, [](const Cell& cell) { return cell.stretches[0]; })
         .array("Float64", "lesser_stretch", cells, [](const Cell& cell) { return cell.stretches[1]; });
   if (!relaxation.host.vertices.empty())
-    out.array("UInt8", "host", cells, [](const Cell& cell) { return cell.of_host ? 1 : 0; });
+    out.array("UInt8", "host", cells, [](const Cell& cell) { return cell.is_host ? 1 : 0; });
   out << "</CellData>\n<Points>\n"
       << "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"ascii\">\n";
   for (const auto& point : points) out.point(point);

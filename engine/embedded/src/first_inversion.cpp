@@ -9,12 +9,13 @@
 namespace supple::embedded {
 namespace {
 
-constexpr double lost_volume = 1e-12;     ///< of the volume at the start
+/// Volume, as a ratio to that at the start, that counts as lost.
+constexpr double lost_volume_ratio = 1e-12;
 constexpr double root_tolerance = 1e-12;  ///< relative
-/// Halvings of an interval before its lower end is taken for the root.
-constexpr int max_halvings = 1100;
-/// Beyond this, in lengths of the step, nobody looks.
-constexpr double farthest = 1e100;
+/// Bisections of an interval after which its lower end is taken for the root.
+constexpr int max_bisections = 1100;
+/// Multiple of the step up to which roots are searched.
+constexpr double max_step = 1e100;
 
 /// 1 + a t + b t^2 + c t^3.
 struct Cubic {
@@ -24,12 +25,12 @@ struct Cubic {
 
   double operator()(double t) const { return 1 + t * (a + t * (b + t * c)); }
 
-  /// Whether even its falling terms alone do not bring it down to 0 before t.
+  /// A sufficient condition: the decreasing terms alone do not bring the cubic down to 0 before t.
   bool stays_positive(double t) const {
     return t * (std::max(0.0, -a) + t * (std::max(0.0, -b) + t * std::max(0.0, -c))) < 0.999;
   }
 
-  /// Its positive extrema, ascending; infinity for those that are missing.
+  /// The positive extrema in ascending order; a missing one is infinite.
   std::array<double, 2> extrema() const {
     constexpr double none = std::numeric_limits<double>::infinity();
     std::array<double, 2> at{none, none};
@@ -43,14 +44,14 @@ struct Cubic {
     return at;
   }
 
-  bool falls_in_the_end() const { return c != 0 ? c < 0 : b != 0 ? b < 0 : a < 0; }
+  bool is_negative_at_infinity() const { return c != 0 ? c < 0 : b != 0 ? b < 0 : a < 0; }
 };
 
-/// Where the cubic, monotone between `low` and `high`, loses its value.
-double halve(const Cubic& cubic, double low, double high) {
-  for (int k = 0; k < max_halvings && high - low > root_tolerance * high; ++k) {
-    const double middle = low + 0.5 * (high - low);
-    (cubic(middle) > lost_volume ? low : high) = middle;
+/// The place where the cubic, which is monotone between `low` and `high`, falls to lost_volume_ratio.
+double bisect(const Cubic& cubic, double low, double high) {
+  for (int k = 0; k < max_bisections && high - low > root_tolerance * high; ++k) {
+    const double midpoint = low + 0.5 * (high - low);
+    (cubic(midpoint) > lost_volume_ratio ? low : high) = midpoint;
   }
   return low;
 }
@@ -66,24 +67,24 @@ double first_inversion(const Eigen::Matrix3d& edges, const Eigen::Matrix3d& chan
   const Cubic cubic{(change.col(0).dot(across_edges) + edges.col(0).dot(mixed)) / volume,
                     (edges.col(0).dot(across_change) + change.col(0).dot(mixed)) / volume,
                     change.col(0).dot(across_change) / volume};
-  const double end = std::min(limit, farthest);
+  const double end = std::min(limit, max_step);
   if (cubic.stays_positive(end)) return std::numeric_limits<double>::infinity();
   double low = 0;
   for (const double extremum : cubic.extrema()) {
     if (!(extremum < end)) break;
-    if (!(cubic(extremum) > lost_volume)) return halve(cubic, low, extremum);
+    if (!(cubic(extremum) > lost_volume_ratio)) return bisect(cubic, low, extremum);
     low = extremum;
   }
-  if (limit < farthest)
-    return cubic(limit) > lost_volume ? std::numeric_limits<double>::infinity() : halve(cubic, low, limit);
-  if (!cubic.falls_in_the_end()) return std::numeric_limits<double>::infinity();
+  if (limit < max_step)
+    return cubic(limit) > lost_volume_ratio ? std::numeric_limits<double>::infinity() : bisect(cubic, low, limit);
+  if (!cubic.is_negative_at_infinity()) return std::numeric_limits<double>::infinity();
   double high = std::max(low, 1.0);
-  while (cubic(high) > lost_volume) {
+  while (cubic(high) > lost_volume_ratio) {
     low = high;
     high *= 2;
-    if (high > farthest) return std::numeric_limits<double>::infinity();
+    if (high > max_step) return std::numeric_limits<double>::infinity();
   }
-  return halve(cubic, low, high);
+  return bisect(cubic, low, high);
 }
 
 }  // namespace supple::embedded

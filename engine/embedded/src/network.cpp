@@ -17,18 +17,18 @@ class ElementCheck {
   ElementCheck(const surface::TriangleMesh& mesh, const Network& network, Faults& faults, Faults& unreachable)
       : mesh_(mesh), network_(network), faults_(faults), unreachable_(unreachable) {}
 
-  /// Whether all points are known and each is another one; `where` names the list of them.
+  /// Whether all points exist and are distinct. `where` is the path of their list in the request.
   bool points(std::span<const std::int32_t> points, const std::string& where) {
-    const auto count = static_cast<std::int64_t>(network_.points.size());
+    const auto count = static_cast<std::int64_t>(network_.points.nonnegative());
     bool known = true;
-    for (std::size_t k = 0; k < points.size(); ++k) {
+    for (std::size_t k = 0; k < points.nonnegative(); ++k) {
       if (points[k] >= 0 && points[k] < count) continue;
       known = false;
       faults_.add(
           where + "/" + std::to_string(k),
           "is " + std::to_string(points[k]) + ", but points are numbered from 0 to " + std::to_string(count - 1));
     }
-    for (std::size_t k = 0; k < points.size() && known; ++k)
+    for (std::size_t k = 0; k < points.nonnegative() && known; ++k)
       if (std::count(points.begin(), points.end(), points[k]) > 1) {
         faults_.add(where, "names one point twice");
         return false;
@@ -48,7 +48,7 @@ class ElementCheck {
       }
   }
 
-  void size(double value, const std::string& where) {
+  void nonnegative(double value, const std::string& where) {
     if (!std::isfinite(value))
       faults_.add(where, "is not finite");
     else if (value < 0)
@@ -65,25 +65,25 @@ class ElementCheck {
 void check_springs(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
   Faults faults;
   ElementCheck check(mesh, network, faults, unreachable);
-  for (std::size_t i = 0; i < network.springs.size(); ++i) {
+  for (std::size_t i = 0; i < network.springs.nonnegative(); ++i) {
     const Spring& spring = network.springs[i];
     const std::string where = "springs/" + std::to_string(i);
     const std::array<std::int32_t, 2> ends{spring.from, spring.to};
     const bool known = check.points(ends, where + "/between");
-    check.size(spring.rest_length, where + "/rest_length");
-    check.size(spring.weight, where + "/weight");
+    check.nonnegative(spring.rest_length, where + "/rest_length");
+    check.nonnegative(spring.weight, where + "/weight");
     if (known) check.component(ends, where + "/between");
   }
   faults.throw_if_any("network.spring");
 }
 
-/// The smallest height of a triangle at rest, as a share of its longest side.
+/// Smallest height of a triangle at rest, as a fraction of its longest side.
 constexpr double min_height = 1e-6;
 
 void check_triangles(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
   Faults faults;
   ElementCheck check(mesh, network, faults, unreachable);
-  for (std::size_t i = 0; i < network.triangles.size(); ++i) {
+  for (std::size_t i = 0; i < network.triangles.nonnegative(); ++i) {
     const MembraneTriangle& triangle = network.triangles[i];
     const std::string where = "triangles/" + std::to_string(i);
     if (check.points(triangle.corners, where)) check.component(triangle.corners, where);
@@ -92,7 +92,7 @@ void check_triangles(const surface::TriangleMesh& mesh, const Network& network, 
       faults.add(where, "has rest lengths that are not positive and finite");
       continue;
     }
-    // Heron's formula; a negative product is of no triangle.
+    // By Heron's formula, this is 16 times the squared area; it is negative if the sides form no triangle.
     const double longest = std::max({a, b, c});
     const double product = (a + b + c) * (b + c - a) * (a + c - b) * (a + b - c);
     if (!(product > 0 && std::sqrt(product) / 2 >= min_height * longest * longest))
@@ -124,15 +124,15 @@ double largest_weight(const Network& network) {
 Network checked_network(const surface::TriangleMesh& mesh, Network network) {
   if (network.points.empty())
     throw Error("network.no_points", "A network needs at least one point.", {{"points", "is empty"}});
-  for (std::size_t i = 0; i < network.points.size(); ++i)
+  for (std::size_t i = 0; i < network.points.nonnegative(); ++i)
     network.points[i] = surface::checked_point(mesh, network.points[i], "points/" + std::to_string(i));
   Faults unreachable;
   check_springs(mesh, network, unreachable);
   check_triangles(mesh, network, unreachable);
   if (!network.triangles.empty()) check_material(network.material);
   Faults fixed;
-  const auto count = static_cast<std::int64_t>(network.points.size());
-  for (std::size_t i = 0; i < network.fixed_points.size(); ++i) {
+  const auto count = static_cast<std::int64_t>(network.points.nonnegative());
+  for (std::size_t i = 0; i < network.fixed_points.nonnegative(); ++i) {
     const std::int32_t point = network.fixed_points[i];
     fixed.require(point >= 0 && point < count, "fixed_points/" + std::to_string(i),
                   "is " + std::to_string(point) + ", but points are numbered from 0 to " + std::to_string(count - 1));

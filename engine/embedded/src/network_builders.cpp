@@ -20,12 +20,12 @@ namespace {
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Tries round a point before it counts as surrounded (Bridson 2007).
-constexpr int tries_round_a_point = 30;
-/// The densest points at least r apart in the plane have this much area each, in r^2.
-constexpr double min_area_of_a_point = std::numbers::sqrt3 / 2;
-/// Places for each point at which its cell is looked for.
-constexpr double samples_of_a_point = 64;
+/// Places that are tried around each point [Bridson2007].
+constexpr int tries_per_point = 30;
+/// Area per point of the densest arrangement in the plane of points at least r apart, divided by r^2.
+constexpr double min_area_per_point = std::numbers::sqrt3 / 2;
+/// Average number of places per point at which the nearest point is determined.
+constexpr double samples_per_point = 64;
 
 double face_area(const TriangleMesh& mesh, std::int32_t face) {
   const auto& corners = mesh.faces()[face];
@@ -33,27 +33,28 @@ double face_area(const TriangleMesh& mesh, std::int32_t face) {
   return 0.5 * (x[corners[1]] - x[corners[0]]).cross(x[corners[2]] - x[corners[0]]).norm();
 }
 
-void keep_each_once(std::vector<Pair>& pairs) {
+void remove_duplicates(std::vector<Pair>& pairs) {
   std::ranges::sort(pairs);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-/// Points in cubes of one edge length, so that those near a place are found in a few lookups.
-class Cubes {
+/// A uniform grid of cubes, in which the points near a place are found in a few lookups.
+class CubeGrid {
  public:
-  explicit Cubes(double edge) : edge_(edge) {}
+  explicit CubeGrid(double edge) : edge_(edge) {}
 
   void add(const Eigen::Vector3d& at, std::size_t point) { cubes_[key(cube_of(at))].push_back(point); }
 
-  /// Whether `good` holds for all points in the cube of a place and its neighbours.
-  template <class Good>
-  bool all_near(const Eigen::Vector3d& at, const Good& good) const {
+  /// Whether `predicate` holds for all points in the cube of a place and in the 26 cubes around it. It may be asked for
+  /// points elsewhere too.
+  template <class Predicate>
+  bool all_near(const Eigen::Vector3d& at, const Predicate& predicate) const {
     const auto centre = cube_of(at);
     for (int i = -1; i <= 1; ++i)
       for (int j = -1; j <= 1; ++j)
         for (int k = -1; k <= 1; ++k) {
           const auto cube = cubes_.find(key({centre[0] + i, centre[1] + j, centre[2] + k}));
-          if (cube != cubes_.end() && !std::ranges::all_of(cube->second, good)) return false;
+          if (cube != cubes_.end() && !std::ranges::all_of(cube->second, predicate)) return false;
         }
     return true;
   }
@@ -64,7 +65,7 @@ class Cubes {
     return {static_cast<std::int64_t>(std::floor(at[0] / edge_)), static_cast<std::int64_t>(std::floor(at[1] / edge_)),
             static_cast<std::int64_t>(std::floor(at[2] / edge_))};
   }
-  /// Different cubes may share a key: then more points are looked at than need be.
+  /// Different cubes may share a key, which only costs time.
   static std::size_t key(const Cube& cube) { return SeededHash::of(cube[0], cube[1], cube[2]); }
 
   double edge_;
@@ -85,10 +86,10 @@ class PoissonDisk {
       const std::size_t first = points_.size();
       const int any = random_.below(static_cast<int>(faces.size()));
       add({FaceId{faces[static_cast<std::size_t>(any)]}, Eigen::Vector3d::Constant(1.0 / 3)});
-      // Points are surrounded one after the other, the oldest first: the front spreads over the component.
+      // In the order in which they were added, each point gets neighbours: the front spreads over the component.
       for (std::size_t at = first; at < points_.size(); ++at) {
         execution_.cancellation.throw_if_requested();
-        surround(at);
+        add_points_around(at);
       }
     }
     return std::move(points_);
@@ -100,23 +101,23 @@ class PoissonDisk {
     points_.push_back(point);
   }
 
-  void surround(std::size_t at) {
-    const SurfacePoint centre = points_[at];  // which moves where points are added
+  void add_points_around(std::size_t at) {
+    const SurfacePoint centre = points_[at];  // a copy, since add() may reallocate points_
     const auto frame = surface::tangent_frame(solver_.mesh(), centre.face);
-    for (int i = 0; i < tries_round_a_point; ++i) {
+    for (int i = 0; i < tries_per_point; ++i) {
       const double angle = 2 * std::numbers::pi * random_.uniform();
-      // Evenly over the area of the ring from one radius to two.
+      // The place is uniform over the area of the annulus from one radius to two.
       const double length = radius_ * std::sqrt(1 + 3 * random_.uniform());
-      const Eigen::Vector3d way = frame * (length * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-      const surface::ExponentialMap walked =
-          surface::exponential_map(solver_.mesh(), centre, way, execution_.cancellation, false);
-      if (free(walked.end)) add(walked.end);
+      const Eigen::Vector3d displacement = frame * (length * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
+      const surface::ExponentialMap traced =
+          surface::exponential_map(solver_.mesh(), centre, displacement, execution_.cancellation, false);
+      if (is_free(traced.end)) add(traced.end);
     }
   }
 
-  bool free(const SurfacePoint& place) const {
+  bool is_free(const SurfacePoint& place) const {
     const Eigen::Vector3d at = surface::position(solver_.mesh(), place);
-    // No path is shorter than the straight way: points beyond the radius in space need no search.
+    // No path on the surface is shorter than the straight segment: points beyond the radius in space need no search.
     return cubes_.all_near(at, [&](std::size_t other) {
       return (surface::position(solver_.mesh(), points_[other]) - at).norm() >= radius_ ||
              solver_.distance(points_[other], place) >= radius_;
@@ -127,7 +128,7 @@ class PoissonDisk {
   double radius_;
   RandomStream random_;
   const Execution& execution_;
-  Cubes cubes_;
+  CubeGrid cubes_;
   std::vector<SurfacePoint> points_;
 };
 
@@ -142,17 +143,17 @@ std::vector<SurfacePoint> points_in_faces(const TriangleMesh& mesh, const Eigen:
 }
 
 std::vector<SurfacePoint> poisson_disk_points(const surface::GeodesicSolver& solver, double radius, std::uint64_t seed,
-                                              std::size_t most_points, const Execution& execution) {
+                                              std::size_t max_points, const Execution& execution) {
   if (!std::isfinite(radius) || radius <= 0)
     throw Error("network.radius", "The radius must be positive.", {{"points/radius", "is " + std::to_string(radius)}});
   const TriangleMesh& mesh = solver.mesh();
   double area = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) area += face_area(mesh, f);
-  const double most = area / (min_area_of_a_point * radius * radius);
-  if (most > static_cast<double>(most_points))
+  const double max_count = area / (min_area_per_point * radius * radius);
+  if (max_count > static_cast<double>(max_points))
     throw Error("network.radius", "The radius is so small that too many points fit.",
-                {{"points/radius", "leaves room for about " + std::to_string(std::llround(std::min(most, 1e15))) +
-                                       " points; the limit is " + std::to_string(most_points)}});
+                {{"points/radius", "leaves room for about " + std::to_string(std::llround(std::min(max_count, 1e15))) +
+                                       " points; the limit is " + std::to_string(max_points)}});
   return PoissonDisk(solver, radius, seed, execution).run();
 }
 
@@ -169,7 +170,7 @@ std::vector<Pair> pairs_of_adjacent_faces(const TriangleMesh& mesh, const std::v
         pairs.emplace_back(std::min(a, b), std::max(a, b));
   }
   // Two faces may have two edges in common.
-  keep_each_once(pairs);
+  remove_duplicates(pairs);
   return pairs;
 }
 
@@ -178,47 +179,47 @@ Triangulation triangulate(const surface::GeodesicSolver& solver, const std::vect
   const TriangleMesh& mesh = solver.mesh();
   if (points.empty()) return {};
   const surface::GeodesicField field = solver.field(points, {.keep_windows = true}, execution);
-  const double per_face = samples_of_a_point * static_cast<double>(points.size()) / mesh.face_count();
-  const int parts = std::max(2, static_cast<int>(std::ceil(std::sqrt(2 * per_face))));
+  const double per_face = samples_per_point * static_cast<double>(points.size()) / mesh.face_count();
+  const int subdivisions = std::max(2, static_cast<int>(std::ceil(std::sqrt(2 * per_face))));
 
-  std::map<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>> triangles;  // sorted corners -> as they turn
+  std::map<std::array<std::int32_t, 3>, std::array<std::int32_t, 3>> triangles;  // sorted corners -> counterclockwise
   std::vector<Pair> edges;
-  std::size_t many = 1 << 16;
-  const auto meet = [&](std::int32_t a, std::int32_t b) {
+  std::size_t deduplication_size = 1 << 16;
+  const auto add_edge = [&](std::int32_t a, std::int32_t b) {
     if (a >= 0 && b >= 0 && a != b) edges.emplace_back(std::min(a, b), std::max(a, b));
   };
-  const auto look_at = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
-    meet(a, b);
-    meet(b, c);
-    meet(c, a);
+  const auto add_triangle = [&](std::int32_t a, std::int32_t b, std::int32_t c) {
+    add_edge(a, b);
+    add_edge(b, c);
+    add_edge(c, a);
     if (a < 0 || b < 0 || c < 0 || a == b || b == c || c == a) return;
     std::array<std::int32_t, 3> key{a, b, c};
     std::ranges::sort(key);
     triangles.try_emplace(key, std::array<std::int32_t, 3>{a, b, c});
   };
-  const auto row = static_cast<std::size_t>(parts) + 1;
-  std::vector<std::int32_t> nearest(row * row);
+  const auto row_size = static_cast<std::size_t>(subdivisions) + 1;
+  std::vector<std::int32_t> nearest(row_size * row_size);
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
     execution.cancellation.throw_if_requested();
     const auto at = [&](int i, int j) -> std::int32_t& {
-      return nearest[static_cast<std::size_t>(i) * row + static_cast<std::size_t>(j)];
+      return nearest[static_cast<std::size_t>(i) * row_size + static_cast<std::size_t>(j)];
     };
-    for (int i = 0; i <= parts; ++i)
-      for (int j = 0; i + j <= parts; ++j) {
-        const Eigen::Vector3d w = Eigen::Vector3d(parts - i - j, i, j) / parts;
+    for (int i = 0; i <= subdivisions; ++i)
+      for (int j = 0; i + j <= subdivisions; ++j) {
+        const Eigen::Vector3d w = Eigen::Vector3d(subdivisions - i - j, i, j) / subdivisions;
         at(i, j) = field.nearest_source({FaceId{f}, w});
       }
-    for (int i = 0; i < parts; ++i)
-      for (int j = 0; i + j < parts; ++j) {
-        look_at(at(i, j), at(i + 1, j), at(i, j + 1));
-        if (i + j + 1 < parts) look_at(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+    for (int i = 0; i < subdivisions; ++i)
+      for (int j = 0; i + j < subdivisions; ++j) {
+        add_triangle(at(i, j), at(i + 1, j), at(i, j + 1));
+        if (i + j + 1 < subdivisions) add_triangle(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
       }
-    // Each face finds the same neighbours again and again.
-    if (edges.size() < many) continue;
-    keep_each_once(edges);
-    many = std::max(many, 2 * edges.size());
+    // Each face finds the same edges many times. They are deduplicated whenever their number has doubled.
+    if (edges.size() < deduplication_size) continue;
+    remove_duplicates(edges);
+    deduplication_size = std::max(deduplication_size, 2 * edges.size());
   }
-  keep_each_once(edges);
+  remove_duplicates(edges);
   Triangulation result;
   result.edges = std::move(edges);
   result.triangles.reserve(triangles.size());
@@ -238,7 +239,7 @@ std::vector<MembraneTriangle> membrane_at_rest(const surface::GeodesicSolver& so
           corners[t][k] >= 0 && corners[t][k] < count, "triangles/" + std::to_string(t) + "/" + std::to_string(k),
           "is " + std::to_string(corners[t][k]) + ", but points are numbered from 0 to " + std::to_string(count - 1));
   faults.throw_if_any("network.triangle");
-  // Neighbours share a side.
+  // The side of two neighbouring triangles is measured once.
   std::map<Pair, std::size_t> sides;
   std::vector<surface::PointPair> pairs;
   const auto side = [&](std::size_t t, std::size_t k) {

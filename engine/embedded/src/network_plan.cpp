@@ -8,7 +8,7 @@
 namespace supple::embedded {
 namespace {
 
-/// How many pairs of points lie in faces that share an edge, each pair once for each edge. O(points + faces).
+/// Number of pairs of points in faces that share an edge; a pair is counted once for each such edge. O(points + faces).
 std::size_t count_adjacent_pairs(const surface::TriangleMesh& mesh, const std::vector<surface::SurfacePoint>& points) {
   std::vector<std::size_t> in_face(static_cast<std::size_t>(mesh.face_count()));
   for (const auto& point : points) ++in_face[static_cast<std::size_t>(index(point.face))];
@@ -46,7 +46,7 @@ class Builder {
     const auto& points = built.network.points;
     std::vector<Pair> pairs;
     if (rule.kind == NeighbourSprings::Kind::adjacent_faces) {
-      // There may be as many as the square of the points of a face: they are counted before they are made.
+      // The pairs are counted before they are built, since their number grows with the square of the points in a face.
       check("springs", count_adjacent_pairs(solver_.mesh(), points), limits_.springs);
       pairs = pairs_of_adjacent_faces(solver_.mesh(), points);
     } else {
@@ -81,7 +81,7 @@ class Builder {
 
   const surface::GeodesicSolver& solver_;
   const NetworkLimits& limits_;
-  bool from_dual_ = false;  ///< the triangles are made already, with the springs
+  bool from_dual_ = false;  ///< whether the springs' triangulation has built the triangles already
 };
 
 }  // namespace
@@ -91,15 +91,15 @@ BuiltNetwork build_network(const surface::GeodesicSolver& solver, const NetworkP
   Builder builder(solver, limits);
   BuiltNetwork built;
   built.network.fixed_points = plan.fixed_points;
-  constexpr double share = 1.0 / 3;
-  const PartOfExecution first(execution, 0, share);
+  constexpr double fraction = 1.0 / 3;
+  const PartOfExecution first(execution, 0, fraction);
   first.execution().checkpoint(0, "points");
   built.network.points =
       std::visit([&](const auto& points) { return builder.points(points, first.execution()); }, plan.points);
-  const PartOfExecution second(execution, share, share);
+  const PartOfExecution second(execution, fraction, fraction);
   second.execution().checkpoint(0, "springs");
   std::visit([&](const auto& springs) { builder.add_springs(springs, built, second.execution()); }, plan.springs);
-  const PartOfExecution third(execution, 2 * share, share);
+  const PartOfExecution third(execution, 2 * fraction, fraction);
   third.execution().checkpoint(0, "triangles");
   builder.add_membrane(plan, built, third.execution());
   return built;

@@ -12,9 +12,10 @@
 
 namespace supple::embedded {
 
-/// The stretching of a shell's faces: E = thickness * area * psi of the face's Cauchy-Green tensor, neo-Hookean (thesis
-/// eq. 3.20) with the constants of plane stress, mu = E / 2 (1 + nu) and lambda = E nu / (1 - nu^2). The face's area at
-/// rest is the mesh's as it is given. A face that loses its area has an infinite energy. O(faces), in parallel.
+/// The stretching energy of a shell's faces: E = thickness * area * psi, where psi is the neo-Hookean density of the
+/// face's Cauchy-Green tensor [Thesis, eq. 3.20] with the constants of plane stress, mu = E / 2 (1 + nu) and
+/// lambda = E nu / (1 - nu^2). The mesh as it is given is at rest, and `area` is measured there. A face without area
+/// has an infinite energy. O(faces), in parallel.
 class ShellMembrane : public numerics::Term<NetworkState> {
  public:
   ShellMembrane(const surface::TriangleMesh& rest, const ShellHost& shell);
@@ -32,13 +33,13 @@ class ShellMembrane : public numerics::Term<NetworkState> {
   std::vector<Face> faces_;
 };
 
-/// The bending of a shell's inner edges: E = sum D / 2 * l^2 / A * (theta - theta_rest)^2 with the angle theta between
-/// the normals of an edge's two faces (Grinspun et al. 2003), the edge's length l and the faces' area A at rest, and
-/// the bending stiffness D = E h^3 / 12 (1 - nu^2).
+/// The bending energy of a shell's inner edges [Grinspun2003]: E = sum D / 2 * l^2 / A * (theta - theta_rest)^2. theta
+/// is the angle between the normals of an edge's two faces, l the edge's length and A the area of the two faces, both
+/// at rest. The bending stiffness is D = E h^3 / 12 (1 - nu^2).
 ///
-/// A sheet of equilateral triangles that is rolled to a cylinder has exactly the energy of the plate. Curved both ways,
-/// hinges act as a plate with Poisson's ratio -1/3, whatever the material's: they know the angle of each edge and not
-/// how two neighbouring ones bend together. O(edges), in parallel.
+/// A sheet of equilateral triangles that is rolled to a cylinder has exactly the energy of the plate. Where both
+/// principal curvatures change, hinges act as a plate with Poisson's ratio -1/3 for every material: each depends on its
+/// own angle alone, and nothing couples neighbouring angles. O(edges), in parallel.
 class ShellHinges : public numerics::Term<NetworkState> {
  public:
   ShellHinges(const surface::TriangleMesh& rest, const ShellHost& shell);
@@ -50,18 +51,18 @@ class ShellHinges : public numerics::Term<NetworkState> {
 
  private:
   struct Hinge {
-    std::array<std::int32_t, 4> nodes;  ///< the edge's tail and head, the corners on its left and on its right
-    double weight;                      ///< of the squared change of the angle
-    double rest_angle;
+    std::array<std::int32_t, 4> nodes;  ///< the edge's tail and head, then the corners on its left and on its right
+    double weight;                      ///< the energy for a squared change of the angle of 1 rad^2
+    double rest_angle;                  ///< rad
   };
   std::vector<Hinge> hinges_;
 };
 
-/// The enclosed volume: E = w / 2 * (V - scale V0)^2 / V0, V0 the volume at rest. All nodes are coupled: the Hessian is
-/// sparse but for one product. O(faces).
+/// The energy of the enclosed volume V: E = w / 2 * (V - scale V0)^2 / V0, with the volume V0 at rest. It couples all
+/// nodes: the Hessian is a sparse matrix plus one of rank one. O(faces).
 class ShellVolume : public numerics::Term<NetworkState> {
  public:
-  /// Throws "host.open_surface" where the surface does not enclose a volume.
+  /// Throws "host.open_surface" if the surface has a boundary.
   ShellVolume(const surface::TriangleMesh& rest, const ShellHost& shell);
 
   std::string_view name() const override { return "shell_volume"; }
@@ -76,9 +77,9 @@ class ShellVolume : public numerics::Term<NetworkState> {
   double scale_;
 };
 
-/// The angle between the normals of two faces on an edge, in (-pi, pi], positive where the edge is a ridge seen from
-/// the side to which the normals point, with its derivatives by the edge's tail and head and the corners on its left
-/// and on its right, seen with the edge going up. The faces have areas.
+/// The angle between the normals of two faces on an edge, in (-pi, pi], and its derivatives by the edge's tail, its
+/// head, and the corners on the left and on the right of the upward edge. The angle is positive if the edge is a ridge
+/// on the side to which the normals point. Both faces must have an area.
 struct HingeAngle {
   double angle = 0;
   Eigen::Matrix<double, 12, 1> gradient = Eigen::Matrix<double, 12, 1>::Zero();

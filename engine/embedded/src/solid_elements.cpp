@@ -17,14 +17,14 @@
 namespace supple::embedded {
 namespace {
 
-/// The share of the way to an inversion that a step may go.
+/// Fraction of the step to the first inversion that may be taken.
 constexpr double inversion_safety = 0.9;
 
-/// Elements that are one task.
-constexpr std::size_t tetrahedra_of_a_task = 128;
+/// Elements that one task of the parallel loop evaluates.
+constexpr std::size_t tetrahedra_per_task = 128;
 
-/// Squared norm of Green's strain up to which the energy is written by invariants of the strain alone.
-constexpr double small_strain = 1.0 / 16;
+/// Squared norm of Green's strain up to which the energy is computed from invariants of the strain alone.
+constexpr double max_small_strain = 1.0 / 16;
 
 Eigen::VectorXd coordinates_of(const std::vector<Eigen::Vector3d>& nodes) {
   Eigen::VectorXd coordinates(3 * static_cast<Eigen::Index>(nodes.size()));
@@ -32,7 +32,7 @@ Eigen::VectorXd coordinates_of(const std::vector<Eigen::Vector3d>& nodes) {
   return coordinates;
 }
 
-/// Edges from node 0.
+/// The columns are the edges from node 0 to the other three.
 Eigen::Matrix3d edges_of(const std::array<std::int32_t, 4>& nodes, const auto& coordinates) {
   const auto at = [&](std::int32_t node) {
     return Eigen::Vector3d(coordinates.template segment<3>(3 * static_cast<Eigen::Index>(node)));
@@ -43,7 +43,7 @@ Eigen::Matrix3d edges_of(const std::array<std::int32_t, 4>& nodes, const auto& c
   return edges;
 }
 
-/// det A A^-T.
+/// The matrix of cofactors, det A A^-T.
 Eigen::Matrix3d cofactors_of(const Eigen::Matrix3d& a) {
   Eigen::Matrix3d cofactors;
   cofactors << a.col(1).cross(a.col(2)), a.col(2).cross(a.col(0)), a.col(0).cross(a.col(1));
@@ -58,11 +58,11 @@ double youngs_modulus_at(const Eigen::Vector3d& center, const SolidHost& solid) 
   return modulus;
 }
 
-/// The energy density and its derivatives by F, of an element whose displacements have this gradient.
+/// The energy density of an element and its derivatives by F = 1 + the displacement gradient.
 struct NeoHookean {
   double value = std::numeric_limits<double>::infinity();
   Eigen::Matrix3d inverse_transpose;  ///< F^-T
-  Eigen::Matrix3d stress;             ///< the first Piola-Kirchhoff stress
+  Eigen::Matrix3d stress;             ///< first Piola-Kirchhoff
   double log_j = 0;
 
   NeoHookean(const Eigen::Matrix3d& displacement_gradient, double mu, double lambda) {
@@ -74,9 +74,9 @@ struct NeoHookean {
     const Eigen::Matrix3d strain = 0.5 * (h + h.transpose() + h.transpose() * h);
     const double trace = strain.trace();
     const double square = strain.squaredNorm();
-    if (square <= small_strain) {
-      // With tr C - 3 = 2 tr G and J^2 - 1 = 2 tr G + q, terms of the first order are gone:
-      // psi = mu / 2 (J^2 - 1 - log J^2 - q) + lambda / 2 log(J)^2.
+    if (square <= max_small_strain) {
+      // tr C - 3 = 2 tr G and J^2 - 1 = 2 tr G + q, with Green's strain G. First-order terms, which would cancel, drop
+      // out: psi = mu / 2 (J^2 - 1 - log J^2 - q) + lambda / 2 log(J)^2.
       const double q = 2 * (trace * trace - square) + 8 * strain.determinant();
       const double growth = 2 * trace + q;
       log_j = 0.5 * std::log1p(growth);
@@ -87,38 +87,39 @@ struct NeoHookean {
     }
     value += 0.5 * lambda * log_j * log_j;
     inverse_transpose = cofactors / j;
-    // mu (F - F^-T) + lambda log J F^-T, in which F - F^-T = F^-T (C - 1).
-    Eigen::Matrix3d pulled = 2 * mu * strain;
-    pulled.diagonal().array() += lambda * log_j;
-    stress.noalias() = inverse_transpose * pulled;
+    // The stress is mu (F - F^-T) + lambda log J F^-T, in which F - F^-T = F^-T (C - 1).
+    Eigen::Matrix3d mandel_stress = 2 * mu * strain;
+    mandel_stress.diagonal().array() += lambda * log_j;
+    stress.noalias() = inverse_transpose * mandel_stress;
   }
 };
 
-/// Calls take_out(curvature, mode) for the modes of F, of unit norm, along which the energy density bends downwards.
+/// Calls visit(eigenvalue, mode) for the eigenvectors of unit norm, with a negative eigenvalue, of the energy density's
+/// Hessian by F.
 ///
-/// With F = U S V^T and k = mu - lambda log J they are the twist of two axes, (u_i v_j^T - u_j v_i^T) / sqrt(2) with
-/// the curvature mu - k / s_i s_j, its like with a plus and mu + k / s_i s_j, and three stretches of the axes.
-template <class TakeOut>
-void for_each_negative_mode(const Eigen::Matrix3d& f, double mu, double lambda, double log_j, const TakeOut& take_out) {
+/// With F = U S V^T and k = mu - lambda log J, two eigenvectors for each pair of principal axes are
+/// (u_i v_j^T -+ u_j v_i^T) / sqrt(2), with the eigenvalues mu -+ k / (s_i s_j). The other three stretch the axes.
+template <class Visit>
+void for_each_negative_mode(const Eigen::Matrix3d& f, double mu, double lambda, double log_j, const Visit& visit) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(f.transpose() * f);
   const Eigen::Vector3d inverse = principal.eigenvalues().cwiseSqrt().cwiseInverse();
   const Eigen::Matrix3d& v = principal.eigenvectors();
   const Eigen::Matrix3d u = f * v * inverse.asDiagonal();
-  const double crossed = mu - lambda * log_j;
+  const double k = mu - lambda * log_j;
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3;
     const Eigen::Matrix3d one = u.col(i) * v.col(j).transpose();
     const Eigen::Matrix3d other = u.col(j) * v.col(i).transpose();
     for (const double sign : {-1.0, 1.0}) {
-      const double curvature = mu + sign * crossed * inverse[i] * inverse[j];
-      if (curvature < 0) take_out(curvature, std::numbers::sqrt2 / 2 * (one + sign * other));
+      const double eigenvalue = mu + sign * k * inverse[i] * inverse[j];
+      if (eigenvalue < 0) visit(eigenvalue, std::numbers::sqrt2 / 2 * (one + sign * other));
     }
   }
   Eigen::Matrix3d stretches = lambda * inverse * inverse.transpose();
-  for (int i = 0; i < 3; ++i) stretches(i, i) += mu + crossed * inverse[i] * inverse[i];
+  for (int i = 0; i < 3; ++i) stretches(i, i) += mu + k * inverse[i] * inverse[i];
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(stretches);
   for (int i = 0; i < 3 && modes.eigenvalues()[i] < 0; ++i)
-    take_out(modes.eigenvalues()[i], u * modes.eigenvectors().col(i).asDiagonal() * v.transpose());
+    visit(modes.eigenvalues()[i], u * modes.eigenvectors().col(i).asDiagonal() * v.transpose());
 }
 
 }  // namespace
@@ -151,7 +152,7 @@ SolidElements::SolidElements(const meshing::TetrahedralMesh& rest, const SolidHo
   }
 }
 
-// Displacements are subtracted, since differences of positions lose the digits of small strains.
+// Differences of displacements are exact enough for small strains; differences of positions would cancel.
 Eigen::Matrix3d SolidElements::displacement_gradient(const Element& element, const NetworkState& state) const {
   const auto displacement = [&](std::int32_t node) -> Eigen::Vector3d {
     return state.nodes().segment<3>(3 * static_cast<Eigen::Index>(node)) -
@@ -174,30 +175,32 @@ void SolidElements::evaluate(const Element& element, const NetworkState& state, 
   gradient.rightCols<3>().noalias() = element.volume * law.stress * element.gradients;
   gradient.col(0) = -gradient.rightCols<3>().rowwise().sum();
   if (order < 2) return;
-  // With gradients b of the barycentric coordinates by the place at rest and c = F^-T b by the place now, the block of
-  // nodes k and l is V (mu (b_k.b_l) 1 + (mu - lambda log J) c_l c_k^T + lambda c_k c_l^T).
+  // b are the gradients of the barycentric coordinates by the position at rest, and c = F^-T b those by the position
+  // now. The block of nodes k and l is V (mu (b_k.b_l) 1 + (mu - lambda log J) c_l c_k^T + lambda c_k c_l^T).
   Eigen::Matrix<double, 3, 4> b;
   b.rightCols<3>() = element.gradients;
   b.col(0) = -element.gradients.rowwise().sum();
   const Eigen::Matrix<double, 3, 4> c = law.inverse_transpose * b;
-  const double straight = element.volume * element.lambda;
-  const double crossed = element.volume * (element.mu - element.lambda * law.log_j);
+  const double outer_factor = element.volume * element.lambda;
+  const double transposed_factor = element.volume * (element.mu - element.lambda * law.log_j);
   double* entry = to.lower;
   for (int k = 0; k < 4; ++k)
     for (int i = 0; i < 3; ++i)
       for (int l = 0; l <= k; ++l) {
         const double same = element.volume * element.mu * b.col(k).dot(b.col(l));
         for (int j = 0; j < (l == k ? i + 1 : 3); ++j)
-          *entry++ = (i == j ? same : 0) + straight * c(i, k) * c(j, l) + crossed * c(i, l) * c(j, k);
+          *entry++ = (i == j ? same : 0) + outer_factor * c(i, k) * c(j, l) + transposed_factor * c(i, l) * c(j, k);
       }
   if (!convex) return;
-  const auto take_out = [&](double curvature, const Eigen::Matrix3d& mode) {
-    const Eigen::Matrix<double, 3, 4> way = mode * b;
+  const auto subtract_mode = [&](double eigenvalue, const Eigen::Matrix3d& mode) {
+    const Eigen::Matrix<double, 3, 4> direction = mode * b;
     double* lower = to.lower;
     for (int k = 0; k < 12; ++k)
-      for (int l = 0; l <= k; ++l) *lower++ -= element.volume * curvature * way(k % 3, k / 3) * way(l % 3, l / 3);
+      for (int l = 0; l <= k; ++l)
+        *lower++ -= element.volume * eigenvalue * direction(k % 3, k / 3) * direction(l % 3, l / 3);
   };
-  for_each_negative_mode(Eigen::Matrix3d::Identity() + displacements, element.mu, element.lambda, law.log_j, take_out);
+  for_each_negative_mode(Eigen::Matrix3d::Identity() + displacements, element.mu, element.lambda, law.log_j,
+                         subtract_mode);
 }
 
 void SolidElements::add(const NetworkState& state, int order, numerics::EnergySum& sum) const {
@@ -214,7 +217,7 @@ void SolidElements::add(const NetworkState& state, int order, numerics::EnergySu
     sum.add_element(rows, order, from.value, from.gradient, from.lower);
     return true;
   };
-  numerics::add_elements<Evaluated>(elements_.size(), tetrahedra_of_a_task, evaluate_one, add_one);
+  numerics::add_elements<Evaluated>(elements_.size(), tetrahedra_per_task, evaluate_one, add_one);
 }
 
 double SolidElements::largest_step(const NetworkState& state, const Eigen::VectorXd& step) const {

@@ -13,33 +13,33 @@
 
 namespace supple::embedded {
 
-/// The elastic energy of a solid of linear tetrahedra: E = sum V psi(F), with the volume V at rest, the deformation
-/// gradient F that is constant in each, and the neo-Hookean density of Bonet and Wood (2008, eq. 6.27)
+/// The elastic energy of a solid of linear tetrahedra: E = sum V psi(F), with an element's volume V at rest, its
+/// constant deformation gradient F, and the neo-Hookean density [Bonet2008, eq. 6.27]
 ///   psi = mu / 2 (tr C - 3) - mu log J + lambda / 2 log(J)^2,  C = F^T F, J = det F,
-/// with Lame's constants of space, mu = E / 2 (1 + nu) and lambda = E nu / (1 + nu)(1 - 2 nu). A tetrahedron that has
-/// lost its volume has an infinite energy.
+/// with Lame's constants in three dimensions, mu = E / 2 (1 + nu) and lambda = E nu / (1 + nu)(1 - 2 nu). An element
+/// whose volume is not positive has an infinite energy.
 ///
-/// Small strains keep their digits, also where the solid has turned: everything is written by the displacements and
-/// Green's strain. What these elements cannot do is keep their volume and bend at the same time: from nu = 0.49 on they
-/// are too stiff (they lock), which a finer mesh mends slowly; see docs/bench/solids.md.
+/// Everything is computed from displacements and Green's strain, so that small strains are accurate to rounding also
+/// where the solid has rotated. The elements lock (are too stiff in bending) from nu = 0.49 on, which a finer mesh
+/// improves only slowly; see docs/bench/solids.md.
 ///
-/// O(tetrahedra), in parallel: about 0.3 us each for value, gradient and Hessian with their sum.
+/// O(tetrahedra), in parallel: value, gradient, Hessian and their summation take about 0.3 us for each.
 class SolidElements : public numerics::Term<NetworkState> {
  public:
-  /// At rest where `rest` is, whose nodes are the state's. Throws std::invalid_argument where a tetrahedron has no
-  /// volume.
+  /// `rest` is the solid at rest; its nodes are those of the states. Throws std::invalid_argument if a tetrahedron's
+  /// volume is not positive.
   SolidElements(const meshing::TetrahedralMesh& rest, const SolidHost& solid);
 
   std::string_view name() const override { return "solid"; }
-  /// The Hessian without its negative eigenvalues in the deformation gradient (Teran, Sifakis, Irving and Fedkiw 2005),
-  /// which are known in closed form.
+  /// The convex Hessian omits the negative eigenvalues of the density's Hessian by F, which are known in closed form
+  /// [Teran2005].
   bool has_convex_hessian() const override { return true; }
   void add(const NetworkState& state, int order, numerics::EnergySum& sum) const override;
-  /// Nine tenths of the way to the first tetrahedron's loss of its volume.
+  /// Nine tenths of the step at which the first tetrahedron loses its volume.
   double largest_step(const NetworkState& state, const Eigen::VectorXd& step) const override;
   void bill(CostLedger& cost, double seconds) const override;
 
-  /// The volume of all tetrahedra at a state.
+  /// The sum of the tetrahedra's volumes at a state.
   double volume(const NetworkState& state) const;
   /// The least J of all tetrahedra at a state: 1 at rest.
   double least_volume_ratio(const NetworkState& state) const;
@@ -47,8 +47,9 @@ class SolidElements : public numerics::Term<NetworkState> {
  private:
   struct Element {
     std::array<std::int32_t, 4> nodes;
-    Eigen::Matrix3d gradients;  ///< columns: of the barycentric coordinates of nodes 1 to 3, by the place at rest
-    double volume;              ///< at rest
+    /// The columns are the gradients of the barycentric coordinates of nodes 1 to 3 by the position at rest.
+    Eigen::Matrix3d gradients;
+    double volume;  ///< at rest
     double mu;
     double lambda;
   };
@@ -56,12 +57,13 @@ class SolidElements : public numerics::Term<NetworkState> {
   Eigen::Matrix3d displacement_gradient(const Element& element, const NetworkState& state) const;
   void evaluate(const Element& element, const NetworkState& state, int order, bool convex, Evaluated& to) const;
 
-  Eigen::VectorXd rest_;  ///< coordinates of the nodes
+  Eigen::VectorXd rest_;  ///< the nodes' coordinates at rest
   std::vector<Element> elements_;
 };
 
-/// A force per volume at rest that is the same everywhere: E = -sum w f.(x - X) over the nodes at x, at X at rest, each
-/// with a fourth of its tetrahedra's volumes as w (exact for linear tetrahedra). 0 at rest. O(nodes).
+/// The potential of a uniform force f per volume at rest: E = -sum w f.(x - X) over the nodes, with position x now and
+/// X at rest. w is a quarter of the volume of the node's tetrahedra, which is exact for linear ones. E is 0 at rest.
+/// O(nodes).
 class Gravity : public numerics::Term<NetworkState> {
  public:
   Gravity(const meshing::TetrahedralMesh& rest, const Eigen::Vector3d& force);

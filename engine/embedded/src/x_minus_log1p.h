@@ -4,7 +4,7 @@
 
 namespace supple::embedded {
 
-/// x - log(1 + x) with all digits where x is small, x > -1.
+/// x - log(1 + x) for x > -1, accurate to rounding also for small x, where the difference would cancel.
 inline double x_minus_log1p(double x) {
   if (std::abs(x) > 0.25) return x - std::log1p(x);
   // log(1 + x) = 2 artanh(r), and x - 2 r = r x.

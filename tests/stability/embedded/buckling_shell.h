@@ -4,8 +4,8 @@
 
 namespace supple::embedded {
 
-/// A ball of 42 vertices as a thin shell that springs and a pressure compress. Of four vertices that are held, one is
-/// taken to these positions. On the way along `way_to_buckling` it buckles into a shape that does not go back.
+/// A ball of 42 vertices as a thin shell, which springs and a pressure compress. Three of its vertices are fixed and
+/// one moves. On a move along `way_to_buckling` the shell buckles, and does not return on the reverse move.
 class BucklingShell : public HostCase {
  public:
   static constexpr std::int32_t moved_vertex = 40;
@@ -24,7 +24,7 @@ class BucklingShell : public HostCase {
     network.fixed_points = {0};
   }
 
-  /// `ways`: where the vertex is taken, from where it is on the mesh.
+  /// `ways` are the displacements of the moved vertex from its position in the mesh, one after the other.
   Relaxation follow(const std::vector<Eigen::Vector3d>& ways) {
     ShellHost shell{.thickness = 0.019, .youngs_modulus = 160, .poisson_ratio = 0, .volume_weight = 140};
     shell.volume_scale = 0.92;

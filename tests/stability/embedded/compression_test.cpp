@@ -3,8 +3,8 @@
 namespace supple::embedded {
 namespace {
 
-// The thesis's failure case: a spring that would rather be longer pushes its path to where another becomes as short.
-// Hard: the energy has a valley there that no single path describes. It must end, lower, and say why.
+// The failure case of [Thesis]: a compressed spring lengthens its path until another path is as short.
+// Hard: the energy has a valley there that no single path describes. The search must end with less energy and say why.
 TEST(HardNetworks, SpringsUnderCompressionEndAtTheCutLocusAndSaySo) {
   for (const auto& mesh : {testing::icosphere(2), testing::torus(16, 8), testing::genus3(2)}) {
     NetworkCase hard(mesh);
@@ -20,7 +20,8 @@ TEST(HardNetworks, SpringsUnderCompressionEndAtTheCutLocusAndSaySo) {
   }
 }
 
-// Hard: half of the springs push. Indefinite Hessians, many states of rest; the room on the surface is enough.
+// Hard: half of the springs are compressed. Hessians are indefinite and there are many equilibria; the surface has
+// enough room for all rest lengths.
 TEST(HardNetworks, PushingSpringsThatHaveRoom) {
   NetworkCase hard(testing::torus(24, 12));
   const auto points = poisson_disk_points(hard.solver, 0.5, 1);
@@ -34,14 +35,15 @@ TEST(HardNetworks, PushingSpringsThatHaveRoom) {
   EXPECT_TRUE(std::ranges::any_of(relaxed.springs, &SpringState::compressed));
 }
 
-// Hard: a chain too long for its place buckles sideways from an exactly straight start on a flat sheet.
+// Hard: a chain that is too long buckles sideways from an exactly straight start on a flat sheet.
 TEST(HardNetworks, AStraightChainThatBuckles) {
   NetworkCase hard(testing::flat_grid(10, 10));
   for (int i = 0; i <= 6; ++i) hard.network.points.push_back(hard.near(2 + i, 5, 0));
   for (int i = 0; i < 6; ++i) hard.network.springs.push_back({i, i + 1, 1.2, 1});
   hard.network.fixed_points = {0, 6};
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-  // Without a push to the side the straight chain is an equilibrium, unstable: it is told that the springs push.
+  // The straight chain is an unstable equilibrium. If the search ends there, a warning tells that springs are
+  // compressed.
   if (relaxed.springs[0].compressed) {
     EXPECT_FALSE(relaxed.warnings.empty());
   } else {

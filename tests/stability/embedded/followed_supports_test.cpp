@@ -1,5 +1,5 @@
-// Networks on shells and solids whose supports go the way of a rigid body, or hardly any way: the nearest equilibrium
-// is the one that network and host are at.
+// Networks on shells and solids whose supports move as a rigid body, or hardly move: the equilibrium at the start,
+// moved along, is the nearest one at the end.
 #include "buckling_shell.h"
 #include "host_case.h"
 #include "random_springs.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A torus that is held at a part of its surface, with a random network that is at rest.
+/// A torus whose vertices on one side are fixed or moved, with a random network in equilibrium.
 class HeldTorus : public HostCase {
  public:
   template <class H>
@@ -21,7 +21,7 @@ class HeldTorus : public HostCase {
     rest = follow({[](const Vector3d& p) { return p; }});
   }
 
-  /// To where the motions take the held vertices, one after the other.
+  /// Moves the supports to the images of their positions under the motions, one after the other.
   Relaxation follow(const std::vector<std::function<Vector3d(const Vector3d&)>>& motions) {
     std::visit(
         [&](auto host) {
@@ -38,7 +38,7 @@ class HeldTorus : public HostCase {
     return relax(solver, network, options);
   }
 
-  /// How far the points are from where they were at rest, in the material.
+  /// The largest distance of a point from its place in `rest`, measured on the undeformed torus.
   double farthest(const std::vector<surface::SurfacePoint>& points) const {
     double most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) most = std::max(most, solver.distance(points[i], rest.points[i]));
@@ -72,14 +72,14 @@ void expect_supports_to_be_followed(const Host& host) {
                                       std::vector<std::function<Vector3d(const Vector3d&)>>{rigid, same},
                                       std::vector<std::function<Vector3d(const Vector3d&)>>{hardly}}) {
             const Relaxation end = hard.follow(motions);
-            // A search that was not at its end goes on.
+            // If the search at rest did not converge, following goes on with it.
             const double accuracy = hard.rest.stopped == "converged" ? 1e-7 : 1e-5;
             EXPECT_NEAR(end.energy, hard.rest.energy, accuracy * hard.rest.energy);
             EXPECT_LT(hard.farthest(end.points), 100 * accuracy * hard.mesh->diagonal());
             EXPECT_EQ(jumps_at_supports(end), 0);
             EXPECT_EQ(end.stops.back().reached, 1);
           }
-          // There and back by half a per cent of the diagonal.
+          // A bend by half a per cent of the diagonal, and back.
           const double way = 0.005 * hard.mesh->diagonal();
           const auto bent = [&](const Vector3d& p) -> Vector3d {
             return p + way * std::sin(2 * p.y()) * Vector3d(0.3, 0, 1);
@@ -102,8 +102,8 @@ TEST(FollowedSupports, OfASolidLeaveItsNetworkAtItsEquilibrium) {
   expect_supports_to_be_followed(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3});
 }
 
-/// A coarse shell with a network that pulls on it, of which four vertices are held. A fifth one is taken by a random
-/// way of up to 5 % of the diagonal and back: where no jump is counted, the energy is what it was.
+/// A coarse shell under a network of stretched springs, with four fixed vertices. A fifth vertex moves by up to 5 % of
+/// the diagonal in a random direction and back. If no jump is counted, the energy at the end is that at the start.
 void expect_return_or_jump(std::uint64_t seed) {
   RandomStream random("one vertex there and back", seed);
   const bool is_torus = random.below(2) == 0;
@@ -126,7 +126,7 @@ void expect_return_or_jump(std::uint64_t seed) {
   if (rest.stopped != "converged") return;
   std::int32_t moved = random.below(vertices);
   while (std::ranges::find(shell.fixed_vertices, moved) != shell.fixed_vertices.end()) moved = random.below(vertices);
-  // Where it is at rest, so that the way back ends there.
+  // The vertex's position in equilibrium, to which the reverse motion returns.
   const Vector3d home = rest.host.vertices[static_cast<std::size_t>(moved)];
   const Vector3d way = random.uniform(0.005, 0.05) * hard.mesh->diagonal() *
                        Vector3d(random.normal(), random.normal(), random.normal()).normalized();
@@ -137,8 +137,8 @@ void expect_return_or_jump(std::uint64_t seed) {
   EXPECT_NEAR(back.energy, back.stops.front().energy, 2e-7 * std::abs(back.energy));
 }
 
-// Hard: a soft shell under strong springs has many equilibria near each other, and a load step may find another one in
-// three or four iterations, far from where it was predicted.
+// Hard: a soft shell under strong springs has many equilibria near each other, and a load step may converge in three or
+// four iterations to another one, far from the prediction.
 TEST(FollowedSupports, OfOneVertexComeBackOrCountAJump) {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     SCOPED_TRACE(seed);
@@ -146,8 +146,8 @@ TEST(FollowedSupports, OfOneVertexComeBackOrCountAJump) {
   }
 }
 
-// Hard: the prediction of the load step on which the shell buckles is so bad that the energy which the step loses is
-// not surprising. Only the way back tells.
+// Hard: the prediction is so bad in the load step on which the shell buckles that the step's loss of energy is not
+// conspicuous. Only the reverse motion shows the jump.
 TEST(FollowedSupports, OfAShellThatBucklesCountAJumpThoughThePredictionWasBad) {
   BucklingShell hard;
   const Vector3d start = Vector3d::Zero();

@@ -1,5 +1,5 @@
-// Networks that follow a surface to where it is almost or exactly the same: the nearest equilibrium is the one that
-// they are at.
+// Networks on a surface that moves to almost or exactly the same shape: the equilibrium at the start, moved along, is
+// the nearest one at the end.
 #include <Eigen/Geometry>
 #include <functional>
 #include <numbers>
@@ -26,13 +26,13 @@ std::vector<Vector3d> scaled(const surface::TriangleMesh& mesh, double factor) {
   return moved(mesh, [&](const Vector3d& at) -> Vector3d { return factor * at; });
 }
 
-/// A smooth wave, whose height is this share of the diagonal.
+/// The mesh with a smooth wave, whose height is a fraction of the diagonal.
 std::vector<Vector3d> waved(const surface::TriangleMesh& mesh, double share) {
   const Vector3d height = share * mesh.diagonal() * Vector3d(0.2, 0.5, 1).normalized();
   return moved(mesh, [&](const Vector3d& at) -> Vector3d { return at + std::sin(at.x() + 0.3) * height; });
 }
 
-/// A network at rest, which then follows its surface.
+/// A network in equilibrium, which then follows its surface.
 class Follower : public NetworkCase {
  public:
   using NetworkCase::NetworkCase;
@@ -62,7 +62,7 @@ class Follower : public NetworkCase {
     return jumps;
   }
 
-  /// How far the points are from where they were at rest.
+  /// The largest distance of a point from its place in `rest`.
   double farthest(const std::vector<surface::SurfacePoint>& points) const {
     double most = 0;
     for (std::size_t i = 0; i < points.size(); ++i) most = std::max(most, solver.distance(points[i], rest.points[i]));
@@ -72,7 +72,7 @@ class Follower : public NetworkCase {
   Relaxation rest;
 };
 
-/// All that is asked of a network at rest.
+/// Checks that a network in equilibrium follows motions that hardly change the surface.
 void expect_to_follow(const Follower& hard) {
   const surface::TriangleMesh& mesh = *hard.mesh;
   hard.expect_no_work(hard.follow({mesh.positions()}), 1e-9);
@@ -89,7 +89,7 @@ void expect_to_follow(const Follower& hard) {
   EXPECT_LT(hard.farthest(back.points), 1e-3 * mesh.diagonal());
 }
 
-// Hard: half of the springs push, and some are at their cut loci.
+// Hard: half of the springs are compressed, and some are at their cut loci.
 class FollowedSurfaces : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(FollowedSurfaces, ASpringNetworkStaysAtItsEquilibrium) {
@@ -102,8 +102,8 @@ TEST_P(FollowedSurfaces, ASpringNetworkStaysAtItsEquilibrium) {
 
 INSTANTIATE_TEST_SUITE_P(Random, FollowedSurfaces, ::testing::Range<std::uint64_t>(0, 16));
 
-// Hard: other equilibria are so near that points which are only carried back may come to the one that was lost, or to
-// another one from that which was not.
+// Hard: other equilibria are very near. Points that are merely carried back may return to an equilibrium that was lost,
+// or leave one that was not.
 TEST(FollowedSurface, LossesAreCountedAndNothingElse) {
   int back_with_jumps = 0;
   for (std::uint64_t seed = 0; seed < 90; ++seed) {
@@ -122,8 +122,7 @@ TEST(FollowedSurface, LossesAreCountedAndNothingElse) {
   EXPECT_LE(back_with_jumps, 3);
 }
 
-// Hard: a membrane that is larger than its place, with sides at cut loci, and one that is stretched; nothing holds
-// them.
+// Hard: a compressed membrane with sides at cut loci, and a stretched one, both without fixed points.
 TEST(FollowedSurface, AMembraneStaysAtItsEquilibrium) {
   for (const double rest_scale : {0.8, 1.2}) {
     SCOPED_TRACE(rest_scale);
@@ -134,7 +133,7 @@ TEST(FollowedSurface, AMembraneStaysAtItsEquilibrium) {
   }
 }
 
-// Hard: nothing holds the network as a whole: it can spin on a ball, and the Hessian is singular.
+// Hard: without fixed points the network can rotate on a ball, and the Hessian is singular.
 TEST(FollowedSurface, ANetworkThatCanSpinDoesNotSpin) {
   Follower hard(testing::icosphere(2));
   hard.network.points = {hard.near(1, 0.1, 0.2), hard.near(-0.3, 1, 0.1), hard.near(0.1, -0.2, 1)};
@@ -146,8 +145,8 @@ TEST(FollowedSurface, ANetworkThatCanSpinDoesNotSpin) {
   EXPECT_LT(hard.farthest(end.points), 0.02 * hard.mesh->diagonal());
 }
 
-// Hard: a stretched loop round the waist of a body rests there until the waist is gone; it then slips to an end. On the
-// way back it does not return by itself.
+// Hard: a stretched loop is in equilibrium around the waist of a body until the waist disappears; it then slips to an
+// end. It does not return when the waist does.
 TEST(FollowedSurface, ALoopThatSlipsOffIsCountedAsAJump) {
   Follower hard(testing::icosphere(3));
   const auto shaped = [&](double waist) {

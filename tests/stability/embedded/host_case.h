@@ -22,7 +22,7 @@
 
 namespace supple::embedded {
 
-/// A network on a host that gives way, and what the rest of every hard case must satisfy.
+/// A network on a deformable host, and what the equilibrium of every hard case must satisfy.
 class HostCase {
  public:
   HostCase(surface::TriangleMesh built, Host host) : mesh(testing::share(std::move(built))), solver(mesh) {
@@ -31,7 +31,7 @@ class HostCase {
 
   surface::SurfacePoint near(double x, double y, double z) const { return testing::nearest_point(*mesh, {x, y, z}); }
 
-  /// Points that keep a distance, and springs between neighbours that are this share of their length at rest.
+  /// Points with a least distance, and springs between neighbours whose rest length is a fraction of their distance.
   void cover(double spacing, double rest_share, double weight) {
     network.points = poisson_disk_points(solver, spacing, 1);
     for (const auto& [a, b] : triangulate(solver, network.points).edges) join(a, b, rest_share, weight);
@@ -42,7 +42,7 @@ class HostCase {
         solver.distance(network.points[static_cast<std::size_t>(a)], network.points[static_cast<std::size_t>(b)]);
     network.springs.push_back({a, b, rest_share * length, weight});
   }
-  /// The vertices that `chosen` says yes to.
+  /// The vertices for which `chosen` is true.
   template <class Chosen>
   std::vector<std::int32_t> vertices_where(const Chosen& chosen) const {
     std::vector<std::int32_t> vertices;
@@ -51,7 +51,7 @@ class HostCase {
     return vertices;
   }
 
-  /// The rest, after checking that it is one.
+  /// The equilibrium, after checking that it is one.
   Relaxation solve() const {
     const Relaxation relaxed = relax(solver, network, options);
     EXPECT_EQ(relaxed.stopped, "converged") << "gradient " << relaxed.gradient_norm;
@@ -62,7 +62,7 @@ class HostCase {
     return relaxed;
   }
 
-  /// Energies that never rise, and that the definition confirms.
+  /// Checks that the energy never increases, and that it agrees with its definition.
   void check_descent(const Relaxation& relaxed) const {
     for (std::size_t i = 1; i < relaxed.history.size(); ++i)
       EXPECT_LE(relaxed.history[i].energy, relaxed.history[i - 1].energy * (1 + 1e-12)) << "step " << i;
@@ -79,8 +79,9 @@ class HostCase {
     }
   }
 
-  /// Forces, those that hold nodes included, from terms of their own at the end: nothing pulls on what may move, all
-  /// forces and moments sum to zero, supports carry nothing, and no step in 8 random directions lowers the energy.
+  /// Checks the equilibrium with terms built anew: there is no force on free coordinates, nor one that rigid-body
+  /// constraints would have to take; all forces and moments, those at fixed nodes included, sum to zero; and no step in
+  /// 8 random directions lowers the energy.
   void check_equilibrium(const Relaxation& relaxed) const {
     Eigen::VectorXd nodes(3 * static_cast<Eigen::Index>(relaxed.host.vertices.size() + relaxed.host.inside.size()));
     Eigen::Index row = 0;
@@ -100,7 +101,7 @@ class HostCase {
     numerics::System<NetworkState> system(state, terms, numerics::Unknowns(state.dimension()));
     const Eigen::VectorXd forces = system.full_gradient();
 
-    double scale = 0;  // of forces that cancel each other
+    double scale = 0;  // magnitude of the forces that cancel each other
     for (const auto& term : terms) {
       numerics::EnergySum own;
       own.clear(state.dimension(), 1);
@@ -130,8 +131,8 @@ class HostCase {
       if (i < mesh->vertex_count() && fixed[static_cast<std::size_t>(i)])
         unheld.segment<3>(state.node_row(i)).setZero();
     }
-    // A support takes what is left of all other forces, by the lever's law.
-    EXPECT_LE(unheld.norm(), slack * (model.supports() > 0 ? 10 * std::sqrt(forces.size()) : 1));
+    // A rigid-body constraint takes the residual of all other forces, multiplied by their lever arms.
+    EXPECT_LE(unheld.norm(), slack * (model.rigid_body_constraints() > 0 ? 10 * std::sqrt(forces.size()) : 1));
     if (!carries_weight()) {
       EXPECT_LE(force.norm(), 10 * rounding);
       EXPECT_LE(moment.norm(), 100 * rounding * mesh->diagonal());

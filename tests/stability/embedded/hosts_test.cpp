@@ -1,4 +1,4 @@
-// Networks on shells and solids that give way, where material, mesh, network or place come to their limits.
+// Networks on deformable shells and solids, where material, mesh, network or positions are extreme.
 #include "host_case.h"
 #include "random_springs.h"
 
@@ -16,20 +16,20 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A ball of rubber that its network can press in by some hundredths.
+/// A soft shell, which its network can compress by some per cent.
 ShellHost rubber() {
   return {.thickness = 0.02, .youngs_modulus = 500, .poisson_ratio = 0.4, .volume_weight = 50, .volume_scale = 1.05};
 }
 SolidHost foam() { return {.youngs_modulus = 20, .poisson_ratio = 0.3, .element_size = 0.4}; }
 
-/// A ball in a net that is too small for it.
+/// A ball under a network of stretched springs.
 struct SqueezedBall : HostCase {
   explicit SqueezedBall(Host host, double weight = 2) : HostCase(testing::icosphere(2), std::move(host)) {
     cover(0.9, 0.6, weight);
   }
 };
 
-// Hard: stretching a face along one direction shrinks it across: the material is 5,000 times softer in one mode.
+// Hard: a face that is stretched in one direction must shrink in the other: one mode is 5,000 times softer.
 TEST(HardHosts, NearlyIncompressible) {
   ShellHost shell = rubber();
   shell.poisson_ratio = 0.4999;
@@ -40,9 +40,9 @@ TEST(HardHosts, NearlyIncompressible) {
   EXPECT_NEAR(kept.host.volume_ratio, 1, 2e-4);
 }
 
-// Hard: a membrane that is too large for its place pushes its sides to cut loci, where lengths have a kink like a
-// valley. No state at which the sides follow one path each is an equilibrium: it must end lower, say why, with all
-// intact.
+// Hard: a compressed membrane drives its sides to cut loci, where the energy has a kink like a valley. No state in
+// which each side follows one path is an equilibrium. The search must end with less energy, say why, and leave all
+// triangles intact.
 TEST(HardHosts, AMembraneUnderCompressionBlowsItsHostUp) {
   for (const Host& host : {Host(ShellHost{.thickness = 0.05, .youngs_modulus = 20, .poisson_ratio = 0.3}),
                            Host(SolidHost{.youngs_modulus = 2, .poisson_ratio = 0.3, .element_size = 0.5})}) {
@@ -57,17 +57,17 @@ TEST(HardHosts, AMembraneUnderCompressionBlowsItsHostUp) {
     EXPECT_LT(relaxed.energy, 0.7 * relaxed.history.front().energy);
     EXPECT_GT(relaxed.host.volume_ratio, 1.05);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
-    // It goes to and fro across a valley, or ends in it.
+    // The search oscillates across a valley, or ends in it.
     EXPECT_TRUE(relaxed.stopped == "cut_locus" || relaxed.stopped == "iteration_limit") << relaxed.stopped;
     EXPECT_LT(relaxed.history.back().step_length, 0.05);
-    // Stretched instead, the same membrane comes to rest and presses its host together.
+    // Stretched instead, the same membrane reaches an equilibrium and compresses its host.
     hard.network.triangles = membrane_at_rest(hard.solver, hard.network.points, corners, 0.9);
     hard.options.max_iterations = 200;
     EXPECT_LT(hard.solve().host.volume_ratio, 0.95);
   }
 }
 
-/// How far a cap's pole stands out of its rim, away from the centre; negative in a dimple.
+/// Height of a cap's pole above its rim, away from the centre; negative in a dimple.
 double height_of_cap(const HostCase& hard, const Relaxation& relaxed) {
   const surface::TriangleMesh moved = hard.mesh->with_positions(relaxed.host.vertices);
   Vector3d rim = Vector3d::Zero();
@@ -79,7 +79,7 @@ double height_of_cap(const HostCase& hard, const Relaxation& relaxed) {
   return (surface::position(moved, relaxed.points[0]) - rim).dot((rim - centre).normalized());
 }
 
-// Hard: short strong springs shrink a cap of a shell that has lost air: it snaps through, past an unstable state.
+// Hard: short strong springs shrink a cap of a partly deflated shell, which snaps through past an unstable state.
 TEST(HardHosts, ACapThatSnapsThroughToADimple) {
   for (const bool airless : {false, true}) {
     HostCase hard(testing::icosphere(2), ShellHost{.thickness = 0.05,
@@ -100,7 +100,7 @@ TEST(HardHosts, ACapThatSnapsThroughToADimple) {
   }
 }
 
-// Hard: needles of aspect ratio above 1,000 are springs and hinges that much stiffer one way, and paths cross dozens.
+// Hard: faces of aspect ratio above 1,000 are stiffer by as much in one direction, and paths cross dozens of them.
 TEST(HardHosts, OnSlivers) {
   for (const Host& host : {Host(rubber()), Host(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3})}) {
     HostCase hard(testing::sliver_sphere(24, 8, 1e-3), host);
@@ -110,8 +110,8 @@ TEST(HardHosts, OnSlivers) {
   }
 }
 
-// Hard: springs across the ball, along one of many paths that are about as short; which is the shortest changes as the
-// host gives way. Springs that pull leave such places, those that push are driven there.
+// Hard: springs to the opposite side of a ball have many paths of about the same length, and the shortest changes as
+// the host deforms. Springs under tension leave cut loci, compressed ones are driven to them.
 TEST(HardHosts, SpringsAcrossCutLociOfAHostThatMoves) {
   for (const Host& host : {Host(rubber()), Host(foam())})
     for (const double rest_share : {0.0, 0.5, 1.2}) {
@@ -136,7 +136,7 @@ TEST(HardHosts, SpringsAcrossCutLociOfAHostThatMoves) {
     }
 }
 
-// Hard: energies have kinks where points start, and more where they come to rest.
+// Hard: the energy has kinks where points start, and more where they are in equilibrium.
 TEST(HardHosts, StartOnVerticesAndEdges) {
   for (const Vector3d& start : {Vector3d(1, 0, 0), Vector3d(0.5, 0.5, 0), Vector3d(0.99, 1e-6, 1 - 0.99 - 1e-6)})
     for (const auto& mesh : {testing::icosphere(1), testing::genus3(1)}) {
@@ -149,7 +149,7 @@ TEST(HardHosts, StartOnVerticesAndEdges) {
     }
 }
 
-// Hard: nothing says which way points in one place should part, and a path without length has no direction.
+// Hard: the direction in which points at the same place separate is not determined, and a path without length has none.
 TEST(HardHosts, TwoPointsInOnePlace) {
   for (const Host& host : {Host(rubber()), Host(foam())}) {
     SqueezedBall hard(host);
@@ -163,7 +163,7 @@ TEST(HardHosts, TwoPointsInOnePlace) {
   }
 }
 
-/// Another point whose place in space is the same three numbers, at a distance that is not 0 all the same.
+/// A point with the same coordinates in space after rounding, but a geodesic distance above 0.
 std::optional<surface::SurfacePoint> nearer_than_rounding(const HostCase& hard, const surface::SurfacePoint& point) {
   for (int k = 0; k < 6; ++k) {
     surface::SurfacePoint beside = point;
@@ -176,8 +176,8 @@ std::optional<surface::SurfacePoint> nearer_than_rounding(const HostCase& hard, 
   return std::nullopt;
 }
 
-// Hard: a spring has shrunk until its ends are one place to the last digit: its path has a length and no direction. A
-// shell that buckles asks for a convex matrix, in which nothing may be divided by that length.
+// Hard: a spring's ends have the same coordinates after rounding, so that its path has a length but no direction. A
+// buckling shell needs the convex Hessian, which must not divide by that length.
 TEST(HardHosts, PointsNearerThanRounding) {
   SqueezedBall hard(rubber());
   const auto before = static_cast<std::int32_t>(hard.network.points.size());
@@ -191,7 +191,7 @@ TEST(HardHosts, PointsNearerThanRounding) {
   hard.solve();
 }
 
-// Hard: each part can move as a whole by itself, and nothing fixes either.
+// Hard: each part can move as a whole by itself, and neither has fixed vertices.
 TEST(HardHosts, PartsThatDoNotTouch) {
   for (const Host& host : {Host(ShellHost{.thickness = 0.05, .youngs_modulus = 100, .poisson_ratio = 0.3}),
                            Host(SolidHost{.youngs_modulus = 20, .poisson_ratio = 0.3})}) {
@@ -204,7 +204,7 @@ TEST(HardHosts, PartsThatDoNotTouch) {
   }
 }
 
-// Hard: the surface ends: paths run along its boundary, which stays.
+// Hard: paths run along the boundary of the surface, whose vertices are fixed.
 TEST(HardHosts, OpenSurfacesHeldAtTheirBoundary) {
   for (const auto& mesh : {testing::open_hemisphere(16, 6), testing::saddle(10)}) {
     HostCase hard(mesh, ShellHost{.thickness = 0.02, .youngs_modulus = 500, .poisson_ratio = 0.4});
@@ -222,27 +222,27 @@ TEST(HardHosts, OpenSurfacesHeldAtTheirBoundary) {
   }
 }
 
-/// A ball that is so thick that its equilibrium is the only one.
+/// A shell so thick that its equilibrium is unique.
 ShellHost thick_shell() {
   return {.thickness = 0.05, .youngs_modulus = 200, .poisson_ratio = 0.4, .volume_weight = 50};
 }
 
-// Hard: the network's forces are below the rounding of the host's.
+// Hard: the network's forces are below the rounding of the host's forces.
 TEST(HardHosts, ANetworkAHundredMillionTimesWeakerThanTheHost) {
   for (const Host& host : {Host(thick_shell()), Host(foam())}) {
     SqueezedBall hard(host, 1e-8 * 10);
     const Relaxation relaxed = hard.solve();
     EXPECT_LE(relaxed.gradient_norm, 1e-12);
     EXPECT_LT(relaxed.host.largest_displacement, 1e-7);
-    // To first order the host gives way as much as it is pulled.
+    // To first order the displacements are proportional to the forces.
     SqueezedBall stronger(host, 1e-7 * 10);
     EXPECT_NEAR(stronger.solve().host.largest_displacement, 10 * relaxed.host.largest_displacement,
                 1e-2 * relaxed.host.largest_displacement);
   }
 }
 
-// Hard: springs that hardly stretch on a host that hardly resists: the Hessian's condition is that of both, and all the
-// way leads along a curved valley.
+// Hard: very stiff springs on a very soft host. The Hessian is as badly conditioned, and the search follows a curved
+// valley of the energy.
 TEST(HardHosts, ANetworkAThousandTimesStrongerThanTheHost) {
   for (const Host& host : {Host(thick_shell()), Host(foam())}) {
     HostCase hard(testing::icosphere(2), host);
@@ -276,13 +276,13 @@ void expect_any_fixed_vertices(Host host) {
   EXPECT_NEAR(relax(rigid.solver, rigid.network).energy, held.network_energy, 1e-10 * held.network_energy);
 }
 
-// Hard: fixed vertices that leave the host free to turn, or that leave nothing of it free but the network.
+// Hard: fixed vertices leave the host free to rotate, or fix it entirely.
 TEST(HardHosts, NoFixedVertexOneTwoOrAll) {
   expect_any_fixed_vertices(thick_shell());
   expect_any_fixed_vertices(foam());
 }
 
-// Hard: a pressure 10,000 times the shell's stiffness, whose rounding is that of the sum.
+// Hard: a pressure of 10,000 times the shell's stiffness, whose rounding errors dominate those of the sum.
 TEST(HardHosts, AVolumeThatIsKeptToSixDigits) {
   ShellHost shell = rubber();
   shell.volume_weight = 1e6;
@@ -291,13 +291,13 @@ TEST(HardHosts, AVolumeThatIsKeptToSixDigits) {
   EXPECT_NEAR(relaxed.host.volume_ratio, 1, 1e-4);
 }
 
-// Hard: a stop in the middle of a step, while matrices and searches are under way.
+// Hard: a stop request in the middle of a step, during matrix assembly and searches.
 TEST(HardHosts, StopInTheMiddleOfAStep) {
   for (const Host& host : {Host(rubber()), Host(foam())})
     for (const StopReason reason : {StopReason::cancelled, StopReason::deadline}) {
       SqueezedBall hard(host);
       Execution execution;
-      std::clock_t asked = 0;  // of the processor, so that a busy machine makes no difference
+      std::clock_t asked = 0;  // CPU time, which does not depend on the load of the machine
       int states = 0;
       hard.options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>,
                                   const surface::TriangleMesh&) {
@@ -311,7 +311,7 @@ TEST(HardHosts, StopInTheMiddleOfAStep) {
     }
 }
 
-// Hard: sums of thousands of elements and factorizations in parallel.
+// Hard: sums over thousands of elements and factorizations run in parallel.
 TEST(HardHosts, HaveTheSameBitsForOneTwoAndThreeThreads) {
   const int before = thread_count();
   for (const Host& host : {Host(rubber()), Host(foam())}) {
@@ -334,7 +334,7 @@ TEST(HardHosts, HaveTheSameBitsForOneTwoAndThreeThreads) {
   set_thread_count(before);
 }
 
-// A host may pass through itself: nobody shall think that it cannot.
+// A host may pass through itself, and the bill must say so.
 TEST(HardHosts, SayThatTheyDoNotNoticeThemselves) {
   for (const Host& host : {Host(rubber()), Host(foam())}) {
     SqueezedBall hard(host, 0.1);
@@ -348,8 +348,7 @@ TEST(HardHosts, SayThatTheyDoNotNoticeThemselves) {
   }
 }
 
-// Hard: the strains are so small that the shell's energy is known to a share of 1e-12 only, and no step seems to lower
-// it.
+// Hard: the strains are so small that rounding is 1e-12 of the shell's energy, and no step seems to lower it.
 TEST(HardHosts, StiffShellsUnderLooseSpringsConverge) {
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     SCOPED_TRACE(seed);
@@ -360,7 +359,7 @@ TEST(HardHosts, StiffShellsUnderLooseSpringsConverge) {
     for (Spring& spring : hard.network.springs) spring.weight *= softness;
     hard.options.host = ShellHost{.thickness = 0.05, .youngs_modulus = 1 / 0.05, .poisson_ratio = 0.3};
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-    // On a host that gives way, paths that push are not kept at their cut loci.
+    // On a deformable host, compressed paths are not kept at their cut loci.
     EXPECT_TRUE(relaxed.stopped == "converged" || relaxed.stopped == "cut_locus")
         << relaxed.stopped << ", gradient " << relaxed.gradient_norm << " of " << relaxed.gradient_tolerance;
   }

@@ -1,5 +1,5 @@
-// Springs that push across their cut loci can hold up a whole network. What the search then calls its end is compared
-// with what holding them and moving the others reaches.
+// Compressed springs at their cut loci can stop the search of a whole network early. The answer is compared with that
+// of a search that fixes the ends of these springs and moves the other points.
 #include <iostream>
 
 #include "random_springs.h"
@@ -7,7 +7,7 @@
 namespace supple::embedded {
 namespace {
 
-/// The ends of springs that push at their cut loci.
+/// The ends of compressed springs at their cut loci.
 std::vector<std::int32_t> ends_at_cut_loci(const Network& network, const Relaxation& relaxed) {
   std::set<std::int32_t> ends;
   for (std::size_t i = 0; i < network.springs.size(); ++i)
@@ -24,7 +24,7 @@ surface::TriangleMesh bumpy_sheet(int n, RandomStream& random) {
   return surface::TriangleMesh::build(std::move(positions), flat.faces());
 }
 
-/// Comes to rest, and again with what may jam held.
+/// Searches an equilibrium, then again with the ends at cut loci fixed, which must not lower the energy.
 void expect_no_jam(std::uint64_t seed, const RandomSprings& drawn) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   RandomStream random("jams", seed);
@@ -43,18 +43,18 @@ void expect_no_jam(std::uint64_t seed, const RandomSprings& drawn) {
     EXPECT_LE(relaxed.history[i].energy, relaxed.history[i - 1].energy * (1 + 1e-12));
 }
 
-// Hard: one of eighty springs is at its cut locus, and steps that are good for all others are none for it.
+// Hard: one of eighty springs is at its cut locus, and steps that are good for all others increase its energy.
 TEST(Jams, HoldingWhatJamsLowersNoEnergyAtTheEnd) {
   for (std::uint64_t seed = 0; seed < 12; ++seed)
     expect_no_jam(seed, {.points = 40, .to_nearest = true, .shortest = 0.8, .longest = 1.3, .fixed = 4});
 }
 
-// Hard: without holding its ends a spring that pushes keeps this network above what the others could reach.
+// Hard: unless the ends of a compressed spring are fixed, it keeps the energy above what the other points could reach.
 TEST(Jams, ANetworkThatOneSpringHoldsUpGetsOn) {
   expect_no_jam(24, {.points = 20, .to_nearest = true, .shortest = 0.8, .longest = 1.6, .fixed = 4});
 }
 
-// Hard: steps that go to and fro across a ridge gain as little each time, until the limit of iterations.
+// Hard: steps that oscillate across a ridge gain little each time, until the iteration limit.
 TEST(Jams, RidgesAreLeftOrNamed) {
   int unfinished = 0;
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
@@ -71,15 +71,15 @@ TEST(Jams, RidgesAreLeftOrNamed) {
   EXPECT_LE(unfinished, 2);
 }
 
-// Hard: round after round of holding and releasing lowers the energy by less than a hundredth. A search that gives up
-// after some of them calls an energy the lowest that is none.
+// Hard: many passes of fixing and releasing points lower the energy by less than a hundredth each. A search that ends
+// after some of them is not at a minimum.
 TEST(Jams, AnAnswerAtACutLocusIsNotLeftByAskingAgain) {
   int jammed = 0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     RandomStream random("asked again", seed);
     NetworkCase hard(bumpy_sheet(5 + static_cast<int>(seed % 3), random));
-    // With the mollifier an answer has another energy than the one that a search begins with.
+    // With the mollifier a search that starts at an answer would begin with another energy than that answer's.
     hard.options.mollifier = Switch::off;
     draw_network(hard, {.points = 16, .shortest = 0.5, .longest = seed / 3 % 2 == 0 ? 1.3 : 1.6, .fixed = 2}, random);
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);

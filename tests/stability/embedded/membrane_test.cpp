@@ -12,7 +12,8 @@ TEST(HardMembranes, StretchedAllOverClosedSurfaces) {
     hard.options.max_iterations = 1000;
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
-    // Where it is stretched one way, sides across push. One that does so at its cut locus rests there, and says so.
+    // Where the membrane is stretched in one direction, sides across it are compressed. If such a side is in
+    // equilibrium at its cut locus, the answer says so.
     hard.check(relaxed);
     if (std::ranges::any_of(relaxed.triangles, &TriangleState::at_cut_locus)) {
       EXPECT_NE(relaxed.warnings.back().find("side that pushes"), std::string::npos);
@@ -20,7 +21,7 @@ TEST(HardMembranes, StretchedAllOverClosedSurfaces) {
   }
 }
 
-// Hard: triangles as flat as rounding leaves them, next to ones that are not; the energy is a barrier against collapse.
+// Hard: triangles that are as flat as rounding permits, next to others. The energy is a barrier against their collapse.
 TEST(HardMembranes, ATriangleThatHasAlmostNoAreaAtTheStart) {
   NetworkCase hard(testing::flat_grid(8, 8));
   hard.network.points = {hard.near(2, 2, 0), hard.near(6, 2, 0), hard.near(4, 6, 0), hard.near(4, 3, 0)};
@@ -33,8 +34,8 @@ TEST(HardMembranes, ATriangleThatHasAlmostNoAreaAtTheStart) {
   }
 }
 
-// Hard: the membrane wants to be larger than its place on a closed surface: shortest paths are pushed to a dozen cut
-// loci at once. It must come to rest there, with every triangle intact.
+// Hard: the membrane is too large for the closed surface, so that shortest paths are driven to a dozen cut loci at
+// once. It must reach an equilibrium there, with every triangle intact.
 TEST(HardMembranes, CompressedWhereThereIsNoRoom) {
   for (const auto& mesh : {testing::icosphere(2), testing::torus(16, 8)}) {
     NetworkCase hard(mesh);
@@ -48,7 +49,7 @@ TEST(HardMembranes, CompressedWhereThereIsNoRoom) {
   }
 }
 
-// Hard: a compressed sheet in the plane has room beside it and comes to rest without energy, having turned freely.
+// Hard: a compressed sheet in the plane can grow to its size at rest, and may rotate freely while it does.
 TEST(HardMembranes, CompressedWhereThereIsRoom) {
   NetworkCase hard(testing::flat_grid(20, 20));
   std::vector<std::array<std::int32_t, 3>> corners;
@@ -66,7 +67,7 @@ TEST(HardMembranes, CompressedWhereThereIsRoom) {
   for (const TriangleState& triangle : relaxed.triangles) EXPECT_NEAR(triangle.stretches[0], 1, 1e-6);
 }
 
-// Hard: nearly incompressible, with a Poisson's ratio close to 1/2: the membrane keeps its area and stretches unevenly.
+// Hard: with a Poisson's ratio close to 1/2 the membrane preserves its area and stretches unevenly.
 TEST(HardMembranes, NearlyIncompressible) {
   NetworkCase hard(testing::torus(24, 12));
   hard.cover(0.4, 0.97);
@@ -78,7 +79,7 @@ TEST(HardMembranes, NearlyIncompressible) {
   EXPECT_NE(relaxed.stopped, "iteration_limit");
 }
 
-// Hard: a mesh of needles, whose faces the sides cross by the dozen.
+// Hard: a mesh of needles, of whose faces each side crosses dozens.
 TEST(HardMembranes, OnNeedles) {
   NetworkCase hard(testing::sliver_sphere());
   hard.cover(0.2 * hard.mesh->diagonal(), 0.9);

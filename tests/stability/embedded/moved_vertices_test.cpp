@@ -1,4 +1,4 @@
-// Supports of hosts that are moved to where elements, equilibria or the host itself come to their limits.
+// Supports of hosts that move so far that elements invert, equilibria become unstable or the host meets itself.
 #include "host_case.h"
 
 #include <numbers>
@@ -15,8 +15,8 @@ surface::TriangleMesh bar_along_x(int n, double length) {
   return mesh.with_positions(std::move(positions));
 }
 
-/// A bar whose left end is fixed and whose right end goes where `place` says after each of `stops` shares of its way,
-/// with a net of springs round it.
+/// A bar in a net of springs. Its left end is fixed; the right end moves to `stops` positions one after the other,
+/// which `place` gives for a fraction of the motion.
 struct MovedBar : HostCase {
   template <class H, class Place>
   MovedBar(H host, int stops, const Place& place) : HostCase(bar_along_x(4, 3), RigidHost{}) {
@@ -31,7 +31,7 @@ struct MovedBar : HostCase {
     options.host = host;
   }
 
-  /// What holds at any end.
+  /// Relaxes, and checks what must be true however far the bar can go.
   Relaxation follow() const {
     const Relaxation found = relax(solver, network, options);
     EXPECT_TRUE(std::isfinite(found.energy));
@@ -50,7 +50,7 @@ struct MovedBar : HostCase {
     EXPECT_GT(least, 0) << "a tetrahedron is inside out";
     return found;
   }
-  /// The same where all positions are reached, at equilibria.
+  /// Also checks that all positions are reached, in equilibrium.
   Relaxation arrive() const {
     const Relaxation found = follow();
     EXPECT_EQ(found.stopped, "converged");
@@ -79,8 +79,8 @@ ShellHost hollow_bar() { return {.thickness = 0.05, .youngs_modulus = 200, .pois
 
 Vector3d twisted(const Vector3d& p, double angle) { return Eigen::AngleAxisd(angle, Vector3d::UnitX()) * p; }
 
-// Hard: tetrahedra are sheared until they are far from their shape at rest, and straight ways of the supports from one
-// position to the next shorten what only turns.
+// Hard: tetrahedra are sheared far from their rest shape, and supports that move on straight lines from one position to
+// the next shorten what should only rotate.
 TEST(HardMoves, HalfATurnOfOneEndOfABar) {
   double last = 0;
   for (const int stops : {4, 12}) {
@@ -89,9 +89,9 @@ TEST(HardMoves, HalfATurnOfOneEndOfABar) {
                              }).arrive();
     EXPECT_EQ(static_cast<int>(found.stops.size()), stops);
     EXPECT_NEAR(found.host.volume_ratio, 1, 0.1);
-    // The more it is turned the more it resists.
+    // The energy increases with the angle.
     for (std::size_t k = 1; k < found.stops.size(); ++k) EXPECT_GT(found.stops[k].energy, found.stops[k - 1].energy);
-    // The net may come to rest in one of several ways, which the bar hardly notices.
+    // The net has several equilibria, which hardly change the energy of the bar.
     const double solid = found.host.terms.at(0).energy;
     if (last > 0) {
       EXPECT_NEAR(solid, last, 1e-2 * last);
@@ -100,8 +100,8 @@ TEST(HardMoves, HalfATurnOfOneEndOfABar) {
   }
 }
 
-// Hard: on the straight way through half a turn the end of the bar is a line in the middle, where tetrahedra have no
-// volume. It must come close, and say where it is, with all intact.
+// Hard: on straight lines to the position after half a turn, the end of the bar collapses to a line halfway, where
+// tetrahedra have no volume. The search must come close, say how far it is, and leave all tetrahedra intact.
 TEST(HardMoves, HalfATurnOnTheStraightWay) {
   const Relaxation found = MovedBar(rubber_bar(), 1, [](const Vector3d& p, double) -> Vector3d {
                              return twisted(p, std::numbers::pi);
@@ -112,7 +112,7 @@ TEST(HardMoves, HalfATurnOnTheStraightWay) {
   EXPECT_NE(found.stopped, "converged");
 }
 
-// Hard: one end becomes its mirror image: no state at the end is one of a body. It goes to where the end is flat.
+// Hard: one end should become its mirror image, which no body can do. The search goes on until the end is flat.
 TEST(HardMoves, SoFarThatTetrahedraWouldBeTurnedInsideOut) {
   const Relaxation found = MovedBar(rubber_bar(), 1, [](const Vector3d& p, double) -> Vector3d {
                              return {p.x(), -2 * p.y(), p.z()};
@@ -123,8 +123,8 @@ TEST(HardMoves, SoFarThatTetrahedraWouldBeTurnedInsideOut) {
   EXPECT_NE(found.stopped, "converged");
 }
 
-// Hard: an end is pushed through the other one and out at its back. A host does not notice itself: all tetrahedra can
-// keep their volume, if they turn over on the way.
+// Hard: an end is pushed through the other one and out at its back. Contact is neglected, so all tetrahedra can keep
+// their volume if they rotate on the way.
 TEST(HardMoves, OutAtTheBackOfTheOtherEnd) {
   const MovedBar bar(rubber_bar(), 1, [](const Vector3d& p, double) -> Vector3d { return p - Vector3d(9, 0, 0); });
   const Relaxation found = bar.follow();
@@ -133,7 +133,7 @@ TEST(HardMoves, OutAtTheBackOfTheOtherEnd) {
   EXPECT_GT(found.host.volume_ratio, 0);
 }
 
-// Hard: a column that is pushed straight stays straight by symmetry, which is no stable equilibrium from some point on.
+// Hard: a compressed column stays straight by symmetry, which is unstable beyond the buckling load.
 TEST(HardMoves, ColumnsBuckle) {
   const auto shorter = [](const Vector3d& p, double share) -> Vector3d { return p - share * Vector3d(0.9, 0, 0); };
   for (const Host& host : {Host(rubber_bar()), Host(hollow_bar())})
@@ -150,7 +150,7 @@ TEST(HardMoves, ColumnsBuckle) {
         host);
 }
 
-// Hard: the far end goes ten lengths away in one step, and back again.
+// Hard: one end moves ten lengths away in one load increment, and back again.
 TEST(HardMoves, FarAndBack) {
   const MovedBar bar(rubber_bar(), 2, [](const Vector3d& p, double share) -> Vector3d {
     return share < 1 ? p + Vector3d(20, 10, 0) : p;

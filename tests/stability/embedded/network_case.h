@@ -19,31 +19,32 @@
 
 namespace supple::embedded {
 
-/// A mesh, a network on it, and what the rest of every hard case must satisfy.
+/// A mesh, a network on it, and what the equilibrium of every hard case must satisfy.
 class NetworkCase {
  public:
   explicit NetworkCase(surface::TriangleMesh built) : mesh(testing::share(std::move(built))), solver(mesh) {}
 
   surface::SurfacePoint near(double x, double y, double z) const { return testing::nearest_point(*mesh, {x, y, z}); }
 
-  /// The pairs as springs of rest length 0 and weight 1.
+  /// Adds the pairs as springs of rest length 0 and weight 1.
   void join(const std::vector<Pair>& pairs) {
     for (const auto& [a, b] : pairs) network.springs.push_back({a, b, 0, 1});
   }
-  /// A point in each face, joined to those of the neighbours.
+  /// Puts a point in each face, with springs to those of the neighbouring faces.
   void fill(const Eigen::Vector3d& barycentric) {
     network.points = points_in_faces(*mesh, barycentric);
     join(pairs_of_adjacent_faces(*mesh, network.points));
   }
 
-  /// Points that keep their distance, and a membrane of all their triangles, at rest on lengths so many times as long.
+  /// Adds points with a least distance and a membrane of all their triangles, whose rest lengths are the distances
+  /// times `rest_scale`.
   void cover(double radius, double rest_scale, std::uint64_t seed = 1) {
     network.points = poisson_disk_points(solver, radius, seed);
     network.triangles =
         membrane_at_rest(solver, network.points, triangulate(solver, network.points).triangles, rest_scale);
   }
 
-  /// By the definition, with searches of their own.
+  /// The energy by its definition, with separate geodesic searches.
   double energy_at(const std::vector<surface::SurfacePoint>& points) const {
     double sum = 0;
     for (const Spring& s : network.springs) sum += energy_of(s, points);
@@ -51,8 +52,8 @@ class NetworkCase {
     return sum;
   }
 
-  /// The rest, after checking that it is one: converged with a small gradient, never rising, an energy that the
-  /// definition confirms, and for up to 40 of the free points no lower energy in any of 16 directions.
+  /// The equilibrium, after checking that it is one: the search converged with a small gradient, the energy never
+  /// increased and agrees with its definition, and up to 40 free points have no lower energy in any of 16 directions.
   Relaxation solve() const {
     const Relaxation relaxed = relax(solver, network, options);
     EXPECT_EQ(relaxed.stopped, "converged");
@@ -60,14 +61,14 @@ class NetworkCase {
     return relaxed;
   }
 
-  /// What `solve` checks of a rest that was converged to.
+  /// The checks of `solve` for an answer that converged.
   void check(const Relaxation& relaxed) const {
     const double weight = largest_weight(network);
     EXPECT_LE(relaxed.gradient_norm, options.tolerance * weight * mesh->diagonal());
     for (std::size_t i = 1; i < relaxed.history.size(); ++i)
       EXPECT_LE(relaxed.history[i].energy, relaxed.history[i - 1].energy * (1 + 1e-12));
     const double energy = energy_at(relaxed.points);
-    // The definition of a membrane's energy is that of C, which loses the digits of small strains.
+    // The definition of a membrane's energy by C suffers from cancellation at small strains.
     const double rounding = network.triangles.empty() ? 1e-20 : 1e-16;
     EXPECT_NEAR(relaxed.energy, energy, 1e-10 * energy + rounding * weight * mesh->diagonal() * mesh->diagonal());
     const std::size_t stride = std::max<std::size_t>(1, relaxed.points.size() / 40);
@@ -89,7 +90,8 @@ class NetworkCase {
     return s.weight * excess * excess;
   }
 
-  /// The corners of a flat triangle with such sides (0, 1), (1, 2), (2, 0), from the first: the other two as columns.
+  /// The vectors from corner 0 to corners 1 and 2 of a flat triangle with the sides (0, 1), (1, 2) and (2, 0), as
+  /// columns.
   static Eigen::Matrix2d flat(const std::array<double, 3>& sides) {
     const auto& [a, b, c] = sides;
     const double x = (a * a + c * c - b * b) / (2 * a);
@@ -129,7 +131,7 @@ class NetworkCase {
           surface::tangent_frame(*mesh, points[i].face) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
       auto beside = points;
       beside[i] = surface::exponential_map(*mesh, points[i], length * direction, {}, false).end;
-      // The gradient that is left may lower it by this much, and rounding.
+      // The remaining gradient and rounding may lower the energy by this much.
       const double slack = options.tolerance * weight * mesh->diagonal() * length + 1e-13 * here;
       EXPECT_GE(own_energy(beside), here - slack) << "point " << i << " direction " << k;
     }

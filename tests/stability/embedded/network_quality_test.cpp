@@ -4,7 +4,8 @@
 namespace supple::embedded {
 namespace {
 
-// Hard: weights over twelve orders of magnitude make Hessians whose entries hide each other.
+// Hard: weights over twelve orders of magnitude make Hessians in which small entries are below the rounding of large
+// ones.
 TEST(HardNetworks, WeightsOfTwelveOrdersOfMagnitude) {
   NetworkCase hard(testing::torus(16, 8));
   hard.fill({0.3, 0.3, 0.4});
@@ -16,7 +17,7 @@ TEST(HardNetworks, WeightsOfTwelveOrdersOfMagnitude) {
   EXPECT_LT(relaxed.energy, relaxed.history.front().energy);
 }
 
-// Hard: nothing in the method may depend on the unit of length.
+// Hard: no part of the method may depend on the unit of length.
 TEST(HardNetworks, MeshesOfAnySize) {
   std::vector<int> iterations;
   for (const double size : {1e-6, 1.0, 1e6}) {
@@ -41,7 +42,7 @@ TEST(HardNetworks, SliversAndNeedles) {
   }
 }
 
-// Hard: points pressed against a boundary, round whose corners paths are held.
+// Hard: points are pushed against a boundary, and paths bend around its corners.
 TEST(HardNetworks, BoundariesThatHold) {
   for (const auto& mesh : {testing::l_shape(5), testing::slit_annulus(), testing::open_hemisphere()}) {
     NetworkCase hard(mesh);
@@ -57,11 +58,11 @@ TEST(HardNetworks, BoundariesThatHold) {
   }
 }
 
-// Hard: every inner vertex is a saddle that bends paths and holds points.
+// Hard: every inner vertex is a saddle, at which paths bend and points can be in equilibrium.
 TEST(HardNetworks, ASurfaceOfSaddlesOnly) {
   NetworkCase hard(testing::saddle(12));
   hard.fill({0.6, 0.2, 0.2});
-  // The sides are held, or the network would shrink to a point.
+  // The points at the sides are fixed, or the network would shrink to a point.
   for (std::size_t i = 0; i < hard.network.points.size(); ++i) {
     const Eigen::Vector3d at = surface::position(*hard.mesh, hard.network.points[i]);
     if (std::max(std::abs(at.x()), std::abs(at.y())) > 0.85)
@@ -70,7 +71,7 @@ TEST(HardNetworks, ASurfaceOfSaddlesOnly) {
   hard.solve();
 }
 
-// Hard: the energy has its minimum exactly at a vertex, where no derivative exists.
+// Hard: the energy has its minimum exactly at a vertex, where it is not differentiable.
 TEST(HardNetworks, RestsAtASaddleVertex) {
   for (const double angle : {2.02, 2.2, 2.6}) {
     NetworkCase hard(testing::cone(12, angle * std::numbers::pi, 3));
@@ -89,7 +90,7 @@ TEST(HardNetworks, RestsAtASaddleVertex) {
   }
 }
 
-// Hard: a vertex of little angle pushes every path away, and the point between must choose a side.
+// Hard: no shortest path passes a vertex of small total angle, and the point in the middle must choose a side.
 TEST(HardNetworks, SpringsThatPassASharpTip) {
   NetworkCase hard(testing::cone(12, 0.9 * std::numbers::pi, 3));
   const surface::VertexCone cone(*hard.mesh, 0);
@@ -105,7 +106,7 @@ TEST(HardNetworks, SpringsThatPassASharpTip) {
   EXPECT_TRUE(relaxed.at_vertices.empty());
 }
 
-// Hard: a part that nothing holds may slide over the surface without any force.
+// Hard: a part of the network without fixed points can slide over the surface without any force.
 TEST(HardNetworks, PartsThatNothingHolds) {
   NetworkCase hard(testing::two_components());
   const testing::SurfaceSampler sampler(*hard.mesh);
@@ -123,7 +124,7 @@ TEST(HardNetworks, PartsThatNothingHolds) {
   EXPECT_LT(relaxed.energy, 1e-15);
 }
 
-// Hard: no unknown, no spring.
+// Hard: there are no unknowns, or no springs.
 TEST(HardNetworks, NothingToDo) {
   NetworkCase hard(testing::icosphere(1));
   hard.network.points = {hard.near(0, 0, 1), hard.near(1, 0, 0)};

@@ -30,7 +30,7 @@ Network renumbered(const Network& network, const std::vector<std::int32_t>& numb
   return other;
 }
 
-/// The same network on the mesh whose faces are numbered in another order and begin at another corner.
+/// The same network on the mesh with its faces in another order and with another first corner.
 std::unique_ptr<NetworkCase> with_other_faces(const NetworkCase& hard, RandomStream& random) {
   const std::vector<std::int32_t> face = shuffled(static_cast<std::size_t>(hard.mesh->face_count()), random);
   std::vector<surface::Triangle> faces(face.size());
@@ -53,7 +53,7 @@ std::unique_ptr<NetworkCase> with_other_faces(const NetworkCase& hard, RandomStr
   return same;
 }
 
-// Hard: springs that push have many equilibria, and rounding differs with the order of sums.
+// Hard: with compressed springs there are many equilibria, and rounding depends on the order of sums.
 TEST(Order, OfPointsAndFacesDoesNotChangeTheAnswer) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -70,8 +70,8 @@ TEST(Order, OfPointsAndFacesDoesNotChangeTheAnswer) {
   }
 }
 
-// Hard: far from rest the Hessian is indefinite, and what is added to its diagonal decides which equilibrium is found.
-// It must not depend on the frames of the faces, which begin at their first corners.
+// Hard: far from equilibrium the Hessian is indefinite, and its regularization decides which equilibrium is found. It
+// must not depend on the faces' tangent frames, which are given by their first corners.
 TEST(Order, OfCornersDoesNotChooseAmongEquilibria) {
   int others = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {

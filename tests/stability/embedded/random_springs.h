@@ -15,15 +15,15 @@ namespace supple::embedded {
 /// How the springs of a random network are drawn.
 struct RandomSprings {
   int points = 12;
-  bool to_nearest = false;  ///< each point is joined with the four nearest others, or else with four that are drawn
-  double shortest = 0.6;    ///< rest lengths over the lengths at the start lie between this
-  double longest = 1.3;     ///< and this
+  bool to_nearest = false;  ///< whether each point has springs to the four nearest others, or else to four random ones
+  double shortest = 0.6;    ///< least ratio of a rest length to the length at the start
+  double longest = 1.3;     ///< the largest such ratio
   int fixed = 3;
-  double weight = 1;  ///< weights are half of this to twice as much
+  double weight = 1;  ///< weights are from 0.5 to 2 times this
 };
 
-/// Gives a case a network of points anywhere on its mesh, whose springs pull and push. Four springs begin at each
-/// point.
+/// Gives a case a network of random points on its mesh. Four springs begin at each point; some are stretched, others
+/// compressed.
 template <class Case>
 void draw_network(Case& hard, const RandomSprings& drawn, RandomStream& random) {
   const auto count = static_cast<std::size_t>(drawn.points);

@@ -1,4 +1,4 @@
-// Solids at which elements, steps or the law itself come to their limits. Each case is minimized to equilibrium.
+// Solids with extreme elements, steps or material constants. Each case is minimized to equilibrium.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -15,8 +15,8 @@ namespace {
 
 using testing::SolidScene;
 
-/// Loads far beyond the modulus and stiff parts that turn take about a hundred steps: where many tetrahedra are about
-/// to be turned inside out, or where a straight step would stretch what only turns, steps are short.
+/// Loads far beyond the modulus and rotating stiff parts take about a hundred iterations. Steps are short if many
+/// tetrahedra are close to inversion, or if a straight step would stretch what only rotates.
 constexpr int most_iterations = 150;
 
 bool below(const Eigen::Vector3d& x, double height) { return x[2] <= height; }
@@ -49,7 +49,7 @@ double sag(const NetworkState& state, const SolidScene& scene) {
 }
 
 TEST(HardSolid, NearlyIncompressibleKeepsItsVolumeUnderALargeLoad) {
-  // lambda is 1,667 mu: the Hessian's condition grows by as much, and a wrong digit of log J is a pressure.
+  // lambda is 1,667 mu. The Hessian's condition number grows by this factor, and so does an error in log J.
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.25});
   SolidHost host;
   host.poisson_ratio = 0.4999;
@@ -62,7 +62,7 @@ TEST(HardSolid, NearlyIncompressibleKeepsItsVolumeUnderALargeLoad) {
 }
 
 TEST(HardSolid, TheEquilibriumIsTheSameToAllDigitsOnTheWayToIncompressible) {
-  // From one equilibrium to the next, and from rest: the same state.
+  // A search from the previous equilibrium and one from rest find the same state.
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.3});
   const auto held = [](const Eigen::Vector3d& x) { return below(x, -0.8); };
   SolidHost host;
@@ -80,7 +80,7 @@ TEST(HardSolid, TheEquilibriumIsTheSameToAllDigitsOnTheWayToIncompressible) {
 }
 
 TEST(HardSolid, SliversOnTheSurfaceStayAndMakeSliversInside) {
-  // Triangles of aspect ratio above 1,000 are faces of tetrahedra as flat: stiffnesses differ by as much.
+  // Triangles of aspect ratio above 1,000 are faces of tetrahedra that are as flat, and stiffnesses differ by as much.
   const surface::TriangleMesh mesh = testing::sliver_sphere(24, 8, 1e-3);
   const SolidScene scene(mesh);
   for (const double nu : {0.3, 0.49}) {
@@ -95,7 +95,7 @@ TEST(HardSolid, SliversOnTheSurfaceStayAndMakeSliversInside) {
 }
 
 TEST(HardSolid, AGravityThatFlattensTheSolidTurnsNothingInsideOut) {
-  // A hundred times the modulus over the solid's height: what is left is a layer on the ground.
+  // The weight is a hundred times the modulus over the solid's height, which leaves a thin layer on the ground.
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.3});
   const auto held = [](const Eigen::Vector3d& x) { return below(x, -0.7); };
   for (const double weight : {10.0, 100.0, 1000.0}) {
@@ -119,8 +119,8 @@ TEST(HardSolid, AGravityThatFlattensTheSolidTurnsNothingInsideOut) {
 }
 
 TEST(HardSolid, AStartWithTetrahedraNearlyFlatUnfolds) {
-  // Every inner node lies within a hundred-thousandth of an edge of where it would turn a tetrahedron inside out: the
-  // way out is shorter than Newton's first steps, which the limit of steps and the line search cut.
+  // Every inner node is within 1e-5 of an edge of a place where it would invert a tetrahedron. This distance is shorter
+  // than Newton's first steps, which largest_step and the line search reduce.
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.3});
   const auto on_surface = [](const Eigen::Vector3d& x) { return x.norm() > 0.97; };
   SolidHost host;
@@ -145,7 +145,8 @@ TEST(HardSolid, AStartWithTetrahedraNearlyFlatUnfolds) {
 }
 
 TEST(HardSolid, TrialStepsThatTurnTetrahedraInsideOutAreCut) {
-  // The surface's upper half is pushed through the lower one in one go: Newton's whole step would invert many.
+  // One step pushes the upper half of the surface through the lower half: a full Newton step would invert many
+  // tetrahedra.
   const SolidScene scene(testing::icosphere(2), {.element_size = 0.3});
   SolidHost host;
   host.poisson_ratio = 0.4;
@@ -175,7 +176,7 @@ TEST(HardSolid, RegionsOfAHundredAndAMillionTimesTheStiffnessMoveAsOne) {
     auto system = scene.system(host, scene.at_rest(), [](const Eigen::Vector3d& x) { return below(x, -0.8); });
     const Equilibrium found = equilibrium(system, 1e-8);
     expect_sound(scene, host, system, found);
-    // Nodes well within the stiff part keep their distances, by as much as the load strains it.
+    // The distances between nodes well inside the stiff part change no more than the load strains it.
     double worst = 0;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {

@@ -3,8 +3,8 @@
 namespace supple::embedded {
 namespace {
 
-// Hard: a path between points next to a vertex turns by any angle when they move by 1e-6 edges, and the first steps are
-// a hundred thousand times longer than the springs.
+// Hard: a path between points next to a vertex can rotate by any angle when they move by 1e-6 edges, and the first
+// steps are 1e5 times longer than the springs.
 TEST(HardNetworks, StartsNextToVertices) {
   for (const auto& mesh : {testing::torus(24, 12), testing::genus3(2), testing::trefoil_knot(60, 8)}) {
     NetworkCase hard(mesh);
@@ -13,7 +13,7 @@ TEST(HardNetworks, StartsNextToVertices) {
   }
 }
 
-// Hard: half of the springs cross an edge on which both ends all but lie.
+// Hard: half of the springs cross an edge that is very close to both of their ends.
 TEST(HardNetworks, StartsNextToEdges) {
   for (const auto& mesh : {testing::torus(24, 12), testing::genus3(2)}) {
     NetworkCase hard(mesh);
@@ -22,7 +22,7 @@ TEST(HardNetworks, StartsNextToEdges) {
   }
 }
 
-// Hard: several points in each vertex at once, exactly, where energies have no derivative and springs no direction.
+// Hard: several points are exactly at each vertex, where energies have no derivative and springs no direction.
 TEST(HardNetworks, StartsExactlyOnVertices) {
   for (const auto& mesh : {testing::torus(16, 8), testing::genus3(2), testing::saddle(6)}) {
     NetworkCase hard(mesh);
@@ -32,14 +32,14 @@ TEST(HardNetworks, StartsExactlyOnVertices) {
   }
 }
 
-// Hard: points exactly on edges, written in either face.
+// Hard: points are exactly on edges, given in either face.
 TEST(HardNetworks, StartsExactlyOnEdges) {
   NetworkCase hard(testing::genus3(2));
   hard.fill({0.5, 0.5, 0});
   hard.solve();
 }
 
-// Hard: all points in one place; nothing says which way they should part.
+// Hard: all points are at one place, and the directions in which they separate are not determined.
 TEST(HardNetworks, StartsWithAllPointsInOnePlace) {
   NetworkCase hard(testing::icosphere(2));
   hard.network.points.assign(6, hard.near(0.3, 0.5, 0.8));
@@ -51,7 +51,7 @@ TEST(HardNetworks, StartsWithAllPointsInOnePlace) {
   EXPECT_LT(relaxed.energy, 0.5 * relaxed.history.front().energy);
 }
 
-// Hard: the first step leads over more faces than a strip holds, round the torus and past cut loci.
+// Hard: the first step crosses more faces than a strip can have, goes around the torus and passes cut loci.
 TEST(HardNetworks, PointsThatCrossManyFacesInOneStep) {
   NetworkCase hard(testing::torus(96, 48));
   const testing::SurfaceSampler sampler(*hard.mesh);
@@ -63,7 +63,7 @@ TEST(HardNetworks, PointsThatCrossManyFacesInOneStep) {
   hard.solve();
 }
 
-// Hard: ends on the cut loci of each other, where two shortest paths pull in different directions.
+// Hard: springs' ends are at each other's cut loci, where two shortest paths have forces in different directions.
 TEST(HardNetworks, StartsAtCutLoci) {
   NetworkCase hard(testing::icosphere(3));
   hard.network.points = {hard.near(0, 0, 1), hard.near(0, 0, -1), hard.near(1, 0, 0), hard.near(-1, 0, 0)};

@@ -27,7 +27,7 @@ Eigen::VectorXd nodes_of(const TriangleMesh& mesh) {
   return nodes;
 }
 
-/// A network on a host that gives way, with its one term.
+/// A network on a deformable host, and the one term of its energy.
 struct Coupled {
   std::shared_ptr<const GeodesicSolver> solver;
   std::shared_ptr<NetworkEnergy> elements;
@@ -47,7 +47,7 @@ struct Coupled {
   }
 };
 
-/// How a point's tangent coordinates on one surface become those on another of the same faces.
+/// The matrix that turns a point's tangent coordinates on one surface into those on another with the same faces.
 Eigen::Matrix2d between(const TriangleMesh& before, const TriangleMesh& after, FaceId face) {
   const auto sides = [&](const TriangleMesh& mesh) -> Eigen::Matrix2d {
     const auto& [a, b, c] = mesh.faces()[index(face)];
@@ -58,7 +58,7 @@ Eigen::Matrix2d between(const TriangleMesh& before, const TriangleMesh& after, F
   return sides(after) * sides(before).inverse();
 }
 
-/// The energy's derivatives against finite differences, in coordinates of the first state.
+/// Compares the energy's derivatives with finite differences, in tangent coordinates of the first state.
 numerics::DerivativeCheck check(const Coupled& coupled, double step) {
   const auto function = [&](const Eigen::VectorXd& by, int order) {
     NetworkState state = coupled.state;
@@ -80,7 +80,7 @@ numerics::DerivativeCheck check(const Coupled& coupled, double step) {
 std::vector<SurfacePoint> random_points(const TriangleMesh& mesh, int count, RandomStream& random) {
   const testing::SurfaceSampler sampler(mesh);
   std::vector<SurfacePoint> points;
-  // So far from edges that a small step stays in the face.
+  // Points far enough from edges that a small step stays in the face.
   while (static_cast<int>(points.size()) < count) {
     const SurfacePoint point = sampler.point(random);
     if (point.barycentric.minCoeff() > 0.05) points.push_back(point);
@@ -145,7 +145,7 @@ TEST(Coupling, HasThePointsDerivativesOfARigidHost) {
 }
 
 TEST(Coupling, ForcesAndMomentsOnTheHostSumToZero) {
-  // Points are carried by the host: what pulls on them pulls on its nodes.
+  // The host carries the points: forces on them are forces on its nodes.
   RandomStream random("coupling_forces", 1);
   for (const TriangleMesh& mesh : {testing::icosphere(2), testing::trefoil_knot(40, 6)}) {
     Coupled coupled(mesh, springs_between(random_points(mesh, 8, random), random, 20));
@@ -182,7 +182,8 @@ TEST(Coupling, MovesWithTheHostWithoutAChangeOfEnergy) {
 }
 
 TEST(Coupling, PullsOnAVertexWhereAPointRestsOnIt) {
-  // A point on a saddle vertex with springs all around it: it stays there, and the host's derivatives are right.
+  // A point on a saddle vertex with springs on all sides stays there, and the derivatives by the host's nodes are
+  // right.
   const TriangleMesh mesh = testing::saddle(6);
   std::int32_t middle = 0;
   for (std::int32_t i = 0; i < mesh.vertex_count(); ++i)

@@ -23,8 +23,8 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// An open tube of four flat sides, `side` wide, along z from -2 to 2 sides: unrolled, it is a strip of the plane, and
-/// the cut locus of a point is the line opposite to it.
+/// An open tube along z with four flat sides of width `side`, from -2 to 2 widths. It unrolls into a strip of the
+/// plane, and the cut locus of a point is the line opposite to it.
 struct SquareTube {
   explicit SquareTube(double width = 1) : side(width), mesh(make(width)), solver(testing::share(mesh)) {}
 
@@ -43,7 +43,7 @@ struct SquareTube {
     return TriangleMesh::build(std::move(positions), std::move(faces));
   }
 
-  /// The point so many sides round the tube, at this height.
+  /// The point at the height `height`, at a distance of `around` sides along the circumference.
   SurfacePoint at(double around, double height) const {
     const double t = around - std::floor(around);
     const Vector3d corners[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
@@ -57,8 +57,8 @@ struct SquareTube {
   GeodesicSolver solver;
 };
 
-/// A point is pushed away from one that is fixed by a spring of rest length `rest`, and held by another of weight
-/// `hold` and rest length 0 to a place `off` from opposite, at the height of 0.3 sides.
+/// A free point between two springs. One of rest length `rest` pushes it away from a fixed point; the other, of weight
+/// `hold` and rest length 0, pulls it to a fixed point at the height of 0.3 sides that deviates by `off` from opposite.
 struct PushedPoint {
   double rest = 4, hold = 3, off = 0;
 
@@ -69,7 +69,7 @@ struct PushedPoint {
     network.fixed_points = {0, 2};
     return network;
   }
-  /// On the line opposite to the fixed point, in sides: the energy, and its derivatives.
+  /// The energy and its first and second derivative along the line opposite to the fixed point, in units of sides.
   std::array<double, 3> on_line(double z) const {
     const double length = std::hypot(2, z);
     return {(length - rest) * (length - rest) + hold * ((z - 0.3) * (z - 0.3) + off * off),
@@ -103,7 +103,7 @@ TEST(CutLoci, APushedPointComesToRestOnTheLineWhereTwoPathsAreEquallyLong) {
 
 TEST(CutLoci, APointThatIsPulledOffTheLineLeavesIt) {
   const SquareTube tube;
-  // Starts before the line; its place at rest is behind it, since the spring that holds it is the stronger one there.
+  // The point starts before the line. Its equilibrium is behind it, since the pulling spring is the stronger one there.
   const PushedPoint scene{.hold = 60, .off = 0.4};
   const Relaxation relaxed = relax(tube.solver, scene.network(tube));
   EXPECT_EQ(relaxed.stopped, "converged");
@@ -111,7 +111,7 @@ TEST(CutLoci, APointThatIsPulledOffTheLineLeavesIt) {
   EXPECT_LT(surface::position(tube.mesh, relaxed.points[1]).x(), 0.49);
 }
 
-/// The unit tangent vector round the tube at a point of the side opposite to the first, in the point's coordinates.
+/// The unit tangent vector of the circumference at a point of the side opposite to the first, in tangent coordinates.
 Eigen::Vector2d around(const TriangleMesh& mesh, const SurfacePoint& at) {
   return surface::tangent_frame(mesh, at.face).transpose() * Vector3d(-1, 0, 0);
 }
@@ -122,7 +122,7 @@ CutLocus of_first_path(const TriangleMesh& mesh, const SurfacePoint& to) {
   return {.path = 0, .from = 0, .to = 1, .sides = {-side, side}};
 }
 
-/// A network whose free point is put beside the cut locus of the first path, at which that path is to be kept.
+/// A network whose free point is moved next to the cut locus of the first path, and which keeps that path there.
 numerics::System<NetworkState> with_kept_path(const SquareTube& tube, Network& network) {
   network.points[1] = tube.at(2.43, 0.8);
   NetworkState state(tube.mesh, network.points);
@@ -140,7 +140,7 @@ TEST(CutLoci, AreLetGoWhereTheirPathsPull) {
     auto system = with_kept_path(tube, network);
     const numerics::Evaluation here = system.evaluate(1);
     EXPECT_EQ(system.state().cut_loci().size(), rest > 2.5 ? 1U : 0U);
-    // The ridge is left to one of its sides: the gradient is that of one path, across.
+    // Off the ridge the gradient across it is that of one path.
     const double across = std::abs(here.gradient.dot(around(tube.mesh, system.state().points()[1])));
     if (rest > 2.5) {
       EXPECT_LT(across, 1e-9);
@@ -157,7 +157,7 @@ TEST(CutLoci, KeepTheirPathsAndHaveTheDerivativesAlongThem) {
   auto system = with_kept_path(tube, network);
   const numerics::Evaluation here = system.evaluate(2);
   const SurfacePoint& at = system.state().points()[1];
-  // The point went straight across, to the nearest place of the line on which both paths are equally long.
+  // The point moved across to the nearest place on the line where both paths are equally long.
   const double z = surface::position(tube.mesh, at).z();
   EXPECT_LT((surface::position(tube.mesh, at) - Vector3d(0.5, 1, z)).norm(), 1e-12);
   EXPECT_NEAR(z, 0.8, 0.002);
@@ -170,7 +170,7 @@ TEST(CutLoci, KeepTheirPathsAndHaveTheDerivativesAlongThem) {
   const Eigen::Matrix2d hessian = Eigen::MatrixXd(system.core()).selfadjointView<Eigen::Lower>();
   EXPECT_NEAR(along.dot(hessian * along), curvature, 1e-9 * hessian.norm());
   EXPECT_GT(across.dot(hessian * across), 1e3 * std::abs(curvature));
-  // The two paths share the force as the hold pulls: 2 * 3 * 0.1 to the side against the difference of their pushes.
+  // The force across, 2 * 3 * 0.1 by the pulling spring, equals the difference between the forces along the two paths.
   const EqualPaths& equal = *system.state().found()->equal_to(0);
   const double length = std::hypot(2, z);
   EXPECT_NEAR(std::abs(equal.fractions[0] - equal.fractions[1]), 0.6 / (2 * (4 - length) * 2 / length), 1e-9);
@@ -202,7 +202,7 @@ TEST(CutLoci, ThreePathsHoldAPointThatASpringPushesAsFarAsItCanGo) {
   EXPECT_EQ(relaxed.stopped, "converged");
   EXPECT_LE(relaxed.iterations, 15);
   EXPECT_TRUE(relaxed.springs[0].at_cut_locus);
-  // Whichever way it goes, the distance falls.
+  // The distance decreases in every direction.
   for (int k = 0; k < 24; ++k) {
     const double angle = k * std::numbers::pi / 12;
     const SurfacePoint beside =
@@ -216,7 +216,7 @@ TEST(CutLoci, AreFollowedOnASurfaceThatMoves) {
   const PushedPoint scene{.off = 0.1};
   MovingHost host;
   for (const double width : {1.1, 1.3}) host.positions.push_back(SquareTube::make(width).positions());
-  // Lengths at rest stay what they are while the tube becomes wider.
+  // The rest lengths are unchanged while the tube becomes wider.
   const Relaxation relaxed = relax(tube.solver, scene.network(tube), {.host = host});
   PushedPoint wider = scene;
   wider.rest = 4 / 1.3;
@@ -233,7 +233,7 @@ TEST(CutLoci, AreFollowedOnASurfaceThatMoves) {
 }
 
 TEST(CutLoci, SidesThatPushAreKeptThereInAMembrane) {
-  // The second step of the torus of thesis fig. 3.6, of which one half is stretched: one side ends behind a vertex.
+  // The torus of [Thesis, fig. 3.6], of which one half is stretched. In the second step one side ends behind a vertex.
   const TriangleMesh rest = testing::torus(48, 24);
   const GeodesicSolver solver(testing::share(rest));
   Network network;

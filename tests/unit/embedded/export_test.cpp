@@ -7,7 +7,7 @@
 namespace supple::embedded {
 namespace {
 
-/// Three points of a triangle and two springs, of which the second has no path.
+/// The three corners of a triangle as points, and two springs, of which the second has no path.
 struct ExportedNetwork {
   surface::TriangleMesh mesh = surface::TriangleMesh::build({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}}, {{0, 1, 2}});
   Network network;
@@ -100,14 +100,14 @@ TEST(NetworkExport, HasAHostThatGaveWayAfterTheNetwork) {
   };
   EXPECT_EQ(values_of(shell, "host"), "01");
   EXPECT_EQ(values_of(shell, "types"), "45");
-  // Of a solid its tetrahedra, and no faces.
+  // A solid is written with its tetrahedra and without its faces.
   small.relaxation.host.inside = {{0.5, 0.5, -1}};
   small.relaxation.host.tetrahedra = {{0, 1, 2, 3}};
   const std::string solid = write_vtu(small.mesh, small.network, small.relaxation);
   EXPECT_TRUE(contains(solid, "NumberOfPoints=\"7\" NumberOfCells=\"2\""));
   EXPECT_EQ(values_of(solid, "types"), "410");
   EXPECT_EQ(values_of(solid, "offsets"), "37");
-  // A membrane's corners stand between the springs and the host.
+  // The corners of a membrane come after the springs and before the host.
   small.network.triangles = {{{0, 1, 2}, {1, 1, 1}}};
   small.relaxation.triangles.resize(1);
   EXPECT_TRUE(contains(write_obj(small.mesh, small.network, small.relaxation), "f 4 5 6\no host\n"));
@@ -121,7 +121,7 @@ TEST(NetworkExport, DrawsConvergenceOnLogarithmicAxesAndLeavesZerosOut) {
   EXPECT_EQ(count(svg, "<circle"), 5U);
   for (const char* label : {">1e0<", ">1e1<", ">1e2<", ">1e-3<", ">energy<", ">gradient norm<", ">iteration<"})
     EXPECT_TRUE(contains(svg, label)) << label;
-  // The energies are a decade apart: their places are on a line across the panel.
+  // The energies are a decade apart each, so that their marks are on a straight line across the panel.
   EXPECT_TRUE(contains(svg, "d=\"M84 34L352 134L620 234\"")) << svg;
 }
 

@@ -24,7 +24,8 @@ using surface::SurfacePoint;
 using surface::TriangleMesh;
 using testing::expect_error;
 
-/// Points all over a surface, and springs between neighbours of a share of their length at the start.
+/// Points all over a surface, and springs between neighbours, with a fraction of their length at the start as the rest
+/// length.
 Network net_on(const GeodesicSolver& solver, double spacing, double rest_share, double weight) {
   Network network;
   network.points = poisson_disk_points(solver, spacing, 1);
@@ -53,7 +54,7 @@ void expect_equilibrium(const Relaxation& relaxation) {
   EXPECT_NEAR(energy_of(relaxation), relaxation.energy, 1e-10 * std::abs(relaxation.energy));
   for (std::size_t i = 1; i < relaxation.history.size(); ++i)
     EXPECT_LE(relaxation.history[i].energy, relaxation.history[i - 1].energy * (1 + 1e-13));
-  // The tail is quadratic, up to rounding.
+  // The last iterations converge quadratically, down to rounding.
   const auto& history = relaxation.history;
   ASSERT_GE(history.size(), 3U);
   EXPECT_LT(history[history.size() - 1].gradient_norm, 1e-2 * history[history.size() - 2].gradient_norm);
@@ -66,7 +67,7 @@ TEST(Hosts, AShellBulgesBetweenTheSpringsOfATightNetwork) {
   const Relaxation found = relax(solver, network, {.host = soft_shell()}, {.cost = &cost});
   expect_equilibrium(found);
   EXPECT_EQ(found.host.terms.size(), 3U);
-  // The network presses some of the volume out; a weight that is large keeps it.
+  // The network reduces the enclosed volume; a large volume weight preserves it.
   EXPECT_LT(found.host.volume_ratio, 1);
   ShellHost kept = soft_shell();
   kept.volume_weight = 1e5;
@@ -74,7 +75,7 @@ TEST(Hosts, AShellBulgesBetweenTheSpringsOfATightNetwork) {
   EXPECT_EQ(full.stopped, "converged");
   EXPECT_NEAR(full.host.volume_ratio, 1.05, 1e-3);
   EXPECT_GT(found.host.largest_displacement, 0.01);
-  // Faces under springs are pulled in, faces between them bulge out.
+  // Faces under springs are pulled inwards, and faces between them bulge.
   double least = 10;
   double most = 0;
   Vector3d center = Vector3d::Zero();
@@ -144,7 +145,7 @@ TEST(Hosts, ASolidIsSqueezedAndItsFixedVerticesStay) {
   EXPECT_LT(found.host.volume_ratio, 1);
   EXPECT_FALSE(found.host.inside.empty());
   EXPECT_FALSE(found.host.tetrahedra.empty());
-  // A file holds all of it.
+  // The file has all springs and all tetrahedra.
   const TriangleMesh moved = mesh->with_positions(found.host.vertices);
   const std::string vtu = write_vtu(moved, network, found);
   EXPECT_NE(vtu.find("Name=\"host\""), std::string::npos);
@@ -153,7 +154,7 @@ TEST(Hosts, ASolidIsSqueezedAndItsFixedVerticesStay) {
 }
 
 TEST(Hosts, AreHeldJustEnoughWhereNothingIsFixed) {
-  // Both parts of the mesh, each by itself: three nodes and six coordinates.
+  // Each of the mesh's two components is constrained by itself: six coordinates of three nodes.
   const TriangleMesh mesh = testing::two_components();
   const auto held = [&](std::vector<std::int32_t> fixed) {
     const HostModel host(mesh, ShellHost{.fixed_vertices = std::move(fixed)}, {});
@@ -242,13 +243,13 @@ TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
   EXPECT_EQ(states, static_cast<int>(found.history.size()));
   EXPECT_EQ(found.host.vertices, host.positions.back());
   EXPECT_EQ(found.energy, found.stops.back().energy);
-  // At rest there, too, for who knows only the last position.
+  // The end is also an equilibrium of a search on the last position alone.
   const GeodesicSolver last(testing::share(mesh->with_positions(host.positions.back())));
   network.points = found.points;
   const Relaxation again = relax(last, network, {});
   EXPECT_LE(again.iterations, 1);
   EXPECT_NEAR(again.energy, found.energy, 1e-10 * found.energy);
-  // Points that keep their coordinates have more energy.
+  // Points with the barycentric coordinates of the start have more energy.
   Network kept = network;
   kept.points = relax(solver, network, {}).points;
   EXPECT_GT(relax(last, kept, {.max_iterations = 0}).energy, found.energy);
@@ -264,13 +265,13 @@ TEST(Hosts, AMovingSurfaceGoesOnWhereItsNetworkCannotFollow) {
     auto& positions = host.positions.emplace_back(mesh->positions());
     for (Vector3d& p : positions) p = Vector3d(stretch * p.x(), p.y() / stretch, p.z());
   }
-  // Too few iterations for any step, however short.
+  // One iteration is too few for a step of any length.
   const Relaxation found = relax(solver, network, {.host = host, .max_iterations = 1});
   ASSERT_EQ(found.stops.size(), 2U);
   for (const FollowedStop& stop : found.stops) EXPECT_EQ(stop.stopped, "iteration_limit");
   EXPECT_EQ(found.stopped, "iteration_limit");
   EXPECT_EQ(found.host.vertices, host.positions.back());
-  // The points are where the surface is: their energy there is the one that is told.
+  // The points are on the surface at its last position, and have the reported energy there.
   const GeodesicSolver last(testing::share(mesh->with_positions(found.host.vertices)));
   Network there = network;
   there.points = found.points;

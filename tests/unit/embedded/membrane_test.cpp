@@ -24,7 +24,7 @@ using surface::SurfacePoint;
 using surface::TriangleMesh;
 using testing::expect_error;
 
-/// Corners of a triangle in the plane, and the lengths of its sides.
+/// The corners of a triangle in the plane, as columns.
 using Corners = Eigen::Matrix<double, 2, 3>;
 std::array<double, 3> sides_of(const Corners& corners) {
   std::array<double, 3> lengths;
@@ -33,7 +33,7 @@ std::array<double, 3> sides_of(const Corners& corners) {
 }
 Eigen::Vector3d vector_of(const std::array<double, 3>& lengths) { return {lengths[0], lengths[1], lengths[2]}; }
 
-/// The thesis's energy density (3.20) of a deformation gradient.
+/// Energy density of a deformation gradient [Thesis, eq. 3.20].
 double density(const Eigen::Matrix2d& f, const MembraneMaterial& material) {
   const double mu = material.youngs_modulus / (2 * (1 + material.poisson_ratio));
   const double lambda = material.youngs_modulus * material.poisson_ratio /
@@ -93,7 +93,7 @@ TEST(TriangleEnergy, IsLeastAtRestAndInfiniteWhereThereIsNoTriangle) {
   }
 }
 
-/// A point in the middle of each face and a triangle for each vertex of degree three or more: fans around vertices.
+/// A membrane with the triangles of the points' triangulation.
 Network membrane_of(const GeodesicSolver& solver, const std::vector<SurfacePoint>& points, double scale) {
   Network network;
   network.points = points;
@@ -109,7 +109,7 @@ TEST(Membranes, HaveTheDerivativesOfTheirEnergy) {
     for (auto& triangle : network.triangles)
       for (double& length : triangle.rest_lengths) length *= random.uniform(0.9, 1.1);
     ASSERT_GE(network.triangles.size(), 10U);
-    // A spring along a side, the other way round: one path for both.
+    // A spring along a triangle's side, in the opposite direction: one path serves both.
     const auto& corners = network.triangles.front().corners;
     network.springs = {{corners[1], corners[0], 0.2, 0.7}, {network.triangles.back().corners[0], corners[2], 0.1, 1}};
     const std::shared_ptr<NetworkEnergy> elements =
@@ -131,7 +131,7 @@ TEST(Membranes, FollowAUniformStretchOfTheirBorderInThePlane) {
   const auto at = [&](double x, double y) {
     return testing::nearest_point(mesh, Eigen::Vector3d(low[0] + x * size[0], low[1] + y * size[1], low[2]));
   };
-  // A sheet of 5 x 5 points in the middle fifth, whose border moves by a linear map.
+  // A sheet of 5 x 5 points, whose border moves by a linear map.
   const int n = 5;
   std::vector<Eigen::Vector2d> rest;
   for (int j = 0; j < n; ++j)
@@ -161,7 +161,7 @@ TEST(Membranes, FollowAUniformStretchOfTheirBorderInThePlane) {
     const auto& to = moved[static_cast<std::size_t>(k)];
     network.points[static_cast<std::size_t>(k)] = at(to[0], to[1]);
     if (i == 0 || j == 0 || i == n - 1 || j == n - 1) network.fixed_points.push_back(k);
-    // Points inside start elsewhere.
+    // Inner points start elsewhere.
     else
       network.points[static_cast<std::size_t>(k)] =
           at(to[0] + 0.01 * random.uniform(-1, 1), to[1] + 0.01 * random.uniform(-1, 1));
@@ -208,7 +208,7 @@ TEST(Membranes, ConvergeQuadraticallyOnATorus) {
 }
 
 TEST(Membranes, ComeToRestWithPointsAtVertices) {
-  // Of a saddle's middle, where paths bend: a point there is held by the vertex.
+  // At the middle vertex of a saddle paths bend, and a point can be in equilibrium there.
   const TriangleMesh mesh = testing::saddle(5);
   const GeodesicSolver solver(testing::share(mesh));
   const testing::SurfaceSampler sampler(mesh);
@@ -227,7 +227,7 @@ TEST(Membranes, ComeToRestWithPointsAtVertices) {
     if (flat) continue;
     const Relaxation relaxed = relax(solver, network, {.tolerance = 1e-10});
     EXPECT_EQ(relaxed.stopped, "converged") << seed;
-    // No direction is lower.
+    // No direction lowers the energy.
     const std::shared_ptr<NetworkEnergy> elements = network_term(solver, network, {false, true, true, true}).energy;
     const auto energy_at = [&](const SurfacePoint& at) {
       auto points = relaxed.points;

@@ -26,7 +26,7 @@ using surface::GeodesicSolver;
 using surface::TriangleMesh;
 using testing::expect_error;
 
-/// A bar along x, from 0 to 3, of unit cross-section, with cords along it.
+/// A bar of unit cross-section along x, from 0 to 3, with chains of springs along it.
 struct Bar {
   explicit Bar(int n = 3) {
     std::vector<Vector3d> positions = testing::cube(n).positions();
@@ -51,7 +51,8 @@ struct Bar {
   std::vector<std::int32_t> left() const {
     return vertices_where([](const Vector3d& p) { return p.x() < 1e-9; });
   }
-  /// The right end, to where `place` takes it, in `stops` positions.
+  /// The vertices of the right end, with `stops` positions each. `place` gives the position for a fraction of the
+  /// motion.
   template <class Place>
   std::vector<MovedVertex> right(int stops, const Place& place) const {
     std::vector<MovedVertex> moved;
@@ -96,18 +97,18 @@ TEST(MovedVertices, ComeToTheirPositionsAndTheRestOfTheHostAndTheNetworkFollow) 
     bool billed = false;
     for (const auto& effect : cost.effects()) billed = billed || (effect.name == "moved_vertices" && effect.ran);
     EXPECT_TRUE(billed);
-    // The same end whatever the number of positions on the way.
+    // The number of positions does not change the end.
     host.moved_vertices = bar.right(4, lifted);
     const Relaxation slow = relax(*bar.solver, bar.network, {.host = host});
     EXPECT_EQ(slow.stopped, "converged");
     EXPECT_EQ(slow.stops.size(), 4U);
     EXPECT_NEAR(slow.energy, found.energy, 1e-8 * found.energy);
-    // The iterations are those of all: of the start and of each stop.
+    // The iterations are those at the start and those of every load increment.
     int iterations = 0;
     for (const FollowedStop& stop : slow.stops) iterations += stop.iterations;
     EXPECT_GT(slow.iterations, iterations);
     EXPECT_GE(static_cast<int>(slow.history.size()), slow.iterations);
-    // And the same as for whoever looks for it from there: no force is left but at held vertices.
+    // The network is in equilibrium on the host at its end.
     const GeodesicSolver there(testing::share(bar.mesh->with_positions(found.host.vertices)));
     Network again = bar.network;
     again.points = found.points;
@@ -181,7 +182,7 @@ TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
   MovedSupports scene(system, model, 1e-9);
   scene.set_target(1);
   scene.begin_step();
-  // What is out of balance after a step along the tangent is of second order.
+  // The gradient after a step along the tangent is of second order in the step.
   double last = 0;
   for (const double share : {1e-2, 1e-3, 1e-4}) {
     ASSERT_TRUE(scene.predict(share));
@@ -196,7 +197,7 @@ TEST(MovedVertices, AreFollowedOnTheTangentToThePathOfEquilibria) {
 
 TEST(MovedVertices, LeavePointsThatHardlyAnythingHoldsInTheirPlaces) {
   Bar bar;
-  // A chain that is as long as its way, up to a hair: across it, points have next to no stiffness.
+  // A chain whose rest length is almost its length: points have next to no stiffness across it.
   bar.network = {};
   for (const double x : {0.31, 0.93, 1.71, 2.6})
     bar.network.points.push_back(testing::nearest_point(*bar.mesh, {x, 0.52, 1}));
@@ -237,7 +238,7 @@ TEST(MovedVertices, TakeABranchThatIsStable) {
     return scene.finish(result);
   };
   EXPECT_TRUE(stable_at(0));
-  // A column that is so much shorter and still straight would buckle.
+  // A straight column that is half as long would buckle.
   EXPECT_FALSE(stable_at(0.5));
 }
 
@@ -245,7 +246,7 @@ TEST(MovedVertices, GoAsFarAsElementsKeepTheirVolumeAndSayHowFar) {
   const Bar bar(2);
   const auto check = [&](auto host) {
     host.fixed_vertices = bar.left();
-    // The end would be its mirror image: halfway it is flat.
+    // The end would become its mirror image, and would be flat halfway.
     host.moved_vertices = bar.right(2, [](const Vector3d& p, double share) -> Vector3d {
       return {p.x(), p.y() - share * 4 * (p.y() - 0.5), p.z()};
     });
@@ -357,7 +358,7 @@ TEST(MovedVertices, AreRefusedByNameWhereTheyMakeNoSense) {
   EXPECT_EQ(
       places(expect_error("host.moved_vertex", with(SolidHost{.fixed_vertices = {1, 0}, .moved_vertices = wrong}))),
       named);
-  // Two held vertices leave a turn, whose way nobody knows.
+  // Two prescribed vertices leave the rotation about their axis undetermined.
   EXPECT_EQ(
       places(expect_error("host.unsupported", with(ShellHost{.fixed_vertices = {0}, .moved_vertices = {{1, {here}}}}))),
       (std::vector<std::string>{"host/moved_vertices"}));

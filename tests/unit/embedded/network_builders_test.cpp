@@ -61,7 +61,7 @@ TEST(PairsOfAdjacentFaces, AreTheDualGraph) {
   for (const auto& [a, b] : pairs) EXPECT_LT(a, b);
 }
 
-/// Euler's characteristic of the triangulation's used points, edges and triangles.
+/// The Euler characteristic of a triangulation that uses all points.
 int euler(std::size_t points, const Triangulation& triangulation) {
   return static_cast<int>(points) - static_cast<int>(triangulation.edges.size()) +
          static_cast<int>(triangulation.triangles.size());
@@ -75,7 +75,7 @@ TEST(Triangulate, HasTheTopologyOfTheSurfaceAndOneOrientation) {
     const auto points = poisson_disk_points(solver, 0.12 * mesh.diagonal() * (characteristic < 0 ? 0.5 : 1), 1);
     const Triangulation triangulation = triangulate(solver, points);
     EXPECT_EQ(euler(points.size(), triangulation), characteristic);
-    std::map<Pair, int> sides;  // each edge is passed once in either direction
+    std::map<Pair, int> sides;  // how often the triangles have each directed edge
     for (const auto& t : triangulation.triangles)
       for (int i = 0; i < 3; ++i) ++sides[{t[static_cast<std::size_t>(i)], t[static_cast<std::size_t>((i + 1) % 3)]}];
     for (const auto& [side, count] : sides) {

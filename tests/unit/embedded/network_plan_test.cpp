@@ -14,7 +14,7 @@ using Kind = NeighbourSprings::Kind;
 
 class NetworkPlans : public ::testing::Test {
  protected:
-  /// What is refused, and "" where nothing is.
+  /// The field and number that building the plan refuses, or "" if it refuses nothing.
   std::string refused(const NetworkPlan& plan, std::size_t points, std::size_t springs) {
     std::string told;
     const auto refuse = [&](std::string_view field, std::size_t count) {
@@ -102,7 +102,7 @@ TEST_F(NetworkPlans, AreRefusedBeyondTheLimits) {
   EXPECT_EQ(refused(dual, faces, 3 * faces / 2), "");
   EXPECT_EQ(refused(dual, faces - 1, 3 * faces / 2), "points " + std::to_string(faces));
   EXPECT_EQ(refused(dual, faces, 3 * faces / 2 - 1), "springs " + std::to_string(3 * faces / 2));
-  // 300 points in one face and 200 in a neighbour: 60,000 pairs are counted, not made.
+  // 300 points in one face and 200 in a neighbour are 60,000 pairs, which are counted before they are built.
   std::vector<surface::SurfacePoint> crowd(300, surface::SurfacePoint{FaceId{0}, {0.2, 0.3, 0.5}});
   const auto neighbour = surface::TriangleMesh::face_of(solver.mesh().twin(0));
   crowd.resize(500, surface::SurfacePoint{FaceId{neighbour}, {0.2, 0.3, 0.5}});

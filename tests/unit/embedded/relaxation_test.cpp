@@ -57,7 +57,7 @@ TEST(Relax, AStarOfSpringsComesToRestAtTheKarcherMean) {
     const surface::KarcherMean mean = surface::karcher_mean(solver, problem);
     EXPECT_EQ(relaxed.stopped, "converged");
     expect_never_rising(relaxed);
-    // E = 2 (sum of weights) times the mean's objective; either may be in another local minimum.
+    // E is 2 (sum of weights) times the objective of the Karcher mean.
     EXPECT_NEAR(relaxed.energy, 20 * mean.objective, 1e-9 * relaxed.energy);
     EXPECT_LT((surface::position(mesh, relaxed.points[4]) - mean.position).norm(), 1e-8);
   }
@@ -72,7 +72,7 @@ TEST(Relax, NetworksConvergeQuadraticallyFromPointsNearVerticesAndOnEdges) {
     EXPECT_EQ(relaxed.stopped, "converged");
     EXPECT_LT(relaxed.gradient_norm, 1e-9 * mesh.diagonal());
     expect_never_rising(relaxed);
-    // The last step at least squares the gradient's distance from zero, up to rounding.
+    // The last iterations converge quadratically, down to rounding.
     const auto& history = relaxed.history;
     ASSERT_GE(history.size(), 3U);
     EXPECT_LT(history.back().gradient_norm, 1e-3 * history[history.size() - 2].gradient_norm);
@@ -108,7 +108,7 @@ TEST(Relax, AllMethodsFindTheSameEquilibrium) {
 }
 
 TEST(Relax, APointRestsAtASaddleVertexThatHoldsIt) {
-  // Three springs of equal pull, 2.2 pi / 3 apart round a saddle: no direction descends from its tip.
+  // Three springs of equal tension, 2.2 pi / 3 apart around a saddle vertex: no direction from it descends.
   const TriangleMesh mesh = testing::cone(12, 2.2 * std::numbers::pi, 3);
   const GeodesicSolver solver(testing::share(mesh));
   Network network;
@@ -126,7 +126,7 @@ TEST(Relax, APointRestsAtASaddleVertexThatHoldsIt) {
   EXPECT_EQ(relaxed.at_vertices, std::vector<std::int32_t>{3});
   EXPECT_LT(surface::position(mesh, relaxed.points[3]).norm(), 1e-12);
   EXPECT_NEAR(relaxed.energy, 3 * 0.49, 1e-9);
-  // From the tip itself, pulled by one spring only, it leaves.
+  // With one spring alone, a point that starts at the vertex leaves it.
   network.points[3] = surface::vertex_point(mesh, VertexId{0});
   network.springs = {{0, 3, 0, 1}};
   const Relaxation left = relax(solver, network);
@@ -164,7 +164,7 @@ TEST(Relax, PointsCrossManyFacesInOneStep) {
 }
 
 TEST(Relax, ABoundaryHoldsWhatIsPulledAgainstIt) {
-  // The straight way between the anchors of an L leads through the corner: the middle point rests there.
+  // The shortest path between the fixed points of an L passes its inner corner, where the middle point comes to rest.
   const TriangleMesh mesh = testing::l_shape(4);
   const GeodesicSolver solver(testing::share(mesh));
   Network network;
@@ -193,7 +193,7 @@ TEST(Relax, AMembraneThatSpreadsRestsAgainstTheBorder) {
   const Relaxation relaxed = relax(solver, network, {.max_iterations = 300});
   EXPECT_EQ(relaxed.stopped, "converged");
   EXPECT_LE(relaxed.gradient_norm, relaxed.gradient_tolerance);
-  // Some rest against edges, and are free again where the membrane is as large as it was.
+  // Some points come to rest at the boundary, and leave it when the membrane is as large as before.
   const auto on_edges = [&](const std::vector<SurfacePoint>& points) {
     return std::ranges::count_if(points, [&](const SurfacePoint& point) {
       for (int corner = 0; corner < 3; ++corner)
@@ -211,7 +211,7 @@ TEST(Relax, AMembraneThatSpreadsRestsAgainstTheBorder) {
 }
 
 TEST(Relax, SpringsUnderCompressionAreToldAndStopAtTheCutLocus) {
-  // Longer at rest than any distance on the sphere: the free point runs away from the fixed one to its antipode.
+  // The rest length exceeds all distances on the sphere: the free point moves to the antipode of the fixed one.
   const TriangleMesh mesh = testing::icosphere(3);
   const GeodesicSolver solver(testing::share(mesh));
   Network network;
@@ -224,7 +224,7 @@ TEST(Relax, SpringsUnderCompressionAreToldAndStopAtTheCutLocus) {
   EXPECT_GT(relaxed.springs[0].length, 3.0);
   EXPECT_TRUE(relaxed.stopped == "cut_locus" || relaxed.stopped == "converged") << relaxed.stopped;
   expect_never_rising(relaxed);
-  // With room to grow it reaches its length.
+  // A rest length that fits on the sphere is reached.
   network.springs[0].rest_length = 1.5;
   const Relaxation grown = relax(solver, network);
   EXPECT_EQ(grown.stopped, "converged");

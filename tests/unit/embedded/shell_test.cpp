@@ -25,7 +25,7 @@ using surface::GeodesicSolver;
 using surface::TriangleMesh;
 using Terms = std::vector<std::shared_ptr<numerics::Term<NetworkState>>>;
 
-/// The nodes where the mesh has its vertices, moved by `move`; no points.
+/// A state without points, whose nodes are the mesh's vertices moved by `move`.
 template <class Move>
 NetworkState state_of(const TriangleMesh& mesh, const Move& move) {
   std::vector<Vector3d> positions = mesh.positions();
@@ -61,7 +61,7 @@ TEST(HingeAngle, HasTheDerivativesOfTheAngleBetweenTheNormals) {
   RandomStream random("hinge", 1);
   for (int trial = 0; trial < 30; ++trial) {
     Eigen::VectorXd at(12);
-    // Flat, a little bent, folded nearly shut, and any.
+    // Flat, slightly folded, folded almost shut to either side, and random.
     const double fold = std::array{0.0, 0.3, -3.0, 3.0, random.uniform(-3, 3)}[static_cast<std::size_t>(trial % 5)];
     at << 0, 0, 0, 0, 1, 0, -0.7, random.uniform(-0.5, 1.5), 0, 0.8 * std::cos(fold), random.uniform(-0.5, 1.5),
         -0.8 * std::sin(fold);
@@ -120,14 +120,14 @@ TEST(Shell, HasAConvexMatrixNearItsHessian) {
   }
 }
 
-// Of a face alone, the nearest positive semidefinite matrix is known from its eigenvalues.
+// The eigenvalues of a single face's Hessian give the nearest positive semidefinite matrix.
 TEST(Shell, TakesNoMoreThanTheNegativeCurvatureOutOfAFace) {
   RandomStream random("shell_convex", 2);
   const TriangleMesh mesh = TriangleMesh::build({{0, 0, 0}, {1, 0, 0.1}, {0.2, 0.8, 0}}, {{0, 1, 2}});
   const ShellMembrane membrane(mesh, {.thickness = 0.1, .youngs_modulus = 100, .poisson_ratio = 0.4});
   int bent_downwards = 0;
   for (int round = 0; round < 60; ++round) {
-    // Stretched, hardly deformed, compressed.
+    // Stretched, almost undeformed, compressed.
     const double scale = std::array{1.4, 1.0, 0.7}[static_cast<std::size_t>(round % 3)];
     const NetworkState state = state_of(mesh, [&](const Vector3d& p) -> Vector3d {
       return scale * p + 0.1 * Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
@@ -208,11 +208,11 @@ TriangleMesh equilateral_sheet(double a, double width, double height) {
   return TriangleMesh::build(positions, faces);
 }
 
-/// A sheet's bending energy, by that of the plate with the constant curvature 1 / radius along x times `share` ways.
+/// Bending energy per area of a sheet of equilateral triangles whose points `bend` moves.
 double bending_of(double side, const std::function<Vector3d(const Vector3d&)>& bend, const ShellHost& shell) {
   const TriangleMesh sheet = equilateral_sheet(side, 1, 1);
   const NetworkState bent = state_of(sheet, bend);
-  // Hinges on the border are missing: the sheet's inner edges, three for each two faces, stand for the area.
+  // Edges of the border have no hinges. The area is that of the inner edges, three for every two faces.
   double area = 0;
   for (std::int32_t h = 0; h < sheet.halfedge_count(); ++h)
     if (sheet.twin(h) > h) area += side * side / (2 * std::numbers::sqrt3);
@@ -275,7 +275,7 @@ TEST(Shell, StretchesLikeASheetUnderPlaneStress) {
     area += (x[b] - x[a]).cross(x[c] - x[a]).norm() / 2;
   }
   const double strain = 1e-5;
-  // Free to contract across: E eps^2 / 2; held across: E / (1 - nu^2).
+  // The modulus is E if the sheet is free to contract across, and E / (1 - nu^2) if its width is fixed.
   for (const auto& [across, modulus] : {std::pair(-nu * strain, 20.0), std::pair(0.0, 20 / (1 - nu * nu))}) {
     const NetworkState stretched = state_of(sheet, [&, across = across](const Vector3d& p) -> Vector3d {
       return {(1 + strain) * p.x(), (1 + across) * p.y(), p.z()};
@@ -286,7 +286,7 @@ TEST(Shell, StretchesLikeASheetUnderPlaneStress) {
 }
 
 TEST(Shell, IsInflatedToWhereThePressureAndTheStretchAgree) {
-  // A sphere under plane stress, radius stretch s: 4 pi R^2 h psi(s^2) against w / 2 (s^3 - scale)^2 V0.
+  // A sphere with the radius R s under plane stress: its energy is 4 pi R^2 h psi(s^2) + w / 2 (s^3 - scale)^2 V0.
   const TriangleMesh mesh = testing::icosphere(3);
   const ShellHost shell{
       .thickness = 0.01, .youngs_modulus = 100, .poisson_ratio = 0.48, .volume_weight = 20, .volume_scale = 1.5};
@@ -307,7 +307,7 @@ TEST(Shell, IsInflatedToWhereThePressureAndTheStretchAgree) {
   double low = 1;
   double high = 1.2;
   for (int i = 0; i < 60; ++i) (slope((low + high) / 2) < 0 ? low : high) = (low + high) / 2;
-  // It is held at one of its vertices.
+  // One vertex is fixed, so that the centre moves.
   Vector3d center = Vector3d::Zero();
   for (std::int32_t i = 0; i < mesh.vertex_count(); ++i) center += system.state().node(i) / mesh.vertex_count();
   double mean = 0;

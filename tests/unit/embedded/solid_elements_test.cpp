@@ -29,7 +29,7 @@ Eigen::Matrix3d random_matrix(RandomStream& random, double size) {
   return size * Eigen::Matrix3d::NullaryExpr([&] { return random.uniform(-1, 1); });
 }
 
-/// Waves of which no tetrahedron is turned inside out.
+/// A wavy deformation that inverts no tetrahedron.
 auto waves(double amplitude) {
   return [amplitude](const Eigen::Vector3d& x) {
     return Eigen::Vector3d(
@@ -143,7 +143,7 @@ TEST(SolidElements, RigidMotionsCostNothingAndTurnForcesAlong) {
   const SolidElements elements(scene.solid, {});
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(2.5, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
   const auto rigid = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(turn * x + Eigen::Vector3d(3, -1, 2)); };
-  // The strain is the coordinates' rounding, and energies are of its square.
+  // The strain is the rounding of the coordinates, and the energy is proportional to its square.
   EXPECT_LT(energy_at(elements, scene.state(rigid)), 1e-24);
   EXPECT_EQ(energy_at(elements, scene.at_rest()), 0);
   const NetworkState here = scene.state(waves(0.1));
@@ -169,10 +169,10 @@ TEST(SolidElements, SmallStrainsKeepTheirDigits) {
       scene.solid.volume() * (lame.mu * strain.squaredNorm() + lame.lambda / 2 * strain.trace() * strain.trace());
   for (const double size : {1e-4, 1e-6, 1e-8}) {
     const auto place = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(x + size * gradient * x); };
-    // By the law's next order, and the rounding of places.
+    // The deviations are the next order of the law and the rounding of positions.
     EXPECT_NEAR(energy_at(elements, scene.state(place)) / (size * size * linear), 1, 5 * size + 1e-15 / size);
   }
-  // In a solid that has turned.
+  // The solid is rotated as well.
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d(3, 2, 1).normalized()).toRotationMatrix();
   const double size = 1e-6;
   const auto place = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(turn * (x + size * gradient * x)); };
@@ -212,8 +212,8 @@ TEST(SolidElements, HaveAllDigitsOfStrainsWherePlacesDo) {
     const Lame lame(host);
     const double linear = lame.mu * strain.squaredNorm() + lame.lambda / 2 * strain.trace() * strain.trace();
     const double size = 0x1p-40;
-    // Whole multiples of powers of two: sums of places and displacements are exact. Of two opposite displacements the
-    // mean has no third order.
+    // Positions and displacements are multiples of powers of two, so that their sums are exact. The mean over opposite
+    // displacements has no third-order term.
     const auto energy = [&](double way) {
       return energy_at(elements,
                        scene.state([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(x + way * gradient * x); }));
@@ -229,7 +229,7 @@ TEST(SolidElements, AnAffineMotionOfTheSurfaceIsTheInnerNodesEquilibrium) {
   f << 1.3, 0.2, 0, -0.1, 0.9, 0.1, 0, 0.15, 1.1;
   const auto affine = [&](const Eigen::Vector3d& x) { return Eigen::Vector3d(f * x); };
   const auto on_surface = [](const Eigen::Vector3d& x) { return x.norm() > 0.999; };
-  // Inner nodes start from elsewhere.
+  // Inner nodes start elsewhere.
   RandomStream random("solid_patch", 1);
   const NetworkState start = scene.state([&](const Eigen::Vector3d& x) {
     const double away = on_surface(x) ? 0 : 0.02;
@@ -281,7 +281,7 @@ TEST(SolidElements, StepsEndBeforeTheFirstTetrahedronIsTurnedInsideOut) {
     for (const double share : {0.25, 0.5, 0.75, 1.0, 1.11}) EXPECT_GT(ratio(share), 0) << share;
     EXPECT_LT(ratio(1 / 0.9 + 1e-3), 0);
   }
-  // Rigid motions may go on for ever; so may a solid that grows.
+  // Rigid translations and growth have no largest step.
   const Eigen::VectorXd along = Eigen::VectorXd::Ones(start.dimension());
   EXPECT_EQ(elements.largest_step(start, along), std::numeric_limits<double>::infinity());
   EXPECT_EQ(elements.largest_step(scene.at_rest(), scene.at_rest().nodes()), std::numeric_limits<double>::infinity());
@@ -357,11 +357,11 @@ TEST(FirstInversion, FindsRootsOfEvenOrderAndNoneWhereThereIsNone) {
     return Eigen::Matrix3d(Eigen::Vector3d(a, b, c).asDiagonal());
   };
   EXPECT_NEAR(first_inversion(one, diagonal(-1, 0, 0)), 1, 1e-11);
-  // (1 - t)^2: touched, not crossed. Rounding makes of its value 1e-12 a distance of 1e-6.
+  // (1 - t)^2 touches zero without changing sign. A rounding error of 1e-12 in its value moves the root by 1e-6.
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, 0)), 1, 2e-6);
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, -1)), 1, 2e-4);
   EXPECT_NEAR(first_inversion(one, diagonal(-1, -1, 5)), 1, 2e-6);
-  // The same from and to anywhere: rounding alone decides on which side of 0 the least volume is.
+  // The same in random coordinates: rounding alone decides the sign of the least volume.
   RandomStream random("double_roots", 1);
   for (int trial = 0; trial < 100; ++trial) {
     const Eigen::Matrix3d left = random_matrix(random, 1);
@@ -372,7 +372,7 @@ TEST(FirstInversion, FindsRootsOfEvenOrderAndNoneWhereThereIsNone) {
   EXPECT_EQ(first_inversion(one, Eigen::Matrix3d::Zero()), never);
   EXPECT_EQ(first_inversion(diagonal(1, 1, -1), one), 0);
   EXPECT_EQ(first_inversion(diagonal(1, 1, 0), one), 0);
-  // Turned by a straight way: 1 + t^2.
+  // A rotation along a straight line: the volume is 1 + t^2.
   Eigen::Matrix3d spin = Eigen::Matrix3d::Zero();
   spin(0, 1) = -1;
   spin(1, 0) = 1;
@@ -387,7 +387,7 @@ TEST(Gravity, PullsEveryVolumeAlike) {
   const NetworkState moved = scene.state([&](const Eigen::Vector3d& x) { return Eigen::Vector3d(x + way); });
   EXPECT_NEAR(energy_at(gravity, moved), -scene.solid.volume() * force.dot(way), 1e-12);
   EXPECT_EQ(energy_at(gravity, scene.at_rest()), 0);
-  // A linear motion moves the volume's centre as the integral says.
+  // The derivatives agree with finite differences.
   const SolidScene small(testing::cube(1));
   Gravity pull(small.solid, force);
   const auto check = numerics::check_derivatives(pull, small.at_rest());
@@ -397,7 +397,7 @@ TEST(Gravity, PullsEveryVolumeAlike) {
 }
 
 TEST(Gravity, ABarStretchesUnderItsOwnWeightAsMuchAsItsTheorySays) {
-  // nu = 0: each cross section keeps its shape, and the energy is that of the rod, -g^2 A L^3 / 6 E.
+  // With nu = 0 each cross section keeps its shape, and the energy is that of the rod, -g^2 A L^3 / 6 E.
   SolidHost host;
   host.youngs_modulus = 50;
   host.poisson_ratio = 0;
@@ -422,7 +422,7 @@ TEST(Gravity, ABarStretchesUnderItsOwnWeightAsMuchAsItsTheorySays) {
     }
     EXPECT_NEAR(sinks / count / (1e-4 * length * length / (2 * host.youngs_modulus)), 1, 0.3 * errors.back()) << n;
   }
-  // Of the second order in the elements' size, as far as meshes of other shape can show it.
+  // The error is of second order in the element size, as far as unstructured meshes can show it.
   EXPECT_LT(errors.back(), 5e-4);
   EXPECT_GT(errors.back(), 0);
   EXPECT_GT(errors.front() / errors.back(), 10);
@@ -449,7 +449,7 @@ TEST(SolidElements, HaveAConvexMatrixThatDiffersFromTheHessianWhereTheSolidIsCom
       const Eigen::MatrixXd convex = matrix_at(state, true);
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(convex);
       EXPECT_GT(modes.eigenvalues()[0], -1e-12 * exact.norm());
-      // No less than the Hessian along any way.
+      // In every direction the convex matrix is at least the Hessian.
       const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> added(convex - exact);
       EXPECT_GT(added.eigenvalues()[0], -1e-12 * exact.norm());
       if (scale > 1) {

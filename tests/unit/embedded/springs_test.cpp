@@ -17,7 +17,7 @@ using surface::GeodesicSolver;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// Random points with springs from each to the next and to the one after that.
+/// Random points, each with springs to the next two.
 Network random_chain(const TriangleMesh& mesh, int count, double rest_length, std::uint64_t seed) {
   const testing::SurfaceSampler sampler(mesh);
   RandomStream random("random_chain", seed);
@@ -59,7 +59,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   EXPECT_LT(check.gradient.error, 1e-6) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-4) << check.summary();
 
-  // The mollified energy itself is near the plain one.
+  // The mollified energy is close to the exact one.
   const auto energy = [&](double mollifier_length) {
     numerics::System<NetworkState> system(
         state,
@@ -75,7 +75,7 @@ TEST(GeodesicSprings, ASquaredDistanceIsATermThatExistsAtZeroLength) {
   const TriangleMesh mesh = testing::icosphere(1);
   const GeodesicSolver solver(testing::share(mesh));
   Network network;
-  // Two points in one place of a face, and two in one place of an edge, written in its two faces.
+  // Two points at the same place in a face, and two at the same place on an edge, given in either of its faces.
   network.points.assign(2, {FaceId{7}, {0.2, 0.3, 0.5}});
   const std::int32_t across = mesh.twin(0);
   network.points.push_back({FaceId{0}, {0.25, 0.75, 0}});
@@ -94,7 +94,7 @@ TEST(GeodesicSprings, PartTwoPointsInOnePlaceThatWantToBeApart) {
   const Spring spring{0, 1, 0.5, 2};
   const SpringElement element = spring_element_at_zero(spring, 0.3, 4);
   EXPECT_DOUBLE_EQ(element.value, 0.5);
-  // The slope of weight (g - rest_length)^2 at g = 0 along the way that the ends part on.
+  // The derivative of weight (g - rest_length)^2 at g = 0 in the direction in which the ends separate.
   EXPECT_NEAR(element.gradient.head<2>().norm(), 2 * 2 * 0.5, 1e-14);
   EXPECT_NEAR(element.gradient.tail<2>().norm(), 2 * 2 * 0.5, 1e-14);
   EXPECT_NE(spring_element_at_zero(spring, 0.3, 5).gradient, element.gradient)
@@ -112,7 +112,7 @@ TEST(EuclideanSprings, HaveTheDerivativesOfTheirEnergyWithinFaces) {
   }
 }
 
-/// Springs from a point at a vertex to points on one side of it.
+/// A point at a vertex, with springs to points on one side of it.
 struct AtVertex {
   explicit AtVertex(TriangleMesh built) : mesh(std::move(built)), solver(testing::share(mesh)) {
     const SurfacePoint tip = surface::vertex_point(mesh, VertexId{0});
@@ -142,8 +142,8 @@ struct AtVertex {
   Network network;
 };
 
-/// At a vertex an energy has a slope of its own in each direction: its gradient there is the steepest way down, and the
-/// Hessian that of flat pieces.
+/// At a vertex the energy has only directional derivatives. Its gradient there is to be that of steepest descent, and
+/// its Hessian that of the flat sectors.
 void expect_steepest_way_down(const AtVertex& scene, const std::shared_ptr<numerics::Term<NetworkState>>& term) {
   auto system = scene.system(term);
   system.evaluate(2);
@@ -233,7 +233,7 @@ TEST(NetworkState, CarriesTangentsAlongTheWayOfEachPoint) {
     const auto before = state.points();
     state.move(step);
     ASSERT_TRUE(state.transport(tangent));
-    // The direction of a straightest path, carried along it, is its direction at the end: going on, then back, returns.
+    // A straightest path transports its own direction: the opposite step at its end returns to the start.
     state.move(-tangent);
     for (std::size_t i = 0; i < 2; ++i)
       EXPECT_LT((surface::position(mesh, state.points()[i]) - surface::position(mesh, before[i])).norm(), 1e-9);

@@ -6,23 +6,24 @@
 #include "supple/embedded/network.h"
 #include "supple/embedded/relaxation.h"
 
-// A relaxed network as files, in mesh units. Numbers read back as the same doubles.
+// Files of a relaxed network, in mesh units. Reading a number gives the same double that was written.
 namespace supple::embedded {
 
-/// A Wavefront OBJ file with a line element for each spring, in their order: along its path where `relaxation` has the
-/// paths, otherwise the segment between its ends; then a face for each triangle of a membrane, with its corners on the
-/// surface and flat between them. Of a host that gave way, the objects "network" and "host": the second is its surface.
-/// `network` is the one that was relaxed, `mesh` the surface as it is at the end.
+/// A Wavefront OBJ file with a line element for each spring, in their order, and a flat face for each triangle of a
+/// membrane. A line follows the spring's path if `relaxation` has the paths; otherwise it is the segment between its
+/// ends. With a host that deformed or moved, the file has two objects, "network" and "host"; the second is the host's
+/// surface. `network` is the one that was relaxed, `mesh` the surface at the end.
 std::string write_obj(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation);
 
-/// The same as a VTK unstructured grid (VTU, ASCII) of polylines (cell type 4) and triangles (5) with the cell data
-/// "energy", "length" and "rest_length" (mesh units), "weight", "compressed" and "at_cut_locus" (0 or 1), all but the
-/// first 0 for triangles, and where there are any "greater_stretch" and "lesser_stretch" (0 for springs). A host that
-/// gave way follows, tetrahedra (10) of a solid and triangles of a shell, and the cell data "host" is 1 there.
+/// The same content as a VTK unstructured grid (VTU, ASCII) of polylines (cell type 4) and triangles (5). Its cell data
+/// are "energy", "length" and "rest_length" (mesh units), "weight", "compressed" and "at_cut_locus" (0 or 1); all but
+/// "energy" are 0 for triangles. A network with triangles also has "greater_stretch" and "lesser_stretch", 0 for
+/// springs. A host that deformed or moved follows as tetrahedra (10) of a solid or triangles of a surface, for which
+/// the cell data "host" is 1.
 std::string write_vtu(const surface::TriangleMesh& mesh, const Network& network, const Relaxation& relaxation);
 
-/// An SVG diagram of a relaxation: energy and gradient norm over the iterations, one above the other, each on a
-/// logarithmic axis. States where a value is zero have no point in its curve.
+/// An SVG diagram of a relaxation: energy above gradient norm, over the iterations, with logarithmic axes. A value that
+/// is not positive and finite has no point in its curve.
 std::string write_convergence_svg(const std::vector<RelaxationStep>& history);
 
 }  // namespace supple::embedded

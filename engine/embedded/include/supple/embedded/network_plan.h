@@ -20,9 +20,9 @@ struct PointsInFaces {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
 
-/// Random points that keep their distance; see poisson_disk_points.
+/// Random points with a least distance; see poisson_disk_points.
 struct PoissonDiskPoints {
-  double radius = 0;  ///< mesh units
+  double radius = 0;  ///< least distance of two points, mesh units
   std::uint64_t seed = 1;
 };
 
@@ -33,42 +33,42 @@ struct NeighbourSprings {
   double weight = 1;       ///< energy per squared mesh unit
 };
 
-/// The triangles of `triangulate`.
+/// Triangles that `triangulate` finds.
 struct DualTriangles {};
 
-/// A network whose points, springs and triangles are given one by one, or by a rule.
+/// A network whose points, springs and triangles are each a list or follow a rule.
 struct NetworkPlan {
   std::variant<std::vector<surface::SurfacePoint>, PointsInFaces, PoissonDiskPoints> points;
   std::variant<std::vector<Spring>, NeighbourSprings> springs;
   std::vector<std::int32_t> fixed_points{};
-  /// Corners of triangles that are at rest where the points are, but for the factor on all lengths.
+  /// Corners of the triangles, whose rest lengths are the distances of the points at the start times `rest_scale`.
   std::variant<std::vector<std::array<std::int32_t, 3>>, DualTriangles> triangles{};
   double rest_scale = 1;
   MembraneMaterial material{};
 
-  /// Whether a rule is followed, or triangles are measured.
+  /// Whether there is anything to compute: a rule to follow, or triangles whose sides must be measured.
   bool builds() const { return points.index() > 0 || springs.index() > 0 || has_membrane(); }
   bool has_membrane() const { return triangles.index() > 0 || !std::get<0>(triangles).empty(); }
 };
 
-/// How many points, springs and triangles a rule may make.
+/// Largest numbers of points, springs and triangles that a rule may build.
 struct NetworkLimits {
   std::size_t points = 100'000;
   std::size_t springs = 300'000;
   std::size_t triangles = 300'000;
-  /// Called with "points", "springs" or "triangles" and their number where a rule makes more than that, mostly before
-  /// it has made them; throws.
+  /// Called with "points", "springs" or "triangles" and their number if a rule exceeds the limit, in most cases before
+  /// it has built them. It must throw.
   std::function<void(std::string_view field, std::size_t count)> refuse;
 };
 
 struct BuiltNetwork {
   Network network;
-  /// Indices of points: corners of the network's triangles, or of those of the triangulation that springs are made of.
+  /// Corners, as indices of points, of the network's triangles; without these, of the triangulation that gave springs.
   std::optional<std::vector<std::array<std::int32_t, 3>>> triangles;
 };
 
-/// Throws what the rules throw and what `limits.refuse` throws. Bills the stages "points", "springs" and
-/// "triangles".
+/// Builds the network of a plan. Throws what the rules and `limits.refuse` throw. Bills the stages "points", "springs"
+/// and "triangles".
 BuiltNetwork build_network(const surface::GeodesicSolver& solver, const NetworkPlan& plan, const NetworkLimits& limits,
                            const Execution& execution = {});
 
