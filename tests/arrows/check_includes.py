@@ -59,7 +59,6 @@ LIBRARIES = {
     "zip.h": ("engine/tiling",),
     "torch/": ("engine/training", "tests"),
     "CGAL/": ("tests",),
-    "ceres/": ("tests",),
     "gmsh.h": ("engine/meshing", "tests/unit/tiling"),
     "pugixml.hpp": ("engine/outlines",),
     "polyclipping/": ("engine/outlines", "engine/tiling"),

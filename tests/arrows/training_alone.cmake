@@ -4,7 +4,7 @@
 file(REMOVE_RECURSE ${BUILD})
 
 # A required package that is disabled ends the configuration.
-foreach(package GTest PkgConfig httplib prometheus-cpp spdlog nlohmann_json SQLite3 OpenSSL benchmark Ceres CGAL)
+foreach(package GTest PkgConfig httplib prometheus-cpp spdlog nlohmann_json SQLite3 OpenSSL benchmark CGAL)
   list(APPEND disabled -D CMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
 execute_process(COMMAND ${CMAKE_COMMAND} --preset training -B ${BUILD} -D "Torch_DIR=${TORCH}" ${disabled}
@@ -14,7 +14,7 @@ if(NOT status EQUAL 0)
 endif()
 
 # Libraries that are found by name alone, and what the link lines say.
-file(STRINGS ${BUILD}/CMakeCache.txt found REGEX "^(GMSH|CHOLMOD|POLYCLIPPING|LBFGSB)")
+file(STRINGS ${BUILD}/CMakeCache.txt found REGEX "^(GMSH|CHOLMOD|POLYCLIPPING)")
 file(STRINGS ${BUILD}/build.ninja linked REGEX "LINK_LIBRARIES.*(gmsh|polyclipping|cholmod|httplib|prometheus|gtest)")
 if(found OR linked)
   message(FATAL_ERROR "The preset looks for or links what it must not need:\n${found}\n${linked}")

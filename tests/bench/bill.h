@@ -30,9 +30,9 @@ auto billed(Compute&& compute) {
   return outcome;
 }
 
-/// Seconds billed to the stage of that name, 0 where there is none.
+/// Seconds billed to the stage of this name, 0 if there is none.
 double stage_seconds(const CostLedger& cost, const std::string& name);
-/// The same of an effect.
+/// Seconds billed to the effect of this name, 0 if there is none.
 double effect_seconds(const CostLedger& cost, const std::string& name);
 
 }  // namespace supple::bench

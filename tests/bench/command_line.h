@@ -7,7 +7,7 @@
 
 namespace supple::bench {
 
-/// What a benchmark program can measure: its name on the command line and what measures it.
+/// Something that a benchmark program can measure: its name on the command line and what measures it.
 struct Study {
   std::string name;
   std::function<void()> run;
@@ -25,9 +25,9 @@ Option folder_option(const char* name, std::filesystem::path& value);
 /// Adds the value each time it is given.
 Option list_option(const char* name, std::vector<std::string>& values);
 
-/// Reads [OPTION ...] [STUDY ...] and runs the studies that are named, all if none is, in the order given; prints how
-/// long each took. Returns the program's exit status: 0, 1 after an exception, which is printed, or 2 for a command
-/// line that it does not understand, after the usage line.
+/// Reads [OPTION ...] [STUDY ...], runs the named studies in this order, or all if none is named, and prints how long
+/// each took. Returns the program's exit status: 0, 1 after an exception, which is printed, or 2 after a command line
+/// that it does not understand, when it has printed the usage.
 int run_program(int argc, char** argv, const std::vector<Option>& options, const std::vector<Study>& studies);
 
 }  // namespace supple::bench

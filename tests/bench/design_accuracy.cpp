@@ -11,7 +11,7 @@
 namespace supple::bench {
 namespace {
 
-/// Of the targets; every number of samples but the last is some of them.
+/// Directions of the targets; each smaller number of samples is a part of them.
 constexpr int all_directions = 100;
 
 struct Setting {
@@ -40,7 +40,7 @@ std::vector<Setting> all_settings() {
 
 void study_design_accuracy(const DesignSettings& settings) {
   const int designs = settings.designs > 0 ? settings.designs : settings.brief ? 1 : 25;
-  Report report(settings.folder, "designs-accuracy", "Inverse design: what accuracy costs");
+  Report report(settings.folder, "designs", "accuracy", "Error against time of a search");
   Table table("designs-accuracy", {{"family", "Family"},
                                    {"knob", "Knob"},
                                    {"value", "Value"},
@@ -67,7 +67,7 @@ void study_design_accuracy(const DesignSettings& settings) {
           seconds.push_back(cpu_time([&] {
             found = design::find_design(space->space(), {{*target}, {}, {}}, options);
           }));
-          // Judged at all directions, however many the search has looked at.
+          // All directions count, however many the search has compared.
           const auto profile = design::evaluate_profile(
               space->model, space->evaluator, std::vector<double>(found.parameters.begin(), found.parameters.end()),
               truth.samples);
@@ -83,12 +83,10 @@ void study_design_accuracy(const DesignSettings& settings) {
     }
   }
   report.table(table);
-  report.write(design_introduction(
-      settings, "accuracy",
-      "Stiffness over 100 directions of random designs at a strain of 0.05, found again with one setting changed at a "
-      "time "
-      "from the defaults (50 samples, tolerance 1e-6, equilibria to 1e-10, 24 starts, 40 candidates for each "
-      "parameter)."));
+  report.write(settings.command("accuracy"), settings.brief,
+               "Stiffness over 100 directions of random designs at a strain of 0.05, found again with one setting "
+               "changed at a time from the defaults (50 samples, tolerance 1e-6, equilibria to 1e-10, 24 starts, 40 "
+               "candidates for each parameter). Times are CPU times of one thread.");
 }
 
 }  // namespace supple::bench

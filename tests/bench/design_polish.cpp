@@ -15,11 +15,11 @@
 namespace supple::bench {
 namespace {
 
-constexpr int most_draws_per_target = 5;  ///< of random parameters, for each target wanted
-/// Counted for a design of the search whose simulation does not reach every sample.
+constexpr int max_draws_per_target = 5;  ///< random designs for each target
+/// The deviation that counts for a design of the search whose simulation does not reach every sample.
 constexpr double unsimulated_deviation = 1;
 
-constexpr auto introduction =
+constexpr auto conditions =
     "Targets are what random designs within the bounds do when they are simulated: stress at 10 strains from -0.1 to "
     "0.2 along a random direction, stiffness and Poisson's ratio at a strain of 0.05 in 12 directions. The network "
     "finds a "
@@ -27,9 +27,9 @@ constexpr auto introduction =
     "Deviations are relative root mean squares as in answers, 0.01 is one per cent; a design of the search whose "
     "simulation does not reach every sample counts as one that deviates by 100 %. Seconds are elapsed, on two "
     "threads. Each target has a row in [designs-polish-targets.csv](designs-polish-targets.csv), with the checksum of "
-    "the model's file; a run goes on from there.";
+    "the model's file; a run goes on from there. Times are CPU times of one thread unless they are called elapsed.";
 
-/// What became of one random design; nothing where it makes no target.
+/// Search and polish of one random design, which is not usable if it makes no target.
 struct PolishOutcome {
   bool usable = false;
   double network = 0, unpolished = 0, polished = 0;
@@ -37,12 +37,12 @@ struct PolishOutcome {
   double search_seconds = 0, first_seconds = 0, seconds = 0;
 };
 
-/// Outcomes that earlier runs have come to, as CSV beside the page, since a run of all families takes hours: those of
-/// other models are left alone and not used. A change of the search, of polish or of the simulation asks for the file
-/// to be removed; one of what polish does where it did not reach a target, for `--again`.
-class KeptOutcomes {
+/// The outcomes of earlier runs, in a CSV file beside the page, since a run of all families takes hours. Outcomes for
+/// other models stay in the file and are not used. Remove the file after a change of the search, of polish or of the
+/// simulation; use `--again` after a change that concerns only targets which polish did not reach.
+class SavedOutcomes {
  public:
-  KeptOutcomes(std::filesystem::path file, const LoadedSpace& space, design::Task task)
+  SavedOutcomes(std::filesystem::path file, const LoadedSpace& space, design::Task task)
       : file_(std::move(file)),
         key_(space.model.family + ',' + std::string(to_string(task)) + ',' + space.checksum + ',') {
     std::ifstream in(file_);
@@ -58,7 +58,7 @@ class KeptOutcomes {
   }
   std::size_t size() const { return outcomes_.size(); }
   const PolishOutcome& operator[](std::size_t i) const { return outcomes_[i]; }
-  void keep(const PolishOutcome& o) {
+  void add(const PolishOutcome& o) {
     const bool begins = !std::filesystem::exists(file_);
     std::ofstream out(file_, std::ios::app);
     if (begins) out << "family,task,model,usable,network,unpolished,polished,rounds,search_s,simulation_s,polish_s\n";
@@ -119,21 +119,21 @@ PolishOutcome polish_one(const LoadedSpace& space, const design::Target& target,
           end - searched};
 }
 
-/// The first `targets` of random designs that make one.
+/// Outcomes of the first random designs that make a target.
 std::vector<PolishOutcome> outcomes_of(const LoadedSpace& space, design::Task task, int targets,
                                        const DesignSettings& settings) {
-  KeptOutcomes kept(settings.folder / "designs-polish-targets.csv", space, task);
+  SavedOutcomes saved(settings.folder / "designs-polish-targets.csv", space, task);
   RandomStream random("polish " + space.model.family, static_cast<std::uint64_t>(task) + 1);
   const auto simulate = simulation_of(space.model.family, settings);
   design::PolishOptions options;
-  options.max_seconds = 3600;  // what rounds come to is the question here, on whatever machine
+  options.max_seconds = 3600;  // the number of rounds ends polish here, on whatever machine
   if (settings.brief) options.max_rounds = 1;
   std::vector<PolishOutcome> outcomes;
   for (std::size_t i = 0;
-       static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(most_draws_per_target * targets);
+       static_cast<int>(outcomes.size()) < targets && i < static_cast<std::size_t>(max_draws_per_target * targets);
        ++i) {
-    const bool known = i < kept.size();
-    if (known && !(settings.again && kept[i].polished > options.tolerance)) {
+    const bool known = i < saved.size();
+    if (known && !(settings.again && saved[i].polished > options.tolerance)) {
       skip_target(space, random);
     } else {
       PolishOutcome outcome;
@@ -144,11 +144,11 @@ std::vector<PolishOutcome> outcomes_of(const LoadedSpace& space, design::Task ta
         std::printf("%s: %s\n", space.model.family.c_str(), failure.what());
       }
       if (known)
-        kept.replace(i, outcome);
+        saved.replace(i, outcome);
       else
-        kept.keep(outcome);
+        saved.add(outcome);
     }
-    if (kept[i].usable) outcomes.push_back(kept[i]);
+    if (saved[i].usable) outcomes.push_back(saved[i]);
   }
   return outcomes;
 }
@@ -179,13 +179,8 @@ void study_polish(const DesignSettings& settings) {
                                  {"search_s", "Search, median s"},
                                  {"simulation_s", "One simulation, median s"},
                                  {"polish_s", "Polish, median s"}});
+  std::filesystem::create_directories(settings.folder);
   if (settings.brief) std::filesystem::remove(settings.folder / "designs-polish-targets.csv");
-  // Simulations take long: what families before came to stays where a run is given up.
-  const auto write_page = [&] {
-    Report report(settings.folder, "designs-polish", "Inverse design: the last word to the simulation");
-    report.table(table);
-    report.write(design_introduction(settings, "polish", introduction));
-  };
   for (const auto& space : spaces_of(settings)) {
     for (const auto task : all_tasks) {
       const auto outcomes = outcomes_of(*space, task, targets, settings);
@@ -201,7 +196,10 @@ void study_polish(const DesignSettings& settings) {
                  number(median(all(outcomes, &PolishOutcome::first_seconds))),
                  number(median(all(outcomes, &PolishOutcome::seconds)))});
     }
-    write_page();
+    // A run of all families takes hours: each family's rows are written at once.
+    Report report(settings.folder, "designs", "polish", "Polish by simulation");
+    report.table(table);
+    report.write(settings.command("polish"), settings.brief, conditions);
   }
 }
 

@@ -10,7 +10,7 @@
 namespace supple::bench {
 namespace {
 
-/// Median, over targets of random designs, of the seconds from a random start.
+/// CPU seconds of searches from a random start, one for each target of a random design.
 std::vector<double> single_starts(const LoadedSpace& space, design::Task task, int designs) {
   std::vector<double> seconds;
   RandomStream random("speed " + space.model.family, static_cast<std::uint64_t>(task) + 1);
@@ -27,7 +27,7 @@ std::vector<double> single_starts(const LoadedSpace& space, design::Task task, i
       try {
         design::find_design(space.space(), problem, options);
       } catch (const Error&) {
-        // No equilibrium at the start: it costs what it costs.
+        // A search without an equilibrium at its start counts too.
       }
     }));
   }
@@ -59,7 +59,7 @@ std::vector<double> drags(const LoadedSpace& space, design::Task task, int steps
 
 void study_design_speed(const DesignSettings& settings) {
   const int designs = settings.designs > 0 ? settings.designs : settings.brief ? 2 : 40;
-  Report report(settings.folder, "designs-speed", "Inverse design: what a design costs");
+  Report report(settings.folder, "designs", "speed", "Time of a design");
   const auto spaces = spaces_of(settings);
   Table table("designs-speed", {{"family", "Family"},
                                 {"width", "Width"},
@@ -99,7 +99,7 @@ void study_design_speed(const DesignSettings& settings) {
   for (const auto& space : spaces) all.push_back(space->space());
   double longest = 0;
   for (const auto task : all_tasks) {
-    // A target that no family has: the mean of two families' profiles.
+    // The mean of two families' profiles is a target that no family has.
     RandomStream random("search", static_cast<std::uint64_t>(task) + 1);
     std::optional<design::Target> a;
     std::optional<design::Target> b;
@@ -115,12 +115,12 @@ void study_design_speed(const DesignSettings& settings) {
   }
   report.table(search);
   report.target("Search over all families, CPU time", "2 s", number(longest) + " s", longest < 2);
-  report.write(design_introduction(
-      settings, "speed",
-      "One start: targets of random designs, from one random starting point. Dragging: one control point moves by 1 % "
-      "of the target's scale, and the search goes on from the design before with the accuracy that the web editor asks "
-      "for meanwhile, a tolerance of 1e-4 and 20 iterations. Search: a target that lies between two "
-      "families, so that every family tries all its starting points."));
+  report.write(settings.command("speed"), settings.brief,
+               "One start: targets of random designs, from one random starting point. Dragging: one control point "
+               "moves by 1 % of the target's scale, and the search goes on from the design before with the accuracy "
+               "that the web editor asks for meanwhile, a tolerance of 1e-4 and 20 iterations. Search: a target that "
+               "lies between two families, so that every family tries all its starting points. Times are CPU times of "
+               "one thread unless they are called elapsed.");
 }
 
 }  // namespace supple::bench

@@ -1,7 +1,5 @@
 // Profiles of random designs by the networks and by simulation at their native scale.
-#include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "design_bench.h"
@@ -14,25 +12,24 @@
 namespace supple::bench {
 namespace {
 
-/// A random design within the bounds and what simulation says of it.
+/// A random design within the bounds and its simulated profile.
 struct Simulated {
   std::vector<double> parameters;
   design::ProfileSamples samples;
-  Eigen::VectorXd y;  ///< NaN where the simulation did not get there
+  Eigen::VectorXd y;  ///< NaN for samples that the simulation did not reach
 };
 
-/// What one task's simulations of a family came to.
+/// The simulations of one task and family.
 struct Truth {
   std::vector<Simulated> designs;
   std::vector<double> seconds;  ///< elapsed
-  int unreached = 0;            ///< samples
+  int unreached = 0;            ///< number of samples
 };
 
 Truth simulate(const LoadedSpace& space, design::Task task, int designs, const DesignSettings& settings) {
   Truth truth;
   RandomStream random("verification " + space.model.family, static_cast<std::uint64_t>(task) + 1);
-  // Some corners of the bounds hold no structure.
-  for (int i = 0; static_cast<int>(truth.designs.size()) < designs && i < most_draws_per_design * designs; ++i) {
+  for (int i = 0; static_cast<int>(truth.designs.size()) < designs && i < max_draws_per_design * designs; ++i) {
     const auto parameters = random_parameters(space.model, random);
     const auto target = target_of(space, parameters, task, random.uniform(0, std::numbers::pi), 0.05);
     if (!target) continue;
@@ -65,27 +62,24 @@ std::vector<double> search_seconds(const LoadedSpace& space, design::Task task, 
   return seconds;
 }
 
-void compare(const DesignSettings& settings, const std::string& study, const std::string& title,
-             const std::string& text) {
+}  // namespace
+
+void study_verification(const DesignSettings& settings) {
   const int designs = settings.designs > 0 ? settings.designs : settings.brief ? 1 : 5;
-  Report report(settings.folder, "designs-" + study, title);
-  Table table("designs-" + study, {{"family", "Family"},
-                                   {"width", "Width"},
-                                   {"model_error", "Mean error of its stress, as its card says"},
-                                   {"task", "Task"},
-                                   {"designs", "Designs"},
-                                   {"median_error", "Network against simulation, median"},
-                                   {"worst_error", "Worst"},
-                                   {"unreached", "Samples not reached"},
-                                   {"search_ms", "Search, median ms"},
-                                   {"median_s", "Simulation, median elapsed s"}});
-  // Models of one family meet the same designs.
-  std::map<std::pair<std::string, design::Task>, Truth> truths;
+  Report report(settings.folder, "designs", "verification", "Networks against simulations");
+  Table table("designs-verification", {{"family", "Family"},
+                                       {"width", "Width"},
+                                       {"model_error", "Mean error of its stress, as its card says"},
+                                       {"task", "Task"},
+                                       {"designs", "Designs"},
+                                       {"median_error", "Network against simulation, median"},
+                                       {"worst_error", "Worst"},
+                                       {"unreached", "Samples not reached"},
+                                       {"search_ms", "Search, median ms"},
+                                       {"median_s", "Simulation, median elapsed s"}});
   for (const auto& space : spaces_of(settings)) {
     for (const auto task : all_tasks) {
-      const auto [known, added] = truths.try_emplace({space->model.family, task});
-      if (added) known->second = simulate(*space, task, designs, settings);
-      const Truth& truth = known->second;
+      const Truth truth = simulate(*space, task, designs, settings);
       std::vector<double> errors;
       for (const auto& design : truth.designs) {
         const auto network =
@@ -101,32 +95,12 @@ void compare(const DesignSettings& settings, const std::string& study, const std
     }
   }
   report.table(table);
-  report.write(design_introduction(
-      settings, study,
-      text +
-          " Stress from -0.1 to 0.2 of strain along a random direction, stiffness and Poisson's ratio at a strain of "
-          "0.05, at up to eight of the samples. Errors are root mean square differences over the simulation's root "
-          "mean square; a search finds the design again from the network's own profile of it."));
-}
-
-}  // namespace
-
-void study_verification(const DesignSettings& settings) {
-  compare(settings, "verification", "Inverse design: networks against simulations",
-          "Random designs within the bounds.");
-}
-
-void study_width(const DesignSettings& settings) {
-  std::map<std::string, int> models;
-  for (const auto& space : spaces_of(settings)) ++models[space->model.family];
-  if (std::none_of(models.begin(), models.end(), [](const auto& family) { return family.second > 1; })) {
-    std::printf("width: --models names no folder with two models of one family\n");
-    return;
-  }
-  compare(
-      settings, "width", "Inverse design: what the width of a network costs and gives",
-      "Networks of several widths meet the same random designs. On this page they were trained with `supple-lab train "
-      "--family IH29 --data models/datasets/IH29.h5 --width W --epochs 900`; that of 96 is the shipped one.");
+  report.write(
+      settings.command("verification"), settings.brief,
+      "Random designs within the bounds. Stress from -0.1 to 0.2 of strain along a random direction, stiffness "
+      "and Poisson's ratio at a strain of 0.05, at up to eight of the samples. Errors are root mean square "
+      "differences over the simulation's root mean square; a search finds the design again from the network's "
+      "own profile of it. Times are CPU times of one thread unless they are called elapsed.");
 }
 
 }  // namespace supple::bench

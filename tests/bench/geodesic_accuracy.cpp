@@ -61,7 +61,8 @@ struct FieldErrors {
 
 }  // namespace
 
-void measure_accuracy(Report& report, const Settings& settings) {
+void study_accuracy(const Settings& settings) {
+  Report report(settings.folder, "geodesics", "accuracy", "Error against time of distance fields");
   Table table("geodesics-accuracy", {{"mesh", "Mesh"},
                                      {"faces", "Faces"},
                                      {"method", "Method"},
@@ -70,7 +71,7 @@ void measure_accuracy(Report& report, const Settings& settings) {
                                      {"mean_error", "Mean error"},
                                      {"ms", "Median ms"},
                                      {"windows_per_face", "Windows per face"}});
-  bool kept_bounds = true;
+  bool bounds_hold = true;
   double most_of_bound = 0;
   const int repetitions = settings.brief ? 2 : 5;
   for (const BenchMesh& bench_mesh : accuracy_meshes(settings)) {
@@ -102,7 +103,7 @@ void measure_accuracy(Report& report, const Settings& settings) {
       const bool graph = all[k].options.method == FieldMethod::edge_graph;
       const double bound = all[k].options.relative_error;
       if (!graph && bound > 0) {
-        kept_bounds = kept_bounds && errors[k].most <= bound * (1 + 1e-9);
+        bounds_hold = bounds_hold && errors[k].most <= bound * (1 + 1e-9);
         most_of_bound = std::max(most_of_bound, errors[k].most / bound);
       }
       table.row({bench_mesh.name, count(mesh->face_count()), all[k].name, graph ? "none" : number(bound, 1),
@@ -112,15 +113,14 @@ void measure_accuracy(Report& report, const Settings& settings) {
     }
   }
   report.target("Error-bounded fields keep their bound", "error over bound at most 1",
-                "at most " + number(most_of_bound), kept_bounds);
-  report.heading("Accuracy against time");
-  report.text("Distances from one random source to every vertex, against the exact ones; another source in each of " +
-              std::to_string(repetitions) +
-              " repetitions. `relative_error` is a guarantee; `edge_graph` is Dijkstra's algorithm over edges and "
-              "across pairs of "
-              "faces, an upper bound without one.");
+                "at most " + number(most_of_bound), bounds_hold);
   report.table(table);
   report.image("geodesics-accuracy.svg", "Error against time of distance fields");
+  report.write("bench_geodesics accuracy", settings.brief,
+               "Distances from one random source to every vertex, against the exact ones; another source in each of " +
+                   std::to_string(repetitions) +
+                   " repetitions. `relative_error` is a guarantee; `edge_graph` is Dijkstra's algorithm over edges and "
+                   "across pairs of faces, an upper bound without one.");
 }
 
 }  // namespace supple::bench

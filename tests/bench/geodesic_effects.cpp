@@ -1,4 +1,4 @@
-// What each thing that a query may leave out costs where it is asked for.
+// Cost of each part of an answer that a query may leave out.
 #include <algorithm>
 #include <functional>
 
@@ -92,7 +92,8 @@ std::vector<Effect> field_effects(const GeodesicSolver& solver, const std::vecto
 
 }  // namespace
 
-void measure_effects(Report& report, const Settings& settings) {
+void study_effects(const Settings& settings) {
+  Report report(settings.folder, "geodesics", "effects", "What leaving things out saves");
   const auto mesh = std::make_shared<const surface::TriangleMesh>(settings.brief ? testing::spiral_cup(200, 10)
                                                                                  : testing::spiral_cup());
   const GeodesicSolver solver(mesh);
@@ -115,10 +116,11 @@ void measure_effects(Report& report, const Settings& settings) {
   }
   const std::vector<PointPair> sources = far_pairs(*mesh, 4, 61);
   add_rows(table, "field", field_effects(solver, sources), sources.size(), passes);
-  report.heading("What leaving things out saves");
-  report.text("On the spiral cup of " + count(mesh->face_count()) +
-              " faces; everything but the distance is done only where it is asked for. Mean CPU time of one query.");
   report.table(table);
+  report.write(
+      "bench_geodesics effects", settings.brief,
+      "On the spiral cup of " + count(mesh->face_count()) +
+          " faces; everything but the distance is done only where it is asked for. Mean CPU time of one query.");
 }
 
 }  // namespace supple::bench

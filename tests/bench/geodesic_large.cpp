@@ -7,7 +7,7 @@
 namespace supple::bench {
 namespace {
 
-/// Measures one stage after the other: CPU time, memory that stays, and memory that was needed on the way.
+/// Measures one stage after the other: CPU time, memory that remains, and the peak of memory.
 class LargeMeshStages {
  public:
   explicit LargeMeshStages(Table& table) : table_(table) {}
@@ -29,9 +29,10 @@ class LargeMeshStages {
 
 }  // namespace
 
-void measure_large_mesh(Report& report, const Settings& settings) {
+void study_large_mesh(const Settings& settings) {
   const int subdivisions = settings.brief ? 5 : 8;
   const std::int32_t faces = 20 << (2 * subdivisions);
+  Report report(settings.folder, "geodesics", "large-mesh", "A mesh of " + count(faces) + " faces");
   Table table("geodesics-large-mesh", {{"stage", "Stage"},
                                        {"s", "Seconds"},
                                        {"bytes_per_face", "Bytes per face that stay"},
@@ -55,7 +56,7 @@ void measure_large_mesh(Report& report, const Settings& settings) {
   double windows = 0;
   const double seconds = stages.stage("one to all, exact", faces,
                                       [&] { windows = static_cast<double>(solver->field(source).window_count()); });
-  // An exact field of this size keeps gigabytes; within one per cent it does not.
+  // An exact field of this size would keep gigabytes; one within one per cent does not.
   surface::FieldOptions options;
   options.relative_error = 0.01;
   stages.stage("one to all within 1 %", faces, [&] { keep(solver->field(source, options).vertex_distances()[0]); });
@@ -68,12 +69,12 @@ void measure_large_mesh(Report& report, const Settings& settings) {
     report.target("More than a million faces, one to all in one run", "runs",
                   count(faces) + " faces in " + number(seconds) + " s", true);
   }
-  report.heading("A mesh of " + count(faces) + " faces");
-  report.text("An icosphere. The search made " + count(windows) + " windows, " + number(windows / faces) +
-              " per face, in " + number(1e9 * seconds / windows) + " ns each: " + count(faces / seconds) +
-              " faces per second. Memory is the growth of the process's resident memory over a stage. The first search "
-              "makes the state that later ones reuse.");
   report.table(table);
+  report.write("bench_geodesics large-mesh", settings.brief,
+               "An icosphere. The search made " + count(windows) + " windows, " + number(windows / faces) +
+                   " per face, in " + number(1e9 * seconds / windows) + " ns each: " + count(faces / seconds) +
+                   " faces per second. Memory is the growth of the process's resident memory over a stage. The first "
+                   "search makes the state that later ones reuse.");
 }
 
 }  // namespace supple::bench

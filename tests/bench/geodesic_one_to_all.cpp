@@ -40,12 +40,12 @@ std::vector<BenchMesh> one_to_all_meshes(const Settings& settings) {
           {"bumpy cube, steep", [] { return bumpy_cube(58, 12, 0.03); }}};
 }
 
-/// Runs `action` often enough that the clock's grain does not count, and returns the CPU seconds of one run.
+/// Runs `action` until the clock's resolution does not matter, and returns the CPU seconds of one run.
 template <typename Action>
 double repeated_time(Action&& action) {
-  constexpr double enough = 0.01;
+  constexpr double min_seconds = 0.01;
   const double first = cpu_time(action);
-  const int repetitions = std::clamp(static_cast<int>(enough / std::max(first, 1e-6)), 1, 20);
+  const int repetitions = std::clamp(static_cast<int>(min_seconds / std::max(first, 1e-6)), 1, 20);
   return cpu_time([&] {
            for (int i = 0; i < repetitions; ++i) action();
          }) /
@@ -97,7 +97,7 @@ Row measure(const BenchMesh& bench_mesh, Tables& tables, const Settings& setting
   std::vector<double> ours, peer, ratios, windows;
   double our_query = 0, peer_query = 0, bytes = 0, plain = 0, kept_time = 0;
   const SurfacePoint any = sampler.point(stream);
-  solver.field({&any, 1});  // the first search makes the state that later ones reuse
+  solver.field({&any, 1});  // the first search makes the state that later ones use again
   FieldOptions keeping;
   keeping.keep_windows = true;
   for (int r = 0; r < repetitions; ++r) {
@@ -142,7 +142,8 @@ std::string measured(const std::vector<Row>& rows) {
 
 }  // namespace
 
-void measure_one_to_all(Report& report, const Settings& settings) {
+void study_one_to_all(const Settings& settings) {
+  Report report(settings.folder, "geodesics", "one-to-all", "One source to every vertex, beside CGAL");
   Tables tables;
   std::vector<Row> rows;
   for (const BenchMesh& mesh : one_to_all_meshes(settings)) rows.push_back(measure(mesh, tables, settings));
@@ -155,13 +156,6 @@ void measure_one_to_all(Report& report, const Settings& settings) {
   report.target("One to all: CGAL's time over ours, on every mesh", "at least 20",
                 slow.empty() ? "least: " + measured({rows.front()}) : "below 20: " + measured(slow), slow.empty());
   report.target("One to all where windows are many", "at least 35", measured(many), many.front().ratio >= 35);
-  report.heading("One source to every vertex");
-  report.text(
-      "A source at a random place, another one in each repetition. *CGAL* is the time of `build_sequence_tree`; our "
-      "time "
-      "includes the distances at all vertices, CGAL's would need a query for each. *Windows* counts those that the "
-      "search "
-      "made, dropped ones included.");
   report.table(tables.fields);
   report.image("geodesics-ratio.svg", "CGAL's time over ours, against the number of faces");
   report.heading("Kept fields");
@@ -169,6 +163,10 @@ void measure_one_to_all(Report& report, const Settings& settings) {
       "A field that keeps its windows answers for any point of the surface. *Bytes per face* is the memory of the kept "
       "field; queries go to random points.");
   report.table(tables.kept);
+  report.write("bench_geodesics one-to-all", settings.brief,
+               "A source at a random place, another one in each repetition. *CGAL* is the time of "
+               "`build_sequence_tree`; our time includes the distances at all vertices, CGAL's would need a query for "
+               "each. *Windows* counts those that the search made, dropped ones included.");
 }
 
 }  // namespace supple::bench

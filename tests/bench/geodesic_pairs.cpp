@@ -1,4 +1,4 @@
-// One pair of points at a time: far ones against CGAL, near ones, and the springs of an elastic network.
+// One pair of points at a time: far ones against CGAL, and near ones.
 #include <algorithm>
 
 #include "geodesic_bench.h"
@@ -27,7 +27,7 @@ std::vector<BenchMesh> far_meshes(const Settings& settings) {
 
 struct NearMesh {
   BenchMesh mesh;
-  bool small = false;  ///< one of a shape's two sizes, which are to take the same time
+  bool small = false;  ///< the smaller of a shape's two sizes, which are to take the same time
   bool large = false;
 };
 
@@ -53,14 +53,14 @@ GeodesicOptions with(bool path, int derivatives) {
   return options;
 }
 
-/// Mean seconds of a query and the time that 99 % of the pairs stay under.
+/// Mean seconds of a query, and the time within which 99 % of the pairs are answered.
 struct QueryTimes {
   double mean = 0;
   double p99 = 0;
 };
 
-/// Each pair's least wall time over some passes, so that other programs' turns on the processor do not count; in each
-/// pass every pair takes its turn, so that a pair's neighbourhood is not in the cache from the pass before.
+/// Statistics of each pair's least wall time over some passes, which leaves out the times of other programs. All pairs
+/// take turns in each pass, so that a pair's neighbourhood is not in the cache from the pass before.
 std::vector<QueryTimes> query_times(const GeodesicSolver& solver, const std::vector<PointPair>& pairs,
                                     const std::vector<GeodesicOptions>& variants, int passes) {
   std::vector<std::vector<double>> best(variants.size(), std::vector<double>(pairs.size(), 1e9));
@@ -79,8 +79,6 @@ std::vector<QueryTimes> query_times(const GeodesicSolver& solver, const std::vec
 }
 
 std::string microseconds(double seconds) { return number(1e6 * seconds); }
-
-}  // namespace
 
 void measure_far_pairs(Report& report, const Settings& settings) {
   Table table("geodesics-far-pairs", {{"mesh", "Mesh"},
@@ -162,49 +160,18 @@ void measure_near_pairs(Report& report, const Settings& settings) {
   report.text(
       "The second point lies a straightest path of 3 *h* from the first, in a random direction. Wall time; each pair's "
       "least of five passes over all pairs, so that the spread is that of the pairs and not of the machine. Nothing "
-      "here "
-      "grows with the mesh but cache misses.");
+      "here grows with the mesh but cache misses.");
   report.table(table);
 }
 
-void measure_springs(Report& report, const Settings& settings) {
-  constexpr double target_ms = 15;
-  const auto mesh = std::make_shared<const surface::TriangleMesh>(testing::torus(50, 20));
-  const GeodesicSolver solver(mesh);
-  std::vector<PointPair> springs;
-  RandomStream stream("spring lengths", 29);
-  const int n = settings.brief ? 600 : 6000;
-  while (static_cast<int>(springs.size()) < n) {
-    // Lengths uniform between 0 and 1.4 edges.
-    springs.push_back(near_pairs(*mesh, 1, stream.uniform(0, 1.4), stream.next())[0]);
-  }
-  const std::vector<std::pair<std::string, GeodesicOptions>> variants{
-      {"distance", with(false, 0)},
-      {"distance and gradient", with(false, 1)},
-      {"distance, gradient and Hessian", with(false, 2)}};
-  std::vector<std::vector<double>> times(variants.size());
-  for (int pass = 0; pass < 7; ++pass) {
-    for (std::size_t k = 0; k < variants.size(); ++k) {
-      times[k].push_back(cpu_time([&] {
-        for (const auto& [from, to] : springs) keep(solver.geodesic(from, to, variants[k].second).distance);
-      }));
-    }
-  }
-  Table table("geodesics-springs",
-              {{"what", "What"}, {"min_ms", "Least ms"}, {"ms", "Median ms"}, {"us", "us per spring"}});
-  for (std::size_t k = 0; k < variants.size(); ++k) {
-    table.row({variants[k].first, number(1e3 * least(times[k])), number(1e3 * median(times[k])),
-               number(1e6 * median(times[k]) / n)});
-  }
-  const double measured = 1e3 * median(times[0]) * 6000 / n;
-  report.target("6,000 springs of mean length 0.7 edges on 2,000 faces", "under 15 ms", number(measured) + " ms",
-                measured < target_ms);
-  report.heading("Springs");
-  report.text(
-      count(n) +
-      " pairs on a torus of 2,000 faces, lengths uniform between 0 and 1.4 *h*, one after the other on one thread: "
-      "what one evaluation of an elastic network's energy asks for.");
-  report.table(table);
+}  // namespace
+
+void study_pairs(const Settings& settings) {
+  Report report(settings.folder, "geodesics", "pairs", "Pairs of points");
+  measure_far_pairs(report, settings);
+  measure_near_pairs(report, settings);
+  report.write("bench_geodesics pairs", settings.brief,
+               "Times are CPU time of one thread unless they are called wall time.");
 }
 
 }  // namespace supple::bench

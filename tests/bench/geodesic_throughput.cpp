@@ -13,7 +13,7 @@ namespace {
 
 struct Work {
   std::string name;
-  int queries;  ///< of each thread
+  int queries;  ///< for each thread
   std::function<void(int)> query;
 };
 
@@ -22,7 +22,7 @@ struct Rate {
   double cpu_per_query = 0;
 };
 
-/// The threads start together and each makes all queries, beginning at another one.
+/// The threads start together, and each makes all queries in an order that begins elsewhere.
 Rate rate(const Work& work, int threads) {
   std::barrier start(threads + 1);
   std::vector<std::thread> workers;
@@ -42,7 +42,8 @@ Rate rate(const Work& work, int threads) {
 
 }  // namespace
 
-void measure_throughput(Report& report, const Settings& settings) {
+void study_throughput(const Settings& settings) {
+  Report report(settings.folder, "geodesics", "throughput", "Throughput against threads");
   const auto mesh = std::make_shared<const surface::TriangleMesh>(testing::icosphere(settings.brief ? 4 : 5));
   const surface::GeodesicSolver solver(mesh);
   const std::vector<PointPair> near = near_pairs(*mesh, 2000, 3, 41);
@@ -56,10 +57,10 @@ void measure_throughput(Report& report, const Settings& settings) {
       {"fields", 40 / scale, [&](int i) {
          keep(solver.field({&far[i % far.size()].first, 1}).vertex_distances()[0]);
        }}};
-  const int most = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int max_threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::vector<int> thread_counts;
-  for (int threads = 1; threads < most; threads *= 2) thread_counts.push_back(threads);
-  thread_counts.push_back(most);
+  for (int threads = 1; threads < max_threads; threads *= 2) thread_counts.push_back(threads);
+  thread_counts.push_back(max_threads);
 
   Table table("geodesics-throughput", {{"what", "What"},
                                        {"threads", "Threads"},
@@ -80,14 +81,12 @@ void measure_throughput(Report& report, const Settings& settings) {
       table.row({work.name, std::to_string(threads), count(best), number(best / alone), number(1e6 * least(cpu))});
     }
   }
-  report.heading("Throughput against threads");
-  report.text(
-      "One solver on an icosphere of " + count(mesh->face_count()) +
-      " faces, shared by all threads; each has its own search state. The best of three passes in wall time, which "
-      "suffers from whatever else the machine does; CPU time per query tells whether the threads disturb each "
-      "other.");
   report.table(table);
-  report.image("geodesics-throughput.svg", "Queries per second against threads");
+  report.write("bench_geodesics throughput", settings.brief,
+               "One solver on an icosphere of " + count(mesh->face_count()) +
+                   " faces, shared by all threads; each has its own search state. The best of three passes in wall "
+                   "time, which suffers from whatever else the machine does; CPU time per query tells whether the "
+                   "threads disturb each other.");
 }
 
 }  // namespace supple::bench

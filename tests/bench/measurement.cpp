@@ -39,6 +39,12 @@ std::string cpu_model() {
   return "unknown processor";
 }
 
+std::string load_average() {
+  std::ifstream averages("/proc/loadavg");
+  std::string one_minute, five_minutes;
+  return averages >> one_minute >> five_minutes ? five_minutes : "unknown";
+}
+
 }  // namespace
 
 double cpu_seconds() { return seconds_of(CLOCK_PROCESS_CPUTIME_ID); }
@@ -83,23 +89,6 @@ double fitted_exponent(const std::vector<double>& x, const std::vector<double>& 
   return along / square;
 }
 
-Shaking shaking_of(const std::vector<double>& values) {
-  std::vector<double> changes, sizes, seconds;
-  const double scale = std::abs(median(values));
-  changes.reserve(values.size());
-  sizes.reserve(values.size());
-  seconds.reserve(values.size());
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    changes.push_back((values[i] - values[i - 1]) / scale);
-    sizes.push_back(std::abs(changes.back()));
-  }
-  for (std::size_t i = 1; i < changes.size(); ++i) seconds.push_back(std::abs(changes[i] - changes[i - 1]));
-  Shaking shaking{median(sizes), median(seconds), quantile(seconds, 1), 0};
-  const double trend = median(changes);
-  for (const double change : changes) shaking.against += change * trend < 0;
-  return shaking;
-}
-
 std::int64_t resident_bytes() { return status_bytes("VmRSS:"); }
 std::int64_t peak_resident_bytes() { return status_bytes("VmHWM:"); }
 
@@ -120,7 +109,7 @@ std::string machine_line() {
   const std::string compiler = "GCC " __VERSION__;
 #endif
   return cpu_model() + ", " + std::to_string(std::thread::hardware_concurrency()) + " hardware threads; " + compiler +
-         "; " + date;
+         "; " + date + "; load average of five minutes " + load_average();
 }
 
 }  // namespace supple::bench

@@ -7,7 +7,7 @@
 
 namespace supple::bench {
 
-/// CPU time of the process, in seconds: what other programs on the machine do counts less than in wall time.
+/// CPU time of the process in seconds, which other programs on the machine disturb less than wall time.
 double cpu_seconds();
 double wall_seconds();
 
@@ -19,36 +19,27 @@ double cpu_time(Action&& action) {
   return cpu_seconds() - start;
 }
 
-/// Middle value (of an even number, the mean of the middle two). Needs at least one value.
+/// Middle value, or the mean of the two in the middle. Needs at least one value.
 double median(std::vector<double> values);
 double least(const std::vector<double>& values);
-/// The value that a fraction `q` of all values does not exceed (nearest rank).
+/// The least value that a fraction `q` of all values does not exceed (nearest rank).
 double quantile(std::vector<double> values, double q);
 double mean(const std::vector<double>& values);
 double root_mean_square(const std::vector<double>& values);
 /// The p of y = c x^p by least squares of the logarithms. Needs two positive pairs at least.
 double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y);
 
-/// How much a curve of equal steps shakes: the median size of its steps and of its second differences and the largest
-/// of these, over its median value; and how many steps go against the trend. Needs at least three values.
-struct Shaking {
-  double typical = 0;
-  double second = 0;
-  double second_largest = 0;
-  int against = 0;
-};
-Shaking shaking_of(const std::vector<double>& values);
-
-/// Resident memory of the process in bytes: now, and the most since the last reset_peak_memory().
+/// Resident memory of the process in bytes: now, and its maximum since the last reset_peak_memory().
 std::int64_t resident_bytes();
 std::int64_t peak_resident_bytes();
 /// Returns freed memory to the system and starts the peak anew.
 void reset_peak_memory();
 
-/// Keeps the compiler from dropping a computation whose result nobody reads.
+/// Keeps the compiler from leaving out a computation whose result nobody reads.
 inline void keep(const double& value) { asm volatile("" : : "m"(value) : "memory"); }
 
-/// "CPU model, n threads, compiler, build flags, date": what a table of times must say about where it was measured.
+/// What a table of times must say about where it was measured: processor, threads, compiler, date and load average,
+/// because elapsed times mean little on a machine that others use.
 std::string machine_line();
 
 }  // namespace supple::bench

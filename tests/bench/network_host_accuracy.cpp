@@ -1,4 +1,5 @@
-// Networks on shells and solids: what accuracy costs, by tolerance and by mesh, and what each effect changes and costs.
+// Networks on shells and solids: accuracy against time, by tolerance and by mesh, and what each effect changes and
+// costs.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -16,9 +17,9 @@ using embedded::RelaxationOptions;
 using embedded::ShellHost;
 using surface::GeodesicSolver;
 
-constexpr int most_host_iterations = 500;
+constexpr int max_host_iterations = 500;
 
-/// Points of the network, then the host's vertices; on a rigid host these are the mesh's.
+/// Positions of the network's points, and after them of the host's vertices unless it is rigid.
 std::vector<Eigen::Vector3d> places_of(const HostScene& scene, const Relaxation& relaxed) {
   const surface::TriangleMesh& rest = *scene.scene.mesh;
   if (relaxed.host.vertices.empty()) return positions_of(rest, relaxed.points);
@@ -42,13 +43,8 @@ HostScene small_rabbit(const NetworkSettings& settings) {
   return settings.brief ? rabbit_scene(2, 0.3, 1.3) : rabbit_scene(4, 0.13, 1.3);
 }
 
-void measure_tolerance(Report& report, const NetworkSettings& settings) {
-  report.heading("Accuracy against time: the tolerance");
-  report.text(
-      "Runs that end at |g| below a tolerance, against the same to 1e-12. Positions are those of points and of "
-      "vertices of the host, the farthest from where they should be. Newton's last steps gain so many digits that a "
-      "tight tolerance costs hardly more than a loose one; a loose one is not safe, since |g| falls and rises on the "
-      "way, as faces fold and points cross edges.");
+void study_host_tolerance(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "accuracy", "Error against time: the tolerance");
   Table table("hosts-accuracy", {{"scene", "Scene"},
                                  {"tolerance", "|g| below"},
                                  {"iterations", "Iterations"},
@@ -75,16 +71,16 @@ void measure_tolerance(Report& report, const NetworkSettings& settings) {
   }
   report.table(table);
   report.image("hosts-accuracy.svg", "Errors against time and tolerance");
+  report.write(
+      "network_bench host-accuracy", settings.brief,
+      "Runs that end at |g| below a tolerance, against the same to 1e-12. Positions are those of points and of "
+      "vertices of the host, the farthest from where they should be. Newton's last steps gain so many digits that a "
+      "tight tolerance costs hardly more than a loose one; a loose one is not safe, since |g| falls and rises on the "
+      "way, as faces fold and points cross edges.");
 }
 
-void measure_refinement(Report& report, const NetworkSettings& settings) {
-  report.heading("Accuracy against time: the host's mesh");
-  report.text(
-      "The inflated sphere on finer and finer meshes, to |g| < 1e-6, the network's points started from the same places "
-      "in space. *Thin* is the thesis's shell, *thick* ten times as thick with a tenth of the modulus, which hardly "
-      "wrinkles. Errors are against the finest mesh: of the energy, of the springs' length together, of how far the "
-      "host moves at most, and of the points' places. A thin shell folds along edges under a tight spring: its folds "
-      "are as sharp as the mesh lets them be, and each mesh has equilibria of its own.");
+void study_host_refinement(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "refinement", "Error against time: the host's mesh");
   Table table("hosts-refinement", {{"shell", "Shell"},
                                    {"faces", "Faces"},
                                    {"unknowns", "Unknowns"},
@@ -112,7 +108,7 @@ void measure_refinement(Report& report, const NetworkSettings& settings) {
       }
       const GeodesicSolver solver(scene.scene.mesh);
       RelaxationOptions options = scene.options(thesis_gradient);
-      options.max_iterations = most_host_iterations;
+      options.max_iterations = max_host_iterations;
       const int repetitions = settings.brief || subdivisions > 4 ? 1 : 2;
       TimedRun run = fastest_run(repetitions, true, solver, scene.scene.network, options);
       solved.push_back({std::move(scene), std::move(run)});
@@ -135,21 +131,24 @@ void measure_refinement(Report& report, const NetworkSettings& settings) {
   }
   report.table(table);
   report.image("hosts-refinement.svg", "Errors against the host's number of faces and against time");
+  report.write(
+      "network_bench host-accuracy", settings.brief,
+      "The inflated sphere on finer and finer meshes, to |g| < 1e-6, the network's points started from the same places "
+      "in space. *Thin* is the thesis's shell, *thick* ten times as thick with a tenth of the modulus, which hardly "
+      "wrinkles. Errors are against the finest mesh: of the energy, of the springs' length together, of how far the "
+      "host moves at most, and of the points' places. A thin shell folds along edges under a tight spring: its folds "
+      "are as sharp as the mesh lets them be, and each mesh has equilibria of its own.");
 }
 
 }  // namespace
 
-void measure_host_accuracy(Report& report, const NetworkSettings& settings) {
-  measure_tolerance(report, settings);
-  measure_refinement(report, settings);
+void study_host_accuracy(const NetworkSettings& settings) {
+  study_host_tolerance(settings);
+  study_host_refinement(settings);
 }
 
-void measure_host_effects(Report& report, const NetworkSettings& settings) {
-  report.heading("What the effects change and cost");
-  report.text(
-      "The same network to |g| < 1e-6 (at most 500 iterations) with one effect switched off: *coupling* (a rigid "
-      "host), the kept *volume* (volume weight 0), *bending* (no hinges). *Points off* is the farthest that a point of "
-      "the network lies from where it is with all effects.");
+void study_host_effects(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "effects", "What the effects change and cost");
   Table table("hosts-effects", {{"scene", "Scene"},
                                 {"off", "Off"},
                                 {"iterations", "Iterations"},
@@ -181,7 +180,7 @@ void measure_host_effects(Report& report, const NetworkSettings& settings) {
   for (const auto& [off, scene] : cases) {
     const GeodesicSolver solver(scene.scene.mesh);
     RelaxationOptions options = scene.options(thesis_gradient);
-    options.max_iterations = most_host_iterations;
+    options.max_iterations = max_host_iterations;
     const TimedRun run = fastest_run(settings.brief ? 1 : 3, true, solver, scene.scene.network, options);
     const auto points = points_of(scene, run.result);
     if (off == "nothing") with_all = points;
@@ -194,6 +193,11 @@ void measure_host_effects(Report& report, const NetworkSettings& settings) {
                number(largest_distance(points, with_all) / scene.scene.mesh->diagonal(), 2)});
   }
   report.table(table);
+  report.write(
+      "network_bench host-effects", settings.brief,
+      "The same network to |g| < 1e-6 (at most 500 iterations) with one effect switched off: *coupling* (a rigid "
+      "host), the kept *volume* (volume weight 0), *bending* (no hinges). *Points off* is the farthest that a point of "
+      "the network lies from where it is with all effects.");
 }
 
 }  // namespace supple::bench

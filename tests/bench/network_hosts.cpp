@@ -54,15 +54,15 @@ constexpr double tight_host_gradient = 1e-10;
 constexpr double shell_limit_ms = 12;
 constexpr double solid_limit_ms = 300;
 
-/// Springs between neighbours, and the points that stay.
-void join(Scene& scene, double rest_share, double weight, std::size_t fixed_every) {
+/// Adds springs between neighbours, and fixes some points.
+void join(Scene& scene, double rest_fraction, double weight, std::size_t fixed_every) {
   const GeodesicSolver solver(scene.mesh);
   Network& network = scene.network;
   const auto edges = embedded::triangulate(solver, network.points).edges;
   for (const auto& [a, b] : edges) {
     const double length =
         solver.distance(network.points[static_cast<std::size_t>(a)], network.points[static_cast<std::size_t>(b)]);
-    network.springs.push_back({a, b, rest_share * length, weight / static_cast<double>(edges.size())});
+    network.springs.push_back({a, b, rest_fraction * length, weight / static_cast<double>(edges.size())});
   }
   const std::size_t stride = fixed_every > 0 ? fixed_every : network.points.size();
   for (std::size_t i = 0; i < network.points.size(); i += stride)
@@ -77,11 +77,11 @@ std::vector<Eigen::Vector3d> points_on_sphere(double distance) {
 }
 
 HostScene shell_scene(const std::string& name, TriangleMesh mesh, const std::vector<Eigen::Vector3d>& points,
-                      double rest_share, double weight, std::size_t fixed_every, double volume_scale) {
+                      double rest_fraction, double weight, std::size_t fixed_every, double volume_scale) {
   HostScene made{{name, testing::share(std::move(mesh)), {}}, thesis_shell(volume_scale)};
   for (const Eigen::Vector3d& p : points)
     made.scene.network.points.push_back(testing::nearest_point(*made.scene.mesh, p));
-  join(made.scene, rest_share, weight, fixed_every);
+  join(made.scene, rest_fraction, weight, fixed_every);
   return made;
 }
 
@@ -152,10 +152,10 @@ std::vector<HostScene> shell_scenes(const NetworkSettings& settings) {
   return scenes;
 }
 
-/// A mesh and what lies on it, for the pictures.
+/// The mesh and the springs' paths of some scenes, for the pictures.
 class Drawing {
  public:
-  /// `after`: with paths.
+  /// `after` must have paths.
   void add(const HostScene& scene, const Relaxation& after) {
     RelaxationOptions options = scene.options(thesis_gradient);
     options.paths = true;
@@ -190,7 +190,7 @@ class Drawing {
                {{"scene", "Scene"}, {"state", "State"}, {"spring", "Spring"}, {"x", "x"}, {"y", "y"}, {"z", "z"}}};
 };
 
-/// The iteration after which |g| stays below the limit; nothing where it does not come to that.
+/// The first iteration at which |g| is below the limit, if there is one.
 std::optional<std::size_t> reached(const TimedRun& run, double limit) {
   for (std::size_t i = 0; i < run.steps.size(); ++i)
     if (run.steps[i].step.gradient_norm < limit) return i;
@@ -208,10 +208,10 @@ HostScene whole_rabbit(const NetworkSettings& settings) {
   return settings.brief ? rabbit_scene(2, 0.3, 1.3) : rabbit_scene(6, 0.11, 1.3);
 }
 
-/// What one run says of a Newton step, in seconds; each part is the least of several runs.
+/// Seconds of a Newton step by stage, each the least of several runs.
 struct StepOfHost {
   double mean = std::numeric_limits<double>::infinity();
-  double typical = mean;  ///< the median of the last steps, which need one factorization and one trial
+  double typical = mean;  ///< median of the last steps, which need one factorization and one trial
   double wall = mean;
   double search = mean;
   double host_derivatives = mean;
@@ -265,8 +265,8 @@ Table table_of_steps(const std::string& file) {
            {"other", "Other %"}}};
 }
 
-/// Both ways of measuring a scene's steps; the row's cells go into the table. Returns the better mean and the better
-/// of the last steps, in ms.
+/// Adds a row for one thread and one for two threads. Returns the lower mean and the lower time of the last steps, in
+/// ms.
 std::pair<double, double> measure_steps_of(Table& table, const HostScene& scene, const RelaxationOptions& options,
                                            int repetitions) {
   const GeodesicSolver solver(scene.scene.mesh);
@@ -293,17 +293,8 @@ std::pair<double, double> measure_steps_of(Table& table, const HostScene& scene,
 
 }  // namespace
 
-void measure_host_scenes(Report& report, const NetworkSettings& settings) {
-  report.heading("The scenes of the thesis");
-  report.text(
-      "*Sphere*: a shell of 1,280 faces (thesis fig. 3.7), thickness 0.003, E 1e4, nu 0.48, volume weight 1e3, "
-      "*inflated* to 1.05 times its volume or kept at 1; springs between neighbouring points, E = w / n sum (l - "
-      "l0)^2, w = 10 (*strong*: 100). 6 points at the corners of an octahedron have springs of rest length 0 and two "
-      "opposite points fixed; more points would contract to one, as they do on a rigid sphere: their springs are at "
-      "rest at half of their first length and one point is fixed, or (*rest 0*) every fourth is. *Rabbit*, for the "
-      "bunny of fig. 3.1: tetrahedra of E = 10, 1,000 in the top 15 % of the height, nu 0.49, the lowest 10 % fixed; "
-      "springs of rest length 0, every sixth point fixed. All from the undeformed host. *To 1e-6* is where the thesis "
-      "ends; the iteration goes on to 1e-10, and the last column has |g| after each of the last iterations.");
+void study_host_scenes(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "scenes", "The scenes of the thesis");
   Table table("hosts-scenes", {{"scene", "Scene"},
                                {"faces", "Faces"},
                                {"points", "Points"},
@@ -317,8 +308,6 @@ void measure_host_scenes(Report& report, const NetworkSettings& settings) {
                                {"volume", "Volume"},
                                {"length", "Springs' length"},
                                {"tail", "Last \\|g\\|"}});
-  Table history("hosts-history",
-                {{"scene", "Scene"}, {"iteration", "Iteration"}, {"energy", "E"}, {"gradient", "|g|"}});
   set_thread_count(1);
   std::vector<HostScene> scenes = shell_scenes(settings);
   scenes.push_back(whole_rabbit(settings));
@@ -339,28 +328,29 @@ void measure_host_scenes(Report& report, const NetworkSettings& settings) {
                reached(run, tight_host_gradient) ? std::to_string(*reached(run, tight_host_gradient)) : "-",
                run.result.stopped, number(run.result.host.largest_displacement / scene.scene.mesh->diagonal()),
                number(run.result.host.volume_ratio, 5), number(total_length(run.result), 4), tail_of(run)});
-    for (std::size_t i = 0; i < run.steps.size(); ++i)
-      history.row({scene.scene.name, std::to_string(i), number(run.steps[i].step.energy, 14),
-                   number(run.steps[i].step.gradient_norm, 6)});
     if (&scene - scenes.data() + 2 >= std::ssize(scenes)) drawing.add(scene, run.result);
   }
   report.target("Scenes with two-way coupling that reach a gradient of norm below 1e-6", "all",
                 std::to_string(converged) + " of " + std::to_string(scenes.size()), converged == scenes.size());
   report.table(table);
-  report.data(history);
-  report.image("hosts-scenes.svg", "The gradient's norm over the iterations of the scenes");
   drawing.write(report);
   report.image("hosts-figure.svg", "A shell and a solid before and after their networks tighten");
+  report.write(
+      "network_bench host-scenes", settings.brief,
+      "*Sphere*: a shell of 1,280 faces (thesis fig. 3.7), thickness 0.003, E 1e4, nu 0.48, volume weight 1e3, "
+      "*inflated* to 1.05 times its volume or kept at 1; springs between neighbouring points, E = w / n sum (l - "
+      "l0)^2, w = 10 (*strong*: 100). 6 points at the corners of an octahedron have springs of rest length 0 and two "
+      "opposite points fixed; more points would contract to one, as they do on a rigid sphere: their springs are at "
+      "rest at half of their first length and one point is fixed, or (*rest 0*) every fourth is. *Rabbit*, for the "
+      "bunny of fig. 3.1: tetrahedra of E = 10, 1,000 in the top 15 % of the height, nu 0.49, the lowest 10 % fixed; "
+      "springs of rest length 0, every sixth point fixed. All from the undeformed host. *To 1e-6* is where the thesis "
+      "ends; the iteration goes on to 1e-10, and the last column has |g| after each of the last iterations.");
 }
 
-void measure_host_steps(Report& report, const NetworkSettings& settings) {
-  report.heading("One Newton step");
-  report.text(
-      "*Mean* is over a whole run to |g| < 1e-6, of the rabbit over its first twelve steps, with all that line "
-      "searches "
-      "tried and all factorizations that failed on the way; *of the last* is the median of the last four steps, which "
-      "of shells take one factorization and one trial each. Shares are of the wall time of the mean. The thesis gives "
-      "130 ms for its sphere and 3.64 s for its bunny of 20,838 unknowns, on 64 cores.");
+namespace {
+
+void study_mean_steps(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "steps", "Time of a Newton step");
   Table table = table_of_steps("hosts-steps");
   double shell_mean = 0;
   double shell_typical = 0;
@@ -383,12 +373,17 @@ void measure_host_steps(Report& report, const NetworkSettings& settings) {
                   both(solid_mean, solid_typical), solid_mean < solid_limit_ms);
   }
   report.table(table);
-  report.image("hosts-steps.svg", "What a step's time goes into");
+  report.write(
+      "network_bench host-steps", settings.brief,
+      "*Mean* is over a whole run to |g| < 1e-6, of the rabbit over its first twelve steps, with all that line "
+      "searches "
+      "tried and all factorizations that failed on the way; *of the last* is the median of the last four steps, which "
+      "of shells take one factorization and one trial each. Shares are of the wall time of the mean. The thesis gives "
+      "130 ms for its sphere and 3.64 s for its bunny of 20,838 unknowns, on 64 cores.");
+}
 
-  report.heading("Size of a solid");
-  report.text(
-      "The rabbit filled with smaller and smaller tetrahedra on finer and finer surfaces; the first three steps from "
-      "the undeformed state.");
+void study_solid_size(const NetworkSettings& settings) {
+  Report report(settings.folder, "hosts", "size", "Size of a solid");
   Table sizes = table_of_steps("hosts-size");
   struct Size {
     int n;
@@ -413,6 +408,17 @@ void measure_host_steps(Report& report, const NetworkSettings& settings) {
     report.text("Time grows as the unknowns to the power " + number(fitted_exponent(unknowns, ms)) +
                 " (fitted): factorization, which fills in, takes over.");
   report.image("hosts-size.svg", "Time of a step against the number of unknowns");
+  report.write(
+      "network_bench host-steps", settings.brief,
+      "The rabbit filled with smaller and smaller tetrahedra on finer and finer surfaces; the first three steps "
+      "from the undeformed state.");
+}
+
+}  // namespace
+
+void study_host_steps(const NetworkSettings& settings) {
+  study_mean_steps(settings);
+  study_solid_size(settings);
 }
 
 }  // namespace supple::bench

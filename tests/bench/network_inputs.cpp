@@ -1,7 +1,5 @@
 // Scenes and timed runs that the studies of networks share.
 #include <algorithm>
-#include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "bill.h"
@@ -49,93 +47,16 @@ std::vector<Scene> face_scenes(const NetworkSettings& settings) {
   return scenes;
 }
 
-Scene random_scene(std::string name, TriangleMesh mesh, double radius, std::size_t fixed_every) {
-  Scene scene{std::move(name), testing::share(std::move(mesh)), {}};
-  const surface::GeodesicSolver solver(scene.mesh);
-  scene.network.points = embedded::poisson_disk_points(solver, radius);
-  const auto edges = embedded::triangulate(solver, scene.network.points).edges;
-  for (const auto& [a, b] : edges) scene.network.springs.push_back({a, b, 0, 1 / static_cast<double>(edges.size())});
-  for (std::size_t i = 0; i < scene.network.points.size(); i += fixed_every)
-    scene.network.fixed_points.push_back(static_cast<std::int32_t>(i));
-  return scene;
-}
-
-namespace {
-
-/// A sector of a cone with its face and the unit vectors along its two sides.
-struct Sector {
-  FaceId face = FaceId::none;
-  int first = 0;  ///< corners of the face on the two sides
-  int second = 0;
-  double begin = 0;  ///< angle of its first side in the development
-  double angle = 0;
-  Eigen::Vector3d along_first;
-  Eigen::Vector3d along_second;
-};
-
-Sector sector_at(const TriangleMesh& mesh, int sectors, double angle) {
-  Sector sector;
-  const double total = mesh.vertex_angle(0);
-  sector.angle = total / sectors;
-  const int i = std::clamp(static_cast<int>(angle / sector.angle), 0, sectors - 1);
-  sector.begin = i * sector.angle;
-  const std::int32_t first = 1 + i;
-  const std::int32_t second = 1 + (i + 1) % sectors;
-  for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    const surface::Triangle& face = mesh.faces()[f];
-    const auto corner = [&](std::int32_t vertex) {
-      return static_cast<int>(std::find(face.begin(), face.end(), vertex) - face.begin());
-    };
-    if (corner(0) == 3 || corner(first) == 3 || corner(second) == 3) continue;
-    sector.face = FaceId{f};
-    sector.first = corner(first);
-    sector.second = corner(second);
-  }
-  if (sector.face == FaceId::none) throw std::logic_error("not a cone of one ring");
-  sector.along_first = (mesh.positions()[first] - mesh.positions()[0]).normalized();
-  sector.along_second = (mesh.positions()[second] - mesh.positions()[0]).normalized();
-  return sector;
-}
-
-/// Coordinates along the two sides of the vector of that length and direction.
-Eigen::Vector2d along_sides(const Sector& sector, double length, double direction) {
-  const double angle = direction - sector.begin;
-  const double second = length * std::sin(angle) / std::sin(sector.angle);
-  return {length * std::cos(angle) - second * std::cos(sector.angle), second};
-}
-
-}  // namespace
-
-SurfacePoint cone_point(const TriangleMesh& mesh, int sectors, double r, double angle) {
-  const Sector sector = sector_at(mesh, sectors, angle);
-  const Eigen::Vector2d along = along_sides(sector, r, angle);
-  SurfacePoint point;
-  point.face = sector.face;
-  point.barycentric.setConstant(1 - along.sum());
-  point.barycentric[sector.first] = along[0];
-  point.barycentric[sector.second] = along[1];
-  return surface::checked_point(mesh, point);
-}
-
-Eigen::Vector2d cone_tangent(const TriangleMesh& mesh, int sectors, double angle, double direction) {
-  const Sector sector = sector_at(mesh, sectors, angle);
-  const Eigen::Vector2d along = along_sides(sector, 1, direction);
-  return surface::tangent_frame(mesh, sector.face).transpose() *
-         (along[0] * sector.along_first + along[1] * sector.along_second);
-}
-
-TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network, embedded::RelaxationOptions options,
-                   bool with_positions) {
+TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network, embedded::RelaxationOptions options) {
   TimedRun run;
   Execution execution;
   execution.cost = &run.cost;
-  // What the observer itself takes is not the solver's.
+  // The observer's own time is subtracted.
   double cpu_apart = 0;
   double wall_apart = 0;
   const double cpu_start = cpu_seconds();
   const double wall_start = wall_seconds();
-  options.observer = [&](const embedded::RelaxationStep& step, std::span<const SurfacePoint> points,
-                         const TriangleMesh&) {
+  options.observer = [&](const embedded::RelaxationStep& step, std::span<const SurfacePoint>, const TriangleMesh&) {
     const double cpu = cpu_seconds();
     const double wall = wall_seconds();
     TimedStep timed;
@@ -147,7 +68,6 @@ TimedRun timed_run(const surface::GeodesicSolver& solver, const Network& network
     timed.assembly = stage_seconds(run.cost, "assembly");
     timed.solve = stage_seconds(run.cost, "step");
     timed.motion = stage_seconds(run.cost, "motion");
-    if (with_positions) timed.positions = positions_of(solver.mesh(), {points.begin(), points.end()});
     run.steps.push_back(std::move(timed));
     cpu_apart += cpu_seconds() - cpu;
     wall_apart += wall_seconds() - wall;

@@ -1,9 +1,8 @@
-// What accuracy costs a membrane: tolerance, finer triangles, and the effects.
+// Accuracy of membranes against time, by tolerance and by the size of triangles, and what their effects cost.
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "bill.h"
 #include "measurement.h"
 #include "network_membranes.h"
 #include "supple/base/threads.h"
@@ -16,13 +15,8 @@ using embedded::Network;
 using embedded::RelaxationOptions;
 using surface::GeodesicSolver;
 
-void compare_tolerances(Report& report, const NetworkSettings& settings) {
-  report.heading("Accuracy against time: tolerance");
-  report.text(
-      "One load step of the path where one half is stretched, from the equilibrium of the step before, with the option "
-      "`tolerance`: converged once \\|g\\| <= tolerance * Young's modulus * thickness * D. Errors are against a run "
-      "whose tolerance is 1e-14: of E relative to that run's, of positions the farthest that any point is off, over D. "
-      "Times are of the whole call with one thread, the least of several.");
+void study_membrane_tolerance(const NetworkSettings& settings) {
+  Report report(settings.folder, "membranes", "accuracy", "Error against time: the tolerance");
   Table table("membranes-accuracy", {{"step", "Step"},
                                      {"tolerance", "Tolerance"},
                                      {"iterations", "Iterations"},
@@ -33,7 +27,7 @@ void compare_tolerances(Report& report, const NetworkSettings& settings) {
                                      {"cpu_ms", "CPU ms"}});
   set_thread_count(1);
   const StretchedTorus scene = thesis_torus(settings, true);
-  const std::vector<PathStep> path = follow_path(scene, {.gradient = 1e-12, .mollifier = Switch::off});
+  const std::vector<PathStep> path = follow_path(scene, {.gradient = 1e-12});
   const std::vector<int> steps = settings.brief ? std::vector<int>{2} : std::vector<int>{5, 20, 40};
   for (const int number_of_step : steps) {
     const PathStep& step = path[static_cast<std::size_t>(number_of_step - 1)];
@@ -57,10 +51,16 @@ void compare_tolerances(Report& report, const NetworkSettings& settings) {
   }
   report.table(table);
   report.image("membranes-accuracy.svg", "Errors of energy and positions against time");
+  report.write(
+      "network_bench membrane-accuracy", settings.brief,
+      "One load step of the path where one half is stretched, from the equilibrium of the step before, with the "
+      "option `tolerance`: converged once \\|g\\| <= tolerance * Young's modulus * thickness * D. Errors are "
+      "against a run whose tolerance is 1e-14: of E relative to that run's, of positions the farthest that any "
+      "point is off, over D. Times are of the whole call with one thread, the least of several.");
 }
 
-void refine(Report& report, const NetworkSettings& settings) {
-  report.heading("Accuracy against time: finer triangles");
+void study_membrane_refinement(const NetworkSettings& settings) {
+  Report report(settings.folder, "membranes", "refinement", "Error against time: finer triangles");
   Table table("membranes-refinement", {{"radius", "Radius"},
                                        {"points", "Points"},
                                        {"triangles", "Triangles"},
@@ -89,16 +89,11 @@ void refine(Report& report, const NetworkSettings& settings) {
     scene.steps = 5;
     Row row{radius, scene.membrane.points.size(), scene.membrane.triangles.size(), 0, 0, 0, 0, 0};
     for (int run = 0; run < (settings.brief || radius < 0.2 ? 1 : 3); ++run) {
-      const std::vector<PathStep> path =
-          follow_path(scene, {.gradient = 1e-5, .mollifier = Switch::off, .max_iterations = 100});
-      double cpu = 0;
-      row.iterations = row.failed = 0;
-      for (const PathStep& step : path) {
-        cpu += step.cpu_seconds;
-        row.iterations += step.result.iterations;
-        row.failed += step.result.stopped != "converged";
-      }
-      row.cpu = run == 0 ? cpu : std::min(row.cpu, cpu);
+      const std::vector<PathStep> path = follow_path(scene, {.gradient = 1e-5});
+      const PathSummary summary(path);
+      row.cpu = run == 0 ? summary.cpu : std::min(row.cpu, summary.cpu);
+      row.iterations = summary.all_iterations;
+      row.failed = summary.not_converged;
       row.energy = path.back().result.energy;
       std::vector<double> stretches;
       for (const auto& triangle : path.back().result.triangles) stretches.push_back(triangle.stretches[0]);
@@ -119,24 +114,28 @@ void refine(Report& report, const NetworkSettings& settings) {
                number(row.energy, 6), reference ? "-" : number(error, 2), number(row.stretch, 4),
                std::to_string(row.iterations), std::to_string(row.failed), number(1e3 * row.cpu)});
   }
-  report.text(
+  report.table(table);
+  report.image("membranes-refinement.svg", "Error of the energy against time for finer triangles");
+  report.write(
+      "network_bench membrane-accuracy", settings.brief,
       "A torus of 18,432 faces, one half stretched in five steps, with membranes of ever nearer points (*radius*: "
       "their least distance, mesh units; the tube's radius is 0.4) to \\|g\\| < 1e-5. Triangles count as flat, so that "
       "the error is of the shape of the triangles against the surface's curvature. It is relative to the E of the "
       "finest, and falls as radius^" +
-      number(fitted_exponent(lengths, errors), 2) +
-      " (least squares of the logarithms). Times are of all five steps, the least of several runs, of one for the "
-      "finest.");
-  report.table(table);
-  report.image("membranes-refinement.svg", "Error of the energy against time for finer triangles");
+          number(fitted_exponent(lengths, errors), 2) +
+          " (least squares of the logarithms). Times are of all five steps, the least of several runs, of one for the "
+          "finest.");
 }
 
-void bill_effects_of_membranes(Report& report, const NetworkSettings& settings) {
-  report.heading("What the effects cost");
-  report.text(
-      "The path, or the first steps of it, where one half is stretched, to \\|g\\| < 1e-6, with each effect on and "
-      "off. Kept strips never change the answer but for rounding; sides cross several edges, and more of them have to "
-      "be searched for than springs between neighbouring faces. CPU time with one thread, the least of several runs.");
+}  // namespace
+
+void study_membrane_accuracy(const NetworkSettings& settings) {
+  study_membrane_tolerance(settings);
+  study_membrane_refinement(settings);
+}
+
+void study_membrane_effects(const NetworkSettings& settings) {
+  Report report(settings.folder, "membranes", "effects", "What the effects cost");
   Table table("membranes-effects", {{"strips", "Kept strips"},
                                     {"mollifier", "Mollifier"},
                                     {"steps", "Steps"},
@@ -149,51 +148,40 @@ void bill_effects_of_membranes(Report& report, const NetworkSettings& settings) 
   set_thread_count(1);
   StretchedTorus scene = thesis_torus(settings, true);
   const auto row = [&](Switch strips, Switch mollifier, double length, int repetitions) {
-    const PathOptions options{
-        .mollifier = mollifier, .mollifier_length = length, .kept_strips = strips, .max_iterations = 60};
     std::vector<PathStep> best;
-    double cpu = 0;
     for (int run = 0; run < repetitions; ++run) {
-      std::vector<PathStep> path = follow_path(scene, options);
-      double seconds = 0;
-      for (const PathStep& step : path) seconds += step.cpu_seconds;
-      if (run == 0 || seconds < cpu) {
-        cpu = seconds;
-        best = std::move(path);
-      }
+      std::vector<PathStep> path =
+          follow_path(scene, {.mollifier = mollifier, .mollifier_length = length, .kept_strips = strips});
+      if (run == 0 || PathSummary(path).cpu < PathSummary(best).cpu) best = std::move(path);
     }
-    int iterations = 0, failed = 0;
+    const PathSummary summary(best);
     double searched = 0, all = 0;
     for (const PathStep& step : best) {
-      iterations += step.result.iterations;
-      failed += step.result.stopped != "converged";
       for (const auto& quantity : step.cost.quantities()) {
-        const bool how = quantity.name == "same_face" || quantity.name == "unfolded" || quantity.name == "searched";
-        if (how) all += quantity.value;
+        const bool is_path = quantity.name == "same_face" || quantity.name == "unfolded" || quantity.name == "searched";
+        if (is_path) all += quantity.value;
         if (quantity.name == "searched") searched += quantity.value;
       }
     }
     table.row({strips == Switch::off ? "off" : "on", mollifier == Switch::on ? number(length, 1) : "off",
-               std::to_string(best.size()), std::to_string(iterations), std::to_string(failed),
-               number(best.back().result.energy, 10), number(100 * searched / all, 2),
-               number(1e3 * cpu / static_cast<double>(best.size())), number(1e3 * cpu / iterations)});
+               std::to_string(best.size()), std::to_string(summary.all_iterations),
+               std::to_string(summary.not_converged), number(best.back().result.energy, 10),
+               number(100 * searched / all, 2), number(1e3 * summary.cpu / static_cast<double>(best.size())),
+               number(1e3 * summary.cpu / summary.all_iterations)});
   };
   row(Switch::on, Switch::off, 1e-6, settings.brief ? 1 : 5);
   row(Switch::off, Switch::off, 1e-6, settings.brief ? 1 : 5);
-  // The mollifier needs each path in full: a few steps say enough. These are as large as those of the whole path.
-  scene.followed = settings.brief ? 1 : 5;
+  // The mollifier needs each path in full, so that only the first steps are compared with it.
+  scene.max_steps = settings.brief ? 1 : 5;
   row(Switch::on, Switch::off, 1e-6, settings.brief ? 1 : 5);
   row(Switch::on, Switch::on, 1e-6, 1);
   row(Switch::on, Switch::on, 1e-3, 1);
   report.table(table);
-}
-
-}  // namespace
-
-void measure_accuracy_of_membranes(Report& report, const NetworkSettings& settings) {
-  compare_tolerances(report, settings);
-  refine(report, settings);
-  bill_effects_of_membranes(report, settings);
+  report.write(
+      "network_bench membrane-effects", settings.brief,
+      "The path, or the first steps of it, where one half is stretched, to \\|g\\| < 1e-6, with each effect on and "
+      "off. Kept strips never change the answer but for rounding; sides cross several edges, and more of them have to "
+      "be searched for than springs between neighbouring faces. CPU time with one thread, the least of several runs.");
 }
 
 }  // namespace supple::bench

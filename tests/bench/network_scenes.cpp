@@ -7,7 +7,7 @@ namespace {
 
 constexpr double tight_scene_gradient = 1e-12;
 
-/// The iteration after which |g| stays below the limit, and what it took; -1 where it does not come to that.
+/// The first iteration at which |g| is below the limit, or -1.
 int reached(const std::vector<TimedStep>& steps, double limit) {
   for (std::size_t i = 0; i < steps.size(); ++i)
     if (steps[i].step.gradient_norm < limit) return static_cast<int>(i);
@@ -16,15 +16,8 @@ int reached(const std::vector<TimedStep>& steps, double limit) {
 
 }  // namespace
 
-void measure_scenes(Report& report, const NetworkSettings& settings) {
-  report.heading("Convergence from points near vertices and on edges");
-  report.text(
-      "One point in each face and springs of rest length 0 to the points of the three neighbours, two for each pair "
-      "(thesis fig. 3.4), from barycentric coordinates (0.99, 1e-6, rest), *near vertices*, and (0.5, 0.5 - 1e-6, "
-      "1e-6), *on edges*. Weights are 1 / (number of springs); the thesis ends at |g| < 1e-6, here the iteration goes "
-      "on to 1e-12. The last column holds |g| after each of the last four iterations: where no more points cross "
-      "edges it falls quadratically. Before, the equilibrium is being sought among faces: points meet saddle vertices, "
-      "at which E bends sharply.");
+void study_network_scenes(const NetworkSettings& settings) {
+  Report report(settings.folder, "networks", "scenes", "Convergence from points near vertices and on edges");
   Table table("networks-scenes", {{"scene", "Scene"},
                                   {"faces", "Faces"},
                                   {"unknowns", "Unknowns"},
@@ -35,8 +28,6 @@ void measure_scenes(Report& report, const NetworkSettings& settings) {
                                   {"stopped", "Stopped"},
                                   {"at_vertices", "Points at vertices"},
                                   {"tail", "Last \\|g\\|"}});
-  Table history("networks-history",
-                {{"scene", "Scene"}, {"iteration", "Iteration"}, {"energy", "E"}, {"gradient", "|g|"}});
   set_thread_count(1);
   std::size_t converged = 0;
   const std::vector<Scene> scenes = face_scenes(settings);
@@ -61,15 +52,18 @@ void measure_scenes(Report& report, const NetworkSettings& settings) {
       tail += (tail.empty() ? "" : " ") + number(run.steps[i].step.gradient_norm, 2);
     table.row({scene.name, count(scene.mesh->face_count()), count(scene.unknowns()), iterations_6, ms_6, iterations_12,
                ms_12, run.result.stopped, std::to_string(run.result.at_vertices.size()), tail});
-    for (std::size_t i = 0; i < count_of_steps; ++i)
-      history.row({scene.name, std::to_string(i), number(run.steps[i].step.energy, 14),
-                   number(run.steps[i].step.gradient_norm, 6)});
   }
   report.target("Scenes near vertices and on edges that reach a gradient of norm below 1e-6", "all",
                 std::to_string(converged) + " of " + std::to_string(scenes.size()), converged == scenes.size());
   report.table(table);
-  report.data(history);
-  report.image("networks-scenes.svg", "The gradient's norm over the iterations of the scenes");
+  report.write(
+      "network_bench scenes", settings.brief,
+      "One point in each face and springs of rest length 0 to the points of the three neighbours, two for each pair "
+      "(thesis fig. 3.4), from barycentric coordinates (0.99, 1e-6, rest), *near vertices*, and (0.5, 0.5 - 1e-6, "
+      "1e-6), *on edges*. Weights are 1 / (number of springs); the thesis ends at |g| < 1e-6, here the iteration goes "
+      "on to 1e-12. The last column holds |g| after each of the last four iterations: where no more points cross "
+      "edges it falls quadratically. Before, the equilibrium is being sought among faces: points meet saddle vertices, "
+      "at which E bends sharply.");
 }
 
 }  // namespace supple::bench

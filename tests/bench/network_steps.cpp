@@ -19,8 +19,8 @@ using surface::PointPair;
 using surface::SurfacePoint;
 using surface::TriangleMesh;
 
-/// The share of a mean edge by which points move while strips hold.
-constexpr double small_way = 0.01;
+/// Distance by which points move while their strips stay valid, in mean edges.
+constexpr double small_distance = 0.01;
 constexpr double search_limit_ms = 6;
 constexpr double unfolding_limit_ms = 2;
 
@@ -48,8 +48,9 @@ std::vector<SurfacePoint> moved_a_little(const TriangleMesh& mesh, const std::ve
   std::vector<SurfacePoint> moved;
   for (const SurfacePoint& point : points) {
     const double angle = 2 * M_PI * random.uniform();
-    const double way = small_way * mesh.mean_edge_length();
-    moved.push_back(surface::retract(mesh, point, way * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {}).end);
+    const double distance = small_distance * mesh.mean_edge_length();
+    moved.push_back(
+        surface::retract(mesh, point, distance * Eigen::Vector2d(std::cos(angle), std::sin(angle)), {}).end);
   }
   return moved;
 }
@@ -60,7 +61,7 @@ struct Times {
   double least_ms() const { return std::min(cpu_ms, wall_ms); }
 };
 
-/// The best of several.
+/// The least times of several runs.
 template <typename Action>
 Times times_of(int repetitions, Action&& action) {
   std::vector<double> cpu, wall;
@@ -100,7 +101,7 @@ void measure_springs_of(Report& report, const NetworkSettings& settings, Table& 
 
   std::vector<surface::TangentGeodesic> found(here.size());
   surface::PathsFound how;
-  // The start of the scenes: some springs lead round vertices, and their paths are searched for.
+  // At the start of the scenes some springs go round vertices, so that their paths must be searched.
   const Network hard = face_scene("", TriangleMesh(*scene.mesh), near_vertex).network;
   const std::vector<PointPair> hard_pairs = pairs_of(hard, hard.points);
   const Times at_vertices = times_of(repetitions, [&] { how = solver.tangent_geodesics(hard_pairs, found, false); });
@@ -124,7 +125,7 @@ void measure_springs_of(Report& report, const NetworkSettings& settings, Table& 
                 unfolded.least_ms() < unfolding_limit_ms);
 }
 
-/// Seconds of a step, the mean of a run, and the wall seconds by what they went into.
+/// Mean seconds of a step in a run, and its wall seconds by stage.
 struct StepTime {
   double total = std::numeric_limits<double>::infinity();
   double wall = total;
@@ -134,7 +135,7 @@ struct StepTime {
   double motion = total;
   int steps = 0;
 
-  /// The least of each: what disturbs one part of a run seldom disturbs it in all runs.
+  /// Keeps the least time of each stage: other programs seldom disturb the same stage in all runs.
   void take(const TimedRun& run, bool cpu) {
     const TimedStep& end = run.steps.back();
     steps = static_cast<int>(run.steps.size()) - 1;
@@ -179,12 +180,13 @@ MeasuredScene measure_scene(const NetworkSettings& settings, Table& table, const
 
 }  // namespace
 
-void measure_steps(Report& report, const NetworkSettings& settings) {
+void study_network_steps(const NetworkSettings& settings) {
+  Report report(settings.folder, "networks", "steps", "Time of a Newton step");
   report.heading("Springs of one state");
   report.text(
       "Lengths, gradients and Hessians of all springs: one random point in each face, two springs to each neighbour. "
       "*Strips known*: all points have moved by " +
-      number(small_way, 1) +
+      number(small_distance, 1) +
       " h since the state before, whose crossed faces are unfolded first. *In a face*, *unfolded* and *searched* count "
       "the springs by how their path was found: between neighbouring faces no search is needed where the straight way "
       "through their edge cannot be undercut.");
@@ -229,7 +231,6 @@ void measure_steps(Report& report, const NetworkSettings& settings) {
                   measured.times.least_ms() < limit);
   }
   report.table(steps);
-  report.image("networks-steps.svg", "What a step's time goes into");
 
   report.heading("Growth");
   Table growth("networks-growth", columns);
@@ -253,6 +254,8 @@ void measure_steps(Report& report, const NetworkSettings& settings) {
       " (least squares of the logarithms).");
   report.table(growth);
   report.image("networks-growth.svg", "Time of a step against the number of unknowns");
+  report.write("network_bench steps", settings.brief,
+               "Springs, Newton steps and how their time grows with the number of unknowns.");
 }
 
 }  // namespace supple::bench

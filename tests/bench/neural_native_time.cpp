@@ -1,4 +1,4 @@
-// What one uniaxial equilibrium costs by the network and by a simulation, over the strain (thesis 4.4.3, fig. 4.11).
+// Time of a uniaxial equilibrium by the network and by a simulation, over the strain (thesis 4.4.3, fig. 4.11).
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace supple::bench {
 namespace {
 
 struct Times {
-  std::vector<double> network;  ///< ms, one for each design and direction
+  std::vector<double> network;  ///< ms of each design and direction
   std::vector<double> native;
 };
 
@@ -32,7 +32,7 @@ std::vector<double> strains_of(bool brief) {
 }  // namespace
 
 void study_native_time(const NeuralSettings& settings) {
-  Report report(settings.folder, "models-native-time", "Models: time of an equilibrium against simulation");
+  Report report(settings.folder, "models", "native-time", "Time of an equilibrium, beside simulations");
   Table table("models-native-time", {{"family", "Family"},
                                      {"strain", "Strain"},
                                      {"equilibria", "Equilibria"},
@@ -67,7 +67,7 @@ void study_native_time(const NeuralSettings& settings) {
       const auto design = evaluator.design(structure.parameters);
       for (const double strain : strains_of(settings.brief)) {
         const double stretch = 1 + strain;
-        // Each state from rest, as a request for it would be answered; meshing is not counted.
+        // Each state is computed from rest, as for a request; meshing is not counted.
         const auto native = run_timed(simulator, microscale::UniaxialLoad{direction, {stretch}});
         if (native.result.states.back().stopped != microscale::Stop::converged) {
           ++failed;
@@ -101,15 +101,15 @@ void study_native_time(const NeuralSettings& settings) {
   }
   report.table(summary);
   report.image("models-native-time.svg", "Milliseconds of one equilibrium over the strain");
-  report.table(table);
-  report.write(neural_introduction(
-      settings, "native-time",
-      "Uniaxial equilibria of " + std::to_string(wanted) +
-          " random designs of each family, a random direction each, at strains from 30 % compression to 50 % tension. "
-          "Each is asked for alone, from rest: the simulation goes there in load steps of at most 0.05 on the mesh of "
-          "the family's data set, contact, buckling and two-by-two patches where the state calls for them; meshing and "
-          "what depends on the design alone are not counted. CPU time, one thread. The thesis reports 77 ms by network "
-          "and up to 148 s by simulation."));
+  report.data(table);
+  report.write(settings.command("native-time"), settings.brief,
+               "Uniaxial equilibria of " + std::to_string(wanted) +
+                   " random designs of each family, a random direction each, at strains from 30 % compression to 50 % "
+                   "tension. Each is asked for alone, from rest: the simulation goes there in load steps of at most "
+                   "0.05 on the mesh of the family's data set, contact, buckling and two-by-two patches where the "
+                   "state calls for them; meshing and what depends on the design alone are not counted. CPU time, one "
+                   "thread. Times by strain are in [models-native-time.csv](models-native-time.csv). The thesis "
+                   "reports 77 ms by network and up to 148 s by simulation.");
 }
 
 }  // namespace supple::bench

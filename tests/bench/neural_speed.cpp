@@ -1,4 +1,4 @@
-// What an evaluation costs: against the rate of matrix products on this machine in the same run, and against LibTorch's
+// Time of an evaluation against the rate of matrix products on this machine in the same run, and against LibTorch's
 // automatic differentiation of the same network.
 #include <torch/autograd.h>
 #include <torch/types.h>
@@ -85,7 +85,7 @@ Torch torch_of(const neural::Network& network, const Eigen::Matrix3Xd& strains) 
 }  // namespace
 
 void study_speed(const NeuralSettings& settings) {
-  Report report(settings.folder, "models-speed", "Models: what an evaluation costs");
+  Report report(settings.folder, "models", "speed", "Time of an evaluation, beside LibTorch");
   Table table("models-speed", {{"width", "Width"},
                                {"strains", "Strains of one design"},
                                {"order", "Derivatives by strain"},
@@ -167,19 +167,17 @@ void study_speed(const NeuralSettings& settings) {
   report.heading("Strains");
   report.table(table);
   report.heading("Designs");
-  report.text("What depends on the tiling parameters alone is worked out once for each design.");
+  report.text("What depends on the tiling parameters alone is computed once for each design.");
   report.table(designs);
-  report.write(neural_introduction(
-      settings, "speed",
-      "One thread, CPU time, least of " + std::to_string(repetitions) +
-          " repetitions; 3 + 3 + 5 hidden layers, swish, four parameters. The floor "
-          "is the number of multiply-adds (a strain meets seven square matrices once for the energy, twice with the "
-          "stress, eight times with the "
-          "tangent, twenty times with third derivatives; the derivatives by the parameters are on top) over the rate "
-          "at which this machine "
-          "multiplies a matrix of this width with 48 columns in the same run. LibTorch differentiates the same network "
-          "in double precision, one thread. "
-          "The thesis reports 0.82 ms for energy, gradient and Hessian at a width of 256 on an RTX 3080."));
+  report.write(settings.command("speed"), settings.brief,
+               "One thread, CPU time, least of " + std::to_string(repetitions) +
+                   " repetitions; 3 + 3 + 5 hidden layers, swish, four parameters. The floor is the number of "
+                   "multiply-adds (a strain meets seven square matrices once for the energy, twice with the stress, "
+                   "eight times with the tangent, twenty times with third derivatives; the derivatives by the "
+                   "parameters are on top) over the rate at which this machine multiplies a matrix of this width with "
+                   "48 columns in the same run. LibTorch differentiates the same network in double precision, one "
+                   "thread. The thesis reports 0.82 ms for energy, gradient and Hessian at a width of 256 on an RTX "
+                   "3080.");
 }
 
 }  // namespace supple::bench

@@ -7,7 +7,6 @@
 #include "measurement.h"
 #include "neural_bench.h"
 #include "report.h"
-#include "supple/neural/error_bars.h"
 #include "supple/neural/uniaxial.h"
 #include "supple/tiling/family.h"
 #include "uniaxial_curves.h"
@@ -15,13 +14,13 @@
 namespace supple::bench {
 namespace {
 
-/// Mean error of the thesis's networks, in percent (4.4.3).
+/// Mean error of the thesis's networks, in per cent (4.4.3).
 constexpr double mean_allowed = 0.475;
 
 }  // namespace
 
 void study_uniaxial(const NeuralSettings& settings) {
-  Report report(settings.folder, "models-uniaxial", "Models: uniaxial curves against fresh simulations");
+  Report report(settings.folder, "models", "uniaxial", "Error of uniaxial curves, against fresh simulations");
   Table table("models-uniaxial", {{"family", "Family"},
                                   {"designs", "Designs"},
                                   {"points", "Points"},
@@ -35,14 +34,6 @@ void study_uniaxial(const NeuralSettings& settings) {
                                   {"network_ms", "Network, ms a state"},
                                   {"native_ms", "Simulation, ms a state"},
                                   {"not_converged", "Not converged"}});
-  Table points("models-uniaxial-points", {{"family", "Family"},
-                                          {"design", "Design"},
-                                          {"direction", "Direction"},
-                                          {"stretch", "Stretch"},
-                                          {"native", "Simulated stress"},
-                                          {"network", "Predicted stress"},
-                                          {"error_bar", "Error bar of it"},
-                                          {"in_range", "In range"}});
   for (const auto& model : models_of(settings)) {
     const auto& family = tiling::family(model.family);
     const neural::Evaluator evaluator(model.network);
@@ -55,10 +46,8 @@ void study_uniaxial(const NeuralSettings& settings) {
     const int wanted = settings.brief ? 1 : settings.designs_or(50);
     const auto curves = simulated_curves(box_of(model), curve_options(family.id, settings.brief), wanted,
                                          work_folder(settings, "uniaxial") / (family.id + ".txt"));
-    for (std::size_t design = 0; design < curves.size(); ++design) {
-      const auto& curve = curves[design];
+    for (const auto& curve : curves) {
       const auto prepared = evaluator.design(curve.parameters);
-      const neural::ErrorBars bars(model, evaluator, prepared, curve.parameters, true);
       native_seconds += curve.seconds;
       double largest = 0;
       for (const auto& place : curve.places) largest = std::max(largest, std::abs(place.load.stress));
@@ -70,15 +59,8 @@ void study_uniaxial(const NeuralSettings& settings) {
         ++states;
         const auto& state = predicted[0];
         if (!state.converged) ++failed;
-        const auto trust =
-            bars.uniaxial(neural::Quantity::stress, neural::UniaxialFrame(load.direction), load.green_strain,
-                          state.strain, {state.energy_density, state.stress, state.tangent});
         errors.push_back(100 * std::abs(state.directional_stress / load.stress - 1));
         curve_errors.push_back(100 * std::abs(state.directional_stress - load.stress) / largest);
-        points.row({model.family, std::to_string(design), number(curve.direction, 6), number(stretch, 6),
-                    number(load.stress, 6), number(state.directional_stress, 6),
-                    trust.error ? number(*trust.error * std::abs(state.directional_stress), 3) : "",
-                    trust.in_range ? "1" : "0"});
       }
     }
     const double network_ms = 1e3 * network_seconds / states;
@@ -96,17 +78,16 @@ void study_uniaxial(const NeuralSettings& settings) {
                   network_ms <= 2);
   }
   report.table(table);
-  report.data(points);
-  report.write(neural_introduction(
-      settings, "uniaxial",
-      "Random designs and directions that no data set holds, strains at 24 places from 30 % "
-      "compression to 50 % tension, simulated with the mesh of the family's data set. "
-      "The simulation pulls along a direction of space; its stress is uniaxial along a direction m of the material, "
-      "along which the network is asked for the same m^T E m, each state from rest. "
-      "Errors are |s - s*| / |s*| of the directional stress s = m^T S m at each place, as the "
-      "thesis's relative error; beside it the same difference over the largest |s*| of its curve. "
-      "CPU time, one thread; simulations that an earlier run has kept in the work folder have the time they took "
-      "then."));
+  report.write(
+      settings.command("uniaxial"), settings.brief,
+      "Random designs and directions that no data set holds, strains at 24 places from 30 % compression to 50 % "
+      "tension, "
+      "simulated with the mesh of the family's data set. The simulation pulls along a direction of space; its stress "
+      "is "
+      "uniaxial along a direction m of the material, along which the network is asked for the same m^T E m, each state "
+      "from rest. Errors are |s - s*| / |s*| of the directional stress s = m^T S m at each place, as the thesis's "
+      "relative error; beside it the same difference over the largest |s*| of its curve. CPU time, one thread; "
+      "simulations that an earlier run has kept in the work folder have the time they took then.");
 }
 
 }  // namespace supple::bench

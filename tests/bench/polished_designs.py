@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Designs that polish met, as their owner simulates them afterwards: by a default simulation, and by one on a fine mesh.
+"""Polished designs as their owner simulates them afterwards: by a default simulation, and by one on a fine mesh.
 
     tests/bench/polished_designs.py [--designs 4] [--families IH01,IH67] [--output docs/bench]
 
-Starts a server of its own (SUPPLE_BUILD, default build/release) and writes designs-polished.md and designs-polished.csv.
+Starts a server of its own (SUPPLE_BUILD, default build/release) and writes a section of designs.md and designs-polished.csv.
 A run goes on from the rows of the CSV file; remove it where the search, polish, a model or the simulation has changed.
 """
 
@@ -25,10 +25,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import Contract  # noqa: E402
 from harness import ROOT, Api, ServerProcess  # noqa: E402
-from kept_rows import KeptRows  # noqa: E402
+from saved_rows import SavedRows  # noqa: E402
+from sections import write_section  # noqa: E402
 
 STRAINS = [-0.06, -0.03, 0.0, 0.03, 0.06, 0.09, 0.12]
-"""Evenly spaced, as a request for so many samples takes them."""
+"""Evenly spaced, as a request for this number of samples takes them."""
 TOLERANCE = 2e-3
 LIMIT = 5e-3
 FINE = 5e-4
@@ -55,7 +56,7 @@ def deviation(y: np.ndarray, target: np.ndarray) -> float:
 
 
 def one(api: Api, model: Dict[str, Any], number: int) -> Optional[Dict[str, Any]]:
-    """A row: the target is what a random design does on the fine mesh. None where that has no such curve."""
+    """A row: the target is what a random design does on the fine mesh. None if that has no such curve."""
     family = model["family"]
     stream = np.random.default_rng([number, int(family[2:])])
     hidden = stream.uniform(model["parameters"]["lower"], model["parameters"]["upper"]).tolist()
@@ -79,8 +80,8 @@ def one(api: Api, model: Dict[str, Any], number: int) -> Optional[Dict[str, Any]
     return row
 
 
-def page(rows: List[Dict[str, str]]) -> str:
-    """The page of all rows."""
+def section(rows: List[Dict[str, str]]) -> str:
+    """The section of all rows."""
     made = [row for row in rows if row["default"]]
     met = [row for row in made if float(row["polished"]) <= TOLERANCE]
 
@@ -88,7 +89,7 @@ def page(rows: List[Dict[str, str]]) -> str:
         return f"{100 * max(values):.2f}" if values else ""
 
     lines = [
-        "# Inverse design: what a polished design does when its owner simulates it", "",
+        "## What a polished design does when its owner simulates it", "",
         f"Written by `tests/bench/polished_designs.py` on {os.cpu_count()} cores ({platform.machine()}), {date.today()}.", "",
         f"The target is the stress of a random design within the bounds at strains of {', '.join(map(str, STRAINS))} along a random direction, simulated on a mesh that errs by at",
         f"most {100 * FINE:g} %. `POST /v1/designs` with `verify` finds a design and polishes it to {100 * TOLERANCE:g} %. Then `POST /v1/simulations` simulates the design once by default,",
@@ -113,7 +114,7 @@ def main() -> None:
     parser.add_argument("--families", default="", help="separated by commas; all without it")
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
-    kept = KeptRows(arguments.output / "designs-polished.csv", COLUMNS, lambda row: (row["family"], int(row["number"])))
+    saved = SavedRows(arguments.output / "designs-polished.csv", COLUMNS, lambda row: (row["family"], int(row["number"])))
     with tempfile.TemporaryDirectory() as folder:
         server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
         try:
@@ -124,15 +125,15 @@ def main() -> None:
                 if arguments.families and family not in arguments.families.split(","):
                     continue
                 while done < arguments.designs:
-                    known = next((row for row in kept.rows if row["family"] == family and int(row["number"]) == number), None)
+                    known = next((row for row in saved.rows if row["family"] == family and int(row["number"]) == number), None)
                     if known is None:
-                        known = kept.add(one(api, model, number) or {"family": family, "number": number})
+                        known = saved.add(one(api, model, number) or {"family": family, "number": number})
                         print(known, flush=True)
                     done += 1 if known["default"] else 0
                     number += 1
         finally:
             server.stop()
-    (arguments.output / "designs-polished.md").write_text(page(kept.rows), encoding="utf-8")
+    write_section(arguments.output, "designs", "polished", section(saved.rows))
 
 
 if __name__ == "__main__":

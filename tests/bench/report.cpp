@@ -4,10 +4,19 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <stdexcept>
+
+#include "measurement.h"
 
 namespace supple::bench {
 namespace {
+
+/// Empty if there is no such file.
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
 
 void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
@@ -85,16 +94,17 @@ std::string Table::csv() const {
   return text;
 }
 
-Report::Report(std::filesystem::path folder, std::string name, std::string title)
+Report::Report(std::filesystem::path folder, std::string page, std::string section, std::string title)
     : folder_(std::move(folder)),
-      name_(std::move(name)),
+      page_(std::move(page)),
+      section_(std::move(section)),
       title_(std::move(title)),
-      targets_(name_ + "-targets",
+      targets_(page_ + "-targets",
                {{"target", "Target"}, {"limit", "Limit"}, {"measured", "Measured"}, {"holds", "Holds"}}) {
   std::filesystem::create_directories(folder_);
 }
 
-void Report::heading(const std::string& text) { body_ += "\n## " + text + "\n"; }
+void Report::heading(const std::string& text) { body_ += "\n### " + text + "\n"; }
 
 void Report::text(const std::string& paragraph) { body_ += "\n" + paragraph + "\n"; }
 
@@ -113,9 +123,26 @@ void Report::target(const std::string& what, const std::string& limit, const std
   targets_.row({what, limit, measured, holds ? "yes" : "**no**"});
 }
 
-void Report::write(const std::string& introduction) const {
-  write_file(folder_ / (name_ + ".md"), "# " + title_ + "\n\n" + introduction + "\n" +
-                                            (targets_.empty() ? "" : "\n## Targets\n\n" + targets_.markdown()) + body_);
+void Report::write(const std::string& command, bool short_run, const std::string& conditions) const {
+  const std::string begin = "<!-- section: " + section_ + " -->\n";
+  const std::string end = "<!-- /section: " + section_ + " -->\n";
+  std::string section = begin + "## " + title_ + "\n\nMeasured by `" + command + "` on " + machine_line() + ".";
+  if (short_run) section += " **A short run: the numbers mean nothing.**";
+  section += "\n\n" + conditions + "\n" + (targets_.empty() ? "" : "\n" + targets_.markdown()) + body_ + end;
+
+  const std::filesystem::path file = folder_ / (page_ + ".md");
+  std::string page = read_file(file);
+  if (page.empty()) page = "# Measurements: " + page_ + "\n";
+  const std::size_t first = page.find(begin);
+  if (first == std::string::npos) {
+    page += "\n" + section;
+  } else {
+    const std::size_t last = page.find(end, first);
+    if (last == std::string::npos)
+      throw std::runtime_error(file.string() + ": the section " + section_ + " has no end");
+    page.replace(first, last + end.size() - first, section);
+  }
+  write_file(file, page);
 }
 
 }  // namespace supple::bench

@@ -6,9 +6,9 @@
 
 namespace supple::bench {
 
-/// `value` with so many significant digits, without an exponent where it reads well without.
+/// The value with this many significant digits, and with an exponent only if it is very small or very large.
 std::string number(double value, int digits = 3);
-/// With separators between thousands: 81,920.
+/// The rounded value with separators between thousands: 81,920.
 std::string count(double value);
 
 /// A table that goes into a page and, without the separators between thousands, into a CSV file beside it.
@@ -36,26 +36,30 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// A page of measurements in Markdown with its CSV files. Targets come first on the page, whichever was met or not.
+/// A section of a page of measurements in Markdown, with its CSV files. A study writes its own section between two
+/// comments of the page, so that it can be repeated alone. Targets come first, whether they were met or not.
 class Report {
  public:
-  Report(std::filesystem::path folder, std::string name, std::string title);
+  /// The page is the file PAGE.md of the folder, `section` the section's name in its comments.
+  Report(std::filesystem::path folder, std::string page, std::string section, std::string title);
 
   void heading(const std::string& text);
   void text(const std::string& paragraph);
   void table(const Table& table);
-  /// Only the CSV file, for a table too long for the page.
+  /// Writes only the CSV file, for a table too long for the page.
   void data(const Table& table);
-  /// An image that a script makes from the CSV files.
+  /// An image that a script draws from the CSV files.
   void image(const std::string& file, const std::string& caption);
   /// What the numbers were to reach, and whether they do.
   void target(const std::string& what, const std::string& limit, const std::string& measured, bool holds);
-  /// Writes NAME.md under the folder; `introduction` stands before the targets.
-  void write(const std::string& introduction) const;
+  /// Puts the section in the place of the one that the page has, or at its end. `command` repeats the measurement,
+  /// `conditions` say what was measured; a short run is marked as such.
+  void write(const std::string& command, bool short_run, const std::string& conditions) const;
 
  private:
   std::filesystem::path folder_;
-  std::string name_;
+  std::string page_;
+  std::string section_;
   std::string title_;
   std::string body_;
   Table targets_;

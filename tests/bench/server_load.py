@@ -3,7 +3,7 @@
 
     tests/bench/server_load.py [--requests 20000] [--connections 64] [--output docs/bench]
 
-Starts a server of its own (SUPPLE_BUILD, default build/release), measures, and writes server.md and server.csv. The
+Starts a server of its own (SUPPLE_BUILD, default build/release), measures, and writes a section of server.md and server.csv. The
 clients run on the same machine and share its cores with the server.
 """
 
@@ -26,6 +26,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from harness import ROOT, ServerProcess  # noqa: E402
+from sections import write_section  # noqa: E402
 from shapes import sphere, two_triangles_apart  # noqa: E402
 
 JSON = "application/json"
@@ -33,10 +34,10 @@ WARM_UP = 200
 
 
 class Kind(NamedTuple):
-    """One kind of request of the mix, its share, and the statuses that are right."""
+    """One kind of request of the mix, its weight, and the statuses that are right."""
 
     name: str
-    share: int
+    weight: int
     statuses: Tuple[int, ...]
 
 
@@ -118,9 +119,9 @@ class Workload:
         return post("/v1/geodesics", {"mesh": self.sphere, "pairs": [{"from": outside, "to": {"vertex": 0}}]})
 
 
-def percentile(values: List[float], share: float) -> float:
+def percentile(values: List[float], fraction: float) -> float:
     ordered = sorted(values)
-    return ordered[min(len(ordered) - 1, int(share * len(ordered)))]
+    return ordered[min(len(ordered) - 1, int(fraction * len(ordered)))]
 
 
 def measure_overhead(workload: Workload, repeats: int) -> Dict[str, float]:
@@ -146,7 +147,7 @@ def computed_seconds(answer: Dict[str, Any]) -> float:
 
 
 class Load:
-    """Sends the mix over many connections and keeps every latency."""
+    """Sends the mix over many connections and records every latency."""
 
     def __init__(self, workload: Workload, requests: int) -> None:
         self._workload = workload
@@ -164,11 +165,11 @@ class Load:
     def _connection(self, number: int) -> None:
         stream = random.Random(number)
         names = [kind.name for kind in MIX]
-        shares = [kind.share for kind in MIX]
+        weights = [kind.weight for kind in MIX]
         allowed = {kind.name: kind.statuses for kind in MIX}
         connection = self._workload.connect()
         while self._take():
-            kind = stream.choices(names, shares)[0]
+            kind = stream.choices(names, weights)[0]
             method, path, body, headers = self._workload.request(kind, stream)
             start = time.perf_counter()
             failure = None
@@ -203,10 +204,10 @@ class Load:
         return time.perf_counter() - start, memory
 
 
-def memory_at(memory: List[Tuple[int, int]], share: float) -> int:
-    """The server's memory once this share of the requests was done."""
+def memory_at(memory: List[Tuple[int, int]], fraction: float) -> int:
+    """The server's memory once this fraction of the requests was done."""
     total = memory[-1][0]
-    return next(resident for done, resident in memory if done >= share * total)
+    return next(resident for done, resident in memory if done >= fraction * total)
 
 
 def report(load: Load, seconds: float, memory: List[Tuple[int, int]], overhead: Dict[str, float],
@@ -214,15 +215,15 @@ def report(load: Load, seconds: float, memory: List[Tuple[int, int]], overhead: 
     mebi = 1024 * 1024
     growth = memory_at(memory, 1.0) - memory_at(memory, 0.25)
     lines = [
-        "# The server under load", "",
+        "## Under load", "",
         f"Written by `tests/bench/server_load.py` on {os.cpu_count()} cores ({platform.machine()}), which the server and "
         "the clients share.", "",
-        "## An immediate answer", "",
+        "### An immediate answer", "",
         "A geodesic within one face over one kept connection; the overhead is the time at the client less the time that "
         "the answer's bill reports for the computation.", "",
         "| overhead, median | overhead, 99 % | whole answer, median |", "|---|---|---|",
         f"| {1e3 * overhead['median']:.3f} ms | {1e3 * overhead['p99']:.3f} ms | {1e3 * overhead['total']:.3f} ms |", "",
-        f"## {arguments.requests:,} mixed requests over {arguments.connections} connections", "",
+        f"### {arguments.requests:,} mixed requests over {arguments.connections} connections", "",
         f"{load.done:,} answers in {seconds:.1f} s ({load.done / seconds:.0f} per second); {len(load.failures)} wrong. The "
         f"server's resident memory was {memory_at(memory, 0.25) / mebi:.1f} MiB after a quarter of the requests and "
         f"{memory_at(memory, 1.0) / mebi:.1f} MiB at the end ({growth / mebi:+.1f} MiB).", "",
@@ -254,8 +255,7 @@ def main() -> int:
             server.stop()
     text = report(load, seconds, memory, overhead, arguments)
     print(text)
-    arguments.output.mkdir(parents=True, exist_ok=True)
-    (arguments.output / "server.md").write_text(text, encoding="utf-8")
+    write_section(arguments.output, "server", "load", text)
     with (arguments.output / "server.csv").open("w", newline="", encoding="utf-8") as table:
         writer = csv.writer(table)
         writer.writerow(["requests_done", "resident_bytes"])

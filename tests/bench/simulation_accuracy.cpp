@@ -21,7 +21,7 @@ struct Case {
   UniaxialLoad load;
 };
 
-/// Along 30 degrees: moderate and large tension, and compression in which beams touch or buckle.
+/// Loads along 30 degrees: moderate and large tension, and compression in which beams touch or buckle.
 std::vector<Case> cases(const SimulationSettings& settings) {
   const double direction = std::numbers::pi / 6;
   std::vector<Case> all;
@@ -52,7 +52,7 @@ Table table_of(const std::string& file, const Table::Column& knob) {
            {"energy_percent", "Error of the energy, %"}}};
 }
 
-/// A row; returns the error of the stress, or nothing where one of the two did not arrive.
+/// Adds a row and returns the error of the stress, or nothing if one of the two did not arrive.
 std::optional<double> add_row(Table& table, const Case& studied, const std::string& value, const TimedPath& run,
                               const TimedPath& reference) {
   const State& own = run.result.states.back();
@@ -124,17 +124,13 @@ void study_load_step(Report& report, const SimulationSettings& settings) {
 }  // namespace
 
 void study_simulation_accuracy(const SimulationSettings& settings) {
-  Report report(settings.folder, "simulations-accuracy",
-                "Simulations: error against time for tolerances and load steps");
+  Report report(settings.folder, "simulations", "accuracy", "Error against time: tolerance and load step");
   study_tolerance(report, settings);
   report.image("simulations-accuracy.svg", "Error of the stress against time for tolerances and load steps");
   study_load_step(report, settings);
-  report.write(
-      simulation_introduction(settings, "accuracy",
-                              "The structures are those of the families' default parameters, on the meshes of "
-                              "their data sets, from rest to one state, along 30 degrees. Errors of stresses are "
-                              "in the Frobenius norm. What meshes cost is on [another page]"
-                              "(simulations-refinement.md)."));
+  report.write("simulation_bench accuracy", settings.brief,
+               "The structures are those of the families' default parameters, on the meshes of their data sets, from "
+               "rest to one state, along 30 degrees. Errors of stresses are in the Frobenius norm.");
 }
 
 }  // namespace supple::bench

@@ -1,4 +1,4 @@
-// Periodic patches under load: accuracy against time, samples per second, a peer, what effects cost, mesh noise.
+// Periodic patches under load: accuracy against time, samples per second, what effects cost, and a peer.
 //
 //   simulation_bench [--short] [--designs N] [--family ID ...] [--out DIR] [STUDY ...]      default: all studies into
 //   docs/bench
@@ -14,9 +14,8 @@ int main(int argc, char** argv) {
                       list_option("--family", settings.families), folder_option("--out", settings.folder)},
                      {{"accuracy", [&] { study_simulation_accuracy(settings); }},
                       {"refinement", [&] { study_refinement(settings); }},
-                      {"speed", [&] { study_speed(settings); }},
-                      {"peer", [&] { study_peer(settings); }},
-                      {"effects", [&] { study_effects(settings); }},
                       {"discretization", [&] { study_discretization(settings); }},
-                      {"smoothness", [&] { study_smoothness(settings); }}});
+                      {"speed", [&] { study_speed(settings); }},
+                      {"effects", [&] { study_effects(settings); }},
+                      {"peer", [&] { study_peer(settings); }}});
 }

@@ -1,5 +1,5 @@
-// What a simulation says of its mesh's error, against a fine mesh; and what that costs. Long: it goes on where it was
-// interrupted.
+// The error of its mesh that a simulation states, against the error that a fine mesh shows, and its cost. A run takes
+// hours and goes on where it was interrupted.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -24,7 +24,7 @@ using microscale::Simulator;
 using microscale::State;
 using microscale::UniaxialLoad;
 
-/// How a structure is simulated.
+/// A way to simulate a structure.
 struct Way {
   std::string name;
   tiling::MeshOptions mesh;
@@ -91,7 +91,7 @@ void study_design(std::ostream& out, const std::string& family, int design, cons
   }
 }
 
-/// A path of one design in one way, out of the file of all states.
+/// A path of one design in one way, summed up from the file of all states.
 struct StudiedPath {
   double error = 0, stress = 0, estimate = 0;  // sums of squares over states
   double energy_error = 0, energy = 0, energy_estimate = 0;
@@ -99,7 +99,7 @@ struct StudiedPath {
   bool same_branch = true;
   bool estimated = true;
 };
-/// By family, way, design and load.
+/// Paths by family, way of simulating, design and load.
 using StudiedPaths = std::map<std::string, std::map<std::string, std::map<std::string, StudiedPath>>>;
 
 StudiedPaths read_paths(const std::filesystem::path& file) {
@@ -129,10 +129,9 @@ StudiedPaths read_paths(const std::filesystem::path& file) {
 
 double percent_of(double error, double size) { return 100 * std::sqrt(error / size); }
 
-/// The page of all designs that are in the file by now.
-void write_page(const SimulationSettings& settings, const std::filesystem::path& file) {
-  Report report(settings.folder, "simulations-discretization",
-                "Simulations: the error that they say and the error that they make");
+/// Writes the section from all designs that are in the file.
+void write_section(const SimulationSettings& settings, const std::filesystem::path& file) {
+  Report report(settings.folder, "simulations", "discretization", "The error that answers state");
   Table table("simulations-discretization", {{"family", "Family"},
                                              {"way", "Simulation"},
                                              {"paths", "Paths compared"},
@@ -203,19 +202,16 @@ void write_page(const SimulationSettings& settings, const std::filesystem::path&
   std::string done;
   for (const auto& [family, ways_of] : paths)
     done += (done.empty() ? "" : ", ") + family + " " + std::to_string(ways_of.begin()->second.size() / 2);
-  report.write(simulation_introduction(
-      settings, "discretization",
+  report.write(
+      "simulation_bench discretization", settings.brief,
       "Random designs under tension to a stretch of 1.1 and compression to 0.95 along a random direction, three states "
       "each, against the mesh 0.35, 0.05 (IH21, IH28 and IH29: 0.5, 0.05), extrapolated. *before* is the mesh 1/2, 0.1 "
-      "as it is, the default until now; "
-      "*estimated* is the same with its error, as where a request gives the mesh; *default* is what a request without "
-      "a mesh gets. Errors and estimates are root mean squares over a path, as `accuracy.discretization_error`. Paths "
-      "are left out "
-      "if they are on another branch or in another patch than the reference, where beams buckle a little sooner or "
-      "later, "
-      "and if they have no estimate. A time includes the meshing. The run goes on where it was interrupted; designs so "
-      "far: " +
-          done + "."));
+      "as it is, an earlier default; *estimated* is the same with its error, as where a request gives the mesh; "
+      "*default* is what a request without a mesh gets. Errors and estimates are root mean squares over a path, as "
+      "`accuracy.discretization_error`. Paths are left out if they are on another branch or in another patch than the "
+      "reference, where beams buckle a little sooner or later, and if they have no estimate. A time includes the "
+      "meshing. The run goes on where it was interrupted; designs so far: " +
+          done + ".");
 }
 
 }  // namespace
@@ -233,6 +229,7 @@ void study_discretization(const SimulationSettings& settings) {
       if (std::getline(fields, family, ',') && std::getline(fields, design, ',')) done.insert(family + "," + design);
     }
   }
+  std::filesystem::create_directories(settings.folder);
   std::ofstream out(file, std::ios::app);
   if (done.empty())
     out << "family,design,load,way,state,nodes,meshing_s,cpu_s,same_branch,branch,cells,stress,stress_error,"
@@ -242,13 +239,13 @@ void study_discretization(const SimulationSettings& settings) {
       if (done.count(family + "," + std::to_string(design)) > 0) continue;
       RandomStream random("simulation_discretization " + family + " " + std::to_string(design), 1);
       const std::vector<tiling::Structure> structures = random_structures(family, design + 1);
-      // All rows of a design at once, so that what is on disk is whole designs.
+      // All rows of a design are written at once, so that the file contains whole designs.
       std::ostringstream rows;
       study_design(rows, family, design, structures.back(), uniaxial_paths(random), ways(family, settings.brief));
       out << rows.str() << std::flush;
     }
   }
-  write_page(settings, file);
+  write_section(settings, file);
 }
 
 }  // namespace supple::bench

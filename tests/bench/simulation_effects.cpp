@@ -20,7 +20,7 @@ std::vector<Load> loads() {
           BiaxialLoad{1.9, {{0.99, 0.99}, {0.97, 0.97}, {0.95, 0.95}}}};
 }
 
-/// A way of running: which effects are forced.
+/// The effects that a run forces on or off.
 struct Variant {
   Switch contact = Switch::automatic;
   Switch patch = Switch::automatic;
@@ -51,11 +51,11 @@ Outcome run(const std::string& family, const std::vector<tiling::PeriodicMesh>& 
 }
 
 struct Difference {
-  std::vector<double> alike;      ///< of stress, where the automatic run stayed with one cell
-  std::vector<double> different;  ///< where it needed two
+  std::vector<double> alike;      ///< errors of stress in states in which the automatic run stayed with one cell
+  std::vector<double> different;  ///< errors of stress in states that needed two by two cells
 };
 
-/// Only states that both reached.
+/// Differences in the states that both reached.
 Difference differences(const Outcome& outcome, const Outcome& automatic) {
   Difference difference;
   for (std::size_t p = 0; p < automatic.paths.size(); ++p) {
@@ -78,7 +78,7 @@ std::string difference_percent(const std::vector<double>& errors, double q) {
 void study_effects(const SimulationSettings& settings) {
   const std::vector<std::string> families = settings.brief ? std::vector<std::string>{"IH01"} : published_families();
   const int designs = settings.designs_or(settings.brief ? 1 : 4);
-  Report report(settings.folder, "simulations-effects", "Simulations: what effects cost and change");
+  Report report(settings.folder, "simulations", "effects", "What effects cost and change");
   Table costs("simulations-effects-cost", {{"family", "Family"},
                                            {"states", "States"},
                                            {"touching", "In contact"},
@@ -121,11 +121,10 @@ void study_effects(const SimulationSettings& settings) {
       "with one, and with runs that never do, where automatic left it. A difference in the former means that the two "
       "took different branches.");
   report.table(cells);
-  report.write(simulation_introduction(
-      settings, "effects",
-      std::to_string(designs) + " random designs per family on the data sets' mesh, under uniaxial tension to 1.1, "
-                                "uniaxial compression to 0.92 "
-                                "and equal biaxial compression to 0.95; eight states. Meshing does not count."));
+  report.write("simulation_bench effects", settings.brief,
+               std::to_string(designs) +
+                   " random designs per family on the data sets' mesh, under uniaxial tension to 1.1, uniaxial "
+                   "compression to 0.92 and equal biaxial compression to 0.95; eight states. Meshing does not count.");
 }
 
 }  // namespace supple::bench

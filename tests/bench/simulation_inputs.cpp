@@ -3,26 +3,13 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "measurement.h"
 #include "simulation_bench.h"
 #include "supple/base/error.h"
 #include "supple/base/random.h"
 
 namespace supple::bench {
-double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
 
-std::string simulation_introduction(const SimulationSettings& settings, const std::string& study,
-                                    const std::string& conditions) {
-  std::string text =
-      "This page is generated; how simulations work is in [tilings under load](../tilings.md). Measured on: " +
-      machine_line() +
-      ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target simulation_bench\n"
-      "build/bench/tests/bench/simulation_bench " +
-      study + "\ntests/bench/plot_simulations.py docs/bench\n```\n\n" + conditions +
-      " Times are CPU time of one thread. The machine is not idle: gaps below 1.5 times mean little.";
-  if (settings.brief) text += "\n\n**A short run: it shows that the program works, no more.**";
-  return text;
-}
+double frobenius(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }
 
 std::vector<tiling::Structure> random_structures(const std::string& family, int n) {
   RandomStream random("simulation_bench " + family, 1);
@@ -34,7 +21,7 @@ std::vector<tiling::Structure> random_structures(const std::string& family, int 
     try {
       structures.push_back(tiling::make_structure(entry, parameters));
     } catch (const Error&) {
-      continue;  // shapes that the engine refuses are part of every family's box
+      continue;  // each family's bounds contain shapes that the engine refuses
     }
   }
   if (static_cast<int>(structures.size()) < n) throw std::runtime_error("too few designs of " + family);
@@ -70,7 +57,8 @@ const std::vector<std::string>& published_families() {
 
 microscale::SimulationOptions data_set_options(const std::string& family) {
   microscale::SimulationOptions options;
-  // Cells of many slender beams deform by bending along them; fewer elements do (see the refinement study).
+  // Cells of many slender beams deform by bending along them, for which fewer elements suffice (see the refinement
+  // study).
   if (family == "IH21" || family == "IH28") options.mesh.mesh_size = 1;
   if (family == "IH29") options.mesh.mesh_size = 0.7;
   options.tolerance = 1e-7;

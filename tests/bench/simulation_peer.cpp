@@ -22,7 +22,7 @@ using microscale::Switch;
 
 constexpr double peer_tolerance = 1e-8;
 
-/// Equilibria and stress alone: no contact, no search for unstable modes, no tangents.
+/// Options for equilibria and stress alone, without contact, unstable modes and tangents.
 microscale::SimulationOptions plain_options() {
   microscale::SimulationOptions options;
   options.tolerance = peer_tolerance;
@@ -38,7 +38,7 @@ microscale::BiaxialLoad load() {
   return {0.3, {{1.01, 0.998}, {1.02, 0.996}, {1.03, 0.994}, {1.04, 0.992}, {1.05, 0.99}}};
 }
 
-/// What dolfinx_peer.py reads.
+/// The file that dolfinx_peer.py reads.
 void write_case(const std::filesystem::path& path, const tiling::PeriodicMesh& mesh, const std::vector<State>& states) {
   const microscale::UnwrappedMesh cut = microscale::unwrap(mesh);
   const Eigen::Matrix2Xd places = microscale::positions(cut, mesh.lattice, mesh.nodes);
@@ -73,7 +73,7 @@ struct PeerResult {
   std::vector<Eigen::Vector3d> stresses;
 };
 
-/// Nothing where DOLFINx is missing or fails; the script says which on standard error.
+/// Nothing if DOLFINx is missing or fails; the script says which on standard error.
 std::optional<PeerResult> run_peer(const std::filesystem::path& case_file, const std::filesystem::path& result_file) {
   const std::string command = std::string("OMP_NUM_THREADS=1 /usr/bin/python3 '") + SUPPLE_BENCH_SCRIPTS +
                               "/dolfinx_peer.py' '" + case_file.string() + "' '" + result_file.string() + "'";
@@ -119,7 +119,7 @@ double largest_difference(const std::vector<State>& ours, const std::vector<Eige
 void study_peer(const SimulationSettings& settings) {
   const std::vector<std::string> families =
       settings.brief ? std::vector<std::string>{"IH01"} : std::vector<std::string>{"IH01", "IH22", "IH67", "IH21"};
-  Report report(settings.folder, "simulations-peer", "Simulations: against DOLFINx");
+  Report report(settings.folder, "simulations", "peer", "Beside DOLFINx");
   Table table("simulations-peer", {{"family", "Family"},
                                    {"unknowns", "Unknowns"},
                                    {"ours_ms", "Ours, ms per state"},
@@ -161,20 +161,17 @@ void study_peer(const SimulationSettings& settings) {
     report.target("DOLFINx's time over ours, its fastest solver, every family", "at least 5", number(least_ratio),
                   least_ratio >= 5);
     report.target("Largest relative difference of stress", "at most 1e-6", number(largest, 2), largest <= 1e-6);
-    report.heading("Time per equilibrium");
     report.table(table);
   }
   if (missing) report.text("DOLFINx was missing or failed: nothing to compare with. It is Debian's python3-dolfinx.");
-  report.write(simulation_introduction(
-      settings, "peer",
-      "Default designs of some families on the data sets' mesh, five states of a biaxial path to (1.05, 0.99), one "
-      "load "
-      "step each, until |*g*| <= 1e-8 *f* (see `SimulationOptions::tolerance`). Both sides solve for periodic "
-      "displacements "
-      "only and give stress; contact, checks of stability and tangents are off. `tests/bench/dolfinx_peer.py` is the "
-      "peer: the same triangles, integration points and torus numbering; compiled forms with `-O3 -march=native`; "
-      "Newton from the state before, symbolic analysis kept. Setting up is timed on neither side. Each time is the "
-      "least of three or six runs."));
+  report.write(
+      "simulation_bench peer", settings.brief,
+      "Default designs of some families on the data sets' mesh, five states of a biaxial path to (1.05, 0.99), "
+      "one load step each, until |*g*| <= 1e-8 *f* (see `SimulationOptions::tolerance`). Both sides solve for "
+      "periodic displacements only and give stress; contact, checks of stability and tangents are off. "
+      "`tests/bench/dolfinx_peer.py` is the peer: the same triangles, integration points and torus numbering; "
+      "compiled forms with `-O3 -march=native`; Newton from the state before, symbolic analysis kept. Setting "
+      "up is timed on neither side. Each time is the least of three or six runs.");
 }
 
 }  // namespace supple::bench

@@ -15,20 +15,14 @@ using microscale::Simulator;
 using microscale::State;
 using microscale::UniaxialLoad;
 
-struct StudiedLoad {
-  std::string name;
-  Load load;
-};
-
-/// Three loads in one random direction.
-std::vector<StudiedLoad> loads(RandomStream& random) {
+/// Tension, compression and a biaxial load in one random direction.
+std::vector<Load> loads(RandomStream& random) {
   const double direction = random.uniform(0, std::numbers::pi);
-  return {{"tension to 1.2", UniaxialLoad{direction, {1.05, 1.1, 1.2}}},
-          {"compression to 0.97", UniaxialLoad{direction, {0.99, 0.98, 0.97}}},
-          {"biaxial to (1.05, 0.98)", BiaxialLoad{direction, {{1.0125, 0.995}, {1.025, 0.99}, {1.05, 0.98}}}}};
+  return {UniaxialLoad{direction, {1.05, 1.1, 1.2}}, UniaxialLoad{direction, {0.99, 0.98, 0.97}},
+          BiaxialLoad{direction, {{1.0125, 0.995}, {1.025, 0.99}, {1.05, 0.98}}}};
 }
 
-/// What is known of one mesh, for one load of one family.
+/// Errors and times of one mesh, over all loads of one family.
 struct MeshSample {
   std::vector<double> errors;
   double cpu_seconds = 0;
@@ -43,7 +37,7 @@ struct MeshSample {
   double milliseconds() const { return 1e3 * cpu_seconds / std::max(1, states); }
 };
 
-/// Equilibria of the branch that begins at rest, unstable ones marked and not left.
+/// Options that follow the branch which begins at rest: unstable equilibria are marked and not left.
 microscale::SimulationOptions options_for(const std::string& family, const tiling::MeshOptions& mesh) {
   microscale::SimulationOptions options = data_set_options(family);
   options.mesh = mesh;
@@ -68,11 +62,10 @@ MeshSample compare(const TimedPath& path, const std::vector<State>& reference, s
   return sample;
 }
 
-/// Per family: [load][mesh], nodes and seconds of meshing by mesh.
 struct FamilyStudy {
-  std::vector<std::vector<MeshSample>> samples;
-  std::vector<std::vector<double>> nodes;
-  std::vector<std::vector<double>> meshing;
+  std::vector<MeshSample> samples;           ///< by mesh
+  std::vector<std::vector<double>> nodes;    ///< by mesh and design
+  std::vector<std::vector<double>> meshing;  ///< seconds, by mesh and design
 };
 
 FamilyStudy study_family(const std::string& family, int designs, const std::vector<tiling::MeshOptions>& meshes,
@@ -80,21 +73,21 @@ FamilyStudy study_family(const std::string& family, int designs, const std::vect
   FamilyStudy study;
   study.nodes.resize(meshes.size());
   study.meshing.resize(meshes.size());
-  study.samples.assign(3, std::vector<MeshSample>(meshes.size()));
+  study.samples.resize(meshes.size());
   RandomStream random("simulation_refinement " + family, 1);
   for (const tiling::Structure& structure : random_structures(family, designs)) {
-    const std::vector<StudiedLoad> studied = loads(random);
+    const std::vector<Load> studied = loads(random);
     Simulator fine(structure, options_for(family, reference_mesh));
     std::vector<std::vector<State>> reference;
-    for (const StudiedLoad& load : studied) reference.push_back(fine.run(load.load).states);
+    for (const Load& load : studied) reference.push_back(fine.run(load).states);
     for (std::size_t m = 0; m < meshes.size(); ++m) {
       const double start = cpu_seconds();
       Simulator simulator(structure, options_for(family, meshes[m]));
       study.meshing[m].push_back(cpu_seconds() - start);
       study.nodes[m].push_back(static_cast<double>(simulator.mesh().nodes.cols()));
       for (std::size_t l = 0; l < studied.size(); ++l)
-        study.samples[l][m].add(compare(run_timed(simulator, studied[l].load), reference[l],
-                                        static_cast<std::size_t>(microscale::size(studied[l].load))));
+        study.samples[m].add(compare(run_timed(simulator, studied[l]), reference[l],
+                                     static_cast<std::size_t>(microscale::size(studied[l]))));
     }
   }
   return study;
@@ -116,7 +109,7 @@ void study_refinement(const SimulationSettings& settings) {
       settings.families_or(settings.brief ? std::vector<std::string>{"IH01"} : published_families());
   const int designs = settings.designs_or(settings.brief ? 1 : 10);
 
-  Report report(settings.folder, "simulations-refinement", "Simulations: error against time, and the data sets' mesh");
+  Report report(settings.folder, "simulations", "refinement", "Error against time: the mesh");
   Table by_family("simulations-refinement", {{"family", "Family"},
                                              {"mesh", "Mesh"},
                                              {"nodes", "Nodes, median"},
@@ -127,28 +120,11 @@ void study_refinement(const SimulationSettings& settings) {
                                              {"median_percent", "Error, median, %"},
                                              {"p90_percent", "90 % below, %"},
                                              {"worst_percent", "Worst, %"}});
-  Table by_load("simulations-refinement-loads", {{"family", "Family"},
-                                                 {"load", "Load"},
-                                                 {"mesh", "Mesh"},
-                                                 {"ms_per_state", "ms per state"},
-                                                 {"states", "States compared"},
-                                                 {"excluded", "Left out"},
-                                                 {"median_percent", "Error, median, %"},
-                                                 {"worst_percent", "Worst, %"}});
-  RandomStream names("names of loads", 1);
-  const std::vector<StudiedLoad> named = loads(names);
   for (const std::string& family : families) {
     const FamilyStudy study = study_family(family, designs, meshes, reference);
     const std::string chosen = mesh_name(data_set_options(family).mesh);
     for (std::size_t m = 0; m < meshes.size(); ++m) {
-      MeshSample all;
-      for (std::size_t l = 0; l < named.size(); ++l) {
-        const MeshSample& sample = study.samples[l][m];
-        all.add(sample);
-        by_load.row({family, named[l].name, mesh_name(meshes[m]), number(sample.milliseconds()),
-                     std::to_string(sample.errors.size()), std::to_string(sample.excluded),
-                     error_percent(sample.errors, 0.5), error_percent(sample.errors, 1)});
-      }
+      const MeshSample& all = study.samples[m];
       by_family.row({family, mesh_name(meshes[m]), count(median(study.nodes[m])), number(1e3 * mean(study.meshing[m])),
                      number(all.milliseconds()), std::to_string(all.errors.size()), std::to_string(all.excluded),
                      error_percent(all.errors, 0.5), error_percent(all.errors, 0.9), error_percent(all.errors, 1)});
@@ -160,25 +136,19 @@ void study_refinement(const SimulationSettings& settings) {
       }
     }
   }
-  report.heading("By family");
   report.table(by_family);
   report.image("simulations-refinement.svg", "Error against time per state");
-  report.heading("By load");
-  report.table(by_load);
-  report.write(simulation_introduction(
-      settings, "refinement",
-      "Meshes are named by the length of a side over the beam width and the size at re-entrant corners over that "
-      "elsewhere. " +
-          std::to_string(designs) +
-          " random designs per family, each under three load paths of three states in "
-          "one random direction, against the mesh " +
-          mesh_name(reference) +
-          ". States from the first one on that is unstable on either mesh (beams have "
-          "buckled, or would in a patch of 2x2 cells) are left out and counted: a slightly different buckling load "
-          "moves stress there by "
-          "more than the mesh does. Errors are |*S* - *S*_ref| / |*S*_ref| in the Frobenius norm. A state's time "
-          "includes its tangent and its "
-          "share of the path's load steps, not the meshing."));
+  report.write("simulation_bench refinement", settings.brief,
+               "Meshes are named by the length of a side over the beam width and the size at re-entrant corners over "
+               "that elsewhere. " +
+                   std::to_string(designs) +
+                   " random designs per family, each under three load paths of three states in one random direction "
+                   "(tension to 1.2, compression to 0.97, biaxial to (1.05, 0.98)), against the mesh " +
+                   mesh_name(reference) +
+                   ". States from the first one on that is unstable on either mesh (beams have buckled, or would in a "
+                   "patch of 2x2 cells) are left out and counted: a slightly different buckling load moves stress "
+                   "there by more than the mesh does. Errors are |*S* - *S*_ref| / |*S*_ref| in the Frobenius norm. A "
+                   "state's time includes its tangent and its share of the path's load steps, not the meshing.");
 }
 
 }  // namespace supple::bench

@@ -73,7 +73,7 @@ FamilySpeed measure(const std::string& family, int designs) {
   return speed;
 }
 
-std::string share(double part, double whole) { return number(100 * part / whole, 2); }
+std::string percent_of_time(double part, double whole) { return number(100 * part / whole, 2); }
 
 }  // namespace
 
@@ -81,7 +81,7 @@ void study_speed(const SimulationSettings& settings) {
   const std::vector<std::string> families =
       settings.families_or(settings.brief ? std::vector<std::string>{"IH01", "IH67"} : published_families());
   const int designs = settings.designs_or(settings.brief ? 1 : 10);
-  Report report(settings.folder, "simulations-speed", "Simulations: samples per core-second");
+  Report report(settings.folder, "simulations", "speed", "Speed");
   Table table("simulations-speed", {{"family", "Family"},
                                     {"mesh", "Mesh"},
                                     {"nodes", "Nodes, median"},
@@ -101,7 +101,7 @@ void study_speed(const SimulationSettings& settings) {
                                             {"patch", "2x2 check, %"},
                                             {"retraction", "Turning, %"},
                                             {"other", "Other, %"}});
-  // What waits for another thread counts as CPU time too.
+  // Threads that wait for others would count as CPU time.
   set_thread_count(1);
   for (const std::string& family : families) {
     const FamilySpeed speed = measure(family, designs);
@@ -117,10 +117,10 @@ void study_speed(const SimulationSettings& settings) {
                std::to_string(speed.touching),
                number(static_cast<double>(speed.iterations) / std::max(1, speed.states)), number(speed.per_second())});
     const double whole = speed.wall_seconds;
-    shares.row({family, number(1e3 * total / std::max(1, speed.states)), share(speed.meshing_seconds, total),
-                share(assembly, whole), share(factorization, whole), share(solve, whole), share(contact, whole),
-                share(patch, whole), share(retraction, whole),
-                share(whole - assembly - factorization - solve - contact - patch - retraction, whole)});
+    shares.row({family, number(1e3 * total / std::max(1, speed.states)), percent_of_time(speed.meshing_seconds, total),
+                percent_of_time(assembly, whole), percent_of_time(factorization, whole), percent_of_time(solve, whole),
+                percent_of_time(contact, whole), percent_of_time(patch, whole), percent_of_time(retraction, whole),
+                percent_of_time(whole - assembly - factorization - solve - contact - patch - retraction, whole)});
     const double wanted = family == "IH01" || family == "IH22" || family == "IH67" ? 10 : 4;
     report.target(family + ": states with stress and tangent per core-second", "at least " + number(wanted, 2),
                   number(speed.per_second()), speed.per_second() >= wanted);
@@ -133,16 +133,13 @@ void study_speed(const SimulationSettings& settings) {
       "Meshing as a share of all CPU time; the rest as shares of the simulations' wall time, which is what the bill "
       "counts.");
   report.table(shares);
-  report.write(simulation_introduction(
-      settings, "speed",
-      "The data sets' meshes (length of a side over the beam width, and the size at re-entrant corners over that "
-      "elsewhere) and tolerance (1e-7). " +
-          std::to_string(designs) +
-          " random designs per family, each under five paths of five states in random directions: uniaxial stretches "
-          "to "
-          "1.1 and 0.95, biaxial ones to (1.05, 0.97), (1.05, 1.05) and (0.97, 0.97). Contact, 2x2 patch and buckling "
-          "are "
-          "automatic, tangents are computed; meshing counts."));
+  report.write("simulation_bench speed", settings.brief,
+               "The data sets' meshes (length of a side over the beam width, and the size at re-entrant corners over "
+               "that elsewhere) and tolerance (1e-7). " +
+                   std::to_string(designs) +
+                   " random designs per family, each under five paths of five states in random directions: uniaxial "
+                   "stretches to 1.1 and 0.95, biaxial ones to (1.05, 0.97), (1.05, 1.05) and (0.97, 0.97). Contact, "
+                   "2x2 patch and buckling are automatic, tangents are computed; meshing counts.");
 }
 
 }  // namespace supple::bench

@@ -1,5 +1,5 @@
-// Solids that carry networks: one Newton step against DOLFINx's on the same mesh, and what linear tetrahedra are worth
-// where the material hardly changes its volume.
+// Solids that carry networks: one Newton step against DOLFINx's on the same mesh, and the error of linear tetrahedra of
+// a nearly incompressible material. Writes a section of hosts.md.
 //
 //   solid_bench [--short] [--out DIR]      default: into docs/bench
 #include <algorithm>
@@ -29,29 +29,29 @@ namespace {
 using embedded::NetworkState;
 using embedded::SolidHost;
 using testing::SolidScene;
-using Held = bool (*)(const Eigen::Vector3d&);
+using Fixed = bool (*)(const Eigen::Vector3d&);
 
 struct SolidSettings {
   bool brief = false;
   std::filesystem::path folder = "docs/bench";
 };
 
-/// Rounds on each side, of which two sides take turns.
-constexpr int rounds = 3;
+/// Repetitions of each side, before the other side takes its turn.
+constexpr int repetitions = 3;
 
-/// What dolfinx_solid_peer.py reads.
+/// The file that dolfinx_solid_peer.py reads.
 void write_case(const std::filesystem::path& path, const SolidScene& scene, const NetworkState& state,
-                const SolidHost& host, Held held, int degree) {
+                const SolidHost& host, Fixed fixed, int degree) {
   const double mu = host.youngs_modulus / (2 * (1 + host.poisson_ratio));
   const double lambda = 2 * mu * host.poisson_ratio / (1 - 2 * host.poisson_ratio);
   std::ofstream out(path);
   out.precision(17);
-  out << scene.solid.nodes.size() << ' ' << scene.solid.tetrahedra.size() << ' ' << degree << ' ' << rounds << '\n'
+  out << scene.solid.nodes.size() << ' ' << scene.solid.tetrahedra.size() << ' ' << degree << ' ' << repetitions << '\n'
       << mu << ' ' << lambda << ' ' << host.gravity.transpose() << '\n';
   for (std::size_t i = 0; i < scene.solid.nodes.size(); ++i) {
     const Eigen::Vector3d& rest = scene.solid.nodes[i];
     out << rest.transpose() << ' ' << (state.node(static_cast<std::int32_t>(i)) - rest).transpose() << ' '
-        << (held(rest) ? 1 : 0) << '\n';
+        << (fixed(rest) ? 1 : 0) << '\n';
   }
   for (const auto& [a, b, c, d] : scene.solid.tetrahedra) out << a << ' ' << b << ' ' << c << ' ' << d << '\n';
   if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
@@ -69,13 +69,13 @@ struct PeerResult {
   double unknowns = 0;
 };
 
-/// Nothing where DOLFINx is missing or fails; the script says which on standard error.
-std::optional<PeerResult> run_peer(const SolidScene& scene, const NetworkState& state, const SolidHost& host, Held held,
-                                   int degree) {
+/// Nothing if DOLFINx is missing or fails; the script says which on standard error.
+std::optional<PeerResult> run_peer(const SolidScene& scene, const NetworkState& state, const SolidHost& host,
+                                   Fixed fixed, int degree) {
   const std::filesystem::path scratch = std::filesystem::temp_directory_path();
   const std::filesystem::path case_file = scratch / "solid_bench.case";
   const std::filesystem::path result_file = scratch / "solid_bench.result";
-  write_case(case_file, scene, state, host, held, degree);
+  write_case(case_file, scene, state, host, fixed, degree);
   const std::string command = std::string("OMP_NUM_THREADS=1 /usr/bin/python3 '") + SUPPLE_BENCH_SCRIPTS +
                               "/dolfinx_solid_peer.py' '" + case_file.string() + "' '" + result_file.string() + "'";
   const int status = std::system(command.c_str());
@@ -102,17 +102,17 @@ std::optional<PeerResult> run_peer(const SolidScene& scene, const NetworkState& 
 struct Step {
   double assembly = 0;
   double solution = 0;
-  double analysis = 0;        ///< by how much the first solution takes longer
-  Eigen::VectorXd direction;  ///< of all nodes
+  double analysis = 0;        ///< additional time of the first solution
+  Eigen::VectorXd direction;  ///< step of all nodes
 };
 
-/// The least times of several rounds, the pattern's analysis kept.
-Step our_step(const SolidScene& scene, const NetworkState& state, const SolidHost& host, Held held) {
-  auto system = scene.system(host, state, held);
+/// The least times of several repetitions, which use the analysis of the pattern again.
+Step our_step(const SolidScene& scene, const NetworkState& state, const SolidHost& host, Fixed fixed) {
+  auto system = scene.system(host, state, fixed);
   numerics::ShiftedCholesky factorization;
   Step best;
   double first = 0;
-  for (int round = 0; round <= rounds; ++round) {
+  for (int repetition = 0; repetition <= repetitions; ++repetition) {
     numerics::Evaluation at;
     system.forget();
     const double assembly = cpu_time([&] { at = system.evaluate(2); });
@@ -121,12 +121,12 @@ Step our_step(const SolidScene& scene, const NetworkState& state, const SolidHos
       if (!factorization.factorize(at.hessian, 0)) throw std::runtime_error("the state is not stable");
       step = -factorization.solve(at.gradient);
     });
-    if (round == 0) {
+    if (repetition == 0) {
       first = solution;
       continue;
     }
-    if (round == 1 || assembly < best.assembly) best.assembly = assembly;
-    if (round == 1 || solution < best.solution) best.solution = solution;
+    if (repetition == 1 || assembly < best.assembly) best.assembly = assembly;
+    if (repetition == 1 || solution < best.solution) best.solution = solution;
     best.direction = system.expand(step);
   }
   best.analysis = first - best.solution;
@@ -144,12 +144,12 @@ struct Ball {
   double element_size;
 };
 
-/// False where the peer is missing.
+/// Returns false if the peer is missing.
 bool compare_steps(const SolidSettings& settings, Report& report) {
   const std::vector<Ball> balls = settings.brief
                                       ? std::vector<Ball>{{2, 0.3}}
                                       : std::vector<Ball>{{3, 0.15}, {3, 0.1}, {3, 0.068}, {4, 0.053}, {4, 0.042}};
-  const Held held = [](const Eigen::Vector3d& x) { return x[2] < -0.8; };
+  const Fixed fixed = [](const Eigen::Vector3d& x) { return x[2] < -0.8; };
   SolidHost host;
   host.gravity = {0, 0, -0.5};
   Table table("solids-steps", {{"unknowns", "Unknowns"},
@@ -166,7 +166,7 @@ bool compare_steps(const SolidSettings& settings, Report& report) {
   double least_ratio = std::numeric_limits<double>::infinity();
   double least_assembly_ratio = least_ratio;
   double largest = 0;
-  double share = 0;
+  double assembly_fraction = 0;
   for (const Ball& ball : balls) {
     const surface::TriangleMesh mesh = testing::icosphere(ball.subdivisions);
     std::optional<SolidScene> scene;
@@ -175,16 +175,17 @@ bool compare_steps(const SolidSettings& settings, Report& report) {
     const NetworkState state = scene->state([](const Eigen::Vector3d& x) {
       return Eigen::Vector3d(x + 0.01 * Eigen::Vector3d(std::sin(2 * x[1]), std::cos(3 * x[2]), std::sin(2 * x[0])));
     });
-    Step ours = our_step(*scene, state, host, held);
-    const std::optional<PeerResult> peer = run_peer(*scene, state, host, held, 1);
-    const Step again = our_step(*scene, state, host, held);
+    Step ours = our_step(*scene, state, host, fixed);
+    const std::optional<PeerResult> peer = run_peer(*scene, state, host, fixed, 1);
+    const Step again = our_step(*scene, state, host, fixed);
     ours.assembly = std::min(ours.assembly, again.assembly);
     ours.solution = std::min(ours.solution, again.solution);
     if (!peer) return false;
     const double difference = largest_difference(ours.direction, peer->step);
     largest = std::max(largest, difference);
-    const auto unknowns = scene->system(host, state, held).dimension();
-    if (unknowns > 15'000 && share == 0) share = ours.assembly / (ours.assembly + ours.solution);
+    const auto unknowns = scene->system(host, state, fixed).dimension();
+    if (unknowns > 15'000 && assembly_fraction == 0)
+      assembly_fraction = ours.assembly / (ours.assembly + ours.solution);
     for (const PeerResult::Solver& solver : peer->solvers) {
       const double ratio = (solver.assembly + solver.solution) / (ours.assembly + ours.solution);
       least_ratio = std::min(least_ratio, ratio);
@@ -199,12 +200,13 @@ bool compare_steps(const SolidSettings& settings, Report& report) {
                 number(least_ratio), least_ratio >= 1);
   report.target("DOLFINx's time over ours for assembly alone", "at least 2", number(least_assembly_ratio),
                 least_assembly_ratio >= 2);
-  if (share > 0)
-    report.target("Share of assembly in a step of about 20,000 unknowns", "at most 0.2", number(share), share <= 0.2);
+  if (assembly_fraction > 0)
+    report.target("Share of assembly in a step of about 20,000 unknowns", "at most 0.2", number(assembly_fraction),
+                  assembly_fraction <= 0.2);
   report.target("Largest difference of the two steps, relative", "at most 1e-9", number(largest, 2), largest <= 1e-9);
   report.heading("One Newton step");
   report.text(
-      "A unit ball, its lowest tenth held, slightly deformed: energy, forces and stiffness are assembled, the "
+      "A unit ball, its lowest tenth fixed, slightly deformed: energy, forces and stiffness are assembled, the "
       "stiffness is "
       "factorized, the step solved for. *Analysis* is what the first factorization of a pattern takes more: a scene "
       "pays it "
@@ -213,13 +215,12 @@ bool compare_steps(const SolidSettings& settings, Report& report) {
   return true;
 }
 
-/// In widths.
-constexpr int bar_length = 5;
+constexpr int bar_length = 5;  ///< in widths
 
-/// What a bar of cross section 1 that is held at its end and bends under its weight gains of energy, and what an
-/// equilibrium costs.
+/// Compares the energy of a bar that is fixed at one end and bends under its weight with the peer's, and takes the time
+/// of an equilibrium.
 void compare_accuracy(const SolidSettings& settings, Report& report) {
-  const Held held = [](const Eigen::Vector3d& x) { return x[2] == 0; };
+  const Fixed fixed = [](const Eigen::Vector3d& x) { return x[2] == 0; };
   const auto bar = [](int n) {
     return SolidScene(testing::box({1, 1, bar_length}, {n, n, bar_length * n}), {.element_size = 1.0 / n});
   };
@@ -235,12 +236,12 @@ void compare_accuracy(const SolidSettings& settings, Report& report) {
     SolidHost host;
     host.poisson_ratio = nu;
     host.gravity = {1e-6 * host.youngs_modulus, 0, 0};
-    const std::optional<PeerResult> exact = run_peer(reference, reference.at_rest(), host, held, 2);
+    const std::optional<PeerResult> exact = run_peer(reference, reference.at_rest(), host, fixed, 2);
     if (!exact) return;
     for (const int n : sizes) {
       const SolidScene scene = bar(n);
       numerics::MinimizerResult result;
-      auto system = scene.system(host, scene.at_rest(), held);
+      auto system = scene.system(host, scene.at_rest(), fixed);
       const double seconds = cpu_time([&] { result = numerics::minimize(system, {.gradient_tolerance = 1e-10}); });
       if (result.stop != numerics::MinimizerStop::converged) throw std::runtime_error("no equilibrium");
       table.row({number(nu, 4), std::to_string(n), count(static_cast<double>(system.dimension())),
@@ -249,7 +250,7 @@ void compare_accuracy(const SolidSettings& settings, Report& report) {
   }
   report.heading("Accuracy, and locking near incompressibility");
   report.text(
-      "A bar of 1 x 1 x 5 that is held at one end bends a little under its weight, across. How far it gives way under "
+      "A bar of 1 x 1 x 5 that is fixed at one end bends a little under its weight, across. How far it gives way under "
       "the "
       "load is what its energy at equilibrium says, as a share of that of quadratic tetrahedra of DOLFINx, 5 over the "
       "width. Linear tetrahedra are too stiff in bending, and near nu = 0.5 far too stiff: each of them has to keep "
@@ -264,20 +265,17 @@ void compare_accuracy(const SolidSettings& settings, Report& report) {
 
 void study_solids(const SolidSettings& settings) {
   set_thread_count(1);
-  Report report(settings.folder, "solids", "Solids that carry networks");
+  Report report(settings.folder, "hosts", "solids", "Solids beside DOLFINx");
   if (compare_steps(settings, report))
     compare_accuracy(settings, report);
   else
     report.text("DOLFINx was missing or failed: nothing to compare with. It is Debian's python3-dolfinx.");
   report.write(
-      "This page is generated; how solids work is in [networks](../hosts.md). Measured on: " + machine_line() +
-      ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target solid_bench\n"
-      "build/bench/tests/bench/solid_bench\n```\n\n"
+      "solid_bench", settings.brief,
       "Closed surfaces filled with linear neo-Hookean tetrahedra, E = 10, nu = 0.49 where nothing else is said. "
       "`tests/bench/dolfinx_solid_peer.py` is the peer: the same tetrahedra, law and load; compiled forms with "
       "`-O3 -march=native`; Cholesky of PETSc, symbolic analysis kept. The sides take turns, and each time is the "
-      "least of several rounds: CPU time of one thread. The machine is not idle: gaps below 1.5 times mean "
-      "little.");
+      "least of several repetitions: CPU time of one thread.");
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
     tests/bench/store_cost.py [--repeats 300] [--jobs 600] [--output docs/bench]
 
 Starts one server with a database of its own, and one and three on a PostgreSQL of their own which waits for its disk as it
-does by default (Debian's package postgresql-15). All are asked in turn, so that a slow moment meets all of them. Writes
-stores.md. Clients, servers and database share the cores of the machine.
+does by default (Debian's package postgresql-15). All are asked in turn, so that a slow moment meets all of them. Writes a
+section of server.md. Clients, servers and database share the cores of the machine.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / part) for part in ("api", "support")]
 
 from harness import ServerProcess  # noqa: E402
+from sections import write_section  # noqa: E402
 from server_load import percentile  # noqa: E402
 from shapes import sphere  # noqa: E402
 from shared_servers import Replicas  # noqa: E402
@@ -117,7 +118,7 @@ def answer_on(connection: http.client.HTTPConnection, method: str, path: str, do
     return json.loads(content)
 
 
-REPORT = """# What a shared database costs
+REPORT = """## What a shared database costs
 
 Written by `tests/bench/store_cost.py` on 2 cores, which clients, servers and PostgreSQL share; PostgreSQL waits for its disk (`fsync`) as it does by
 default. Milliseconds at a client with one connection, the median and in 99 of 100 cases; all were asked in turn.
@@ -176,7 +177,7 @@ def main() -> int:
                 group.close()
     text = report(services, rates)
     print(text)
-    (given.output / "stores.md").write_text(text)
+    write_section(given.output, "server", "stores", text)
     return 0
 
 

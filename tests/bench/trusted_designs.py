@@ -3,7 +3,7 @@
 
     tests/bench/trusted_designs.py [--curves 20] [--families IH01,IH22] [--output docs/bench]
 
-Starts a server of its own (SUPPLE_BUILD, default build/release) and writes designs-trust.md and designs-trust.csv. A run goes on from
+Starts a server of its own (SUPPLE_BUILD, default build/release) and writes a section of designs.md and designs-trust.csv. A run goes on from
 the rows of the CSV file; remove it where the search, a model or the simulation has changed.
 """
 
@@ -25,7 +25,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "api"))
 
 from contract import Contract  # noqa: E402
 from harness import ROOT, Api, ServerProcess  # noqa: E402
-from kept_rows import KeptRows  # noqa: E402
+from saved_rows import SavedRows  # noqa: E402
+from sections import write_section  # noqa: E402
 
 COLUMNS = ["family", "number", "trust", "model", "simulated", "error", "in_range", "within", "samples", "seconds"]
 WRONG = 0.1
@@ -59,9 +60,9 @@ def one(api: Api, family: str, number: int, trust: str) -> Dict[str, Any]:
             "seconds": float(found["cost"]["seconds"])}
 
 
-def page(rows: List[Dict[str, str]]) -> str:
+def section(rows: List[Dict[str, str]]) -> str:
     lines = [
-        "# Inverse design: a search that weighs trust", "",
+        "## A search that weighs trust", "",
         f"Written by `tests/bench/trusted_designs.py` on {os.cpu_count()} cores ({platform.machine()}), {date.today()}.", "",
         "Curves are drawn freely: of any height, bent upwards or downwards, in tension or compression, along a random direction. No design of a family follows most of them. A search",
         "that asks only how near the model says a design is ends where the model errs in favour of the target. With [`effects.trust`](../designs.md#how-accurate-it-is) it prefers designs whose error bars",
@@ -88,8 +89,8 @@ def main() -> None:
     parser.add_argument("--families", default="IH01,IH22", help="separated by commas")
     parser.add_argument("--output", type=Path, default=ROOT / "docs" / "bench")
     arguments = parser.parse_args()
-    kept = KeptRows(arguments.output / "designs-trust.csv", COLUMNS, lambda row: (row["family"], int(row["number"]), row["trust"]))
-    known = {(row["family"], row["number"], row["trust"]) for row in kept.rows}
+    saved = SavedRows(arguments.output / "designs-trust.csv", COLUMNS, lambda row: (row["family"], int(row["number"]), row["trust"]))
+    known = {(row["family"], row["number"], row["trust"]) for row in saved.rows}
     with tempfile.TemporaryDirectory() as folder:
         server = ServerProcess(Path(folder) / "data", "--models", str(ROOT / "models")).start()
         try:
@@ -98,10 +99,10 @@ def main() -> None:
                 for family in arguments.families.split(","):
                     for trust in ("off", "automatic"):
                         if (family, str(number), trust) not in known:
-                            print(kept.add(one(api, family, number, trust)), flush=True)
+                            print(saved.add(one(api, family, number, trust)), flush=True)
         finally:
             server.stop()
-    (arguments.output / "designs-trust.md").write_text(page(kept.rows), encoding="utf-8")
+    write_section(arguments.output, "designs", "trust", section(saved.rows))
 
 
 if __name__ == "__main__":

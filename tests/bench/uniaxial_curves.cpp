@@ -53,10 +53,10 @@ Curve simulate(microscale::Simulator& simulator, std::vector<double> parameters,
   return curve;
 }
 
-/// Curves that earlier runs have simulated, by the number of their draw.
-class KeptCurves {
+/// Curves that earlier runs have simulated, by the number of their random draw.
+class SavedCurves {
  public:
-  explicit KeptCurves(std::filesystem::path file) : file_(std::move(file)) {
+  explicit SavedCurves(std::filesystem::path file) : file_(std::move(file)) {
     std::ifstream in(file_);
     for (std::string line; std::getline(in, line);) {
       std::istringstream text(line);
@@ -75,7 +75,7 @@ class KeptCurves {
     return found == curves_.end() ? nullptr : &found->second;
   }
 
-  void keep(int draw, const Curve& curve) {
+  void add(int draw, const Curve& curve) {
     std::ofstream out(file_, std::ios::app);
     out.precision(17);
     out << draw << ' ' << curve.seconds << ' ' << curve.places.size();
@@ -103,8 +103,8 @@ DesignBox box_of(const neural::Model& model) {
 }
 
 std::vector<Curve> simulated_curves(const DesignBox& box, const microscale::SimulationOptions& options, int wanted,
-                                    const std::filesystem::path& kept_file) {
-  KeptCurves kept(kept_file);
+                                    const std::filesystem::path& saved_file) {
+  SavedCurves saved(saved_file);
   RandomStream stream("uniaxial study " + box.family.id, 1);
   std::vector<Curve> curves;
   for (int draw = 0; static_cast<int>(curves.size()) < wanted; ++draw) {
@@ -112,7 +112,7 @@ std::vector<Curve> simulated_curves(const DesignBox& box, const microscale::Simu
     for (Eigen::Index k = 0; k < box.lower.size(); ++k)
       parameters.push_back(stream.uniform(box.lower[k], box.upper[k]));
     const double direction = stream.uniform(0, std::numbers::pi);
-    if (const auto* known = kept.find(draw)) {
+    if (const auto* known = saved.find(draw)) {
       curves.push_back(*known);
       curves.back().parameters = parameters;
       curves.back().direction = direction;
@@ -125,7 +125,7 @@ std::vector<Curve> simulated_curves(const DesignBox& box, const microscale::Simu
       continue;  // no structure at these parameters
     }
     curves.push_back(simulate(*simulator, parameters, direction));
-    kept.keep(draw, curves.back());
+    saved.add(draw, curves.back());
   }
   return curves;
 }

@@ -12,7 +12,7 @@
 /// Uniaxial curves of random designs by simulation, which the studies of networks compare with.
 namespace supple::bench {
 
-/// In percent: the worst error that the thesis reports of a uniaxial stress (4.4.3).
+/// The worst error in per cent that the thesis reports of a uniaxial stress (4.4.3).
 inline constexpr double worst_allowed = 3.57;
 
 /// The simulation pulls along a direction of space, F^T d = s d with the rest of F free: its stress is uniaxial, S =
@@ -36,22 +36,22 @@ struct Curve {
   double seconds = 0;  ///< CPU time of one thread
 };
 
-/// What the family's data set is made with, on a coarse mesh in a short run; curves need no tangents.
+/// The options of the family's data set without tangents, with a coarse mesh in a short run.
 microscale::SimulationOptions curve_options(const std::string& family, bool brief);
 
-/// The designs that a model was trained for: some families have structures beyond.
+/// The bounds in which a model was trained. Some families have structures outside them.
 struct DesignBox {
   const tiling::Family& family;
   Eigen::VectorXd lower, upper;
 };
 DesignBox box_of(const neural::Model& model);
 
-/// Curves of the first `wanted` random designs of the box and directions that have a structure, the same ones in every
-/// study: 24 places from 30 % compression to 50 % tension each, fewer where a simulation does not get there.
+/// Curves of the first `wanted` random designs of the box that have a structure, in random directions: 24 places from
+/// 30 % compression to 50 % tension each, fewer if a simulation does not arrive there.
 ///
-/// Curves that earlier runs have simulated with the same options are read from `kept`, a text file with a line for
-/// each. They do not depend on the models; a change of the simulation asks for the file to be removed.
+/// Curves that earlier runs have simulated with the same options are read from `saved`, a text file with a line for
+/// each. They do not depend on the models. Remove the file after a change of the simulation.
 std::vector<Curve> simulated_curves(const DesignBox& box, const microscale::SimulationOptions& options, int wanted,
-                                    const std::filesystem::path& kept);
+                                    const std::filesystem::path& saved);
 
 }  // namespace supple::bench

@@ -1,13 +1,13 @@
-// Geodesic Voronoi diagrams: designs improved, time of an iteration, scaling, what accuracy costs, and peers.
-// voronoi_bench [--short] [--out FOLDER] [STUDY ...] writes voronoi.md and its CSV files into FOLDER, docs/bench unless
-// given; plot_voronoi.py draws the figures.
+// Geodesic Voronoi diagrams: accuracy against time, peers, scaling, sites that move, optimized sites. Each study writes
+// a section of voronoi.md and its CSV files; plot.py draws the figure.
+//
+//   voronoi_bench [--short] [--out DIR] [STUDY ...]      default: all studies into docs/bench
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -32,11 +32,11 @@ using surface::GeodesicSolver;
 using surface::TriangleMesh;
 
 struct Settings {
-  bool quick = false;
-  std::filesystem::path out = "docs/bench";
+  bool brief = false;
+  std::filesystem::path folder = "docs/bench";
 };
 
-/// A row of the thesis's Table 3.4, on a mesh of ours of about the same size.
+/// A row of the thesis's Table 3.4, with a mesh of ours of about the same size.
 struct Row {
   std::string shape;
   TriangleMesh mesh;
@@ -46,8 +46,8 @@ struct Row {
   int iterations;
 };
 
-std::vector<Row> rows(bool quick) {
-  const auto its = [&](int usual) { return quick ? 2 : usual; };
+std::vector<Row> rows(bool brief) {
+  const auto its = [&](int usual) { return brief ? 2 : usual; };
   std::vector<Row> all;
   all.push_back({"sphere", testing::icosphere(3), 98, "edge_length", 1.90, its(200)});
   all.push_back({"rabbit (duck)", testing::rabbit(3), 125, "edge_length", 4.39, its(200)});
@@ -55,7 +55,7 @@ std::vector<Row> rows(bool quick) {
   all.push_back({"sphere", testing::icosphere(3), 396, "planarity", 0.474, its(1000)});
   all.push_back({"torus", testing::torus(24, 12), 155, "planarity", 0.0733, its(1000)});
   all.push_back({"rabbit (duck)", testing::rabbit(3), 487, "planarity", 1.17, its(1000)});
-  if (quick) return all;
+  if (brief) return all;
   all.push_back({"genus 3 (fertility)", testing::genus3(4), 2250, "regularity", 7.09, 60});
   all.push_back({"rabbit (cow)", testing::rabbit(5), 2928, "regularity", 39.3, 60});
   all.push_back({"rabbit (armadillo)", testing::rabbit(10), 10000, "regularity", 180, 30});
@@ -84,7 +84,7 @@ double diagram_seconds(const GeodesicSolver& solver, const std::vector<surface::
   return best;
 }
 
-/// The surface cut along the borders, for the figures: a line for each corner of each polygon.
+/// Adds the polygons into which the borders cut the surface, for the figure: a row for each corner.
 void draw(const TriangleMesh& mesh, const std::string& scene, const std::string& state, const Diagram& diagram,
           bench::Table& table) {
   int polygon = 0;
@@ -111,7 +111,8 @@ void draw(const TriangleMesh& mesh, const std::string& scene, const std::string&
   }
 }
 
-void study_designs(const Settings& settings, bench::Report& report) {
+void study_designs(const Settings& settings) {
+  bench::Report report(settings.folder, "voronoi", "designs", "Optimized sites, before and after");
   bench::Table table("voronoi-designs", {{"shape", "Mesh (theirs)"},
                                          {"faces", "Faces"},
                                          {"sites", "Sites"},
@@ -140,14 +141,14 @@ void study_designs(const Settings& settings, bench::Report& report) {
                                            {"x", "x"},
                                            {"y", "y"},
                                            {"z", "z"}});
-  for (Row& row : rows(settings.quick)) {
+  for (Row& row : rows(settings.brief)) {
     const GeodesicSolver solver(testing::share(row.mesh));
     const std::vector<surface::SurfacePoint> sites = random_sites(row.mesh, row.sites, 1);
     OptimizationOptions options;
     options.method = OptimizationMethod::lbfgs;
     options.max_iterations = row.iterations;
     weight_of(options.weights, row.objective) = 1;
-    const double alone = diagram_seconds(solver, sites, {}, settings.quick ? 1 : 5);
+    const double alone = diagram_seconds(solver, sites, {}, settings.brief ? 1 : 5);
     const auto start = std::chrono::steady_clock::now();
     const Optimization found = optimize(solver, sites, options);
     const double seconds = seconds_since(start) / std::max(1, found.iterations);
@@ -168,10 +169,6 @@ void study_designs(const Settings& settings, bench::Report& report) {
       draw(row.mesh, scene, "after", found.diagram, polygons);
     }
   }
-  report.heading("Designs, before and after");
-  report.text(
-      "From random sites, by L-BFGS. The thesis's figures 3.8 to 3.10 show the same objectives on meshes of the "
-      "same sizes; theirs are in brackets. The target length is the mean at the start.");
   report.table(table);
   report.data(polygons);
   report.image("voronoi-figure.png", "Cells before and after, of the rows with fewer than 500 sites.");
@@ -180,65 +177,14 @@ void study_designs(const Settings& settings, bench::Report& report) {
       "Wall time of a whole optimization over its iterations: diagrams of all trial states, derivatives, step. "
       "The thesis's times (Table 3.4) are of 64 cores.");
   report.table(times);
+  report.write(
+      "voronoi_bench designs", settings.brief,
+      "From random sites, by L-BFGS. The thesis's figures 3.8 to 3.10 show the same objectives on meshes of the "
+      "same sizes; theirs are in brackets. The target length is the mean at the start.");
 }
 
-/// Where steps for all sites end, and what moves of single sites add to that.
-void study_single_moves(const Settings& settings, bench::Report& report) {
-  bench::Table table("voronoi-single-moves", {{"shape", "Mesh"},
-                                              {"sites", "Sites"},
-                                              {"objective", "Objective"},
-                                              {"seed", "Seed"},
-                                              {"start", "Energy at the start"},
-                                              {"steps", "where steps end"},
-                                              {"end", "at the end"},
-                                              {"iterations", "Iterations"},
-                                              {"passes", "Passes"},
-                                              {"tried", "Moves tried"},
-                                              {"taken", "taken"},
-                                              {"seconds_steps", "Steps alone (s)"},
-                                              {"seconds", "All (s)"},
-                                              {"stopped", "Ended"}});
-  std::vector<std::tuple<std::string, TriangleMesh, int, std::string>> scenes{
-      {"torus", testing::torus(24, 12), 20, "planarity"}};
-  if (!settings.quick) {
-    scenes.emplace_back("torus", testing::torus(24, 12), 60, "planarity");
-    scenes.emplace_back("sphere", testing::icosphere(3), 40, "planarity");
-    scenes.emplace_back("genus 3", testing::genus3(2), 40, "planarity");
-    scenes.emplace_back("torus", testing::torus(24, 12), 20, "edge_length");
-    scenes.emplace_back("torus", testing::torus(24, 12), 20, "regularity");
-    scenes.emplace_back("torus", testing::torus(24, 12), 20, "equal_area");
-  }
-  for (const auto& [name, mesh, sites, objective] : scenes) {
-    const GeodesicSolver solver(testing::share(mesh));
-    for (const std::uint64_t seed : {1, 2, 3}) {
-      OptimizationOptions options;
-      options.max_iterations = settings.quick ? 20 : 1000;
-      weight_of(options.weights, objective) = 1;
-      const auto start = std::chrono::steady_clock::now();
-      std::vector<double> times;
-      options.observer = [&](const OptimizationStep&, const Diagram&) { times.push_back(seconds_since(start)); };
-      const Optimization found = optimize(solver, random_sites(mesh, sites, seed), options);
-      const double seconds = seconds_since(start);
-      const bool moved = found.site_moves.held_searches > 0;
-      const double before = moved ? found.site_moves.energy_before : found.energy;
-      std::size_t last = 0;
-      while (last + 1 < times.size() && found.history[last + 1].energy >= before) ++last;
-      table.row({name, count(sites), objective, std::to_string(seed), number(found.history.front().energy),
-                 number(before), number(found.energy), std::to_string(found.iterations),
-                 std::to_string(found.site_moves.passes), count(static_cast<double>(found.site_moves.tried)),
-                 count(static_cast<double>(found.site_moves.taken)), number(moved ? times[last] : seconds),
-                 number(seconds), found.stopped});
-    }
-  }
-  report.heading("Moves of single sites");
-  report.text(
-      "Steps for all sites end at kinks and jumps of the energy. Then steps are tried without the few sites next to "
-      "one, and moves of single sites. Without these, the energy where steps end is the answer.");
-  report.table(table);
-}
-
-/// Mean wall seconds of diagrams made locally, and of the same made anew, after moves of `moved` sites by a tenth of
-/// the mean cell size.
+/// Mean wall seconds of diagrams after moves of `moved` sites by a tenth of the mean cell size: recomputed around these
+/// sites, and as a whole.
 struct RebuildSeconds {
   double local = 0;
   double whole = 0;
@@ -250,13 +196,13 @@ RebuildSeconds rebuild_seconds(const GeodesicSolver& solver, int count_of_sites,
   MovingDiagram moving(solver);
   double area = 0;
   for (const DiagramCell& cell : moving.move_to(points.points()).cells) area += cell.area;
-  const double way = 0.1 * std::sqrt(area / count_of_sites);
+  const double distance = 0.1 * std::sqrt(area / count_of_sites);
   RebuildSeconds result;
   for (int i = 0; i < repetitions; ++i) {
     Eigen::VectorXd step = Eigen::VectorXd::Zero(points.dimension());
     for (int k = 0; k < moved; ++k) {
       const Eigen::Index site = (37 * i + k * (count_of_sites / moved)) % count_of_sites;
-      step[2 * site] = way;
+      step[2 * site] = distance;
     }
     points.move(mesh, step);
     auto start = std::chrono::steady_clock::now();
@@ -270,7 +216,8 @@ RebuildSeconds rebuild_seconds(const GeodesicSolver& solver, int count_of_sites,
   return result;
 }
 
-void study_moves(const Settings& settings, bench::Report& report) {
+void study_moves(const Settings& settings) {
+  bench::Report report(settings.folder, "voronoi", "moves", "One site moves");
   bench::Table table("voronoi-moves", {{"shape", "Mesh"},
                                        {"faces", "Faces"},
                                        {"sites", "Sites"},
@@ -280,24 +227,25 @@ void study_moves(const Settings& settings, bench::Report& report) {
                                        {"ratio", "Ratio"},
                                        {"local_many", "1 of 16 sites moved (ms)"},
                                        {"ratio_many", "Ratio"}});
-  for (const Row& row : rows(settings.quick)) {
+  for (const Row& row : rows(settings.brief)) {
     const GeodesicSolver solver(testing::share(row.mesh));
-    const RebuildSeconds one = rebuild_seconds(solver, row.sites, 1, settings.quick ? 2 : 20);
-    const RebuildSeconds many = rebuild_seconds(solver, row.sites, row.sites / 16, settings.quick ? 1 : 5);
+    const RebuildSeconds one = rebuild_seconds(solver, row.sites, 1, settings.brief ? 2 : 20);
+    const RebuildSeconds many = rebuild_seconds(solver, row.sites, row.sites / 16, settings.brief ? 1 : 5);
     table.row({row.shape, count(row.mesh.face_count()), count(row.sites), number(one.cut_faces),
                number(1e3 * one.whole), number(1e3 * one.local), number(one.whole / one.local),
                number(1e3 * many.local), number(many.whole / many.local)});
   }
-  report.heading("One site moves");
-  report.text(
+  report.table(table);
+  report.write(
+      "voronoi_bench moves", settings.brief,
       "A site moves by a tenth of the mean cell size, and the diagram is made anew only where that changes it, or as a "
       "whole; the results are the same but for rounding. Putting the diagram together, which takes all of it, is most "
       "of what is left where sites are many. Up to an eighth of the sites may move at once; beyond, the whole is "
       "made.");
-  report.table(table);
 }
 
-void study_scaling(const Settings& settings, bench::Report& report) {
+void study_scaling(const Settings& settings) {
+  bench::Report report(settings.folder, "voronoi", "scaling", "Scaling");
   bench::Table table("voronoi-scaling", {{"faces", "Faces"},
                                          {"sites", "Sites"},
                                          {"propagation", "One propagation (ms)"},
@@ -305,7 +253,7 @@ void study_scaling(const Settings& settings, bench::Report& report) {
                                          {"one_thread", "on one thread (ms)"},
                                          {"cut", "Cut faces"}});
   const int threads = thread_count();
-  for (const int n : settings.quick ? std::vector<int>{3} : std::vector<int>{3, 5, 10, 15, 20}) {
+  for (const int n : settings.brief ? std::vector<int>{3} : std::vector<int>{3, 5, 10, 15, 20}) {
     const TriangleMesh mesh = testing::rabbit(n);
     const GeodesicSolver solver(testing::share(mesh));
     for (const int share : {1000, 100, 10, 2}) {
@@ -330,17 +278,18 @@ void study_scaling(const Settings& settings, bench::Report& report) {
                  number(1e3 * one), count(cut_faces)});
     }
   }
-  report.heading("Scaling");
-  report.text(
+  report.table(table);
+  report.write(
+      "voronoi_bench scaling", settings.brief,
       "A rabbit of growing resolution. One propagation is that of a distance field from one site over the whole "
       "mesh, without anything kept.");
-  report.table(table);
 }
 
-/// Greatest difference of the distances of a diagram's points from their two sites, by searches of their own.
-double equidistance_of(const GeodesicSolver& solver, const Diagram& diagram, std::size_t most) {
+/// Greatest difference of the distances of a diagram's points from their two sites, each found by a search. About
+/// `max_edges` edges are examined at most.
+double equidistance_of(const GeodesicSolver& solver, const Diagram& diagram, std::size_t max_edges) {
   double worst = 0;
-  std::size_t step = std::max<std::size_t>(1, diagram.edges.size() / most);
+  std::size_t step = std::max<std::size_t>(1, diagram.edges.size() / max_edges);
   for (std::size_t e = 0; e < diagram.edges.size(); e += step) {
     const DiagramEdge& edge = diagram.edges[e];
     const surface::SurfacePoint& point =
@@ -364,7 +313,8 @@ double area_error(const Diagram& diagram, const Diagram& exact) {
   return wrong / total;
 }
 
-void study_accuracy(const Settings& settings, bench::Report& report) {
+void study_accuracy(const Settings& settings) {
+  bench::Report report(settings.folder, "voronoi", "accuracy", "Error against time");
   bench::Table table("voronoi-accuracy", {{"shape", "Mesh"},
                                           {"faces", "Faces"},
                                           {"sites", "Sites"},
@@ -373,8 +323,8 @@ void study_accuracy(const Settings& settings, bench::Report& report) {
                                           {"equidistance", "Distances differ by at most (of the diagonal)"},
                                           {"area", "Area in another cell (%)"}});
   std::vector<std::tuple<std::string, TriangleMesh, int>> scenes{
-      {"rabbit", testing::rabbit(settings.quick ? 2 : 8), 60}};
-  if (!settings.quick) {
+      {"rabbit", testing::rabbit(settings.brief ? 2 : 8), 60}};
+  if (!settings.brief) {
     scenes.emplace_back("bumpy cube", testing::bumpy_cube(), 60);
     scenes.emplace_back("sphere", testing::icosphere(4), 2000);
   }
@@ -399,15 +349,16 @@ void study_accuracy(const Settings& settings, bench::Report& report) {
                  number(100 * area_error(found, exact), 2)});
     }
   }
-  report.heading("What accuracy costs");
-  report.text(
+  report.table(table);
+  report.write(
+      "voronoi_bench accuracy", settings.brief,
       "Distances of the middle points of edges from their two sites, by a search for each pair, and the areas of "
       "cells against those of the exact diagram. Allowed errors save no time here: windows of several sites end where "
       "they meet anyway, and inexact ones overlap more.");
-  report.table(table);
 }
 
-void study_peers(const Settings& settings, bench::Report& report) {
+void study_peers(const Settings& settings) {
+  bench::Report report(settings.folder, "voronoi", "peers", "Peers");
   bench::Table table("voronoi-peers", {{"shape", "Mesh"},
                                        {"faces", "Faces"},
                                        {"sites", "Sites"},
@@ -419,7 +370,7 @@ void study_peers(const Settings& settings, bench::Report& report) {
                                        {"euclidean", "Nearest in space (ms)"},
                                        {"wrong", "Vertices that it gives to a wrong cell (%)"}});
   std::vector<std::tuple<std::string, TriangleMesh, int>> scenes{{"sphere", testing::icosphere(3), 60}};
-  if (!settings.quick) {
+  if (!settings.brief) {
     scenes.emplace_back("torus", testing::torus(48, 24), 60);
     scenes.emplace_back("rabbit", testing::rabbit(5), 40);
     scenes.emplace_back("spiral cup", testing::spiral_cup(), 20);
@@ -471,41 +422,26 @@ void study_peers(const Settings& settings, bench::Report& report) {
                number(cgal_seconds / own), percent(same), number(difference, 2), number(1e3 * euclidean),
                percent(wrong)});
   }
-  report.heading("Peers");
-  report.text(
+  report.table(table);
+  report.write(
+      "voronoi_bench peers", settings.brief,
       "CGAL's Surface_mesh_shortest_path builds an exact search tree for each site; only the nearest site of each "
       "vertex is taken from it, not the cells. The restricted Euclidean diagram takes the nearest site in space, "
       "by all pairs: it is wrong where the surface bends back on itself.");
-  report.table(table);
-}
-
-int run(int argc, char** argv) {
-  Settings settings;
-  bench::Report* page = nullptr;
-  std::vector<std::pair<std::string, void (*)(const Settings&, bench::Report&)>> studies{
-      {"designs", study_designs}, {"single-moves", study_single_moves}, {"moves", study_moves},
-      {"scaling", study_scaling}, {"accuracy", study_accuracy},         {"peers", study_peers}};
-  std::unique_ptr<bench::Report> report;
-  std::vector<bench::Study> wanted;
-  for (const auto& study : studies) {
-    wanted.push_back({study.first, [&, measure = study.second] {
-                        if (!report) {
-                          report = std::make_unique<bench::Report>(settings.out, "voronoi",
-                                                                   "Geodesic Voronoi diagrams: measurements");
-                          page = report.get();
-                        }
-                        measure(settings, *page);
-                      }});
-  }
-  const int status = bench::run_program(
-      argc, argv, {bench::flag("--short", settings.quick), bench::folder_option("--out", settings.out)}, wanted);
-  if (status == 0 && report)
-    report->write("Measured by `voronoi_bench` on " + bench::machine_line() +
-                  ". How diagrams are made and asked for: [voronoi.md](../voronoi.md).");
-  return status;
 }
 
 }  // namespace
 }  // namespace supple::voronoi
 
-int main(int argc, char** argv) { return supple::voronoi::run(argc, argv); }
+int main(int argc, char** argv) {
+  using namespace supple::voronoi;
+  Settings settings;
+  return supple::bench::run_program(
+      argc, argv,
+      {supple::bench::flag("--short", settings.brief), supple::bench::folder_option("--out", settings.folder)},
+      {{"accuracy", [&] { study_accuracy(settings); }},
+       {"peers", [&] { study_peers(settings); }},
+       {"scaling", [&] { study_scaling(settings); }},
+       {"moves", [&] { study_moves(settings); }},
+       {"designs", [&] { study_designs(settings); }}});
+}

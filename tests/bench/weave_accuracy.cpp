@@ -1,4 +1,5 @@
-// Error of moduli and Poisson's ratio against time: segments, tolerance, and the number of directions.
+// Error of moduli and Poisson's ratio against time: segments, tolerance, limits of sliding, and the number of
+// directions.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -19,7 +20,8 @@ using weave::Stop;
 
 constexpr double studied_strain = 0.1;
 constexpr double locked_strain = 0.3;
-/// Fewer do not resolve how a strand bends between crossings: errors do not follow a power of their length yet.
+/// Errors follow a power of the segments' length from this number on: fewer do not resolve how a strand bends between
+/// crossings.
 constexpr int asymptotic_segments = 8;
 
 double per_direction_ms(const TimedCell& run) { return 1e3 * run.cpu_seconds / static_cast<double>(run.result.size()); }
@@ -71,10 +73,10 @@ void study_segments(Report& report, const WeaveSettings& settings) {
     for (const int n : segments) {
       const TimedCell run = run_case(studied, {.segments = n});
       const ProfileError error = profile_error(run.result, reference.result);
-      // Of errors c (h^2 - h_ref^2), as they are against a reference of the same method.
-      const double part = 1.0 / (n * n) - 1.0 / (finest * finest);
-      const double coarser_part = 4.0 / (n * n) - 1.0 / (finest * finest);
-      const double order = 2 + std::log2(coarser / error.modulus_rms) - std::log2(coarser_part / part);
+      // Against a reference of the same method, errors are c (h^2 - h_ref^2).
+      const double difference = 1.0 / (n * n) - 1.0 / (finest * finest);
+      const double coarser_difference = 4.0 / (n * n) - 1.0 / (finest * finest);
+      const double order = 2 + std::log2(coarser / error.modulus_rms) - std::log2(coarser_difference / difference);
       if (n >= asymptotic_segments) orders.push_back(order);
       table.row({studied.cell.name, std::to_string(n), number(per_direction_ms(run)), percent(error.modulus_rms),
                  percent(error.modulus_worst), number(error.poisson_rms, 2), coarser > 0 ? number(order, 2) : "",
@@ -134,18 +136,18 @@ void study_tolerance(Report& report, const WeaveSettings& settings) {
 }
 
 void study_limits(Report& report, const WeaveSettings& settings) {
-  // Limits as rigid as they get, and barriers of these ranges alone, as shares of the mean length of rod.
+  // Rigid limits, and barriers alone, whose ranges are fractions of the mean length of rod.
   struct Variant {
     std::string name;
     double limit_tolerance;
-    double barrier_share;
+    double barrier_fraction;
   };
-  constexpr double usual_share = 0.05;
+  constexpr double usual_fraction = 0.05;
   constexpr double mean_rod_length = 4;  // mm, of all cells below
-  std::vector<Variant> variants{{"barriers alone", 1, 0.1},   {"barriers alone", 1, 0.025},
-                                {"barriers alone", 1, 0.005}, {"barriers alone", 1, 0.001},
-                                {"rigid", 1e-3, usual_share}, {"rigid", 1e-6, usual_share},
-                                {"rigid", 1e-9, usual_share}, {"rigid", 1e-6, 0.01}};
+  std::vector<Variant> variants{{"barriers alone", 1, 0.1},      {"barriers alone", 1, 0.025},
+                                {"barriers alone", 1, 0.005},    {"barriers alone", 1, 0.001},
+                                {"rigid", 1e-3, usual_fraction}, {"rigid", 1e-6, usual_fraction},
+                                {"rigid", 1e-9, usual_fraction}, {"rigid", 1e-6, 0.01}};
   if (settings.brief) variants = {variants[1], variants[5]};
   Table table("weaves-limits", {{"cell", "Cell"},
                                 {"limits", "Limits"},
@@ -168,10 +170,10 @@ void study_limits(Report& report, const WeaveSettings& settings) {
     const auto run = [&](const Variant& variant) {
       EquilibriumOptions equilibrium;
       equilibrium.limit_tolerance = variant.limit_tolerance;
-      equilibrium.barrier_range = variant.barrier_share * mean_rod_length;
+      equilibrium.barrier_range = variant.barrier_fraction * mean_rod_length;
       return run_timed(cell, uniaxial(locked_strain, directions, equilibrium));
     };
-    const TimedCell reference = run({"reference", 1e-12, usual_share});
+    const TimedCell reference = run({"reference", 1e-12, usual_fraction});
     for (const Variant& variant : variants) {
       const TimedCell timed = run(variant);
       const ProfileError error = profile_error(timed.result, reference.result);
@@ -184,10 +186,10 @@ void study_limits(Report& report, const WeaveSettings& settings) {
         if (exact > 0) energy = std::max(energy, std::abs(state.energy_density / exact - 1));
         said = std::max(said, state.limit_error);
       }
-      if (variant.limit_tolerance == EquilibriumOptions{}.limit_tolerance && variant.barrier_share == usual_share)
+      if (variant.limit_tolerance == EquilibriumOptions{}.limit_tolerance && variant.barrier_fraction == usual_fraction)
         worst_of_default = std::max(worst_of_default, error.modulus_worst);
       table.row({name, variant.name, number(variant.limit_tolerance, 1),
-                 number(variant.barrier_share * mean_rod_length), number(per_direction_ms(timed)),
+                 number(variant.barrier_fraction * mean_rod_length), number(per_direction_ms(timed)),
                  percent(error.modulus_rms), percent(error.modulus_worst), number(error.poisson_rms, 2),
                  percent(energy), percent(said)});
     }
@@ -271,7 +273,7 @@ void study_directions(Report& report, const WeaveSettings& settings) {
 }  // namespace
 
 void study_weave_accuracy(const WeaveSettings& settings) {
-  Report report(settings.folder, "weaves-accuracy", "Weaves: error against time");
+  Report report(settings.folder, "weaves", "accuracy", "Error against time");
   study_segments(report, settings);
   report.image("weaves-segments.svg", "Error against time for segments between crossings");
   study_tolerance(report, settings);
@@ -279,12 +281,10 @@ void study_weave_accuracy(const WeaveSettings& settings) {
   study_limits(report, settings);
   study_directions(report, settings);
   report.image("weaves-directions.svg", "Error of interpolated profiles against the number of directions");
-  report.write(
-      weave_introduction(settings, "accuracy",
-                         "Periodic cells under a uniaxial strain of " + number(studied_strain, 1) +
-                             ", of the regular weave in the direction that shears it most, of the others in " +
-                             "24 directions over half a turn unless the number of directions is what is studied. "
-                             "Times are CPU times."));
+  report.write("weave_bench accuracy", settings.brief,
+               "Periodic cells under a uniaxial strain of " + number(studied_strain, 1) +
+                   ", of the regular weave in the direction that shears it most, of the others in 24 directions over "
+                   "half a turn unless the number of directions is what is studied. Times are CPU times.");
 }
 
 }  // namespace supple::bench

@@ -10,7 +10,7 @@
 #include "supple/weave/patterns.h"
 #include "supple/weave/simulation.h"
 
-/// The studies of the weave benchmark. Each writes a page of its own, so that a long one can be repeated alone.
+/// The studies of the weave benchmark. Each writes a section of weaves.md.
 namespace supple::bench {
 
 struct WeaveSettings {
@@ -19,11 +19,8 @@ struct WeaveSettings {
   bool brief = false;
 };
 
-/// "This page is generated ...", the machine and the commands; `conditions` follows.
-std::string weave_introduction(const WeaveSettings& settings, const std::string& study, const std::string& conditions);
-
-/// 100 times the share, with two digits.
-std::string percent(double share);
+/// 100 times the fraction, with two digits.
+std::string percent(double fraction);
 
 struct BenchCell {
   std::string name;
@@ -31,7 +28,7 @@ struct BenchCell {
 };
 /// Every pattern with every kind of crossing that it has.
 std::vector<BenchCell> all_cells();
-/// The named ones of these. Throws std::out_of_range for a name that is none.
+/// The cell of this name. Throws std::out_of_range if there is none.
 BenchCell cell_named(const std::string& name);
 
 using TimedCell = Billed<std::vector<weave::DirectionalResponse>>;
@@ -39,7 +36,7 @@ TimedCell run_timed(const weave::Weave& cell, const weave::HomogenizationOptions
 using TimedSheet = Billed<weave::SimulationResult>;
 TimedSheet run_timed(const weave::Weave& sheet, const weave::SheetLoad& load,
                      const weave::EquilibriumOptions& options = {});
-/// Sums over the states.
+/// Sums over all states.
 int iterations_of(const weave::SimulationResult& result);
 int load_steps_of(const weave::SimulationResult& result);
 bool converged(const weave::SimulationResult& result);
@@ -49,9 +46,9 @@ weave::HomogenizationOptions uniaxial(double strain, int count, const weave::Equ
 
 /// How a square sheet of straight strands is sheared.
 enum class Shear {
-  sinking,   ///< the lowest strand is held at all crossings, the highest one is moved aside and free to sink
+  sinking,   ///< the lowest strand is fixed at all crossings, the highest one is moved aside and free to sink
   level,     ///< the same at constant height: strands must stretch
-  diagonal,  ///< three crossings of one corner are held, those of the opposite corner are drawn towards it
+  diagonal,  ///< three crossings of one corner are fixed, those of the opposite corner are drawn towards it
 };
 struct LoadedSheet {
   weave::Weave weave;
@@ -61,8 +58,8 @@ struct LoadedSheet {
 LoadedSheet sheared_sheet(int n, weave::Connection connection, Shear shear, double amount);
 inline constexpr double sheet_pitch = 4;  ///< mm
 
-/// How two profiles over the same directions differ, where both were followed to the strain in the same way, in the
-/// plane or out of it.
+/// Differences of two profiles over the same directions, in those in which both reached the strain and both or none
+/// left the plane.
 struct ProfileError {
   double modulus_rms = 0;    ///< relative to the reference's root mean square
   double modulus_worst = 0;  ///< the largest difference, relative to the same
@@ -73,20 +70,17 @@ struct ProfileError {
 ProfileError profile_error(const std::vector<weave::DirectionalResponse>& profile,
                            const std::vector<weave::DirectionalResponse>& reference);
 
-/// Seconds of a bill by what they went into.
-struct WeaveShares {
+/// Seconds of a bill by stage.
+struct WeaveTimes {
   double assembly = 0;
   double factorization = 0;
   double solve = 0;
-  double out_of_plane = 0;  ///< the look for modes out of the plane
+  double out_of_plane = 0;  ///< the search for unstable modes out of the plane
 };
-WeaveShares shares_of(const CostLedger& cost);
+WeaveTimes times_of(const CostLedger& cost);
 
 void study_weave_accuracy(const WeaveSettings& settings);
-void study_weave_sheets(const WeaveSettings& settings);
-void study_weave_paths(const WeaveSettings& settings);
 void study_weave_speed(const WeaveSettings& settings);
-void study_weave_size(const WeaveSettings& settings);
 void study_weave_effects(const WeaveSettings& settings);
 
 }  // namespace supple::bench

@@ -1,4 +1,4 @@
-// What each effect costs, and what leaving it out changes.
+// Cost of each effect, and what the answer loses without it.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,9 +17,9 @@ using weave::Stop;
 using weave::Switch;
 using weave::Weave;
 
-/// Where buckling leaves next to nothing of a modulus, how many times it is off says no more than this.
-constexpr double beyond_telling = 100;
-std::string capped_percent(double share) { return share > beyond_telling ? "over 10,000" : percent(share); }
+/// Larger relative differences mean no more than that buckling has left hardly anything of a modulus.
+constexpr double max_difference = 100;
+std::string capped_percent(double fraction) { return fraction > max_difference ? "over 10,000" : percent(fraction); }
 std::string milliseconds(const TimedCell& run) {
   return number(1e3 * run.cpu_seconds / static_cast<double>(run.result.size()));
 }
@@ -32,8 +32,8 @@ bool left_plane(const DirectionalResponse& response) { return response.state.out
 bool unstable(const DirectionalResponse& response) { return !response.state.stable; }
 bool unreached(const DirectionalResponse& response) { return response.state.stopped != Stop::converged; }
 
-/// |E' - E| over the root mean square of E in all directions, in those that `wanted` picks by the run compared with and
-/// that both reached. Where sliding is free, E itself is nearly zero.
+/// |E' - E| over the root mean square of E in all directions, for those directions that both runs reached and `wanted`
+/// selects. E itself would be no scale: it is nearly zero where sliding is free.
 template <typename Predicate>
 std::vector<double> changes(const TimedCell& run, const TimedCell& automatic, Predicate wanted) {
   std::vector<double> scale, relative;
@@ -120,7 +120,7 @@ void study_buckling(Report& report, const WeaveSettings& settings) {
   report.table(table);
 }
 
-/// The same with no end to how far strands slide but other crossings.
+/// The same weave without limits of sliding, in which only other crossings stop a strand.
 Weave without_limits(Weave weave) {
   for (weave::Crossing& crossing : weave.crossings)
     for (weave::CrossingMember& member : crossing.members)
@@ -134,7 +134,7 @@ int effect_count(const CostLedger& cost, const std::string& name) {
   return 0;
 }
 
-/// So that all variants come to the same equilibria: see the study of paths.
+/// In fewer load steps some variants end on other equilibria (docs/notes/weaves.md).
 constexpr int sliding_load_steps = 8;
 
 struct SlidingVariant {
@@ -278,16 +278,15 @@ void study_sheet_effects(Report& report, const WeaveSettings& settings) {
 }  // namespace
 
 void study_weave_effects(const WeaveSettings& settings) {
-  Report report(settings.folder, "weaves-effects", "Weaves: what effects cost and change");
+  Report report(settings.folder, "weaves", "effects", "What effects cost and change");
   study_plane(report, settings);
   study_buckling(report, settings);
   study_sliding(report, settings);
   study_sheet_effects(report, settings);
-  report.write(
-      weave_introduction(settings, "effects",
-                         std::to_string(directions_of(settings)) +
-                             " directions of each cell at the default accuracy, stretched or compressed by 10 % "
-                             "unless stated otherwise. Times are CPU times."));
+  report.write("weave_bench effects", settings.brief,
+               std::to_string(directions_of(settings)) +
+                   " directions of each cell at the default accuracy, stretched or compressed by 10 % unless stated "
+                   "otherwise. Times are CPU times.");
 }
 
 }  // namespace supple::bench

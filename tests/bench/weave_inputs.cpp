@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
@@ -17,29 +16,7 @@ using weave::DirectionalResponse;
 using weave::SquareType;
 using weave::Stop;
 
-namespace {
-
-/// How busy the machine has been: elapsed times mean little on one that others use.
-std::string load_line() {
-  double load[2] = {0, 0};
-  if (getloadavg(load, 2) < 2) return "load unknown";
-  return "load average of the last five minutes " + number(load[1], 2);
-}
-
-}  // namespace
-
-std::string weave_introduction(const WeaveSettings& settings, const std::string& study, const std::string& conditions) {
-  std::string text =
-      "This page is generated; how weaves are computed is in [digital weaves](../weaves.md). Measured on: " +
-      machine_line() + "; " + load_line() +
-      ".\n\n```\ncmake --preset bench && cmake --build --preset bench --target weave_bench\n"
-      "build/bench/tests/bench/weave_bench " +
-      study + "\ntests/bench/plot_weaves.py docs/bench\n```\n\n" + conditions;
-  if (settings.brief) text += "\n\n**A short run: it shows that the program works, no more.**";
-  return text;
-}
-
-std::string percent(double share) { return number(100 * share, 2); }
+std::string percent(double fraction) { return number(100 * fraction, 2); }
 
 std::vector<BenchCell> all_cells() {
   return {{"regular, fused", weave::regular_weave(weave::uniform_block(Connection::fused))},
@@ -94,22 +71,22 @@ weave::HomogenizationOptions uniaxial(double strain, int count, const weave::Equ
 
 LoadedSheet sheared_sheet(int n, Connection connection, Shear shear, double amount) {
   LoadedSheet sheet{weave::regular_sheet(n, n, weave::uniform_block(connection), sheet_pitch), {}};
-  const auto hold = [&](int column, int row, const std::array<bool, 3>& held, const Eigen::Vector3d& displacement) {
-    sheet.load.supports.push_back({row, (column + 0.5) * sheet_pitch, held, displacement});
+  const auto fix = [&](int column, int row, const std::array<bool, 3>& fixed, const Eigen::Vector3d& displacement) {
+    sheet.load.supports.push_back({row, (column + 0.5) * sheet_pitch, fixed, displacement});
   };
   constexpr std::array<bool, 3> all{true, true, true};
   const int last = n - 1;
-  const double way = amount * last * sheet_pitch;
+  const double distance = amount * last * sheet_pitch;
   if (shear == Shear::diagonal) {
     for (const auto& [column, row] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1)}) {
-      hold(column, row, all, {0, 0, 0});
-      hold(last - column, last - row, all, {-way, -way, 0});
+      fix(column, row, all, {0, 0, 0});
+      fix(last - column, last - row, all, {-distance, -distance, 0});
     }
     return sheet;
   }
   for (int column = 0; column < n; ++column) {
-    hold(column, 0, all, {0, 0, 0});
-    hold(column, last, {true, shear == Shear::level, true}, {way, 0, 0});
+    fix(column, 0, all, {0, 0, 0});
+    fix(column, last, {true, shear == Shear::level, true}, {distance, 0, 0});
   }
   return sheet;
 }
@@ -137,15 +114,15 @@ ProfileError profile_error(const std::vector<DirectionalResponse>& profile,
   return error;
 }
 
-WeaveShares shares_of(const CostLedger& cost) {
-  WeaveShares shares;
+WeaveTimes times_of(const CostLedger& cost) {
+  WeaveTimes times;
   for (const char* term : {"stretch", "bend", "twist", "joint_bend", "joint_twist", "sliding_limits",
                            "crossing_contact", "sliding_regularizer", "point_forces"})
-    shares.assembly += effect_seconds(cost, term);
-  shares.factorization = stage_seconds(cost, "factorization");
-  shares.solve = stage_seconds(cost, "solve");
-  shares.out_of_plane = stage_seconds(cost, "out-of-plane stability");
-  return shares;
+    times.assembly += effect_seconds(cost, term);
+  times.factorization = stage_seconds(cost, "factorization");
+  times.solve = stage_seconds(cost, "solve");
+  times.out_of_plane = stage_seconds(cost, "out-of-plane stability");
+  return times;
 }
 
 }  // namespace supple::bench

@@ -1,4 +1,4 @@
-// What 200 directions of a cell and a sheet under shear cost, and what part of it goes into what.
+// Time of 200 directions of a cell and of sheets under shear, and its parts by stage.
 #include <algorithm>
 
 #include "measurement.h"
@@ -16,9 +16,9 @@ constexpr double strains[] = {0.1, 0.3};
 constexpr double cell_limit_s = 2;
 constexpr double sheet_limit_s = 10;
 
-std::string share(double part, double whole) { return number(100 * part / whole, 2); }
+std::string percent_of_time(double part, double whole) { return number(100 * part / whole, 2); }
 
-std::vector<Table::Column> share_columns(std::vector<Table::Column> first) {
+std::vector<Table::Column> percent_columns(std::vector<Table::Column> first) {
   for (const Table::Column& column : {Table::Column{"assembly", "Assembly, %"},
                                       {"factorization", "Factorization, %"},
                                       {"solve", "Solves, %"},
@@ -28,11 +28,11 @@ std::vector<Table::Column> share_columns(std::vector<Table::Column> first) {
   return first;
 }
 
-std::vector<std::string> share_cells(std::vector<std::string> first, const CostLedger& cost, double whole) {
-  const WeaveShares parts = shares_of(cost);
+std::vector<std::string> percent_cells(std::vector<std::string> first, const CostLedger& cost, double whole) {
+  const WeaveTimes parts = times_of(cost);
   const double rest = whole - parts.assembly - parts.factorization - parts.solve - parts.out_of_plane;
   for (const double part : {parts.assembly, parts.factorization, parts.solve, parts.out_of_plane, rest})
-    first.push_back(share(part, whole));
+    first.push_back(percent_of_time(part, whole));
   return first;
 }
 
@@ -47,8 +47,8 @@ void study_cell_speed(Report& report, const WeaveSettings& settings) {
                                      {"load_steps", "Load steps per direction"},
                                      {"out_of_plane", "Out of the plane"},
                                      {"unreached", "Not reached"}});
-  Table shares("weaves-speed-cell-shares",
-               share_columns({{"cell", "Cell"}, {"strain", "Strain"}, {"ms", "ms per direction"}}));
+  Table parts("weaves-speed-cell-shares",
+              percent_columns({{"cell", "Cell"}, {"strain", "Strain"}, {"ms", "ms per direction"}}));
   std::vector<BenchCell> cells = all_cells();
   if (settings.brief) cells = {cell_named("regular, fused"), cell_named("squares, type 1")};
   for (const double strain : strains) {
@@ -75,14 +75,14 @@ void study_cell_speed(Report& report, const WeaveSettings& settings) {
                       ", elapsed on " + std::to_string(thread_count()) + " threads",
                   "under " + number(cell_limit_s, 1) + " s", measured, slowest < cell_limit_s);
   }
-  // The bill of several threads that wait for each other would count the waiting.
+  // With several threads the bill would count the time in which they wait for each other.
   const int threads = thread_count();
   set_thread_count(1);
   for (const BenchCell& cell : cells) {
     for (const double strain : strains) {
       const TimedCell run = run_timed(cell.weave, uniaxial(strain, sampled));
-      shares.row(share_cells({cell.name, number(strain, 1), number(1e3 * run.wall_seconds / sampled)}, run.cost,
-                             run.wall_seconds));
+      parts.row(percent_cells({cell.name, number(strain, 1), number(1e3 * run.wall_seconds / sampled)}, run.cost,
+                              run.wall_seconds));
     }
   }
   set_thread_count(threads);
@@ -98,7 +98,7 @@ void study_cell_speed(Report& report, const WeaveSettings& settings) {
       " directions on one thread, elapsed. *Look out of the plane* is the search of each planar equilibrium for an "
       "unstable mode out of it; what a cell costs that did buckle is in the other columns. *Other* is building "
       "models, checking steps and frames.");
-  report.table(shares);
+  report.table(parts);
 }
 
 struct StudiedSheet {
@@ -110,14 +110,14 @@ struct StudiedSheet {
 void study_sheet_speed(Report& report, const WeaveSettings& settings) {
   constexpr double amount = 0.3;
   const int n = settings.brief ? 5 : 20;
-  Table table("weaves-speed-sheets", share_columns({{"sheet", "Sheet"},
-                                                    {"unknowns", "Unknowns"},
-                                                    {"load_steps", "Load steps"},
-                                                    {"iterations", "Newton iterations"},
-                                                    {"energy", "Energy, N mm"},
-                                                    {"reached", "Reached"},
-                                                    {"one_thread_s", "One thread, s"},
-                                                    {"all_threads_s", "All threads, s"}}));
+  Table table("weaves-speed-sheets", percent_columns({{"sheet", "Sheet"},
+                                                      {"unknowns", "Unknowns"},
+                                                      {"load_steps", "Load steps"},
+                                                      {"iterations", "Newton iterations"},
+                                                      {"energy", "Energy, N mm"},
+                                                      {"reached", "Reached"},
+                                                      {"one_thread_s", "One thread, s"},
+                                                      {"all_threads_s", "All threads, s"}}));
   std::vector<StudiedSheet> sheets{{"sliding, free to sink", Connection::slides_x, Shear::sinking},
                                    {"sliding, at constant height", Connection::slides_x, Shear::level},
                                    {"sliding, along the diagonal", Connection::slides_x, Shear::diagonal},
@@ -131,7 +131,7 @@ void study_sheet_speed(Report& report, const WeaveSettings& settings) {
     const TimedSheet run = run_timed(sheet.weave, sheet.load);
     set_thread_count(threads);
     const weave::SheetState& last = run.result.states.back();
-    table.row(share_cells(
+    table.row(percent_cells(
         {studied.name, count(run.result.unknowns), std::to_string(load_steps_of(run.result)),
          std::to_string(iterations_of(run.result)), number(last.energy),
          converged(run.result) ? "yes" : "up to " + number(last.share), number(run.wall_seconds), number(on_all)},
@@ -157,14 +157,11 @@ void study_sheet_speed(Report& report, const WeaveSettings& settings) {
 }  // namespace
 
 void study_weave_speed(const WeaveSettings& settings) {
-  Report report(settings.folder, "weaves-speed", "Weaves: what cells and sheets cost");
+  Report report(settings.folder, "weaves", "speed", "Time of cells and sheets");
   study_cell_speed(report, settings);
   study_sheet_speed(report, settings);
-  report.image("weaves-speed.svg", "What a direction of each cell costs, by what it goes into");
-  report.write(
-      weave_introduction(settings, "speed",
-                         "Default options throughout: 4 segments between crossings, a tolerance of 1e-6, effects "
-                         "automatic."));
+  report.write("weave_bench speed", settings.brief,
+               "Default options throughout: 4 segments between crossings, a tolerance of 1e-6, effects automatic.");
 }
 
 }  // namespace supple::bench

@@ -3,8 +3,8 @@
 //
 //     node latency.mjs ../../docs/bench
 //
-// writes editor-latency.csv and editor-latency.md there. The numbers are meaningful only on an otherwise idle machine.
-import { readdir, writeFile } from "node:fs/promises";
+// writes editor-latency.csv and a section of designs.md there. The numbers are meaningful only on an otherwise idle machine.
+import { readdir, readFile, writeFile } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
@@ -102,7 +102,11 @@ const busy = load[0] > 0.5 * cores.length;
 const table = (name, values) => `| ${name} | ${ms(quantile(values, 0.5))} | ${ms(quantile(values, 0.9))} | ${ms(Math.max(...values))} |`;
 await writeFile(path.join(folder, "editor-latency.csv"), `${["drag,pixels,curve_ms,tiling_ms,load", ...rows.map(({ drag, pixels, curve, tiling, load: now }) =>
   [drag, pixels, Number.isFinite(curve) ? curve.toFixed(1) : "", Number.isFinite(tiling) ? tiling.toFixed(1) : "", now.toFixed(2)].join(","))].join("\n")}\n`);
-await writeFile(path.join(folder, "editor-latency.md"), `# How fast the editor follows the mouse
+const file = path.join(folder, "designs.md");
+const [begin, end] = ["<!-- section: editor -->\n", "<!-- /section: editor -->\n"];
+const old = await readFile(file, "utf8").catch(() => "# Measurements: designs\n");
+const [before, after] = old.includes(begin) ? [old.split(begin)[0], old.split(end)[1]] : [`${old}\n`, ""];
+await writeFile(file, `${before}${begin}## How fast the editor follows the mouse
 
 A control point of a target is dragged ${rows.length} times on the page *Design* in headless Chromium, with a server that has all models. Each time the clock runs from the
 mouse's event to the picture after the tiling was redrawn. In between are the search for a design that follows the moved target, the drawing of its curve, and the
@@ -122,5 +126,5 @@ and ${load[1].toFixed(1)} after, of the measurement itself. ${busy ? "The machin
 ${missed === 0 ? "Every drag changed the tiling." : `In ${missed} drags the tiling did not change within ${REDRAW_MS / 1000} s; they are not in the table.`}
 
 Asked is a median of less than ${ASKED_MS} ms on an idle machine. ${median < ASKED_MS ? "It is met." : busy ? "It is not met on this busy one." : "It is not met."}
-`);
+${end}${after}`);
 console.log(`median ${ms(median)}, 90 of 100 within ${ms(p90)}, of ${known.length} drags; load ${load.map((value) => value.toFixed(1)).join(" to ")}`);

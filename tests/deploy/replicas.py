@@ -30,9 +30,10 @@ from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "tests" / part) for part in ("api", "support", "hostile")]
+sys.path[:0] = [str(ROOT / "tests" / part) for part in ("api", "support", "hostile", "bench")]
 
 from harness import free_port  # noqa: E402
+from sections import write_section  # noqa: E402
 from shared_servers import LEASE, Replicas  # noqa: E402
 from shapes import sphere  # noqa: E402
 from soak import without_bill  # noqa: E402
@@ -315,7 +316,7 @@ class Trial:
         self.check_jobs()
 
 
-REPORT = """# Several servers on one database
+REPORT = """## Several servers on one database
 
 Written by `tests/deploy/replicas.py` in {minutes:.1f} minutes on 2 cores, which {servers} servers, their clients, HAProxy and PostgreSQL share.
 
@@ -365,7 +366,7 @@ def main() -> int:
     for fault in trial.wrong[:20]:
         print(fault)
     if given.output and not trial.wrong:
-        (given.output / "replicas.md").write_text(text)
+        write_section(given.output, "server", "replicas", text)
     return 1 if trial.wrong else 0
 
 

@@ -34,6 +34,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Set, Tuple
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "api"), str(Path(__file__).resolve().parents[1] / "bench")]
 
 from harness import ROOT, SANITIZED, ServerProcess  # noqa: E402
+from sections import write_section  # noqa: E402
 from server_load import MIX, Workload, percentile  # noqa: E402
 from shapes import flat_grid  # noqa: E402
 
@@ -155,9 +156,9 @@ class Soak:
         """Asks a sound server, so that later answers can be compared."""
         client = Client(self.server.port)
         stream = random.Random(self.chance.random())
-        names, shares = [kind.name for kind in MIX if kind.name != "health"], [kind.share for kind in MIX if kind.name != "health"]
+        names, weights = [kind.name for kind in MIX if kind.name != "health"], [kind.weight for kind in MIX if kind.name != "health"]
         for _ in range(requests):
-            sent = Sent(*self.workload.request(stream.choices(names, shares)[0], stream))
+            sent = Sent(*self.workload.request(stream.choices(names, weights)[0], stream))
             status, content, _ = client.until_answered(sent)
             self.known.append(Known(sent, status, without_bill(content)))
         for i in range(jobs):
@@ -409,7 +410,7 @@ def report(soak: Soak, measured: Dict[str, float], seconds: float) -> str:
     events = soak.counts.events
     mebi = 2**20
     lines = [
-        "# The server while everything around it fails", "",
+        "## While everything around it fails", "",
         f"Written by `tests/hostile/soak.py` in {seconds / 60:.1f} minutes on {os.cpu_count()} cores, which the server and its clients share.", "",
         f"{events['answers']:,} answers and {events['jobs']:,} jobs were compared with those of a sound server; {len(soak.counts.wrong)} were lost, "
         "doubled or wrong.", "", "| what happened | times |", "|---|---:|"]
@@ -440,7 +441,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     soak, measured = run(options.requests, options.jobs, options.fault_every, options.seed)
     text = report(soak, measured, time.monotonic() - start)
     print(text)
-    (options.output / "soak.md").write_text(text, encoding="utf-8")
+    write_section(options.output, "server", "soak", text)
     for wrong in soak.counts.wrong[:20]:
         print(wrong, file=sys.stderr)
     if measured["p99"] > P99:

@@ -21,7 +21,7 @@ namespace supple::embedded {
 ///
 /// Everything is computed from displacements and Green's strain, so that small strains are accurate to rounding also
 /// where the solid has rotated. The elements lock (are too stiff in bending) from nu = 0.49 on, which a finer mesh
-/// improves only slowly; see docs/bench/solids.md.
+/// improves only slowly; see docs/bench/hosts.md.
 ///
 /// O(tetrahedra), in parallel: value, gradient, Hessian and their summation take about 0.3 us for each.
 class SolidElements : public numerics::Term<NetworkState> {

@@ -9,7 +9,7 @@ namespace supple::microscale {
 namespace {
 
 /// Ratio of the fine mesh's error to the change from the coarse mesh to the fine one: 1 / (2^p - 1), if halving all
-/// sides divides the error by 2^p. See docs/bench/simulations-discretization.md.
+/// sides divides the error by 2^p. See docs/bench/simulations.md.
 constexpr double remaining_error_ratio = 0.55;
 /// Bound of the extrapolated response's error, divided by the difference between the two meshes. The errors of more
 /// than nine of ten paths of random designs are below it.

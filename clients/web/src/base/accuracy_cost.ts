@@ -1,6 +1,6 @@
 // The time that more or less accuracy costs, from the tables of the project's benchmarks, reduced to the rows of an endpoint and a family.
 import designs from "../../../../docs/bench/designs-accuracy.csv?raw";
-import simulations from "../../../../docs/bench/designs-discretization.csv?raw";
+import simulations from "../../../../docs/bench/simulations-refinement.csv?raw";
 import geodesics from "../../../../docs/bench/geodesics-accuracy.csv?raw";
 import networks from "../../../../docs/bench/networks-accuracy.csv?raw";
 import voronoi from "../../../../docs/bench/voronoi-accuracy.csv?raw";
@@ -27,8 +27,8 @@ const DESIGNS: Source = {
   matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const SIMULATIONS: Source = {
-  text: simulations, caption: "A simulated profile that is not extrapolated, by the size of its mesh",
-  columns: [["task", "Profile"], ["mesh_size", "Mesh size"], ["error_median", "Median error (%)"], ["error_worst", "Worst (%)"], ["seconds", "Time (s)"]],
+  text: simulations, caption: "Simulated stress that is not extrapolated, by the mesh: a side over the beam width, and corners over sides",
+  columns: [["mesh", "Mesh"], ["nodes", "Nodes"], ["median_percent", "Median error (%)"], ["worst_percent", "Worst (%)"], ["ms_per_state", "Time of a state (ms)"]],
   matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const GEODESICS: Source = {

@@ -8,7 +8,7 @@ namespace supple::microscale {
 
 /// The default mesh for extrapolation. Sides have the length of a beam width, and of a twentieth of that at corners.
 /// The extrapolated stress has an error of less than half a per cent, in a median of one and a half times the time of
-/// the data sets' mesh (see docs/bench/simulations-discretization.md). With longer sides, the error of some designs is
+/// the data sets' mesh (see docs/bench/simulations.md). With longer sides, the error of some designs is
 /// larger. With shorter ones, the time grows faster than the error decreases.
 tiling::MeshOptions extrapolated_mesh();
 

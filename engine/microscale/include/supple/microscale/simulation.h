@@ -128,7 +128,7 @@ struct State {
   int cells = 1;                 ///< cells along each side of the patch: 1 or 2
   double smallest_jacobian = 1;  ///< least det F over the whole area of all elements
   /// The estimated error of the mesh, MPa. The error of at least nine of ten states is less than it, see
-  /// docs/bench/simulations-discretization.md. There is none in the following cases: `SimulationOptions::refinement` is
+  /// docs/bench/simulations.md. There is none in the following cases: `SimulationOptions::refinement` is
   /// off; the state did not converge or is not stable; there is no stable equilibrium near it on the finer mesh; that
   /// mesh would have more nodes than MeshOptions::max_nodes.
   std::optional<MeshError> mesh_error;

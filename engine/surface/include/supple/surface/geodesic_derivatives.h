@@ -43,7 +43,7 @@ PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& p
 /// division, which the thesis does not have, keeps the point in its face. At an end on an edge, the derivative towards
 /// the opposite corner then vanishes. The Hessian jumps by 2 / epsilon times the gradient where a coordinate passes
 /// epsilon. Minimizers therefore converge to points of edges that are no equilibria, which is why `ends` is off by
-/// default. Numbers are in docs/bench/geodesics-mollifier.md.
+/// default. Numbers are in docs/notes/geodesics.md.
 PathLength mollified_length(const TriangleMesh& mesh, const std::vector<PathPoint>& path, double epsilon,
                             bool ends = false);
 
