@@ -63,7 +63,7 @@ TABLE: List[Tuple[str, Set[str]]] = [
     (r"tests/deploy/.*", {"deploy"}),
     (r"tests/release/.*", {SCRIPTS}),
     (r"tests/truth/.*", set()),  # runs by name; that it can fail is tested by each run
-    (r"tests/bench/.*\.py", {"bench", "api:test_load.py", "hostile:test_soak.py"}),
+    (r"tests/bench/.*\.py", {"bench", "api:test_load.py", "hostile:test_soak.py", "deploy:test_replicas.py"}),
     (r"tests/fuzz/corpus/.*", {"fuzz"}),
 
     (r"(engine/training/pytorch|tests/unit/training)/.*\.py", {"unit:unit_training"}),
