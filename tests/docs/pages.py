@@ -16,7 +16,7 @@ LINKED = sorted(path.relative_to(ROOT).as_posix() for folder in ("", "docs", "do
                                                                 "api/examples/meshes", "api/examples/networks")
                 for path in (ROOT / folder).glob("*.md"))
 #: Pages that people write, whose words are spelt. Pages under docs/bench are written by programs, and so are models' cards.
-WRITTEN = [page for page in LINKED if not page.startswith(("docs/bench/", "models/ih")) and page != "CHANGELOG.md"]
+WRITTEN = [page for page in LINKED if not page.startswith(("docs/bench/", "models/ih")) and page not in ("CHANGELOG.md", "docs/references.md")]
 #: Pages whose blocks of code are run. The clients' own pages have tests beside the clients.
 RUN = [page for page in WRITTEN if (page.startswith("docs/") or "/" not in page or page == "deploy/README.md")]
 
