@@ -73,7 +73,11 @@ cpp_files() { git ls-files -- 'engine/*.h' 'engine/*.cpp' 'server/*.h' 'server/*
   'tests/*.h' 'tests/*.cpp'; }
 
 part_changes() { "$python" -m pytest -q -p no:cacheprovider tests/changes tests/truth/test_truth.py; }
-part_arrows() { local status=0; "$python" tests/arrows/check_includes.py || status=1; "$python" tests/arrows/check_sizes.py || status=1; return $status; }
+part_arrows() {
+  local check status=0
+  for check in includes sizes words; do "$python" "tests/arrows/check_$check.py" || status=1; done
+  return $status
+}
 part_format() { cpp_files | xargs -r clang-format --dry-run --Werror; }
 part_single_files() {
   cmake --preset release -B build/single-files -DSUPPLE_BUILD_BENCH=ON -DSUPPLE_WARNINGS_AS_ERRORS=ON >build/configure-single-files.log 2>&1 ||

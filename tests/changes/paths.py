@@ -22,7 +22,7 @@ TABLE: List[Tuple[str, Set[str]]] = [
     (r"models/.*\.(h5|json)", {EVERYTHING}),
 
     # The rules of the code. Each run checks formats, arrows, links and spelling.
-    (r"\.clang-format|\.gitignore|LICENSE|CHANGELOG\.md|tests/whole-run\.txt|tests/arrows/check_(includes|sizes)\.py", set()),
+    (r"\.clang-format|\.gitignore|LICENSE|CITATION\.cff|CHANGELOG\.md|tests/whole-run\.txt|tests/arrows/check_(includes|sizes|words)\.py", set()),
     (r"\.clang-tidy|tests/tidy(_cache)?\.py|tests/single_files\.py", {"tidy"}),
     (r"tests/arrows/.*", {"unit:arrows"}),
     (r"tests/lsan\.supp", {"asan"}),
