@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """Fails where a comment begins as no sentence does, where a constant is not named as CONTRIBUTING.md says, and where a source is
-cited that docs/references.md does not have, or is listed there and cited nowhere."""
+cited that docs/references.md does not have, or is listed there and cited nowhere. Before it looks at the project, it reads lines of which it is known what is wrong with them."""
 
 from __future__ import annotations
 
@@ -85,10 +85,38 @@ def listed_references() -> list[str]:
     return re.findall(r"^\| (\w+) \|", table, re.M)[1:]
 
 
+#: Lines of a source file, and whether one of the rules finds a fault there.
+SAMPLES = [
+    ("/// Of a step, until it is known where it crossed one.", True),
+    ("/// Fraction of the step at which it crossed a cut locus.", False),
+    ("// The first is short. By those that are left.", True),
+    ("// Of several candidates, the nearest is tried first.", False),
+    ("int n = 0;  ///< that of the last state. As before", True),
+    ("/// The mollifier (thesis eq. 3.12).", True),
+    ("/// The mollifier [Thesis, eq. 3.12].", False),
+    ("constexpr int most_rounds = 3;", True),
+    ("constexpr std::size_t least_points{4};", True),
+    ("constexpr double kTolerance = 1e-9;", True),
+    ("constexpr int max_rounds = 3;", False),
+    ("const std::size_t most = 3;", False),
+]
+
+
+def check_itself() -> None:
+    for line, is_fault in SAMPLES:
+        if bool(faults_of_comments(line, "sample.h") + faults_of_constants(line, "sample.h")) != is_fault:
+            raise SystemExit(f"check_words.py finds {'nothing' if is_fault else 'a fault'} in: {line}")
+    if CITATION.findall("see [Bonet2008, eq. 6.27] and [text](page.md), [deBoor1978]") != ["Bonet2008", "deBoor1978"]:
+        raise SystemExit("check_words.py does not find citations")
+
+
 def main() -> int:
+    check_itself()
     faults = []
     cited: dict[str, str] = {}
     for name in files(CODE, r"\.(h|cpp|py|ts|mjs)$"):
+        if name == "tests/arrows/check_words.py":
+            continue
         text = (ROOT / name).read_text(errors="replace")
         faults += faults_of_comments(text, name) + faults_of_constants(text, name)
         for key in CITATION.findall(text):
