@@ -1,8 +1,8 @@
-"""What of a newer contract breaks programs that were written for an older one.
+"""Changes of a contract that break programs written for an older version of it.
 
-A program written for the older contract sends what that allows, and reads what that promises. So a newer contract may accept
-more and promise more, but not less. Values that are new in an answer, for example a further kind of job, are allowed: the
-contract's version says nothing about them, and programs are to expect them.
+A program for the older contract sends requests that it permits, and reads what it promises. So a newer contract may accept more
+and promise more, but not less. New values in an answer, for example another kind of job, are permitted, since programs must
+expect them whatever the contract's version is.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ NARROWER_IF_SMALLER = ("maximum", "exclusiveMaximum", "maxItems", "maxLength", "
 
 
 def types_of(schema: Mapping[str, Any]) -> Set[str]:
-    """The JSON types that a schema allows; empty for all."""
+    """The JSON types that a schema permits; empty for all."""
     if "const" in schema and "type" not in schema:
         return types_of({"enum": [schema["const"]]})
     if "enum" in schema and "type" not in schema:
@@ -27,12 +27,12 @@ def types_of(schema: Mapping[str, Any]) -> Set[str]:
 
 
 def values_of(schema: Mapping[str, Any]) -> List[Any]:
-    """The values that a schema lists; empty where it lists none."""
+    """The values that a schema lists; empty if it lists none."""
     return [schema["const"]] if "const" in schema else list(schema.get("enum", []))
 
 
 class Comparison:
-    """Compares two parsed contracts; `breaks` then has one sentence for each thing that breaks an older program."""
+    """Compares two parsed contracts. `breaks` then has a sentence for each change that breaks an older program."""
 
     def __init__(self, older: Mapping[str, Any], newer: Mapping[str, Any]) -> None:
         self.older, self.newer = older, newer
@@ -98,7 +98,7 @@ class Comparison:
         return {(one["in"], one["name"]): one for one in all_of_them}
 
     def _is_new_pair(self, direction: str, older: Any, newer: Any) -> bool:
-        """Schemas refer to themselves, and to the same ones from many places: each pair is compared once."""
+        """Whether the pair of schemas was not compared yet. Each pair is compared once, since schemas are recursive and used repeatedly."""
         pair = (direction, id(older), id(newer))
         if pair in self._compared:
             return False
@@ -106,7 +106,7 @@ class Comparison:
         return True
 
     def _fits(self, compare: str, older: Any, newer: Any) -> bool:
-        """Whether one alternative of a schema serves an older program as another one did."""
+        """Whether a newer alternative of a schema replaces an older one without breaking programs."""
         kept, self.breaks = self.breaks, []
         compared, self._compared = self._compared, set(self._compared)
         getattr(self, compare)("", older, newer)
@@ -115,7 +115,7 @@ class Comparison:
         return fits
 
     def _alternatives(self, compare: str, where: str, older: Any, newer: Any) -> bool:
-        """Compares schemas of which one has alternatives; false where neither has."""
+        """Compares two schemas if at least one has alternatives; returns false if neither has."""
         lists = [schema.get("oneOf") or schema.get("anyOf") for schema in (older, newer)]
         if lists[0] is None and lists[1] is None:
             return False
@@ -126,7 +126,7 @@ class Comparison:
         return True
 
     def _accepts(self, where: str, older: Any, newer: Any) -> None:
-        """What the older schema allows, the newer one must allow."""
+        """Checks that the newer schema permits everything that the older one permits."""
         older, newer = self._old(older), self._new(newer)
         if not self._is_new_pair("accepts", older, newer) or self._alternatives("_accepts", where, older, newer):
             return
@@ -151,7 +151,7 @@ class Comparison:
             self._accepts(f"{where}/0", older["items"], newer["items"])
 
     def _promises(self, where: str, older: Any, newer: Any) -> None:
-        """What the older schema promises to be in an answer, the newer one must promise."""
+        """Checks that the newer schema promises everything in an answer that the older one promises."""
         older, newer = self._old(older), self._new(newer)
         if not self._is_new_pair("promises", older, newer) or self._alternatives("_promises", where, older, newer):
             return

@@ -1,4 +1,4 @@
-"""Fixtures of the API tests. The server and the CLI come from SUPPLE_BUILD (build/release), the server from SUPPLE_TEST_SERVER where that is set."""
+"""Fixtures of the API tests. The server and the CLI are those of SUPPLE_BUILD (build/release); SUPPLE_TEST_SERVER names another server."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def contract() -> Contract:
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """One server for all tests that leave it as they found it. It has the model ih21."""
+    """One server, with the model ih21, for all tests that do not change its state lastingly."""
     folder = tmp_path_factory.mktemp("shared")
     make_model(folder / "models" / "ih21.h5")
     process = ServerProcess(folder / "data", "--models", str(folder / "models")).start()
@@ -41,7 +41,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
 
 @pytest.fixture(scope="session")
 def design_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """One server with two of the shipped models, ih29 and ih67: designs need models that mean something."""
+    """One server with two of the shipped models, ih29 and ih67, since designs need trained models."""
     folder = tmp_path_factory.mktemp("designs")
     (folder / "models").mkdir()
     for name in ("ih29.h5", "ih67.h5"):
@@ -64,7 +64,7 @@ def api(server: ServerProcess, contract: Contract) -> Api:
 
 @pytest.fixture
 def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
-    """Starts servers of a test's own, which may be killed and restarted."""
+    """Starts servers for a single test, which may kill and restart them."""
     yield from servers_of_a_test(tmp_path)
 
 

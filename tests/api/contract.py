@@ -1,4 +1,4 @@
-"""Holds traffic against api/openapi.yaml: every request that should be valid, and every response."""
+"""Checks traffic against api/openapi.yaml: every request that should be valid, and every response."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PROBLEM = "application/problem+json"
 
 
 class ContractViolation(AssertionError):
-    """Something crossed the wire that the contract does not allow."""
+    """A request or response that the contract does not permit."""
 
 
 def _no_constants(name: str) -> None:
@@ -33,7 +33,7 @@ def media_type(header: Optional[str]) -> str:
 
 
 class Contract:
-    """The parsed contract, with its operations ready to be matched by method and path."""
+    """The parsed contract, whose operations can be found by method and path."""
 
     def __init__(self, path: Path = ROOT / "api" / "openapi.yaml") -> None:
         self.spec: Dict[str, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
@@ -52,13 +52,13 @@ class Contract:
         return sorted((method, template) for _, method, template, _ in self._operations)
 
     def resolve(self, node: Any) -> Any:
-        """The node that a chain of $ref leads to."""
+        """The node at the end of a chain of $ref."""
         while isinstance(node, Mapping) and "$ref" in node:
             node = self._resolver.resolve(node["$ref"])[1]
         return node
 
     def match(self, method: str, url: str) -> Optional[Tuple[str, Dict[str, Any], Dict[str, str]]]:
-        """(path template, operation, path parameters), or None where the contract has no such operation."""
+        """(path template, operation, path parameters), or None if the contract has no such operation."""
         path = urlsplit(url).path
         for pattern, its_method, template, operation in self._operations:
             found = pattern.fullmatch(path)
@@ -102,7 +102,7 @@ class Contract:
             return text
 
     def check_request(self, method: str, url: str, headers: Mapping[str, str], body: bytes) -> None:
-        """Raises ContractViolation unless the request is one that the contract describes."""
+        """Raises ContractViolation unless the request satisfies the contract."""
         what = f"{method} {url} (request)"
         found = self.match(method, url)
         if found is None:
@@ -118,7 +118,7 @@ class Contract:
             self._check_content(declared["content"], headers.get("Content-Type"), body, what)
 
     def check_response(self, method: str, url: str, status: int, headers: Mapping[str, str], body: bytes) -> None:
-        """Raises ContractViolation unless the response is one that the contract describes.
+        """Raises ContractViolation unless the response satisfies the contract.
 
         A request that matches no operation must be answered with a problem (404 or 405).
         """

@@ -11,7 +11,7 @@ from shapes import sphere
 NETWORKS = "/v1/embedded-systems"
 CENTRES = {"kind": "per_face", "barycentric": [0.3, 0.3, 0.4]}
 CORNERS = [0, 8, 72, 80]
-"""Vertices of the grid of 8 x 8 cells."""
+"""Corner vertices of the grid of 8 x 8 cells."""
 SHELL = {"kind": "shell", "thickness": 0.01, "youngs_modulus": 1000, "poisson_ratio": 0.45, "volume_weight": 100}
 
 
@@ -34,8 +34,7 @@ def volume(vertices: Any, faces: Any) -> float:
 
 
 def net(mesh: str, **more: Any) -> Dict[str, Any]:
-    """Twelve points of the sphere, each in a face at a vertex of the icosahedron, and springs between neighbours that are
-    shorter at rest than there."""
+    """Twelve points on the sphere, each in a face at a vertex of the icosahedron, and stretched springs between neighbours."""
     vertices, faces = sphere(3)
     at = [int(np.flatnonzero((faces == v).any(axis=1))[0]) for v in range(12)]
     pairs = [(i, j) for i in range(12) for j in range(i) if vertices[i] @ vertices[j] > 0.4]

@@ -1,4 +1,4 @@
-"""A real server process and a client that holds all its traffic against the contract."""
+"""A real server process, and a client that checks all its traffic against the contract."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from working_time import PATIENCE_SECONDS
 
 BUILD = Path(os.environ.get("SUPPLE_BUILD", ROOT / "build" / "release"))
 SERVER = Path(os.environ.get("SUPPLE_TEST_SERVER", BUILD / "server" / "supple-server"))
-"""SUPPLE_TEST_SERVER names another program in its place, which becomes the server: that of an image, for example."""
+"""SUPPLE_TEST_SERVER names another program, which must replace itself by the server, for example that of an image."""
 CLI = BUILD / "clients" / "cli" / "supple"
 MODEL_MAKER = BUILD / "tests" / "support" / "make_test_model"
 MESHES = ROOT / "api" / "examples" / "meshes"
 SLOWNESS = float(os.environ.get("SUPPLE_TEST_SLOWNESS", "1"))
-"""How many times as long as an optimized one the server of SUPPLE_BUILD takes: 40 under the sanitizers."""
+"""Ratio of the durations of the server of SUPPLE_BUILD to those of an optimized one: 40 under the sanitizers."""
 SANITIZED = os.environ.get("SUPPLE_TEST_SANITIZED") == "1"
-"""Whether the server of SUPPLE_BUILD is under the address sanitizer, which has its own use of memory and its own end."""
+"""Whether the server of SUPPLE_BUILD runs under the address sanitizer, which changes the use of memory and the end of the process."""
 START_SECONDS = 300.0 * SLOWNESS
 STOP_SECONDS = 300.0 * SLOWNESS
-"""Long: on a busy machine a server is slow, and one that hangs is found all the same."""
+"""Time limits that are long enough for a busy machine, and still detect a server that hangs."""
 FINDINGS = ("ERROR: AddressSanitizer", "ERROR: LeakSanitizer", "runtime error:", "s of work without a look")
-"""What sanitizers and builds with SUPPLE_CHECK_PACE write, of the server or of a helper process."""
+"""Texts in the log by which sanitizers and builds with SUPPLE_CHECK_PACE report faults of the server or of a helper process."""
 
 
 def _has_terminals() -> bool:
@@ -46,7 +46,7 @@ def _has_terminals() -> bool:
 
 
 needs_terminals = pytest.mark.skipif(not _has_terminals(), reason="this machine has no pseudo-terminals (/dev/pts)")
-"""For tests that show a program a terminal."""
+"""Marks tests in which a program has a terminal."""
 
 
 def free_port() -> int:
@@ -56,9 +56,9 @@ def free_port() -> int:
 
 
 def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 1) -> Path:
-    """Writes a model with random weights, and puts it there all at once. It has two parameters, those of IH21.
+    """Creates a model with random weights, whose file appears atomically. It has two parameters, those of IH21.
 
-    `gain` multiplies the last layer's weights: with 1e160 every energy but that of rest overflows.
+    `gain` multiplies the last layer's weights: with 1e160 every energy overflows except that at rest.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     subprocess.run([str(MODEL_MAKER), str(path), model_id, str(seed), repr(gain)], check=True, timeout=60)
@@ -66,7 +66,7 @@ def make_model(path: Path, model_id: str = "ih21", seed: int = 1, gain: float = 
 
 
 class ServerProcess:
-    """supple-server on a free port over a data folder that outlives it. `prefix` is a command that becomes the server."""
+    """A supple-server on a free port, with a data folder that remains when it ends. `prefix` is a command that runs the server by exec."""
 
     def __init__(self, data: Path, *arguments: str, prefix: "Sequence[str]" = ()) -> None:
         self.data = data
@@ -86,7 +86,7 @@ class ServerProcess:
         return self._process is not None and self._process.poll() is None
 
     def start(self, seconds: float = START_SECONDS) -> "ServerProcess":
-        """Returns once it is ready. Raises where that takes longer; the process may be running then."""
+        """Starts the server and returns once it is ready. Raises if that takes longer; the process may then still be running."""
         assert not self.running()
         host = [] if "--host" in self.arguments else ["--host", "127.0.0.1"]
         with self.log.open("ab") as log:
@@ -109,7 +109,7 @@ class ServerProcess:
         return self.log.read_text(errors="replace") if self.log.exists() else ""
 
     def terminate(self) -> int:
-        """SIGTERM; returns the exit status."""
+        """Terminates the server with SIGTERM and returns the exit status."""
         assert self._process is not None
         self._process.send_signal(signal.SIGTERM)
         status = self._process.wait(STOP_SECONDS)
@@ -117,19 +117,19 @@ class ServerProcess:
         return status
 
     def assert_no_findings(self) -> None:
-        """Fails where a sanitizer has found something since the log began."""
+        """Fails if the log has findings of a sanitizer."""
         log = self.log_text()
         found = min((log.find(text) for text in FINDINGS if text in log), default=-1)
         assert found < 0, log[max(0, found - 200):found + 6000]
 
     def kill(self) -> None:
-        """SIGKILL, as a power cut would."""
+        """Kills the server with SIGKILL, which ends it like a power failure."""
         assert self._process is not None
         self._process.kill()
         self._process.wait(STOP_SECONDS)
 
     def stop(self) -> None:
-        """Ends the process whatever its state, for the end of a test."""
+        """Ends the process in any state, for the end of a test."""
         if self.running():
             try:
                 self.terminate()
@@ -151,7 +151,7 @@ class ServerProcess:
 
 
 def spoil_database(data: Path, damage: str) -> None:
-    """Takes the database from a data folder whose server has ended ("lost"), or makes it something else ("overwritten")."""
+    """Removes ("lost") or overwrites ("overwritten") the database in a data folder whose server has ended."""
     database = data / "supple.sqlite"
     if damage == "lost":
         database.unlink()
@@ -160,7 +160,7 @@ def spoil_database(data: Path, damage: str) -> None:
 
 
 def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
-    """What a fixture yields to start servers of a test's own, which may be killed and restarted; ends them afterwards."""
+    """Yields, for a fixture, a function that starts servers for a single test, which may kill and restart them; ends them afterwards."""
     started: List[ServerProcess] = []
 
     def start(*arguments: str, data: str = "data", prefix: Sequence[str] = ()) -> ServerProcess:
@@ -174,14 +174,14 @@ def servers_of_a_test(folder: Path) -> "Iterator[Callable[..., ServerProcess]]":
 
 
 def keys_command(data: Path, *arguments: str) -> str:
-    """What `supple-server keys ...` prints for a data folder: for add and rotate the key."""
+    """The output of `supple-server keys ...` for a data folder; for add and rotate this is the key."""
     done = subprocess.run([str(SERVER), "--data", str(data), "keys", *arguments], capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return done.stdout.strip()
 
 
 class Api:
-    """Speaks to a server, with a key where one is given, and checks each request and each response against the contract."""
+    """A client of a server, with a key if one is given. It checks each request and each response against the contract."""
 
     def __init__(self, server: ServerProcess, contract: Contract, key: str = "") -> None:
         self.server = server
@@ -193,7 +193,7 @@ class Api:
     def call(self, method: str, path: str, *, document: Any = None, body: Optional[bytes] = None,
              headers: Optional[Dict[str, str]] = None, faulty: bool = False,
              timeout: float = PATIENCE_SECONDS) -> requests.Response:
-        """Sends a request. `faulty` says that it breaks the contract on purpose; the response never may."""
+        """Sends a request. `faulty` says that the request violates the contract on purpose; the response must never do so."""
         sent = dict(headers or {})
         if document is not None:
             body = json.dumps(document).encode()
@@ -221,8 +221,8 @@ class Api:
         return strict_json(response.content)
 
     def upload(self, vertices: Any, faces: Any) -> str:
-        """Uploads a mesh given by arrays and returns its id. Large ones go as OBJ: the contract's check of each number of
-        their JSON would take longer than the tests that need them."""
+        """Uploads a mesh given by arrays and returns its id. Large ones are sent as OBJ, since checking each number of their JSON
+        against the contract would take longer than the tests themselves."""
         if len(faces) > 10_000:
             response = self.call("POST", "/v1/meshes", body=obj_text((vertices, faces)).encode(), headers={"Content-Type": "model/obj"})
         else:
@@ -232,7 +232,7 @@ class Api:
         return str(response.json()["id"])
 
     def busy(self) -> bool:
-        """Whether anything is being computed or waits to be."""
+        """Whether a computation runs or waits."""
         ready = self.get("/readyz").json()
         return bool(ready["jobs_running"] or ready["jobs_waiting"]
                     or self.server.metrics()["supple_immediate_computations"])
@@ -261,5 +261,5 @@ def problem_code(response: requests.Response) -> str:
 
 
 def pointers(response: requests.Response) -> List[str]:
-    """The places that a problem points to."""
+    """The JSON pointers in a problem."""
     return [entry["pointer"] for entry in response.json().get("errors", [])]

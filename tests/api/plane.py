@@ -1,4 +1,4 @@
-"""Areas and surfaces of what the server draws, for the tests of structures."""
+"""Areas and surfaces in the server's drawings, for the tests of structures."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 
 def polygon_area(points: Any) -> float:
-    """Signed: positive where the corners run counterclockwise."""
+    """Signed area, positive if the corners are counterclockwise."""
     x, y = np.asarray(points, dtype=float).T
     return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
@@ -20,7 +20,7 @@ def perimeter(points: Any) -> float:
 
 
 def svg_polygons(path: str) -> List[np.ndarray]:
-    """The closed polygons of an SVG path made of M, L and Z with absolute coordinates."""
+    """The closed polygons of an SVG path that consists of M, L and Z with absolute coordinates."""
     polygons: List[np.ndarray] = []
     for part in path.replace("z", "Z").split("Z"):
         numbers = [float(word) for word in part.replace("M", " ").replace("L", " ").replace(",", " ").split()]
@@ -38,7 +38,7 @@ def dxf_pairs(text: str) -> Iterator[Tuple[int, str]]:
 
 
 def dxf_polylines(text: str) -> List[Dict[str, Any]]:
-    """The LWPOLYLINE entities: their points, their flag and the number of vertices that they announce."""
+    """The LWPOLYLINE entities: their points, their flag and the number of vertices that they declare."""
     found: List[Dict[str, Any]] = []
     entity = ""
     for code, value in dxf_pairs(text):

@@ -1,4 +1,4 @@
-"""Meshes with known answers, made on the spot."""
+"""Generated meshes for which answers are known."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def flat_grid(cells: int, size: float = 1.0) -> Mesh:
 
 
 def sphere(subdivisions: int) -> Mesh:
-    """An icosahedron whose edges are halved `subdivisions` times, on the unit sphere: 20 * 4^n faces."""
+    """An icosahedron that is subdivided n = `subdivisions` times, with its vertices on the unit sphere: 20 * 4^n faces."""
     g = (1 + 5**0.5) / 2
     vertices = [(-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0), (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
                 (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1)]
@@ -30,7 +30,7 @@ def sphere(subdivisions: int) -> Mesh:
                       (7, 1, 8), (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10),
                       (8, 6, 7), (9, 8, 1)])
     for _ in range(subdivisions):
-        # The middles of the edges become vertices, numbered in the order in which the faces meet them.
+        # The midpoints of edges become vertices, numbered in the order of their first occurrence in the faces.
         edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
         _, first, which = np.unique(edges[:, 0] * len(points) + edges[:, 1], return_index=True, return_inverse=True)
         number = np.empty(len(first), dtype=int)
@@ -53,7 +53,7 @@ def torus(around: int, across: int) -> Mesh:
 
 
 def bumpy_sphere(subdivisions: int, seed: int = 1) -> Mesh:
-    """A sphere with waves: many saddles, so that exact geodesics have something to do."""
+    """A sphere with waves, whose many saddle vertices make exact geodesics expensive."""
     vertices, faces = sphere(subdivisions)
     phase = np.random.default_rng(seed).uniform(0, 6.28, 3)
     waves = np.sin(9 * vertices[:, 0] + phase[0]) + np.sin(11 * vertices[:, 1] + phase[1]) + np.sin(8 * vertices[:, 2] + phase[2])
@@ -72,7 +72,7 @@ def obj_text(mesh: Mesh) -> str:
     return "\n".join(lines + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in faces.tolist()]) + "\n"
 
 def exported_ring() -> Mesh:
-    """A ring of 8 x 4 trapezoids in coordinates of four decimals, as CAD programs export them: vertex 4 i + j lies at angle i round it."""
+    """A ring of 8 x 4 trapezoids with coordinates of four decimals, as CAD programs export them. Vertex 4 i + j is at angle i of the ring."""
     i, j = (axis.ravel() for axis in np.meshgrid(np.arange(8), np.arange(4), indexing="ij"))
     radius = 2 + 0.4 * np.cos(np.pi * j / 2)
     angle = np.pi * i / 4

@@ -1,4 +1,4 @@
-"""Keys: who is answered, what a key may do, whose the meshes and jobs are, sessions of browsers, and what the log says."""
+"""Keys: authentication, permissions of keys, owners of meshes and jobs, sessions of browsers, and the log."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def secret_of(key: str) -> str:
 
 
 def looks_at_keys(server: ServerProcess) -> int:
-    """How often the server has found other keys in its file."""
+    """How often the server has read a changed file of keys."""
     return len(re.findall(r"keys: \d+ are in ", server.log_text()))
 
 
 @contextmanager
 def seen_by(server: ServerProcess) -> Iterator[None]:
-    """One change of the key file, which the server has seen at the end: at a request, up to a second later."""
+    """A context for one change of the key file. At its end the server has read the file, which it does at a request, up to a second later."""
     before, end = looks_at_keys(server), time.monotonic() + 60
     yield
     while looks_at_keys(server) == before:
@@ -58,7 +58,7 @@ def seen_by(server: ServerProcess) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """A server with keys: (process, keys by their names)."""
+    """(process, keys by their names) of a server with keys."""
     data = tmp_path_factory.mktemp("keyed") / "data"
     keys = {
         "reader": add_key(data, "reader", "read"),
@@ -102,7 +102,7 @@ def nobody(server: ServerProcess, contract: Contract) -> Api:
     return Api(server, contract)
 
 
-# --- who is answered -------------------------------------------------------------------------------------------------
+# --- authentication --------------------------------------------------------------------------------------------------
 
 
 def test_without_a_key_nothing_of_v1_is_answered_and_the_answer_says_what_to_send(nobody: Api) -> None:
@@ -170,7 +170,7 @@ def test_a_key_that_sends_too_much_waits_as_long_as_it_is_told(new_server: NewSe
     quick = add_key(data, "quick", "read")
     server = new_server()
     api = Api(server, contract, slow)
-    # Every two seconds it may send one more, so that it may be refused later where the machine is slow.
+    # One more request is permitted every two seconds, so that the refusal may come later on a slow machine.
     statuses = []
     while not statuses or statuses[-1] == 200:
         refused = api.get("/v1/meshes")
@@ -185,7 +185,7 @@ def test_a_key_that_sends_too_much_waits_as_long_as_it_is_told(new_server: NewSe
 
 
 def long_request(mesh: str) -> Any:
-    """What takes many seconds on a bumpy sphere."""
+    """A request that takes many seconds on a bumpy sphere."""
     return {"mesh": mesh, "sites": {"count": 300}, "objectives": {"edge_length": 1}, "accuracy": {"tolerance": 1e-12},
             "max_iterations": 1000}
 
@@ -254,7 +254,7 @@ def test_the_bytes_that_a_key_stores_are_bounded(new_server: NewServer, tmp_path
     assert (failed["state"], failed["error"]["code"]) == ("failed", "store.key_quota")
 
 
-# --- whose things they are -------------------------------------------------------------------------------------------
+# --- owners ----------------------------------------------------------------------------------------------------------
 
 
 def meshes_of(api: Api) -> "set[str]":
@@ -266,7 +266,7 @@ def jobs_of(api: Api) -> "set[str]":
 
 
 def same_answer(mine: requests.Response, unknown: requests.Response, id_: str, unknown_id: str) -> None:
-    """Another's thing is answered as one that does not exist, down to the words."""
+    """Checks that the answer for an object of another owner is, word by word, that for one that does not exist."""
     assert mine.status_code == unknown.status_code == 404
     assert mine.text.replace(id_, "ID") == unknown.text.replace(unknown_id, "ID")
 
@@ -360,7 +360,7 @@ def test_one_keys_session_of_designs_replaces_nothing_of_anothers(new_server: Ne
     job = start_named_job(first, "/v1/designs", long_design(session="drag"))
     first.wait_for_job(job, states=("running",))
     second.ok("/v1/designs", quick_design(session="drag"))
-    # Where it tells how far it is, it would hear of a stop.
+    # When a job reports progress, it also checks for stop requests.
     progress, end = first.get(f"/v1/jobs/{job}").json()["progress"], time.monotonic() + 60
     while (document := first.get(f"/v1/jobs/{job}").json())["progress"] == progress:
         assert document["state"] == "running" and time.monotonic() < end
@@ -395,7 +395,7 @@ def test_owners_outlive_a_restart(new_server: NewServer, tmp_path: Path, contrac
     assert Api(server, contract, bobs).get(f"/v1/meshes/{mesh}").status_code == 404
 
 
-# --- keys come and go ------------------------------------------------------------------------------------------------
+# --- changes of keys -------------------------------------------------------------------------------------------------
 
 
 def test_keys_are_added_rotated_and_revoked_without_a_restart(new_server: NewServer, tmp_path: Path,
@@ -434,7 +434,7 @@ def test_a_key_expires(new_server: NewServer, tmp_path: Path, contract: Contract
     while (response := api.get("/v1/meshes")).status_code == 200:
         assert time.time() < begin + 60
         time.sleep(0.1)
-    assert time.time() >= begin + 5  # it counts whole seconds
+    assert time.time() >= begin + 5  # expiry has a resolution of a second
     assert problem_code(response) == "access.key_invalid" and "has expired on" in response.json()["detail"]
 
 
@@ -462,7 +462,7 @@ def test_a_mistake_in_a_command_is_told(tmp_path: Path, arguments: "list[str]", 
     assert not (tmp_path / "keys").exists()
 
 
-# --- where keys are needed -------------------------------------------------------------------------------------------
+# --- servers that require keys ---------------------------------------------------------------------------------------
 
 
 def start_and_see(*arguments: str) -> "subprocess.CompletedProcess[str]":
@@ -512,7 +512,7 @@ def test_an_open_server_takes_a_key_along_without_a_word(new_server: NewServer, 
 
 
 def sign_in(server: ServerProcess, contract: Contract, key: str) -> Tuple[Api, str]:
-    """An Api that has the cookie, and the cookie's header."""
+    """An Api with the cookie of a session, and the header of the cookie."""
     api = Api(server, contract)
     response = api.post("/v1/session", {"key": key})
     assert response.status_code == 200, response.text

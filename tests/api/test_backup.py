@@ -1,4 +1,4 @@
-"""The commands of the server's program that look after a data folder: check, backup and restore."""
+"""The commands of the server's program for data folders: check, backup and restore."""
 
 from __future__ import annotations
 
@@ -42,12 +42,12 @@ def submit(api: Api, mesh: str, vertex: int) -> str:
 
 
 def answer(api: Api, job: str) -> Any:
-    """The result of a job without what it has cost."""
+    """The result of a job without its cost."""
     return {name: value for name, value in api.get(f"/v1/jobs/{job}/result").json().items() if name not in ("cost", "effects")}
 
 
 def snapshot(api: Api) -> Dict[str, Any]:
-    """What a client sees of meshes, and of jobs that have ended, with the bytes of meshes and results."""
+    """Descriptions of meshes and finished jobs, with the bytes of meshes and results."""
     meshes = api.get("/v1/meshes?limit=1000").json()["meshes"]
     jobs = api.get("/v1/jobs?state=successful&limit=1000").json()["jobs"]
     return {"meshes": meshes, "jobs": jobs,

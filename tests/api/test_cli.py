@@ -20,7 +20,7 @@ from working_time import PATIENCE_SECONDS
 
 
 class Program:
-    """Runs `supple` with a server and a folder of its own."""
+    """Runs `supple` with a server and a separate folder."""
 
     def __init__(self, url: str, folder: Path) -> None:
         self.url = url
@@ -211,7 +211,7 @@ def test_a_solid_sags_and_a_file_may_say_the_host(supple: Program) -> None:
     (supple.folder / "network.json").write_text(json.dumps(network))
     read = ("--json", "relax", "sphere.obj", "--network", "network.json")
     assert json.loads(supple.ok(*read))["energy"] == answer["energy"]
-    # Options count before the file's host, and another kind replaces it.
+    # Options take precedence over the host in the file, and another kind replaces that host.
     assert json.loads(supple.ok(*read, "--host-youngs-modulus", "200"))["energy"] != answer["energy"]
     assert "host" not in json.loads(supple.ok(*read, "--host-kind", "rigid"))
 
@@ -386,7 +386,7 @@ def test_a_relaxation_that_takes_longer_than_a_second_is_followed_to_its_limit(s
 
 @pytest.fixture
 def queue_of_jobs(api: Api) -> Iterator[List[str]]:
-    """Long jobs that keep every worker busy for some seconds, so that what comes after them waits."""
+    """Long jobs that occupy every worker for some seconds, so that later jobs wait."""
     mesh = api.upload(*bumpy_sphere(7))
     jobs = [api.post("/v1/geodesic-fields", {"mesh": mesh, "sources": [{"vertex": v}]},
                      headers={"Prefer": "respond-async"}).json()["id"] for v in range(12)]

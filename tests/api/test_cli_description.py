@@ -1,4 +1,4 @@
-"""What the command line client says of itself: manual page, completion of command lines, version."""
+"""Descriptions of the command line client: manual page, completion scripts, version."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def supple(*arguments: str) -> str:
 
 
 def subcommands(*command: str) -> List[str]:
-    """The commands that the help of a command lists."""
+    """The subcommands in the help of a command."""
     _, _, listed = supple(*command, "--help").partition("\nSubcommands:\n")
     return re.findall(r"^  ([a-z][a-z-]*)", listed.partition("\n\n")[0], re.MULTILINE)
 
@@ -31,7 +31,7 @@ def commands(*above: str) -> Iterator[Tuple[str, ...]]:
 
 
 def bash_completions(*words: str) -> List[str]:
-    """What bash offers for the last word, by the script that the program prints."""
+    """The completions of the last word in bash, with the script that the program prints."""
     quoted = " ".join(f"'{word}'" for word in words)
     program = f"COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _supple; printf '%s\\n' \"${{COMPREPLY[@]}}\""
     done = subprocess.run(["bash", "-uc", supple("completion", "bash") + program], capture_output=True, text=True, timeout=60,
@@ -49,7 +49,7 @@ def fish_completions(tmp_path: Path, line: str) -> List[str]:
 
 
 def zsh_completions(tmp_path: Path, *words: str) -> List[str]:
-    """The same of zsh, whose own functions for what is offered are replaced by some that print it."""
+    """The completions of the last word in zsh, whose functions for completions are replaced by functions that print them."""
     (tmp_path / "_supple").write_text(supple("completion", "zsh"))
     program = f"""
         compdef() {{ }}
@@ -92,7 +92,7 @@ def test_bash_offers_commands_options_and_values() -> None:
     assert set(bash_completions("supple", "design", "--task", "st")) == {"stress_strain", "stiffness"}
     assert bash_completions("supple", "weave", "layout", "--ser") == ["--server"]
     assert bash_completions("supple", "--server", "x", "mesh", "sh") == ["show"]
-    # Where a file is meant, bash's own completion of files follows.
+    # For files, bash's own completion follows.
     assert bash_completions("supple", "design", "--csv", "") == [] == bash_completions("supple", "geodesic", "")
     assert "-o default" in supple("completion", "bash")
 

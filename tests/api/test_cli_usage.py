@@ -1,4 +1,4 @@
-"""What the command line client says about command lines, without any server: slips, missing files, colours."""
+"""Messages of the command line client about command lines, without a server: misspellings, missing files, colours."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from harness import CLI, needs_terminals
 
 
 def run(*arguments: str, folder: "Path | None" = None, **environment: str) -> "subprocess.CompletedProcess[str]":
-    """Runs `supple` where no server is reached."""
+    """Runs `supple` with an address at which there is no server."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("SUPPLE_")}
     return subprocess.run([str(CLI), *arguments], cwd=folder, capture_output=True, text=True, timeout=60, check=False,
                           env={**kept, "SUPPLE_SERVER": "http://127.0.0.1:1", **environment})
 
 
 def on_a_terminal(arguments: List[str], environment: Dict[str, str]) -> Tuple[int, str]:
-    """The exit status and everything that is shown where standard output and error are a terminal."""
+    """The exit status and all output of a run whose standard output and error are a terminal."""
     leader, follower = pty.openpty()
     kept = {name: value for name, value in os.environ.items() if name != "NO_COLOR"}
     process = subprocess.Popen([str(CLI), *arguments], stdout=follower, stderr=follower, stdin=follower,
@@ -47,7 +47,7 @@ def on_a_terminal(arguments: List[str], environment: Dict[str, str]) -> Tuple[in
     (["design", "--polich", "off"], "'supple design' has no option --polich; did you mean --polish?"),
     (["design", "--polich=off"], "did you mean --polish?"),
     (["design", "--sever", "x"], "did you mean --server?"),
-    # The option that seems to be missing is the one that is misspelt.
+    # The required option that seems to be missing is the misspelt one.
     (["profile", "--tasks", "poisson", "--parameters", "1"], "did you mean --task?"),
     (["profile", "--task", "stiffnes", "--parameters", "1"], "did you mean stiffness?"),
     (["relax", "x.obj", "--starts", "3"], "'supple relax' has no option --starts; 'supple karcher' has"),
@@ -100,5 +100,5 @@ def test_colours_are_for_terminals_that_want_them() -> None:
         status, shown = on_a_terminal(["desing"], environment)
         assert status == 1 and "supple: 'supple' has no command" in shown and "\033" not in shown
     assert "\033" not in run("desing").stderr
-    # An empty NO_COLOR is none, as https://no-color.org has it.
+    # An empty NO_COLOR has no effect, according to https://no-color.org.
     assert "\033[" in on_a_terminal(["desing"], {"NO_COLOR": ""})[1]

@@ -1,4 +1,4 @@
-"""Values on the command line: angles with units, plots by the endings of files, and refusals that name options."""
+"""Values on the command line: angles with units, formats of plots by file name, and refusals that name options."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ POISSON = ("profile", "--task", "poisson", "--family", "IH67", "--parameters", "
 
 
 class Program:
-    """Runs `supple` with a server and a folder of its own."""
+    """Runs `supple` with a server and a separate folder."""
 
     def __init__(self, url: str, folder: Path) -> None:
         self.url = url
@@ -65,11 +65,11 @@ def test_control_points_over_directions_may_be_in_degrees(supple: Program) -> No
     (supple.folder / "target.csv").write_text("direction,ratio\n0deg,0.1\n90deg,0.1\n")
     read = supple.json(*wanted, "--target-points", "target.csv")
     assert read["profile"]["target"] == supple.json(*wanted, "--target", f"0,0.1;{math.pi / 2!r},0.1")["profile"]["target"]
-    # A heading begins with a word: a first row with a cell too many is no heading, and is not left out.
+    # A heading begins with a word. A first row of numbers with too many cells is no heading, and is not skipped.
     (supple.folder / "long.csv").write_text("0deg,0.1,1,0.1,7\n0deg,0.1\n90deg,0.1\n")
     refused = supple.run(*wanted, "--target-points", "long.csv")
     assert refused.returncode == 5 and "'0deg,0.1,1,0.1,7' is no control point" in refused.stderr
-    # Strains have no unit.
+    # A strain with a unit is refused.
     refused = supple.run("design", "--task", "stress_strain", "--family", "IH67", "--target", "0deg,0;1deg,1")
     assert refused.returncode == 1 and "is no control point" in refused.stderr
 
@@ -101,7 +101,7 @@ def test_a_plot_is_what_the_ending_of_its_file_says(supple: Program, arguments: 
     svg = (supple.folder / "plot.svg").read_text()
     width, height = png_size(supple.folder / "plot.PNG")
     assert svg.startswith("<svg") or svg.startswith("<?xml")
-    assert f'width="{width // 2}"' in svg and f'height="{height // 2}"' in svg  # two pixels for each
+    assert f'width="{width // 2}"' in svg and f'height="{height // 2}"' in svg  # the PNG has two pixels for each pixel of the SVG
 
 
 def test_plots_of_other_kinds_are_refused_before_anything_is_computed(supple: Program) -> None:
@@ -112,7 +112,7 @@ def test_plots_of_other_kinds_are_refused_before_anything_is_computed(supple: Pr
 
 def test_where_nothing_makes_png_files_they_are_refused_with_the_reason(supple: Program, tmp_path: Path) -> None:
     (tmp_path / "libraries").mkdir()
-    (tmp_path / "libraries" / "librsvg-2.so.2").write_bytes(b"")  # found first, and no library
+    (tmp_path / "libraries" / "librsvg-2.so.2").write_bytes(b"")  # this file is found first, but is no library
     hidden = {"LD_LIBRARY_PATH": str(tmp_path / "libraries")}
     refused = supple.run("--server", "http://127.0.0.1:1", *CURVE, "--plot", "plot.png", **hidden)
     assert refused.returncode == 5 and "librsvg" in refused.stderr and "write the plot as .svg" in refused.stderr
@@ -152,7 +152,7 @@ def test_what_is_refused_in_a_file_is_named_as_its_field(supple: Program) -> Non
     request = {"task": "poisson", "target": {"control_points": [[0, 0.1], [1, 0.2]]}, "accuracy": {"tolerance": -1}}
     (supple.folder / "request.json").write_text(json.dumps(request))
     assert "the field accuracy.tolerance: must be" in supple.run("design", "--request", "request.json").stderr
-    # What is given besides takes the field's place, and the option is to blame.
+    # An option replaces the field of the file, and the refusal names the option.
     assert "--tolerance: must be" in supple.run("design", "--request", "request.json", "--tolerance", "5").stderr
 
 

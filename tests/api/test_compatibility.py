@@ -1,7 +1,7 @@
-"""Programs that were written for the last release go on working: its contract is kept, and its examples run.
+"""Programs that were written for the last release still work: its contract is satisfied, and its examples run.
 
-The last release is the last tag vMAJOR.MINOR.PATCH that leads to this commit, or what the variable SUPPLE_COMPATIBLE_WITH
-names. A release whose first number is greater than that one's may break with it, and so may one of version 0 whose second is.
+The last release is the latest tag vMAJOR.MINOR.PATCH in the history of this commit, or the commit in the variable
+SUPPLE_COMPATIBLE_WITH. A release with a greater MAJOR may be incompatible with it, and so may one of version 0 with a greater MINOR.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def git(*arguments: str) -> Optional[bytes]:
 def last_release() -> Optional[str]:
     if named := os.environ.get("SUPPLE_COMPATIBLE_WITH"):
         return named
-    # Git refuses the checkout of another user, which is not the same as a history without releases.
+    # Git refuses a checkout of another user, which must not be mistaken for a history without releases.
     assert not (ROOT / ".git").exists() or git("rev-parse", "HEAD") is not None, "git does not show the history of this checkout"
     tag = git("describe", "--tags", "--abbrev=0", "--match", "v[0-9]*.[0-9]*.[0-9]*")
     return tag.decode().strip() if tag else None
@@ -42,7 +42,7 @@ def last_release() -> Optional[str]:
 
 @pytest.fixture(scope="module")
 def release(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder api of the last release."""
+    """The folder `api` of the last release."""
     name = last_release()
     if name is None:
         pytest.skip("no release leads to this commit (git has no tag v*)")

@@ -1,6 +1,6 @@
-"""Options from the command line, the environment and a file; what is refused of them; the page that lists them.
+"""Options from the command line, the environment and a file; their refusals; the page that lists them.
 
-`tests/api/test_configuration.py --write` writes the table of the page anew.
+`tests/api/test_configuration.py --write` updates the table on the page.
 """
 
 from __future__ import annotations
@@ -25,19 +25,19 @@ TABLE = re.compile(r"(<!-- options -->\n).*?(<!-- /options -->)", flags=re.S)
 
 
 def run(*arguments: str, folder: "Path | None" = None, **environment: str) -> "subprocess.CompletedProcess[str]":
-    """Runs the server's program with no other variables of Supple than these."""
+    """Runs the server's program with only these variables SUPPLE_..."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("SUPPLE_")}
     return subprocess.run([str(SERVER), *arguments], cwd=folder, env={**kept, **environment}, capture_output=True, text=True,
                           timeout=60, check=False)
 
 
 def check(folder: Path, *arguments: str, **environment: str) -> "subprocess.CompletedProcess[str]":
-    """--check-config over a data folder of the test."""
+    """Runs --check-config with a data folder of the test."""
     return run("--check-config", "--data", str(folder / "data"), *arguments, **environment)
 
 
 def settings(done: "subprocess.CompletedProcess[str]") -> Dict[str, List[str]]:
-    """Key -> value and origin of what --check-config prints."""
+    """The output of --check-config as key -> [value, origin]."""
     assert done.returncode == 0, done.stderr
     return {line.split(" = ")[0]: line.split(" = ")[1].split("  # ") for line in done.stdout.splitlines() if " = " in line}
 
@@ -77,7 +77,7 @@ def test_a_server_runs_by_the_file_and_the_environment(new_server: Callable[...,
 
 
 def test_what_is_shown_is_a_configuration_file(tmp_path: Path, configuration: Callable[[str], Path]) -> None:
-    # pytest's folders have no quotes and backslashes; names of keys files may.
+    # Unlike the folders of pytest, the name of a keys file may contain quotes and backslashes.
     first = check(tmp_path, "--allowed-host", "a.example", "--keys", 'a "b" \\ c', "--max-store", "20GB", "--helper", "")
     again = settings(run("--check-config", "--config", str(configuration(first.stdout))))
     shown = settings(first)

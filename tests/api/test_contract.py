@@ -1,4 +1,4 @@
-"""The contract itself: sound, complete, and served as it is in the repository."""
+"""The contract is valid and complete, and the server serves it as it is in the repository."""
 
 from __future__ import annotations
 

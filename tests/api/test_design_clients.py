@@ -1,4 +1,4 @@
-"""Designs and profiles by the command line client and by the Python package."""
+"""Designs and profiles with the command line client and with the Python package."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Inverse design over the wire: known designs are found again, targets out of reach, regions, sessions, what is refused."""
+"""Inverse design over HTTP: known designs are found again, targets out of reach, regions, sessions, refusals."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ DESIGNS = "/v1/designs"
 PROFILES = "/v1/profiles"
 KNOWN = {"IH67": [0.22, 0.85], "IH29": [0.15]}
 FEW = {"candidates": 24, "starts": 3}
-"""Enough for one or two parameters, and quick."""
+"""Options of a quick search that suffices for one or two parameters."""
 
 
 def profile(api: Api, task: str, x: List[float], family: str = "IH67", parameters: Any = None, **more: Any) -> Any:
@@ -34,7 +34,7 @@ def spline(x: Any, y: Any, **more: Any) -> Dict[str, Any]:
 
 
 def known_problem(api: Api, task: str = "stress_strain", family: str = "IH67", **more: Any) -> Dict[str, Any]:
-    """A target that the known design of the family meets at every sample."""
+    """A target that the known design of the family reaches at every sample."""
     x = np.linspace(-0.08, 0.12, 9) if task == "stress_strain" else np.pi * np.arange(12) / 12
     where = {"direction": more.pop("direction", 0.3)} if task == "stress_strain" else {"strain": more.pop("strain", 0.04)}
     y = profile(api, task, x.tolist(), family, **where)["y"]
@@ -42,7 +42,7 @@ def known_problem(api: Api, task: str = "stress_strain", family: str = "IH67", *
 
 
 def answers(document: Dict[str, Any]) -> Dict[str, Any]:
-    """What two equal computations have in common."""
+    """The parts of an answer that are equal for equal computations."""
     return {name: value for name, value in document.items() if name not in ("cost", "effects")}
 
 
@@ -52,13 +52,13 @@ def effect(answer: Dict[str, Any], name: str) -> Dict[str, Any]:
 
 
 def long_request(**more: Any) -> Dict[str, Any]:
-    """A search that takes far longer than any test waits."""
+    """A search that takes far longer than any test waits for it."""
     return {"task": "stiffness", "family": "IH67", "target": spline([0, 1, 2], [0.1, 0.4, 0.2]), "samples": 500,
             "accuracy": {"starts": 64, "max_iterations": 1000, "tolerance": 1e-12, "candidates": 4096},
             "effects": {"multi_start": "on"}, **more}
 
 
-# --- what is found -----------------------------------------------------------------------------------------------------
+# --- results -----------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("task, family", [
@@ -116,7 +116,7 @@ def test_the_relative_deviation_is_the_weighted_root_mean_square(designs: Api) -
                "samples": 3}
     answer = designs.ok(DESIGNS, request)
     main = answer["profile"]
-    # Samples are evenly spaced: the second lies between the first two control points, 0.75 of the way.
+    # Samples are evenly spaced: the second one is between the first two control points, at 0.75 of their distance.
     share = np.array([1, 1 + 0.75 * 2, 2])
     deviation = np.subtract(main["achieved"], main["target"])
     expected = np.sqrt((share * deviation**2).sum() / (share * np.square(main["target"])).sum())
@@ -285,7 +285,7 @@ def test_the_design_found_is_verified_by_simulation(designs: Api) -> None:
 
 def test_parameters_without_a_structure_are_found_but_said(
         new_server: Callable[..., ServerProcess], contract: Contract, tmp_path: Path) -> None:
-    """The bounds are a box; in this corner of it a tile is little more than its beams."""
+    """The bounds are a box, in this corner of which a tile consists almost only of beams."""
     (tmp_path / "models").mkdir()
     shutil.copy(ROOT / "models" / "ih28.h5", tmp_path / "models")
     designs = Api(new_server("--models", str(tmp_path / "models")), contract)
@@ -302,7 +302,7 @@ def test_parameters_without_a_structure_are_found_but_said(
 
 
 def in_background(api: Api, document: Dict[str, Any]) -> "tuple[threading.Thread, List[requests.Response]]":
-    """Sends a request that is answered at once, by a thread."""
+    """Sends a request for an immediate answer in another thread."""
     received: List[requests.Response] = []
     thread = threading.Thread(target=lambda: received.append(
         requests.post(api.server.url + DESIGNS, json=document, timeout=PATIENCE_SECONDS)))
@@ -476,7 +476,7 @@ def test_each_value_has_an_error_bar_and_long_ones_are_not_in_range(designs: Api
 
 @pytest.mark.parametrize("family", list(KNOWN))
 def test_a_design_has_the_error_bars_of_designs_that_searches_find(designs: Api, family: str) -> None:
-    """They were made from other simulations than those of a profile, which is that of any design."""
+    """Searched designs have other error bars than given ones, as a profile has, since these come from other simulations."""
     assert "searched" in designs.get(f"/v1/models/{family.lower()}").json()["error_bars"]["stress_at_strain"]
     answer = designs.ok(DESIGNS, known_problem(designs, family=family))
     again = profile(designs, "stress_strain", answer["profile"]["x"], family=family, parameters=answer["parameters"],
@@ -519,7 +519,7 @@ def test_the_contract_names_the_defaults_that_the_server_has(designs: Api) -> No
     assert plain["accuracy"]["residual"] <= accuracy["equilibrium_tolerance"]
 
 
-# --- what is refused -------------------------------------------------------------------------------------------------------
+# --- refusals ----------------------------------------------------------------------------------------------------------
 
 GOOD = {"task": "stress_strain", "family": "IH67", "target": {"control_points": [[0, 0], [0.1, 1]]}}
 TARGET = GOOD["target"]

@@ -1,4 +1,4 @@
-"""Drawings against what other programs make of them: random SVG files against librsvg's picture, random DXF files of ezdxf."""
+"""Drawings compared with other programs: random SVG files with the picture of librsvg, and random DXF files written by ezdxf."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ import pytest
 from harness import Api, problem_code
 
 OUTLINES = "/v1/outlines"
-SIDE = 60  # mm, of the page
-PIXELS = 600  # of its picture
+SIDE = 60  # side of the page, mm
+PIXELS = 600  # side of its picture
 RSVG = shutil.which("rsvg-convert")
 
 
 def grey_of_png(png: bytes) -> Any:
-    """The alpha of an RGBA picture of 8 bits, shape (height, width), from 0 to 1."""
+    """The alpha channel of an RGBA picture with 8 bits, shape (height, width), from 0 to 1."""
     at, data, size = 8, b"", (0, 0)
     while at < len(png):
         length = int.from_bytes(png[at:at + 4], "big")
@@ -36,7 +36,7 @@ def grey_of_png(png: bytes) -> Any:
     width, height = size
     rows = np.frombuffer(zlib.decompress(data), dtype=np.uint8).reshape(height, 1 + 4 * width)
     picture = np.zeros((height + 1, 4 * width + 4), dtype=np.int64)
-    for y in range(height):  # the filters of PNG, from left to right
+    for y in range(height):  # undoes PNG's filters
         kind, raw = rows[y, 0], rows[y, 1:].astype(np.int64)
         above, line = picture[y], picture[y + 1]
         if kind == 0:
@@ -57,7 +57,7 @@ def drawn_by_librsvg(text: str) -> Any:
 
 
 def filled(polygons: List[Dict[str, Any]]) -> Any:
-    """Pixels whose middle lies within an odd number of the polygons, the first row at the top."""
+    """Pixels whose centre is within an odd number of the polygons, with the first row at the top."""
     inside = np.zeros((PIXELS, PIXELS), dtype=bool)
     middles = (np.arange(PIXELS) + 0.5) * SIDE / PIXELS
     for polygon in polygons:
@@ -71,7 +71,7 @@ def filled(polygons: List[Dict[str, Any]]) -> Any:
 
 
 def shape(dice: random.Random) -> str:
-    """A shape in a cell of 18 mm around the origin."""
+    """A random shape in a cell of 18 mm around the origin."""
     radius = lambda: round(dice.uniform(2, 8), 2)  # noqa: E731
     ring = [(radius() * math.cos(t), radius() * math.sin(t)) for t in np.arange(dice.randint(3, 9)) * 0.7]
     points = " ".join(f"{x:.3f},{y:.3f}" for x, y in ring)
@@ -99,7 +99,7 @@ def turned(dice: random.Random) -> str:
 
 
 def drawing_of(dice: random.Random) -> str:
-    """Nine cells, in each of which one shape or nothing is in sight, so that no two shapes meet."""
+    """A random drawing of nine cells, in each of which at most one shape is visible, so that no two shapes meet."""
     cells = []
     for k in range(9):
         x, y = 10 + 20 * (k % 3), 10 + 20 * (k // 3)
@@ -127,7 +127,7 @@ def test_random_drawings_fill_what_librsvg_fills(api: Api, seed: int) -> None:
         return
     assert response.status_code == 200, response.text
     ours = filled(response.json()["polygons"])
-    # A pixel counts where the picture is sure of it: opacities differ, and its edges are smooth.
+    # Only pixels that are clearly solid or empty are compared, since opacities differ and edges are antialiased.
     sure = np.zeros_like(ours)
     solid, empty = picture > 0.3, picture < 0.02
     for shift in ((0, 1), (1, 0), (0, -1), (-1, 0)):
@@ -135,9 +135,9 @@ def test_random_drawings_fill_what_librsvg_fills(api: Api, seed: int) -> None:
         empty &= np.roll(picture, shift, (0, 1)) < 0.02
     sure = solid | empty
     wrong = int((ours[sure] != solid[sure]).sum())
-    # A few pixels at thin tips are those of librsvg's rounding; the smallest shape has some hundreds.
+    # A few pixels at thin tips differ because of rounding in librsvg; the smallest shape has some hundreds.
     assert wrong <= 20, f"seed {seed}: {wrong} of {int(sure.sum())} pixels differ in\n{text}"
-    # Whatever is not in sight is told.
+    # The answer lists everything that is not visible.
     answer = response.json()
     assert answer["left_out_count"] == len(answer["left_out"]) and all(one["reason"] for one in answer["left_out"])
 
@@ -147,7 +147,7 @@ UNITS = {1: 25.4, 4: 1.0, 5: 10.0, 6: 1000.0}
 
 
 def dxf_of(dice: random.Random, version: str) -> Tuple[str, float, float]:
-    """A file of ezdxf, the area in mm^2 that its closed curves enclose, and how well that is known."""
+    """A random file by ezdxf, the area in mm^2 within its closed curves, and the tolerance of that area."""
     ezdxf = pytest.importorskip("ezdxf")
     document = ezdxf.new(version)
     unit = dice.choice(sorted(UNITS))
@@ -171,7 +171,7 @@ def dxf_of(dice: random.Random, version: str) -> Tuple[str, float, float]:
             count = 4 if kind == "lines" else dice.choice([60, 700])
             corners = [(x + a / 2 * math.cos(2 * math.pi * i / count), y + a / 2 * math.sin(2 * math.pi * i / count)) for i in range(count)]
             pieces = list(zip(corners, corners[1:] + corners[:1]))
-            pieces += dice.sample(pieces, dice.choice([0, 1, count]))  # doubled
+            pieces += dice.sample(pieces, dice.choice([0, 1, count]))  # duplicates of lines
             dice.shuffle(pieces)
             layers = dice.choice([["cut"], ["cut", "Außen"]]) if kind == "lines" else ["cut"]
             for p, q in pieces:

@@ -1,4 +1,4 @@
-"""Elastic networks on surfaces over the wire."""
+"""Elastic networks on surfaces over HTTP."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from test_jobs import events, start_job
 
 
 def two_free_points(mesh: str, **more: Any) -> Dict[str, Any]:
-    """The corners of a square, and two points that are tied to them and to each other."""
+    """The corners of a square, and two points with springs to them and to each other."""
     return {"mesh": mesh, "points": at_vertices(*CORNERS, 31, 50),
             "springs": [{"between": [0, 4], "weight": 2}, *springs((1, 4), (2, 5), (3, 5)),
                         {"between": [4, 5], "weight": 0.5}],
@@ -39,7 +39,7 @@ def test_a_membrane_whose_border_is_stretched_is_stretched_alike_inside(api: Api
                "membrane": {"youngs_modulus": 3, "poisson_ratio": 0.4, "thickness": 0.1, "rest_scale": 0.8}}
     answer = api.ok(NETWORKS, request)
     assert answer["stopped"] == "converged" and answer["triangles"] == request["triangles"]
-    # Stretched by 1 / 0.8 in both directions from the start, which is an equilibrium.
+    # The start is an equilibrium, stretched by 1 / 0.8 in both directions.
     np.testing.assert_allclose(answer["positions"][4], [0.5, 0.375, 0], atol=1e-7)
     assert [t["stretches"] for t in answer["membrane"]] == [pytest.approx([1.25, 1.25], rel=1e-6)] * 4
     mu, lame = 3 / 2.8, 3 * 0.4 / (1.4 * 0.2)
@@ -63,15 +63,15 @@ def test_a_membrane_from_voronoi_cells_relaxes_with_its_springs(api: Api, sphere
                for before, step in zip(answer["history"], answer["history"][1:]))
 
 
-# --- hosts that give way -------------------------------------------------------------------------------------------------
+# --- deformable hosts ----------------------------------------------------------------------------------------------------
 
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "api" / "examples"
 
 
 def test_reins_converge_on_meshes_that_differ_in_their_last_digits(api: Api) -> None:
-    # A point of the cords comes so near to a saddle vertex that only rounding keeps it from there. No direction of its paths
-    # is right beyond the vertex.
+    # A point comes so near to a saddle vertex that only rounding separates it from the vertex. The directions of its paths are
+    # not defined beyond the vertex.
     lines = [line.split() for line in (EXAMPLES / "meshes" / "rabbit.obj").read_text().splitlines()]
     vertices = np.array([[float(word) for word in line[1:4]] for line in lines if line[:1] == ["v"]])
     faces = [[int(word.split("/")[0]) - 1 for word in line[1:4]] for line in lines if line[:1] == ["f"]]
@@ -98,14 +98,14 @@ def test_a_network_dents_a_shell_that_keeps_its_volume(api: Api, sphere_mesh: st
     assert list(terms) == ["geodesic_springs", "shell_membrane", "shell_bending", "shell_volume"]
     assert sum(terms.values()) == pytest.approx(answer["energy"], rel=1e-9)
     assert terms["shell_volume"] == pytest.approx(100 / 2 * (ratio - 1) ** 2 * volume(vertices, faces), rel=1e-6)
-    # Points are on the surface as it is now.
+    # The points are on the deformed surface.
     for point, position in zip(answer["points"], answer["positions"]):
         corners = np.asarray(moved)[faces[point["face"]]]
         np.testing.assert_allclose(np.asarray(point["barycentric"]) @ corners, position, atol=1e-12)
     assert effect(answer, "shell_bending")["ran"] and effect(answer, "shell_volume")["ran"]
     assert not effect(answer, "self_contact")["ran"]
     assert any("No fixed vertices" in warning for warning in answer["warnings"])
-    # A stiffer host gives way less, and a rigid one not at all.
+    # A stiffer host deforms less, and a rigid one not at all.
     stiff = api.ok(NETWORKS, net(sphere_mesh, host={**SHELL, "youngs_modulus": 1e6, "volume_weight": 1e5}))
     assert stiff["host"]["largest_displacement"] < 0.1 * displacement
     rigid = api.ok(NETWORKS, net(sphere_mesh))
@@ -130,7 +130,7 @@ def test_a_network_squeezes_a_solid_whose_fixed_vertices_stay(api: Api, sphere_m
     assert answer["host"]["tetrahedra"] > 100 and answer["host"]["nodes"] > len(vertices)
     assert answer["host"]["volume_ratio"] < 1
     assert [term["name"] for term in answer["terms"]] == ["geodesic_springs", "solid"]
-    # Under gravity it sinks, and a region of another stiffness changes the answer.
+    # Gravity lowers the solid, and a region of another stiffness changes the answer.
     heavy = api.ok(NETWORKS, net(sphere_mesh, host={**host, "gravity": [0, 0, -2]}))
     assert np.asarray(heavy["host"]["vertices"])[:, 2].mean() < moved[:, 2].mean()
     assert [term["name"] for term in heavy["terms"]] == ["geodesic_springs", "solid", "gravity"]
@@ -204,7 +204,7 @@ def test_faults_of_a_membrane_are_pointed_to(api: Api, grid_mesh: str) -> None:
     response = api.post(NETWORKS, {**request, "triangles": [[0, 4, 5], [0, 4, 4], [0, 1, 99]]}, faulty=True)
     assert (response.status_code, problem_code(response)) == (422, "network.triangle")
     assert "/triangles/2/2" in pointers(response)
-    # Three corners of the square's border, on one line.
+    # Three collinear points on the border of the square.
     response = api.post(NETWORKS, {**request, "points": at_vertices(0, 4, 8, 72, 31, 50), "triangles": [[0, 1, 2]]},
                         faulty=True)
     assert (response.status_code, problem_code(response)) == (422, "network.triangle")

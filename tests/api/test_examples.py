@@ -1,4 +1,4 @@
-"""The documented examples, run against a live server."""
+"""The documented examples, run with a real server."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ REPEAT_SECONDS = 120
 
 
 def filled(value: Any, saved: Dict[str, str]) -> Any:
-    """The value with every {{name}} replaced by what an earlier step saved."""
+    """The value with every {{name}} replaced by the value that an earlier step saved."""
     if isinstance(value, str):
         for name, replacement in saved.items():
             value = value.replace("{{" + name + "}}", replacement)
@@ -73,13 +73,13 @@ def send(api: Api, step: Dict[str, Any], saved: Dict[str, str], folder: Path) ->
     elif "body" in step:
         body = json.dumps(filled(step["body"], saved)).encode()
         headers.setdefault("Content-Type", "application/json")
-    # A step that shows how a mistake is answered makes the mistake.
+    # A step that shows the answer to a mistake must make it.
     mistake = all(status >= 400 for status in statuses)
     return api.call(step["method"], filled(step["path"], saved), body=body, headers=headers, faulty=mistake), statuses
 
 
 def run_example(api: Api, path: Path) -> None:
-    """Sends the steps of a file of examples and compares the answers with what it says. Files beside it may be sent, too."""
+    """Sends the requests in a file of examples and compares the answers. Requests may contain other files of its folder."""
     saved: Dict[str, str] = {}
     for step in json.loads(path.read_text(encoding="utf-8"))["steps"]:
         end = time.monotonic() + REPEAT_SECONDS

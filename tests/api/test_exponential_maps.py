@@ -1,4 +1,4 @@
-"""Straightest paths over the wire."""
+"""Straightest paths over HTTP."""
 
 from __future__ import annotations
 

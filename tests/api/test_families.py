@@ -1,4 +1,4 @@
-"""The families of tilings over the wire."""
+"""The families of tilings over HTTP."""
 
 from __future__ import annotations
 

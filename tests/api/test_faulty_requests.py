@@ -1,4 +1,4 @@
-"""Bodies that no client should send: each gets a 4xx problem that says what is wrong, and the server lives on."""
+"""Faulty bodies: each is answered with a 4xx problem that names the fault, and the server continues to work."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_a_field_of_the_wrong_type_is_pointed_to(api: Api, grid_mesh: str, path:
     document = minimal(path, grid_mesh)
     for name in document:
         if name in ("mesh", "family", "gcode") and isinstance(wrong, str):
-            continue  # a string is the right type; it names nothing, or is full of violations
+            continue  # a string has the right type, although it names no object or is no valid G-code
         broken = json.dumps({**document, name: wrong}).encode()
         response = api.post(path, body=broken, headers=JSON, faulty=True)
         assert (response.status_code, problem_code(response)) == (400, "request.invalid"), (name, response.text)
@@ -174,7 +174,7 @@ def test_a_compressed_body_is_refused_rather_than_unpacked(api: Api, grid_mesh: 
 
 
 def raw_exchange(api: Api, message: bytes, seconds: float = 60) -> bytes:
-    """Sends bytes as they are and returns what comes back until the server closes or falls silent."""
+    """Sends bytes unchanged and returns the answer until the server closes the connection or sends nothing more."""
     with socket.create_connection(("127.0.0.1", api.server.port), timeout=seconds) as connection:
         connection.sendall(message)
         connection.shutdown(socket.SHUT_WR)

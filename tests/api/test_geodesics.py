@@ -1,4 +1,4 @@
-"""Distances, derivatives and paths over the wire, where the right answer is known."""
+"""Distances, derivatives and paths over HTTP, for cases with known answers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jobs: accepted, followed, cancelled, cut off by deadlines and by clients that hang up."""
+"""Jobs: accepted, followed, cancelled, stopped by deadlines and by clients that disconnect."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ FIELDS = "/v1/geodesic-fields"
 
 @pytest.fixture(scope="session")
 def large_mesh(server: ServerProcess, contract: Any) -> str:
-    """A mesh of 327,680 faces with many saddles: its exact field takes seconds."""
+    """A mesh of 327,680 faces with many saddle vertices, whose exact field takes seconds."""
     return Api(server, contract).upload(*bumpy_sphere(7))
 
 
@@ -91,7 +91,7 @@ def test_an_unfinished_job_has_no_result_yet_and_says_when_to_ask_again(api: Api
 
 
 def test_events_show_rising_progress_and_end_with_the_finished_job(api: Api, sphere_mesh: str) -> None:
-    # Every answer of 642 searches with their paths and derivatives: progress is told ten times a second, and this takes longer.
+    # 642 searches with paths and derivatives take longer than the tenth of a second between two reports of progress.
     pairs = [{"from": {"vertex": start}, "to": {"vertex": (start + 16 * hop) % 642}}
              for start in range(642) for hop in range(1, 40)]
     job = start_job(api, "/v1/geodesics", {"mesh": sphere_mesh, "pairs": pairs, "derivatives": 2, "paths": True})

@@ -1,4 +1,4 @@
-"""Karcher means over the wire."""
+"""Karcher means over HTTP."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many connections at once; the long version is tests/bench/server_load.py."""
+"""Many simultaneous connections; tests/bench/server_load.py is the long version."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from server_load import Load, Workload, memory_at  # noqa: E402
 REQUESTS = 3000
 CONNECTIONS = 64
 ALLOWED_GROWTH = 32 * 1024 * 1024
-"""Bytes; after the first half every cache and thread is warm, so what still grows would grow for ever."""
+"""Bytes. In the second half all caches are filled and all threads exist, so that further growth would be a leak."""
 
 
 def test_64_connections_with_mixed_requests_see_no_error_and_memory_does_not_grow(new_server: Callable[..., ServerProcess]) -> None:

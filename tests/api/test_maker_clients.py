@@ -1,4 +1,4 @@
-"""Measured curves and parts by the command line client and the Python package, against a real server."""
+"""Measured curves and parts with the command line client and the Python package, and a real server."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def test_the_command_line_reduces_a_curve_and_designs_for_it(designs: Api, tmp_p
     assert few.returncode == 0 and "3 control points" in few.stdout
 
 
-# Five rows: as few as control points are, and yet measurements with units of their own.
+# Measurements with units, of as few rows as control points have.
 FEW = "Zeit [s];Dehnung [%];Spannung [kPa];Temp [°C]\n0;0;0;23\n1;5;21;23\n2;7,5;33;23\n3;10;50;23\n4;15;110;23\n"
 
 
@@ -67,7 +67,7 @@ def test_the_command_line_reads_every_encoding(designs: Api, tmp_path: Path) -> 
 
 def test_a_design_reads_a_file_as_the_curve_does(designs: Api, tmp_path: Path) -> None:
     file = tmp_path / "few.csv"
-    # Rows that could be control points are measurements all the same: without units they are refused.
+    # Rows that could be control points are read as measurements, which are refused without units.
     for text, more in ((FEW, []), ("0,0\n5,21\n10,50\n15,110\n", ["--units", "%,kPa"])):
         file.write_text(text)
         curve = json.loads(cli(designs, "--json", "curve", str(file), *more).stdout)
@@ -79,7 +79,7 @@ def test_a_design_reads_a_file_as_the_curve_does(designs: Api, tmp_path: Path) -
         assert profile["target"][-1] == pytest.approx(curve["target"]["control_points"][-1][1])
     refused = cli(designs, *design)
     assert refused.returncode == 2 and "--units" in refused.stderr
-    # Control points have a spelling of their own.
+    # Control points have an option of their own.
     points = tmp_path / "points.csv"
     points.write_text("0,0\n0.1,0.05\n0.15,0.11\n")
     found = cli(designs, "--json", "design", "--task", "stress_strain", "--family", "IH67", "--target-points", str(points), "--starts", "1")
@@ -99,11 +99,11 @@ def test_control_points_in_the_place_of_measurements_are_told_the_option_that_re
         assert refused.returncode == 2 and advice in refused.stderr, refused.stderr
         piped = cli(designs, "design", "--task", task, "--family", "IH67", "--target", "-", text=points)
         assert piped.returncode == 2 and "give --target-points FILE" in piped.stderr, piped.stderr
-    # What no control points can be is measurements alone.
+    # A file that cannot be control points can only be measurements.
     file.write_text("Time,Load,Extension,Strain,Stress\n0,0,0,0,0\n1,2,3,4,5\n")
     refused = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target", str(file))
     assert refused.returncode == 2 and "--target-points" not in refused.stderr, refused.stderr
-    # A fault of a control point names the option that it came by.
+    # The fault of a control point names the option of the file.
     file.write_text("0,0\n0.1,0.05\n0.05,0.11\n")
     refused = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target-points", str(file))
     assert refused.returncode == 2 and "--target-points" in refused.stderr, refused.stderr

@@ -1,4 +1,4 @@
-"""What a design is made of and how large it is, over the wire: moduli, materials to choose from, sizes and their limits."""
+"""Materials and sizes of designs over HTTP: moduli, choices of materials, sizes and their limits."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MODEL_MODULUS = 26.0
 
 
 def scaled(problem: Dict[str, Any], factor: float) -> Dict[str, Any]:
-    """The problem whose target is so many times as stiff."""
+    """The problem with the values of its target multiplied by `factor`."""
     points = [[x, factor * y] for x, y in problem["target"]["control_points"]]
     return {**problem, "target": {**problem["target"], "control_points": points}}
 
@@ -113,7 +113,7 @@ def test_a_structure_has_the_size_that_was_asked_for(designs: Api) -> None:
     assert cells["structure"]["cell_size"] == pytest.approx(10)
     width = cells["structure"]["beam_width"]
     assert width == pytest.approx(0.3 * 10 / plain["structure"]["cell_size"])
-    # The files of the answer have that size.
+    # The links to files in the answer have that size.
     link = cells["structure"]["svg"]
     assert float(parse_qs(urlsplit(link).query)["beam_width"][0]) == width
     posted = designs.post("/v1/structures", {"family": "IH67", "parameters": cells["parameters"], "beam_width": width},
@@ -138,7 +138,7 @@ def test_a_search_keeps_within_the_limits(designs: Api) -> None:
     assert finer["structure"]["cell_size"] <= 0.9 * cell
     strong = designs.ok(DESIGNS, {**problem, "cell_size": 5, "limits": {"beam_width": [5 * 0.3 / (0.9 * cell), 5]}})
     assert strong["structure"]["beam_width"] >= 5 * 0.3 / (0.9 * cell)
-    # What the limits do not exclude is found as without them.
+    # Limits that do not exclude the best design do not change it.
     wide = designs.ok(DESIGNS, {**problem, "limits": {"relative_density": [0.5 * density, 2 * density]}})
     np.testing.assert_allclose(wide["parameters"], free["parameters"], rtol=1e-5)
 
@@ -200,7 +200,7 @@ def test_a_turned_target_has_the_same_design_turned(designs: Api, tmp_path: Path
     again = profile(designs, "stiffness", directions, parameters=found["parameters"], strain=problem["strain"],
                     orientation=found["orientation"])
     np.testing.assert_allclose(again["y"], found["profile"]["achieved"], rtol=1e-6)
-    # A start with its orientation is followed alone.
+    # With an initial design and its orientation, no other starting point is used.
     start = {"initial": KNOWN["IH67"], "initial_orientation": angle + 0.02}
     followed = designs.ok(DESIGNS, {**asked, **start, "orientation": [0, np.pi]})
     assert followed["starts"] == 1 and followed["orientation"] == pytest.approx(angle, abs=1e-3)

@@ -1,4 +1,4 @@
-"""Measured curves over the wire: files as instruments write them become targets that a design takes as they are."""
+"""Measured curves over HTTP: files of instruments become targets that a design accepts unchanged."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def effect(answer: Dict[str, Any], name: str) -> Dict[str, Any]:
 
 
 def test_an_instruments_file_becomes_a_target_that_a_design_takes(designs: Api) -> None:
-    """500 rows with semicolons, decimal commas, percent and kPa: the way that a person's own data come."""
+    """500 rows with semicolons, decimal commas, percent and kPa, as in files of testing machines."""
     strain = np.linspace(0, 0.15, 500)
     rows = "\r\n".join(f"{100 * e:.4f};{t:.2f};{1000 * s:.5f}".replace(".", ",")
                        for e, t, s in zip(strain, np.arange(500), soft_then_stiff(strain)))
@@ -103,7 +103,7 @@ def test_directions_in_degrees_become_a_target_over_directions(designs: Api) -> 
                                "accuracy": {"candidates": 8, "starts": 1}})
 
 
-# Files as machines and spreadsheets write them: the last point, strain and MPa, and what else is said.
+# Files in the formats of machines and spreadsheets: text, further fields of the request, and the expected last point (strain, MPa).
 FILES: Dict[str, Any] = {
     "units in a row of their own": ('"Time","Force","Stroke"\n"sec","N","mm"\n0,0,0\n1,2,1\n2,5,2\n', {"specimen": {"gauge_length": 50, "area": 20}}, [0.04, 0.25]),
     "units without brackets": ("Strain %,Stress kPa\n0,0\n5,21\n10,50\n", {}, [0.1, 0.05]),

@@ -1,4 +1,4 @@
-"""Mesh files as people bring them: cracks, variants of the formats, and files that are refused with the reason."""
+"""Mesh files of users: cracks, variants of the formats, and files that are refused with a reason."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from harness import CLI, Api, pointers, problem_code
 from shapes import obj_text, sphere
 
 OCTETS = {"Content-Type": "application/octet-stream"}
-# A tube of three sides whose last column is the first one, computed again: cos(2 pi) and sin(2 pi).
+# A tube of three sides whose last column is the first one up to rounding, from cos(2 pi) and sin(2 pi).
 SEAM = """v 1 0 0
 v 1 0 1
 v -0.49999999999999978 0.86602540378443871 0
@@ -77,7 +77,7 @@ def test_one_corner_that_is_off_is_a_fault_that_names_weld_alone(api: Api) -> No
 
 @pytest.mark.parametrize("seed", range(3))
 def test_corners_that_are_off_in_many_places_are_counted_and_joined(api: Api, seed: int) -> None:
-    """Every triangle of a sphere with corners of its own, rounded to single precision after a little noise."""
+    """A sphere of separate triangles, with slight noise and rounded to single precision."""
     vertices, faces = sphere(2)
     random = np.random.default_rng(seed)
     apart = vertices[faces.ravel()].astype(np.float32)
@@ -162,7 +162,7 @@ def test_a_surface_that_crosses_itself_is_no_solid_and_the_place_is_named(api: A
     assert (refused.status_code, problem_code(refused)) == (422, "solid.self_crossing")
     first = refused.json()["errors"][0]
     assert first["pointer"].startswith("face ") and " at (" in first["detail"]
-    # For geodesics, and as a thin host, it stays what it is.
+    # Geodesics and shell hosts can still use the mesh.
     api.ok("/v1/geodesics", {"mesh": mesh, "pairs": [{"from": {"vertex": 3}, "to": {"vertex": 9}}]})
 
 

@@ -1,4 +1,4 @@
-"""Repairs that an upload asks for, and what their answers say."""
+"""Repairs of uploaded meshes, and their answers."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def single_triangles(mesh: Mesh) -> Mesh:
 
 
 def mapped(document: Dict[str, Any], faces: List[List[int]], of_mesh: List[List[int]]) -> bool:
-    """Whether the corners of each face that is left are among the places of the vertices it was uploaded with."""
+    """Whether the corners of each remaining face are images of the corners of its uploaded face."""
     repair = document["repair"]
     places = [[] if p is None else [p] if isinstance(p, int) else p for p in repair["vertices"]]
     return all(now is None or all(corner in places[v] for corner, v in zip(sorted_as(of_mesh[now], places, face), face))
@@ -32,7 +32,7 @@ def mapped(document: Dict[str, Any], faces: List[List[int]], of_mesh: List[List[
 
 
 def sorted_as(corners: List[int], places: List[List[int]], face: List[int]) -> List[int]:
-    """The corners in the order of the uploaded face's; faces may have been turned."""
+    """The corners in the order of those of the uploaded face, since a face may have another first corner."""
     return [next((c for c in corners if c in places[v]), -1) for v in face]
 
 
@@ -58,7 +58,7 @@ def test_a_fault_names_the_repair_and_the_repair_removes_the_fault(
     made = response.json()["repair"]
     assert made["made"] == [repair]
     assert {name: value for name, value in made.items() if isinstance(value, int) and value} == counts
-    # Besides one for each count: where vertices were split, that there are several in one place now.
+    # There is a warning for each count, and another one if split vertices are now at the same place.
     assert len(response.json()["warnings"]) == len(counts) + ("split_vertices" in counts)
     assert len(made["vertices"]) == len(vertices) and len(made["faces"]) == len(faces)
     ply = api.get(f"/v1/meshes/{response.json()['id']}/content").content

@@ -1,4 +1,4 @@
-"""Neural models by the command line client and by the Python package."""
+"""Neural models with the command line client and with the Python package."""
 
 from __future__ import annotations
 

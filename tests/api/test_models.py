@@ -1,4 +1,4 @@
-"""Neural models over the wire: descriptions, evaluations, uniaxial loads, files that come and go, and what is refused."""
+"""Neural models over HTTP: descriptions, evaluations, uniaxial loads, changes of files, and refusals."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ def evaluation(strains: List[List[float]], designs: Any = None, **more: Any) -> 
 
 
 def answers(document: Dict[str, Any]) -> Dict[str, Any]:
-    """What two equal computations have in common."""
+    """The parts of an answer that are equal for equal computations."""
     return {name: value for name, value in document.items() if name != "cost"}
 
 
 def soon(condition: Callable[[], bool], seconds: float = 300) -> bool:
-    """Waits for what the server's next look at its folder brings."""
+    """Waits until the server has read its folder again and the condition is true."""
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
@@ -102,7 +102,7 @@ def test_stresses_are_derivatives_of_the_energy_by_tensor_components(api: Api) -
     answer = api.ok(EVALUATIONS, evaluation([STRAIN, *moved]))
     energy = np.array(answer["energy_density"][1:]).reshape(3, 2)
     slope = (energy[:, 0] - energy[:, 1]) / (2 * step)
-    # A change of E_xy changes E_yx too: the energy's slope is twice the stress.
+    # A change of E_xy changes E_yx too, so that the derivative of the energy is twice the stress.
     np.testing.assert_allclose(answer["stress"][0], slope / [1, 1, 2], rtol=1e-7, atol=1e-9 * abs(slope).max())
 
 
@@ -183,7 +183,7 @@ def test_stresses_have_error_bars_within_the_training(api: Api) -> None:
 def test_the_most_strains_that_a_request_may_have_are_answered(api: Api) -> None:
     strains = np.random.default_rng(5).uniform(-0.05, 0.05, (100_000, 3)).round(6).tolist()
     body = json.dumps(evaluation(strains)).encode()
-    # Too large for the schema's validator to be quick: its form is that of the small answers.
+    # The answer is too large for a quick validation by the schema; it has the form of small answers.
     response = requests.post(api.server.url + EVALUATIONS, body, headers={"Content-Type": "application/json"}, timeout=PATIENCE_SECONDS)
     assert response.status_code == 200, response.text[:500]
     answer = response.json()

@@ -1,4 +1,4 @@
-"""Networks on hosts that move: a surface of given positions, and a shell or a solid with moved vertices."""
+"""Networks on moving hosts: a surface with given positions, and a shell or a solid with moved vertices."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_a_network_follows_a_surface_that_moves(api: Api, sphere_mesh: str) -> N
     assert stops[-1]["energy"] == answer["energy"]
     np.testing.assert_allclose(answer["host"]["vertices"], stretched[-1])
     assert answer["host"]["volume_ratio"] == pytest.approx(1.5)
-    # On a mesh that has that shape from the start, the same points are at rest.
+    # The same points are in equilibrium on a mesh that has that shape from the start.
     same = api.upload(stretched[-1], faces)
     again = api.ok(NETWORKS, {**net(same), "points": answer["points"]})
     assert again["energy"] == pytest.approx(answer["energy"], rel=1e-9)
@@ -37,7 +37,7 @@ def test_a_network_follows_a_surface_that_moves(api: Api, sphere_mesh: str) -> N
 
 def test_a_surface_that_turns_moves_no_point_of_its_network(api: Api, sphere_mesh: str) -> None:
     vertices = sphere(3)[0]
-    # Nothing holds it as a whole, and springs push: it could spin.
+    # There are no fixed points, and springs are compressed, so that the network could rotate.
     request = {"mesh": sphere_mesh, "points": [{"vertex": 3}, {"vertex": 40}, {"vertex": 71}],
                "springs": springs((0, 1), (1, 2), (2, 0), rest_length=1.2)}
     rest = api.ok(NETWORKS, request)
@@ -69,7 +69,7 @@ def test_moved_vertices_take_host_and_network_along(api: Api, sphere_mesh: str, 
     np.testing.assert_allclose(seen[top], vertices[top] + ways[1], atol=1e-12)
     np.testing.assert_array_equal(seen[bottom], vertices[bottom])
     assert effect(answer, "moved_vertices")["ran"] is True
-    # In between, the surface is in between.
+    # A partial result has the surface between its positions.
     middle = np.abs(vertices[:, 2]) < 0.2
     assert 0 < (seen - vertices)[middle, 0].mean() < 0.3
 
@@ -90,7 +90,7 @@ def test_events_of_moved_vertices_show_them_on_their_way(api: Api, sphere_mesh: 
 def test_moved_vertices_stop_where_a_solid_would_be_turned_inside_out(api: Api) -> None:
     vertices, faces = sphere(1)
     bottom, top = np.flatnonzero(vertices[:, 2] < -0.4), np.flatnonzero(vertices[:, 2] > 0.4)
-    # The top would become its mirror image: halfway it is flat.
+    # The top would become its mirror image, and would be flat halfway.
     mirrored = [{"vertex": int(i), "positions": [(vertices[i] * [-1, 1, 1]).tolist(), vertices[i].tolist()]} for i in top]
     host = {"kind": "solid", "youngs_modulus": 100, "fixed_vertices": bottom.tolist(), "moved_vertices": mirrored}
     request = {"points": [{"vertex": 0}, {"vertex": 1}], "springs": springs((0, 1)), "fixed_points": [0]}

@@ -1,4 +1,4 @@
-"""The notebooks of the Python package against a live server with shipped models."""
+"""The notebooks of the Python package, with a real server and shipped models."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CELL_SECONDS = 120
 
 
 def shown_kinds(notebook: Any) -> Set[str]:
-    """The media types of everything that the notebook shows."""
+    """The media types of all outputs of the notebook."""
     outputs = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs]
     return {kind for output in outputs if output.output_type in ("execute_result", "display_data") for kind in output.data}
 
@@ -35,7 +35,7 @@ def test_the_notebook_is_kept_without_results_and_runs(
     assert all(not cell.outputs and cell.execution_count is None for cell in code)
     monkeypatch.setenv("SUPPLE_SERVER", design_server.url)
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "clients" / "python"))
-    # A cell that fails is an exception here, with its traceback.
+    # A cell that fails raises an exception with its traceback.
     NotebookClient(notebook, timeout=CELL_SECONDS, kernel_name="python3").execute()
     assert all(cell.execution_count for cell in code)
     assert {"text/html", "image/png"} <= shown_kinds(notebook)

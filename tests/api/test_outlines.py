@@ -1,4 +1,4 @@
-"""Drawings over the wire: SVG and DXF files that become outlines, and parts made of them by every client."""
+"""Drawings over HTTP: SVG and DXF files become outlines, and every client makes parts of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a part is loaded: which direction of the design lies along a coupon or a block, and that it answers as the design."""
+"""Loads of parts: the direction of the design along a coupon or a block, and the agreement of the part's response with the design."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def turn(angle: float) -> Any:
 
 
 def holes(svg: str) -> List[Any]:
-    """The holes of a part's drawing, y upwards."""
+    """The holes in the drawing of a part, with y upwards."""
     (path,) = re.findall(r' d="([^"]*)"', svg)
     rings = [np.array([[float(x) for x in corner.split()] for corner in ring.strip()[1:].split("L")]) for ring in path.split("Z") if ring.strip()]
     return [ring * [1, -1] for ring in sorted(rings, key=lambda ring: -np.prod(np.ptp(ring, axis=0)))[1:]]
@@ -67,13 +67,14 @@ STRETCHES = [1.01, 1.03, 1.05]
 
 
 def lattice_in(api: Api, part: Dict[str, Any]) -> Any:
-    """The lattice that the holes of a part repeat by, as columns: found among the design's own turned by the answer's angle."""
+    """The lattice of the holes in a part, as columns. It is determined from the part, starting from the design's lattice rotated by the
+    angle in the answer."""
     structure = api.ok("/v1/structures", DESIGNED)
     lattice = turn(part["orientation"]) @ np.asarray(structure["lattice"]).T * 0.3 / structure["beam_width"]
     middles = np.array([ring.mean(axis=0) for ring in holes(part["svg"])])
 
     def is_whole(middle: Any) -> bool:
-        """Away from the cut."""
+        """Whether a hole is away from the outline, which would cut it."""
         return abs(middle[0]) < 8 and abs(middle[1]) < 11
 
     for step in lattice.T:
@@ -85,7 +86,7 @@ def lattice_in(api: Api, part: Dict[str, Any]) -> Any:
 
 
 def simulated_stress(api: Api, direction: float) -> Any:
-    """Second Piola-Kirchhoff stress along a direction of the tiling, whose lateral strain and shear are free."""
+    """Second Piola-Kirchhoff stress along a direction of the tiling, with free lateral strain and shear."""
     load = {"uniaxial": {"direction": direction, "stretches": STRETCHES, "frame": "material"}}
     states = api.ok("/v1/simulations", {**DESIGNED, "load": load, "tangents": False})["states"]
     c, s = np.cos(direction), np.sin(direction)
@@ -94,14 +95,14 @@ def simulated_stress(api: Api, direction: float) -> Any:
 
 @pytest.mark.parametrize("direction, orientation", [(0.0, 0.0), (0.7, 0.3)])
 def test_the_part_follows_the_curve_of_its_design(designs: Api, direction: float, orientation: float) -> None:
-    """The tiling as it lies in the part, simulated along the part's axis, against the curve that the design was made for."""
+    """Compares a simulation of the tiling in the part, along the part's axis, with the curve of the design."""
     laid = designs.ok(PARTS, {**COUPON, "structure": DESIGNED, "orientation": orientation, "direction": direction, "svg": True})
     carried = designs.ok(PARTS, {**COUPON, "structure": DESIGNED, "orientation": orientation, "svg": True})
     design = designs.ok("/v1/profiles", {**DESIGNED, "task": "stress_strain", "x": [(stretch**2 - 1) / 2 for stretch in STRETCHES],
                                          "direction": direction, "orientation": orientation})
     along_axis = []
     for part in (laid, carried):
-        # The axis in the tiling's own frame, by the lattice as it was found in the part.
+        # The part's axis in the frame of the tiling, by the lattice in the part.
         own = np.linalg.solve(lattice_in(designs, part), [0, 1])
         structure = designs.ok("/v1/structures", DESIGNED)
         x, y = np.asarray(structure["lattice"]).T @ own
@@ -137,7 +138,7 @@ def test_clients_lay_a_design_along_the_load(designs: Api, tmp_path: Path) -> No
         same = client.part(supple.parts.coupon(24, 30), found.family, found.parameters, options=options)
         assert same.orientation == pytest.approx(part["orientation"]) and same.tested_direction == 0.6
         assert same.smallest_neck is not None and same.smallest_neck >= 0.98 * same.smallest_wall and same.cut_necks == 0
-    # A design of two directions is no design along one of them.
+    # A design with loads in two directions has no single direction.
     request["also"] = [{"task": "stress_strain", "direction": 1.6, "target": {"control_points": [[0, 0], [0.1, 0.2]]}}]
     file.write_text(json.dumps(designs.ok("/v1/designs", request)))
     both = json.loads(cli("part", "--design", str(file), "--coupon", "24x30", "--json").stdout)

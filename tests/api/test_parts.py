@@ -1,4 +1,4 @@
-"""Parts over the wire: coupons, outlines and regions as files that a printer or a laser takes."""
+"""Parts over HTTP: coupons, outlines and regions as files for printers and lasers."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def stl_triangles(content: bytes) -> Any:
 
 
 def assert_watertight(corners: Any) -> float:
-    """Each edge belongs to two triangles, in opposite directions; returns the volume."""
+    """Checks that each edge belongs to two triangles, in opposite directions, and returns the volume."""
     points, triangles = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
     triangles = triangles.reshape(-1, 3)
     edges = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in triangles for k in range(3))
@@ -107,7 +107,7 @@ def test_drawings_are_true_to_scale(api: Api) -> None:
 
 
 def test_a_sole_of_three_regions_is_one_piece(api: Api) -> None:
-    """The thesis's shoe (figure 4.1): heel, midfoot and forefoot with structures of their own, seams closed."""
+    """The shoe of [Thesis, fig. 4.1]: heel, midfoot and forefoot have different structures, which are joined at closed seams."""
     angle = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     sole = [[float(40 + 30 * np.cos(a) * (1 + 0.25 * np.sin(a))), float(110 + 105 * np.sin(a))] for a in angle]
     band = lambda y0, y1: [[0, y0], [90, y0], [90, y1], [0, y1]]  # noqa: E731
@@ -164,7 +164,7 @@ def test_grips_do_not_hang_by_necks(api: Api) -> None:
     assert necks["ran"] and necks["count"] == 2
     assert answer["size"][:2] == pytest.approx([18.9, 31.7]), "what widens them lies within the outline"
     assert_watertight(stl_triangles(api.post(PARTS, request, headers={"Accept": "model/stl"}).content))
-    # Whoever asks for no smallest wall gets the necks, and the answer says how narrow they are.
+    # Without a smallest wall the part has narrow necks, and the answer has their width.
     bare = api.ok(PARTS, {**request, "smallest_wall": 0})["checks"]
     assert bare["widened_necks"] == 0 and 0 < bare["smallest_neck"] < 0.1
 

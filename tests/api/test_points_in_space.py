@@ -1,4 +1,4 @@
-"""Points in space, and coordinates of single precision, wherever a point of a surface is accepted."""
+"""Points in space, and coordinates of single precision, in all requests that accept a point of a surface."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from harness import CLI, Api, ServerProcess, pointers, problem_code, slow_relaxa
 from shapes import bumpy_sphere, flat_grid, obj_text
 from working_time import PATIENCE_SECONDS
 
-# On the grid of side 1 in the plane z = 0: above the middle of a face, beyond a corner, and on a vertex.
+# Points for the grid of side 1 in the plane z = 0: above the interior of a face, beyond a corner, and at a vertex.
 ABOVE = {"position": [0.3, 0.1, 0.25]}
 BEYOND = {"position": [1.3, 1.4, 0]}
 ON_VERTEX = {"position": [0, 0.5, 0]}
@@ -76,7 +76,7 @@ def test_the_nearest_point_is_used_and_the_answer_says_which_and_how_far(api: Ap
     if endpoint != "exponential-maps":
         assert by_position[(1.0, 1.0, 0.0)]["distance"] == pytest.approx(0.5)
         assert by_position[(0.0, 0.5, 0.0)]["distance"] == 0
-    # The same points, named by their faces, give the same answer.
+    # The same points, given by their faces, give the same answer.
     named = {entry["pointer"]: {"face": entry["face"], "barycentric": entry["barycentric"]} for entry in placed}
     by_face = [named[p] for p in POINTERS[endpoint]][:3]
     if endpoint == "geodesics":
@@ -181,7 +181,7 @@ def test_the_search_of_a_large_mesh_waits_for_its_turn_and_its_deadline(new_serv
     body = json.dumps(slow_relaxation(api.upload(*bumpy_sphere(3)), 100_000))
     computing.request("POST", "/v1/embedded-systems", body, {"Content-Type": "application/json"})
     end = time.monotonic() + 60
-    while api.post("/v1/geodesic-fields", late).status_code != 504:  # until that computes
+    while api.post("/v1/geodesic-fields", late).status_code != 504:  # until the other request computes
         assert time.monotonic() < end
     late["sources"] = [ABOVE]
     waited = api.post("/v1/geodesic-fields", {**late, "mesh": large}, headers=respond_async)

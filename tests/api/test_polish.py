@@ -1,4 +1,4 @@
-"""Designs that the simulation corrects: what it accepts, what it says, how it ends."""
+"""Designs that are corrected by simulations: acceptance of rounds, messages, and termination."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from test_jobs import events, start_job
 
 STRAINS = [-0.02, 0.01, 0.04]
 KNOWN_CURVE: List[float] = []
-"""Simulated once for all tests."""
+"""The simulated curve, which is computed once for all tests."""
 
 
 def simulated(api: Api, family: str, parameters: List[float]) -> List[float]:
@@ -27,7 +27,7 @@ def simulated(api: Api, family: str, parameters: List[float]) -> List[float]:
 
 @pytest.fixture
 def problem(designs: Api) -> Dict[str, Any]:
-    """A target that a structure has by simulation, which the network misses by some tenths of a per cent."""
+    """A target that is the simulated curve of a structure, from which the neural model deviates by some tenths of a per cent."""
     if not KNOWN_CURVE:
         KNOWN_CURVE.extend(simulated(designs, "IH67", [0.22, 0.85]))
     y = KNOWN_CURVE
@@ -56,7 +56,7 @@ def test_a_verified_design_is_corrected_until_its_simulation_meets_the_target(de
     scale = np.sqrt((np.array(verified["target"]) ** 2).mean())
     assert np.sqrt((deviations**2).mean()) / scale == pytest.approx(best, rel=0.5), "the weights of the ends differ"
     assert 0 < verified["discretization_error"] < 0.02, "what the mesh errs by"
-    # The simulation of these very parameters says the same.
+    # A simulation of exactly these parameters agrees.
     np.testing.assert_allclose(simulated(designs, "IH67", answer["parameters"]), verified["y"], rtol=1e-9)
     there = profile(designs, "stress_strain", STRAINS, "IH67", answer["parameters"], direction=0.0)["y"]
     np.testing.assert_allclose(answer["profile"]["achieved"], there, rtol=1e-6)
@@ -64,7 +64,7 @@ def test_a_verified_design_is_corrected_until_its_simulation_meets_the_target(de
 
 
 def deviation(api: Api, parameters: List[float], direction: float, target: List[float], **accuracy: Any) -> float:
-    """By how much an owner's simulation of a design misses its target: relative, root mean square."""
+    """Relative root mean square deviation from the target of a simulation of the design by /v1/simulations."""
     stretches = np.sqrt(1 + 2 * np.array(STRAINS)).tolist()
     load = {"uniaxial": {"direction": direction, "stretches": stretches, "frame": "material"}}
     answer = api.ok("/v1/simulations", {"family": "IH67", "parameters": parameters, "load": load, "accuracy": accuracy})
@@ -82,7 +82,7 @@ def test_a_polished_design_does_in_a_default_simulation_what_was_asked_of_it(des
     assert answer["polish"]["target_error"] <= 2e-3
     target = answer["profile"]["verified"]["target"]
     assert deviation(designs, answer["parameters"], direction, target) < 0.005
-    # The mesh of the data sets, which was the default once, is too stiff by more than that.
+    # The mesh of the data sets, once the default, is too stiff by more than this tolerance.
     assert deviation(designs, answer["parameters"], direction, target, mesh_size=0.5) > 0.005
 
 
@@ -140,10 +140,10 @@ def test_events_tell_each_round(designs: Api, problem: Dict[str, Any]) -> None:
 
 
 def test_a_deadline_within_a_round_gives_the_best_so_far(designs: Api, problem: Dict[str, Any]) -> None:
-    """As many directions as to take longer than the deadline, so that it passes within the first or a later round."""
+    """There are so many directions that a round takes longer than the deadline, which passes within the first or a later round."""
     slow = {"task": "stiffness", "family": "IH67", "strain": 0.05, "target": spline([0, 1], [0.05, 3]), "samples": 200,
             "accuracy": {**FEW, "verified_samples": 200, "polish_tolerance": 1e-4}, "verify": True}
-    # The search comes first, and before its end nothing is known: it takes as long as the machine needs. A round takes ten times as long.
+    # Before the end of the search there is no result, and its duration depends on the machine. A round takes ten times as long.
     start = time.monotonic()
     designs.ok(DESIGNS, {**slow, "verify": False})
     slow["deadline"] = 2 * (time.monotonic() - start) + 1

@@ -1,4 +1,4 @@
-"""The Python package against a live server."""
+"""The Python package with a real server."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Servers that share a database: what one has, all have; jobs outlive the server that has accepted them."""
+"""Servers that share a database also share meshes and jobs, and jobs outlive the server that has accepted them."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def mean(mesh: str, seed: int, **more: Any) -> Dict[str, Any]:
 
 
 def long_simulation() -> Dict[str, Any]:
-    """Some seconds of work, which progresses."""
+    """A simulation that takes some seconds and reports progress."""
     return {"family": "IH21", "load": {"uniaxial": {"direction": 0.3, "stretches": [1 - 0.001 * i for i in range(1, 60)]}},
             "accuracy": {"mesh_size": 0.3, "max_load_step": 1e-3}}
 

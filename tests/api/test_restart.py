@@ -1,4 +1,4 @@
-"""Phases of a server's life: fresh, restarted in order, killed in the middle of its work."""
+"""Starts of a server: the first one, after an orderly end, and after it was killed during its work."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def test_sigterm_lets_a_request_finish_and_refuses_new_ones(new_server: NewServe
 def test_sigterm_ends_an_idle_server_at_once_even_with_open_connections(new_server: NewServer, contract: Contract) -> None:
     server = new_server("--grace", "300", "--idle-timeout", "300")
     api = Api(server, contract)
-    api.get("/healthz")  # leaves a kept connection open
+    api.get("/healthz")  # leaves a persistent connection open
     assert server.terminate() == 0, "long before the connection or a computation would have to end"
 
 

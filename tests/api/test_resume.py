@@ -1,4 +1,4 @@
-"""Jobs outlive the process: those that wait, and those that run, whether it is killed or told to end."""
+"""Waiting and running jobs outlive the process, whether it is killed or terminated."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ def test_jobs_that_wait_outlive_the_database_in_their_order_with_their_owner(dam
     of_bob = submit(bob, field(mesh, 0))
     server.kill()
     for rest in server.data.glob("supple.sqlite-*"):
-        rest.unlink()  # the log would mend what is overwritten
+        rest.unlink()  # the database's log would repair the overwritten file
     spoil_database(server.data, damage)
     server.start()
     assert [job["id"] for job in alice.get("/v1/jobs").json()["jobs"]] == [*jobs[::-1], runs]
@@ -171,13 +171,13 @@ def test_the_deadline_of_a_resumed_job_counts_from_the_start_of_its_server(new_s
     api = Api(server, contract)
     mesh = api.upload(*bumpy_sphere(3))
     points = [{"vertex": vertex} for vertex in range(500)]
-    endless = {"mesh": mesh, "points": points, "starts": 1000, "tolerance": 1e-15}  # ten seconds and more
+    endless = {"mesh": mesh, "points": points, "starts": 1000, "tolerance": 1e-15}  # takes at least ten seconds
     deadlines = {api.post("/v1/karcher-means", {**endless, "deadline": deadline}, headers=ASYNC).json()["id"]: deadline
                  for deadline in (4, 3)}
     running, waiting = deadlines
     created = api.get(f"/v1/jobs/{running}").json()["created"]
     kill_while_it_runs(server, contract, running)
-    # What counted from the creation would end by so much too early.
+    # A deadline that counted from the creation would pass too early by this time.
     while datetime.now(timezone.utc) < moment(created) + timedelta(seconds=1):
         time.sleep(0.02)
     begin = datetime.now(timezone.utc)

@@ -1,4 +1,4 @@
-"""The software bill of materials names what the programs load, with versions."""
+"""The software bill of materials names the libraries that the programs load, with versions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Simulations over the wire: loads, states, deformed meshes, jobs, and what is refused."""
+"""Simulations over HTTP: loads, states, deformed meshes, jobs, and refusals."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ COARSE = {"mesh_size": 1.0}
 
 
 def request(load: Dict[str, Any], **more: Any) -> Dict[str, Any]:
-    """A cheap simulation: IH01 on a coarse mesh."""
+    """A cheap simulation of IH01 on a coarse mesh."""
     return {"family": "IH01", "load": load, "accuracy": COARSE, **more}
 
 
@@ -28,7 +28,7 @@ def uniaxial(*stretches: float, direction: float = 0.0) -> Dict[str, Any]:
 
 
 def long_request(**more: Any) -> Dict[str, Any]:
-    """Seconds to minutes of work."""
+    """A simulation that takes seconds to minutes."""
     return {"family": "IH21", "load": uniaxial(*np.linspace(1.001, 1.4, 200).tolist()), "accuracy": {"mesh_size": 0.5},
             "effects": {"patch": "on"}, **more}
 
@@ -71,8 +71,8 @@ def test_rest_costs_no_energy(api: Api) -> None:
 
 
 def test_the_same_question_has_the_same_answer_whatever_was_asked_before(api: Api) -> None:
-    # Of two triangles of equal size the mesh generator takes the one whose address is less, and addresses depend on what was freed before. The first
-    # structure had 361 nodes after IH01 and 369 after IH21.
+    # If two triangles have equal size, the mesh generator takes the one with the lower address, and addresses depend on memory that was freed
+    # before. The first structure once had 361 nodes after IH01, and 369 after IH21.
     question = coarse("IH01", [0.2331585676037134, 0.3836024173334007, 0.05851961954813489, 0.42516703505397263])
     first = converged(api, question)
     for other in ("IH21", "IH01", "IH50", "IH67"):
@@ -83,7 +83,7 @@ def test_the_same_question_has_the_same_answer_whatever_was_asked_before(api: Ap
     bounds = {family["id"]: family["parameters"] for family in api.get("/v1/families").json()["families"]}
 
     def drawn(family: str) -> Dict[str, Any]:
-        """Within the middle half of the box, where every structure can be made."""
+        """A request with random parameters in the middle half of the bounds, where every structure is valid."""
         low, high = (np.array(bounds[family][end]) for end in ("lower", "upper"))
         return coarse(family, (low + (high - low) * rng.uniform(0.25, 0.75, size=len(low))).tolist())
 
@@ -269,7 +269,7 @@ def test_deformed_meshes_are_periodic_and_without_inverted_triangles(api: Api) -
         assert deformed["mesh"] == 0 and points.shape == rest.shape
         np.testing.assert_allclose(deformed["lattice"], np.array(mesh["lattice"]) @ f.T, atol=1e-9)
         assert min(polygon_area(points[t[[0, 3, 1, 4, 2, 5]]]) for t in triangles) > 0
-        # What is periodic is the displacement without its macroscopic part: equal nodes of opposite sides have the same.
+        # The displacement without its macroscopic part is periodic: corresponding nodes on opposite sides have the same.
         fluctuation = points - rest @ f.T
         for translation in np.array(mesh["lattice"]):
             for i, point in enumerate(rest):
@@ -284,7 +284,7 @@ def vtu_array(piece: ElementTree.Element, name: str) -> np.ndarray:
 
 
 def test_a_vtu_file_has_the_points_triangles_displacements_and_energies(api: Api) -> None:
-    # Elastic energy alone: no contact takes part at this strain.
+    # There is only elastic energy, since there is no contact at this strain.
     document = request(uniaxial(1.03), effects={"patch": "off"})
     as_json = converged(api, {**document, "deformed": "json"})
     (state,) = converged(api, {**document, "deformed": "vtu"})["states"]

@@ -1,4 +1,4 @@
-"""What becomes of the data folder when the disk or the files in it fail."""
+"""The data folder when the disk or files in it fail."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ NewServer = Callable[..., ServerProcess]
 
 @pytest.fixture
 def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 64 MiB, which is the data folder of the test's servers. SUPPLE_TEST_SMALL_DISK names one where the tests' user may mount none."""
+    """A disk of 64 MiB for the data folder of the test's servers. SUPPLE_TEST_SMALL_DISK names one if the tests' user cannot mount any."""
     if mounted := os.environ.get("SUPPLE_TEST_SMALL_DISK"):
         yield Path(mounted)
         for path in Path(mounted).iterdir():
@@ -41,7 +41,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def fill(folder: Path) -> Path:
-    """Takes all the space that is left, and returns the file that has it."""
+    """Fills the remaining space of a disk with a file, and returns it."""
     ballast = folder / "ballast"
     with ballast.open("wb") as file:
         space = os.statvfs(folder)
@@ -78,7 +78,7 @@ def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_serve
     meshes = [api.upload(*flat_grid(8)), api.upload(*sphere(2))]
     job = api.post(FIELDS, {"mesh": meshes[0], "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
     api.wait_for_job(job)
-    # More than once: what the database's log has room for anyway is used up, and so is one reserve.
+    # Several removals exhaust the free space in the database's log, and one reserve.
     for path in (f"/v1/jobs/{job}", *(f"/v1/meshes/{mesh}" for mesh in meshes)):
         wait_for_reserve(small_disk)
         ballast = fill(small_disk)
@@ -88,7 +88,7 @@ def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_serve
 
 
 def wait_for_reserve(data: Path) -> None:
-    """Until the server holds the space again that it gives back where a removal needs it."""
+    """Waits until the server has restored the reserve file, whose space it frees when a removal needs it."""
     deadline = time.monotonic() + PATIENCE_SECONDS
     while not (data / "reserve").exists():
         assert time.monotonic() < deadline
@@ -102,13 +102,13 @@ def new_upload(api: Api, cells: int) -> requests.Response:
 
 
 def stored_bytes(server: ServerProcess) -> Dict[str, float]:
-    """What the data folder holds, by part, as the metrics tell."""
+    """The bytes in the data folder by kind, from the metrics."""
     return {name.split('"')[1]: value for name, value in server.metrics().items() if name.startswith("supple_store_bytes")}
 
 
 def test_the_oldest_results_go_where_there_is_no_room_and_then_the_answer_names_number_limit_and_setting(
         new_server: NewServer, contract: Contract) -> None:
-    limit = 7_000_000  # of which the database's log takes up to four
+    limit = 7_000_000  # bytes, of which the database's log takes up to 4 MB
     server = new_server("--max-store", str(limit))
     api = Api(server, contract)
     mesh = api.upload(*bumpy_sphere(5))
@@ -172,7 +172,7 @@ def test_meshes_are_limited_in_bytes_and_go_when_nobody_uses_them(new_server: Ne
     server.arguments = ("--mesh-retention", "0.5")
     server.start()
     deadline = time.monotonic() + PATIENCE_SECONDS
-    # To ask for the mesh would be a use of it.
+    # A request for the mesh would count as a use of it.
     while (server.data / "meshes" / f"{mesh}.ply").exists():
         assert time.monotonic() < deadline
         time.sleep(0.05)

@@ -1,4 +1,4 @@
-"""Families, structures and simulations by the command line client and by the Python package."""
+"""Families, structures and simulations with the command line client and with the Python package."""
 
 from __future__ import annotations
 

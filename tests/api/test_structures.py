@@ -1,4 +1,4 @@
-"""Structures over the wire: outlines, meshes, files, and what gives none."""
+"""Structures over HTTP: outlines, meshes, files, and parameters without a structure."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_equal_requests_have_equal_answers(api: Api) -> None:
 
 
 def assert_solid_of(structure: Dict[str, Any], cells: int, polygons: List[np.ndarray]) -> None:
-    """One outline of the patch, whose beams at the rim are whole, and the holes of all its cells."""
+    """Checks the polygons of a patch: one outline, in which beams at the rim are complete, and the holes of all its cells."""
     outline, *holes = sorted(polygons, key=lambda polygon: -abs(polygon_area(polygon)))
     assert len(holes) == cells * sum(len(tile["holes"]) for tile in structure["tiles"])
     void = cells * (structure["cell_area"] - structure["solid_area"])

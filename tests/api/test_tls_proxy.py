@@ -1,4 +1,4 @@
-"""TLS by a proxy: deploy/nginx.conf in front of a real server, with a certificate made for the test."""
+"""TLS by a proxy: deploy/nginx.conf in front of a real server, with a certificate for the test."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ http {{
 
 
 class Proxy:
-    """nginx with the file of deploy/, whose ports, name and certificate are the test's."""
+    """nginx with the configuration of deploy/, in which ports, name and certificate are replaced by those of the test."""
 
     def __init__(self, folder: Path, server: ServerProcess) -> None:
         folder.mkdir()
@@ -85,7 +85,7 @@ class Proxy:
 
 @pytest.fixture
 def proxied(new_server: Callable[..., ServerProcess], tmp_path: Path) -> Iterator[Any]:
-    """(proxy, key of a server behind it)"""
+    """(proxy, key of the server behind it)."""
     key = add_key(tmp_path / "data", "team", "read,compute")
     proxy = Proxy(tmp_path / "nginx", new_server("--allowed-host", "localhost"))
     yield proxy, key
@@ -119,7 +119,7 @@ def test_a_browser_signs_in_through_it_and_its_cookie_stays_with_tls(proxied: An
     own = {"Origin": proxy.url}
     browser = requests.Session()
     browser.verify = str(proxy.certificate)
-    browser.trust_env = False  # which would name other certificates
+    browser.trust_env = False  # the environment may name other certificates
     signed_in = browser.post(proxy.url + "/v1/session", json={"key": key}, headers=own, timeout=60)
     assert signed_in.status_code == 200 and signed_in.headers["Set-Cookie"].endswith("; Secure")
     assert signed_in.headers["Strict-Transport-Security"]

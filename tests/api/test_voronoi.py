@@ -1,4 +1,4 @@
-"""Geodesic Voronoi diagrams and their optimization over the wire."""
+"""Geodesic Voronoi diagrams and their optimization over HTTP."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from test_jobs import events, start_job
 DIAGRAMS = "/v1/voronoi-diagrams"
 OPTIMIZATIONS = "/v1/voronoi-optimizations"
 CORNERS = [0, 56, 63, 7]
-"""Vertices of a grid of 7 x 7 cells, counterclockwise: the borders of their cells run along no edge of it."""
+"""Corner vertices of a grid of 7 x 7 cells, counterclockwise. No border between their Voronoi cells is on an edge of the grid."""
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def at_vertices(*vertices: int) -> List[Dict[str, int]]:
 
 
 def four_sites(mesh: str, **more: Any) -> Dict[str, Any]:
-    """The corners of the unit square: its cells are the four squares of half its size."""
+    """A request with the corners of the unit square as sites, whose cells are the four squares of half its side."""
     return {"mesh": mesh, "sites": at_vertices(*CORNERS), **more}
 
 
@@ -52,7 +52,7 @@ def test_four_sites_divide_a_square_into_four(api: Api, odd_grid: str) -> None:
     np.testing.assert_allclose(vertex["position"], [0.5, 0.5, 0], atol=1e-12)
     np.testing.assert_allclose(answer["positions"][vertex["index"]], vertex["position"])
     assert sorted(vertex["sites"]) == [0, 1, 2, 3] and vertex["distance"] == pytest.approx(np.sqrt(0.5), rel=1e-12)
-    # Counterclockwise seen from above: the sites are numbered so.
+    # The sites are numbered counterclockwise, seen from above.
     turn = vertex["sites"].index(0)
     assert vertex["sites"][turn:] + vertex["sites"][:turn] == [0, 1, 2, 3]
     assert len(answer["dual"]) == 2 and {site for triangle in answer["dual"] for site in triangle} == {0, 1, 2, 3}
@@ -97,19 +97,19 @@ def test_surface_points_pieces_and_statistics_come_where_they_are_asked_for(api:
         corners = np.asarray(piece["corners"])
         areas[piece["site"]] += sum(np.linalg.norm(np.cross(corners[k] - corners[0], corners[k + 1] - corners[0])) / 2
                                     for k in range(1, len(corners) - 1))
-    # Borders are curves, pieces are polygons.
+    # Polygonal pieces only approximate the areas of cells with curved borders.
     np.testing.assert_allclose(areas, [cell["area"] for cell in full["cells"]], rtol=0.02)
 
 
 def polygon_area(corners: Any) -> float:
-    """Of a flat polygon, which may be hollow."""
+    """Area of a planar polygon, which may be concave."""
     corners = np.asarray(corners)
     return float(np.linalg.norm(sum(np.cross(corners[k] - corners[0], corners[k + 1] - corners[0])
                                     for k in range(1, len(corners) - 1))) / 2)
 
 
 def test_a_border_that_bends_in_a_face_is_drawn_where_it_runs(api: Api) -> None:
-    """The windows of one site meet in a face: its border has a corner there, which positions, points and pieces have."""
+    """Windows of one site meet within a face, where its border has a corner. Positions, points and pieces contain this corner."""
     vertices = np.array([(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)], dtype=float)
     faces = np.array([(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)])
     sites = [{"face": 0, "barycentric": [0.2, 0.6, 0.2]}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}]
@@ -126,7 +126,7 @@ def test_a_border_that_bends_in_a_face_is_drawn_where_it_runs(api: Api) -> None:
 
 
 def test_curved_borders_are_drawn_as_finely_as_is_asked_for(api: Api) -> None:
-    """Behind saddle vertices borders are arcs of hyperbolas."""
+    """Beyond saddle vertices borders are arcs of hyperbolas."""
     vertices, faces = bumpy_sphere(2)
     mesh = api.upload(vertices, faces)
     lengths, counts, cells = [], [], []
@@ -138,7 +138,7 @@ def test_curved_borders_are_drawn_as_finely_as_is_asked_for(api: Api) -> None:
         lengths.append(sum(np.linalg.norm(np.diff(positions[edge["points"]], axis=0), axis=1).sum() for edge in answer["edges"]))
         counts.append(len(positions))
         cells.append([cell["area"] for cell in answer["cells"]])
-        # Whole faces and pieces have all of the cells.
+        # Whole faces and pieces cover the cells.
         areas = np.zeros(5)
         for face, site in enumerate(answer["pieces"]["face_sites"]):
             if site is not None:
@@ -164,7 +164,7 @@ def test_a_kept_diagram_is_not_taken_for_one_that_is_drawn_finer(api: Api) -> No
 
 
 def test_opposite_sites_of_a_symmetric_ring_have_half_of_it_each(api: Api) -> None:
-    """Their borders run along edges of the mesh, where distances differ by rounding only."""
+    """Their borders are along edges of the mesh, where the distances are equal up to rounding."""
     vertices, faces = exported_ring()
     answer = api.ok(DIAGRAMS, {"mesh": api.upload(vertices, faces), "sites": at_vertices(0, 16), "pieces": True})
     a, b, c = (vertices[faces[:, k]] for k in range(3))
@@ -340,7 +340,7 @@ def test_a_kept_diagram_is_made_anew_only_where_a_site_has_moved(api: Api) -> No
     assert [vertex["sites"] for vertex in moved["vertices"]] == [vertex["sites"] for vertex in anew["vertices"]]
     places = [[vertex["position"] for vertex in answer["vertices"]] for answer in (moved, anew)]
     np.testing.assert_allclose(places[0], places[1], atol=1e-12)
-    # The other diagrams that are kept meanwhile do not take its place before there are four.
+    # Other cached diagrams replace it only when there are four.
     for seed in range(3):
         api.ok(DIAGRAMS, {"mesh": mesh, "sites": {"count": 12, "seed": seed}, "keep": True})
     assert api.ok(DIAGRAMS, {"mesh": mesh, "sites": sites, "keep": True})["cost"]["quantities"]["local_rebuilds"] == 1
@@ -379,7 +379,7 @@ def test_sites_that_no_common_step_moves_are_moved_one_by_one(api: Api, sphere_m
     moves = answer["site_moves"]
     assert answer["energy"] < 0.5 * moves["energy_before"] < 0.5 * answer["history"][0]["energy"]
     assert moves["held_searches"] >= 1 and 1 <= moves["taken"] <= moves["tried"] and 0 < moves["last_gain"] < 1
-    # Where steps for all sites suffice, nothing of this is tried, and nothing is told.
+    # If steps of all sites suffice, single sites are not moved, and the answer has no such field.
     assert "site_moves" not in api.ok(OPTIMIZATIONS, optimization(sphere_mesh, objectives={"equal_area": 1}))
 
 
@@ -470,7 +470,7 @@ def test_a_finished_job_survives_a_restart_and_an_unfinished_one_begins_again(
     assert api.get(f"/v1/jobs/{done}/result").json() == answer
     assert api.wait_for_job(running, ("running",))["created"] <= api.get(f"/v1/jobs/{running}").json()["started"]
     assert api.delete(f"/v1/jobs/{running}").json()["state"] == "dismissed"
-    # What it had found goes on where it was.
+    # A search from the sites of the partial result continues with its energy.
     rest = api.ok(OPTIMIZATIONS, {**slow, "sites": found["sites"], "max_iterations": 1})
     assert rest["history"][0]["energy"] == pytest.approx(found["energy"], rel=1e-12)
     assert rest["energy"] < found["energy"]

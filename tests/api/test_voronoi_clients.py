@@ -1,4 +1,4 @@
-"""Voronoi diagrams from the command line and from Python, against a live server."""
+"""Voronoi diagrams from the command line and from Python, with a real server."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def client(api: Api) -> Iterator[supple.Client]:
 
 
 def spread(text: str, name: str) -> Any:
-    """Mean, least, greatest and deviation of a line of the printed statistics."""
+    """Mean, least value, greatest value and standard deviation in a line of the printed statistics."""
     (line,) = [line for line in text.splitlines() if line.startswith(name + "  ")]
     return [float(value) for value in line[len(name):].split()]
 
@@ -165,7 +165,7 @@ def test_an_optimization_that_was_interrupted_goes_on_from_its_file(cli: Program
     assert len(kept["sites"]) == 300 and not (cli.folder / "way.json.part").exists()
     first = json.loads(cli.ok("--json", *command[:-2], "--max-iterations", "1"))
     rest = json.loads(cli.ok("--json", *command, "--max-iterations", "1"))
-    # It begins below where an iteration from the random sites ends, and goes on downwards.
+    # It starts with less energy than the end of the interrupted iteration from the random sites, and decreases the energy further.
     assert rest["history"][0]["energy"] < first["energy"] and rest["energy"] < rest["history"][0]["energy"]
     assert json.loads(way.read_text())["sites"] == rest["sites"]
 

@@ -1,4 +1,4 @@
-"""Weaves by the command line client and by the Python package."""
+"""Weaves with the command line client and with the Python package."""
 
 from __future__ import annotations
 

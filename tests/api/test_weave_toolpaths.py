@@ -1,4 +1,4 @@
-"""Printing weaves over the wire: toolpaths as G-code, pictures and moves, reports about G-code files, and what is refused."""
+"""Printing weaves over HTTP: toolpaths as G-code, pictures and moves, reports about G-code files, and refusals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from test_jobs import events, start_job
 TOOLPATHS = "/v1/weave-toolpaths"
 REPORTS = "/v1/gcode-reports"
 FUSED = {"pattern": "regular", "pitch": 10, "sheet": {"columns": 3, "rows": 2}}
-"""Strands 0 and 1 along x, 30 mm long, 2 to 4 along y, 20 mm long."""
+"""A sheet with strands 0 and 1 along x, 30 mm long, and strands 2 to 4 along y, 20 mm long."""
 SLIDING = {**FUSED, "overrides": [{"crossing": 4, "slides": [1]}]}
 STRANDS = [{"points": [[0, 0], [40, 0]]}, {"points": [[20, -20], [20, 20]]}]
 
@@ -74,7 +74,7 @@ def test_sheets_that_were_printed_are_printed_as_they_were(api: Api, sample: str
     statistics = answer["statistics"]
     assert statistics["extruded_length"] == pytest.approx(length, rel=0.02) and statistics["channels"] == channels
     assert answer["check"]["violation_count"] == 0 and statistics["priming_length"] == 0
-    # What the request says goes first.
+    # Fields of the request take precedence.
     bare = printed(api, weave, grips=[], overrun={}, overruns=[{"strand": 0, "start": 1}], printer={"priming_length": 10})
     assert bare["statistics"]["priming_length"] == pytest.approx(10)
     if sample != "actuation":
@@ -175,7 +175,7 @@ def test_a_job_has_the_result_of_the_immediate_answer(api: Api, path: str, docum
     assert result == immediate
 
 
-# --- what is refused -------------------------------------------------------------------------------------------------
+# --- refusals --------------------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("weave, more, expected", [
     ({"pattern": "regular"}, {}, ["/weave"]),

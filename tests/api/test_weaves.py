@@ -1,4 +1,4 @@
-"""Weaves over the wire: layouts, stiffness over directions, sheets under load, jobs, and what is refused."""
+"""Weaves over HTTP: layouts, stiffness over directions, sheets under load, jobs, and refusals."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SQUARES = {"pattern": "interlacing_squares", "type": 1}
 REGULAR = {"pattern": "regular"}
 SHEET = {**REGULAR, "sheet": {"columns": 5, "rows": 4}}
 EA = 3500 * np.pi * 0.25**2
-"""Stretching stiffness of a strand as the contract's defaults have it, N."""
+"""Stretching stiffness of a strand with the contract's defaults, N."""
 
 
 def layout(api: Api, weave: Dict[str, Any], **more: Any) -> Dict[str, Any]:
@@ -45,11 +45,11 @@ def held(box: List[List[float]], *displacement: float) -> Dict[str, Any]:
 
 
 LEFT, RIGHT = [[-1, -1], [0.5, 17]], [[19.5, -1], [21, 17]]
-"""Ends of the strands along x of the sheet of 20 x 16 mm."""
+"""Boxes around the ends of the strands along x of the sheet of 20 x 16 mm."""
 
 
 def long_request(**more: Any) -> Dict[str, Any]:
-    """Many seconds of work."""
+    """A request that takes many seconds."""
     return {"weave": {**SQUARES, "type": 3}, "directions": 5000, "strain": 0.2, **more}
 
 
@@ -390,7 +390,7 @@ def test_a_deadline_ends_a_sheet_between_two_states(api: Api) -> None:
     assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
 
 
-# --- what is refused -------------------------------------------------------------------------------------------------
+# --- refusals --------------------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("weave, code, expected", [
     ({**SQUARES, "overlap": 6}, "weave.invalid_pattern", ["/weave/overlap"]),

@@ -1,4 +1,4 @@
-"""The files of the web editor as --web serves them: types, caching, and nothing outside of the folder."""
+"""The files of the web editor, which --web serves: types, caching, and no file outside of the folder."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SCRIPT = "export const answer = 42;\n"
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A small site, next to what must not be served."""
+    """A small site, next to files that must not be served."""
     web = tmp_path / "web"
     (web / "assets" / "deep").mkdir(parents=True)
     (web / "index.html").write_text(INDEX)
@@ -88,7 +88,7 @@ def test_head_has_the_headers_and_no_body(server: ServerProcess) -> None:
 ])
 def test_no_path_leads_out_of_the_folder_and_unknown_ones_are_problems(server: ServerProcess, target: str) -> None:
     connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE_SECONDS)
-    connection.request("GET", target)  # as it is: nothing normalizes it on the way
+    connection.request("GET", target)  # unlike requests, http.client does not normalize the path
     response = connection.getresponse()
     body = response.read()
     assert response.status in (400, 404) and b"secret" not in body.replace(target.encode(), b"").replace(b"secret.txt", b"")

@@ -1,4 +1,4 @@
-"""A limit of time is broken by work and by a hang, and by nothing that other processes do."""
+"""Time limits are exceeded by work and by a hang, and not by the work of other processes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Start = Callable[[str], int]
 
 @pytest.fixture
 def start() -> Iterator[Start]:
-    """Starts a program of one line of Python and returns its process id."""
+    """A function that starts a program of one line of Python and returns its process id."""
     started = []
 
     def run(line: str) -> int:
@@ -28,7 +28,7 @@ def start() -> Iterator[Start]:
 
     yield run
     for process in started:
-        os.killpg(process.pid, signal.SIGKILL)  # with what it has started itself
+        os.killpg(process.pid, signal.SIGKILL)  # with the processes that it has started
         process.wait()
 
 

@@ -1,4 +1,4 @@
-"""Which files of the project a source includes, by reading them: no compiler is asked."""
+"""The project's files that a source includes, found by reading the sources, without a compiler."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILIN
 
 
 class Includes:
-    """Paths are relative to `root`, and so are the folders in which headers are looked for."""
+    """The include relation. All paths, and the folders that are searched for headers, are relative to `root`."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -30,7 +30,7 @@ class Includes:
         return self.known[file]
 
     def of_file(self, file: str, folders: Tuple[str, ...]) -> Tuple[str, ...]:
-        """The files of the project that this one includes, under whatever condition of the preprocessor."""
+        """The project's files that this file includes under any condition of the preprocessor."""
         if (file, folders) not in self.resolved:
             found = []
             for name in self.names_in(file):
@@ -41,7 +41,7 @@ class Includes:
         return self.resolved[file, folders]
 
     def closure(self, source: str, folders: Tuple[str, ...]) -> FrozenSet[str]:
-        """The source and every file of the project that it includes, directly or not. Nothing, where there is no such source."""
+        """The source and every file of the project that it includes, directly or not. Empty if there is no such source."""
         if os.path.isabs(source) or not self.is_file(source):
             return frozenset()
         reached, open_files = {source}, [source]

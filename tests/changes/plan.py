@@ -1,9 +1,9 @@
-"""The parts of tests/run.sh and the tests of each part that depend on what changed.
+"""Determines the parts of tests/run.sh, and the tests of each part, that depend on changed files.
 
     tests/changes/plan.py [REV]     since REV, or else since the commit that tests/whole-run.txt names
 
-What is not committed counts as changed. Prints a line for each part: its name, and after it what it has to run, where that is not
-all of it. Says on standard error why. Where it is not known what depends on a change, everything does.
+Uncommitted changes are included. Prints a line for each part: its name and, unless all of it must run, the tests to run. The
+reasons are printed on standard error. If the dependents of a change are unknown, all tests depend on it.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ ROOT = Path(__file__).resolve().parents[2]
 WHOLE_RUN = "tests/whole-run.txt"
 
 PARTS = ["build", "unit", "stability", "python", "api", "docs", "deploy", "hostile", "web", "browser", "bench", "tidy", "asan", "tsan", "fuzz"]
-"""Those that depend on what changed. The others take seconds and run always, as do the links and the spelling of the pages."""
+"""Parts that depend on the changes. The others take seconds and always run, as do the checks of links and spelling of the pages."""
 ALWAYS = ["changes", "arrows", "format"]
 SERVED = {"supple-server", "supple-helper", "make_test_model"}
-"""Programs that the tests of a running server start."""
+"""Programs that tests with a running server start."""
 
 
 @dataclass
 class Plan:
-    """For each part None, if all of it runs, or the names that it has to choose."""
+    """For each part the names of the tests to run, or None if all of it runs."""
     parts: Dict[str, Optional[Set[str]]] = field(default_factory=lambda: {"docs": set()})
     reasons: List[str] = field(default_factory=list)
 
@@ -40,7 +40,7 @@ class Plan:
         self.parts = {part: None for part in PARTS}
 
     def add(self, part: str, chosen: Optional[Set[str]] = None) -> None:
-        """With no choice the whole part. Nothing chosen adds nothing."""
+        """Adds tests of a part, or the whole part if `chosen` is None. An empty set adds nothing."""
         if chosen is None or self.parts.get(part, set()) is None:
             self.parts[part] = None
         elif chosen:
@@ -61,7 +61,7 @@ def git(*arguments: str, root: Path = ROOT) -> Optional[str]:
 
 
 def changed_since(revision: str, root: Path = ROOT) -> Set[str]:
-    """Files that differ between a commit and the working tree, under their old and their new names, and files that git does not know."""
+    """Files that differ between a commit and the working tree, with their old and new names, and files that git does not track."""
     differing = git("diff", "--name-only", "--no-renames", "-z", revision, "--", root=root)
     unknown = git("ls-files", "--others", "--exclude-standard", "-z", root=root)
     assert differing is not None and unknown is not None, "git does not compare the working tree"
@@ -69,7 +69,7 @@ def changed_since(revision: str, root: Path = ROOT) -> Set[str]:
 
 
 def whole_run(root: Path = ROOT) -> str:
-    """The commit of the last whole run. Raises LookupError where this history does not contain it."""
+    """The commit of the last complete run. Raises LookupError if this history does not contain it."""
     path = root / WHOLE_RUN
     words = path.read_text().split() if path.exists() else []
     if not words:
@@ -86,13 +86,13 @@ def without_minutes(page: str) -> str:
 
 
 def only_minutes_changed(revision: str, root: Path = ROOT) -> bool:
-    """Whether CONTRIBUTING.md differs in its table of minutes alone."""
+    """Whether CONTRIBUTING.md differs only in its table of minutes."""
     before, page = git("show", f"{revision}:CONTRIBUTING.md", root=root), root / "CONTRIBUTING.md"
     return before is not None and page.exists() and without_minutes(before) == without_minutes(page.read_text(encoding="utf-8"))
 
 
 def add_targets(plan: Plan, graph: Graph, path: str, root: Path) -> None:
-    """What a change of a C++ file, or of another file in a target's folder, makes necessary."""
+    """Adds the parts and tests that a change of a C++ file, or of another file in a target's folder, requires."""
     readers = graph.readers(path)
     direct = {target for target, _ in readers} or graph.owners(path)
     if not direct:
@@ -129,7 +129,7 @@ def add_targets(plan: Plan, graph: Graph, path: str, root: Path) -> None:
 
 
 def plan_of(changed: Set[str], graph: Callable[[], Graph], root: Path = ROOT, ignored: Callable[[str], bool] = lambda path: False) -> Plan:
-    """The plan for these files. `graph` is asked only if targets have to be known; `ignored` for a path whose change has no effect."""
+    """The plan for these files. `graph` is called only if targets must be known. `ignored` says whether a change has no effect."""
     plan = Plan()
     effects = {path: effects_of(path) for path in sorted(changed) if not ignored(path)}
     for path, found in effects.items():
@@ -152,7 +152,7 @@ def plan_of(changed: Set[str], graph: Callable[[], Graph], root: Path = ROOT, ig
 
 
 def still_there(part: str, chosen: str, root: Path) -> Set[str]:
-    """The choice, or nothing where it is a file that is gone."""
+    """The choice, or an empty set if it is a deleted file."""
     folder = {"api": "tests/api", "hostile": "tests/hostile", "browser": "tests/browser", "deploy": "tests/deploy", "docs": "."}.get(part)
     return {chosen} if folder is None or (root / folder / chosen).exists() else set()
 

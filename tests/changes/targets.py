@@ -1,4 +1,4 @@
-"""CMake's target graph, and which source file reads which file of the project: what a change in C++ makes necessary to run again."""
+"""CMake's target graph, and the files that each source file reads. They determine the tests that a change in C++ requires."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from includes import Includes
 @dataclass
 class Target:
     name: str
-    kind: str  #: as CMake's file API names it: EXECUTABLE, STATIC_LIBRARY, UTILITY
-    folder: str  #: of its CMakeLists.txt, relative to the project
+    kind: str  #: type in CMake's file API: EXECUTABLE, STATIC_LIBRARY, UTILITY
+    folder: str  #: folder of its CMakeLists.txt, relative to the project
     sources: List[str] = field(default_factory=list)
-    folders: List[str] = field(default_factory=list)  #: of the project, in which its sources look for headers
+    folders: List[str] = field(default_factory=list)  #: folders of the project that are searched for headers
     uses: FrozenSet[str] = frozenset()  #: targets that are built before it
 
 
 def configured_targets(root: Path, build: Path) -> List[Target]:
-    """Configures `build` with the tests, benchmarks and fuzzers, and compiles nothing."""
+    """Configures `build` with tests, benchmarks and fuzzers, without compiling."""
     query = build / ".cmake/api/v1/query"
     query.mkdir(parents=True, exist_ok=True)
     (query / "codemodel-v2").touch()
@@ -49,7 +49,7 @@ def read_target(root: Path, told: dict) -> Target:  # type: ignore[type-arg]
 
 
 class Graph:
-    """Targets with everything that they use, directly or not, and the files that each of their sources reads."""
+    """Targets with all targets that they use, directly or not, and the files that each of their sources reads."""
 
     def __init__(self, root: Path, targets: List[Target]) -> None:
         self.targets = {target.name: target for target in targets}
@@ -62,11 +62,11 @@ class Graph:
             (target.name, source): includes.closure(source, tuple(target.folders)) for target in targets for source in target.sources}
 
     def readers(self, file: str) -> Set[Tuple[str, str]]:
-        """Targets and those of their sources that read this file."""
+        """Pairs of a target and one of its sources that reads this file."""
         return {key for key, files in self.read.items() if file in files}
 
     def owners(self, file: str) -> Set[str]:
-        """Targets of the innermost folder with targets around this file: for one that is gone, or that no source includes."""
+        """Targets of the innermost folder around this file that has targets, for a file that was deleted or that no source includes."""
         folder = Path(file).parent
         while folder != Path("."):
             owners = {target.name for target in self.targets.values() if target.folder == str(folder)}
@@ -76,7 +76,7 @@ class Graph:
         return set()
 
     def users_of(self, names: Set[str]) -> Set[str]:
-        """These targets and all that use them, directly or not."""
+        """These targets and all targets that use them, directly or not."""
         reached, open_names = set(names), list(names)
         while open_names:
             for user in self.users.get(open_names.pop(), set()) - reached:
@@ -85,7 +85,7 @@ class Graph:
         return reached
 
     def programs(self, folder: str) -> Set[str]:
-        """Programs that are declared under a folder of the project."""
+        """Programs that are declared within a folder of the project."""
         return {target.name for target in self.targets.values()
                 if target.kind == "EXECUTABLE" and (target.folder == folder or target.folder.startswith(f"{folder}/"))}
 

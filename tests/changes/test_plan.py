@@ -1,4 +1,4 @@
-"""What a change makes necessary: the table of paths against the files of this checkout, and the graph of targets on a small project."""
+"""The tests that a change requires: the table of paths for the files of this checkout, and the graph of targets for a small project."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from topics import files_about, words_of  # noqa: E402
 
 @pytest.fixture(scope="session")
 def graph() -> Graph:
-    """That of this checkout. Nothing is compiled."""
+    """The graph of this checkout, without compiling."""
     return Graph(ROOT, configured_targets(ROOT, ROOT / "build/graph"))
 
 
@@ -85,7 +85,7 @@ def test_the_plan_names_choices_behind_their_parts_and_what_always_runs_first() 
 
 
 def test_each_file_of_this_checkout_is_known_to_the_table_and_each_part_to_the_script(graph: Graph) -> None:
-    """A folder that the table does not know would run everything at each of its changes, and nobody would notice."""
+    """For a folder that the table does not know, each change would run everything, unnoticed."""
     files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split("\0")
     for path in filter(None, files):
         effects = effects_of(path)
@@ -181,7 +181,7 @@ def git(root: Path, *arguments: str) -> str:
 
 @pytest.fixture
 def history(tmp_path: Path) -> List[str]:
-    """Two commits in tmp_path, and a third on a branch beside the second."""
+    """Two commits in tmp_path, and a third one on a branch that begins at the first."""
     git(tmp_path, "init", "-q", "-b", "main")
     (tmp_path / "tests").mkdir()
     commits = []

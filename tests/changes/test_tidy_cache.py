@@ -1,4 +1,4 @@
-"""A file counts as clean as long as nothing that clang-tidy reads of it has changed."""
+"""A file counts as clean as long as nothing that clang-tidy reads for it has changed."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Which tests over HTTP, in the browser and on the pages a change in a room of the engine can reach.
+"""The tests over HTTP, in the browser and of the pages that a change in a room of the engine can affect.
 
-A room that no other room uses, and whose headers the server reads in files with the room's words in their names alone, is reached
-by requests about its subject only. A test without these words, in itself and in the modules that it imports, makes no such request.
-Whether a room is still like that is looked up in the sources each time; for every other room all tests run.
+If no other room uses a room, and the server includes its headers only in files with the room's words in their names, then only
+requests about its subject reach it. A test makes no such request if neither it nor the modules that it imports contain these words.
+Whether this is true for a room is determined from the sources each time; for every other room all tests run.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ WORDS: Dict[str, str] = {
     "engine/weave": "weav",
     "engine/embedded": "embedded|network|membrane|host|spring",
 }
-"""In lower case. A word too many costs time, and a word too few tests."""
+"""Regular expressions in lower case. A superfluous word costs time; a missing one omits tests."""
 
 READS_A_FOLDER = re.compile(r"glob\(|openapi\.yaml|\"examples\"")
-"""Tests that make the requests of a folder or of the contract, and name no subject."""
+"""Matches tests that make the requests of a folder or of the contract, and do not name a subject."""
 
 OF_ALL = {"conftest.py", "harness.py", "contract.py", "harness.mjs"}
-"""What each test imports: the words of the contract in it are not the test's own."""
+"""Modules that each test imports. Their words, such as those of the contract, do not count as words of the test."""
 
 OUTSIDE_THE_SERVER = re.compile(r"tests/|engine/(examples|lab|helper)/")
 
 
 def words_of(graph: Graph, path: str) -> Optional[str]:
-    """The words of the room that this file belongs to, or None where its change can reach other requests than the room's."""
+    """The words of the room of this file, or None if a change of the file can affect other requests than those about the room."""
     room = next((room for room in WORDS if path.startswith(f"{room}/")), None)
     if room is None:
         return None
@@ -43,7 +43,7 @@ def words_of(graph: Graph, path: str) -> Optional[str]:
 
 
 def text_of_test(path: Path) -> str:
-    """The test's own text and that of the modules beside it that it imports, in lower case."""
+    """The text of the test and of the test modules that it imports, in lower case."""
     reached, open_paths, texts = {path}, [path], []
     while open_paths:
         text = open_paths.pop().read_text(encoding="utf-8")
@@ -59,7 +59,7 @@ def text_of_test(path: Path) -> str:
 
 
 def files_about(root: Path, folder: str, pattern: str, words: str) -> Set[str]:
-    """Names of the tests in a folder that can make a request of which one of these words is the subject."""
+    """Names of the tests in a folder that can make a request whose subject is one of these words."""
     found = set()
     for path in (root / folder).glob(pattern):
         text = text_of_test(path)

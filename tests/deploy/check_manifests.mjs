@@ -1,6 +1,6 @@
-// Checks objects of Kubernetes, a JSON list on standard input, with the schemas that the package kubernetes-models ships: each value by
-// the schema, then the names of all fields by the types, since schemas let unknown fields pass. Prints what is wrong, a line
-// each, and ends with 1 then.
+// Checks Kubernetes objects, a JSON list on standard input, with the schemas of the package kubernetes-models: first each value by the
+// schema, then the names of all fields by the TypeScript types, since the schemas permit unknown fields. Prints a line for each fault;
+// the exit status is 1 if there are any.
 
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import ts from "typescript";
@@ -31,7 +31,7 @@ for (const [index, object] of objects.entries()) {
                `export const object${index}: Kind${index} = ${JSON.stringify(object)};`);
 }
 
-// The compiler finds the types from a folder within this one.
+// The compiler finds the types only from a folder within this one.
 const folder = new URL("node_modules/.manifests/", import.meta.url).pathname;
 mkdirSync(folder, { recursive: true });
 const file = `${folder}manifests.ts`;

@@ -1,15 +1,15 @@
-"""Three servers on one database behind a load balancer, while servers are killed, and while they are replaced by newer ones.
+"""Three servers on one database behind a load balancer, while servers are killed, and during a rolling upgrade.
 
     python3 tests/deploy/replicas.py [--jobs 2000] [--kill-every 3] [--requests 3000] [--seed 1] [--output docs/bench]
 
-First kills: clients hand in jobs through HAProxy (deploy/haproxy.cfg), each with an Idempotency-Key, and hand a job in again
-whenever they got no answer. Every few seconds one of the servers is killed (SIGKILL), and started again a second later. In
-the end each job must be there once, whichever way its request went, and have the right result.
+In the first trial, clients submit jobs through HAProxy (deploy/haproxy.cfg), each with an Idempotency-Key, and submit a job
+again whenever they got no answer. Every few seconds one of the servers is killed (SIGKILL), and started again a second later.
+In the end each job must exist once, whichever servers its requests reached, and have the right result.
 
-Then a rolling upgrade: clients ask for immediate answers and hand in jobs, and never ask twice, while one server after the
-other is ended (SIGTERM, --drain) and started again. Not one request may go without its answer.
+The second trial is a rolling upgrade: clients request immediate answers and submit jobs, and never repeat a request, while one
+server after the other is terminated (SIGTERM, --drain) and started again. Every request must be answered.
 
-Exit status 1 where something was lost, doubled or wrong. Needs Debian's packages postgresql-15 and haproxy.
+The exit status is 1 if something was lost, duplicated or wrong. Requires Debian's packages postgresql-15 and haproxy.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ from soak import without_bill  # noqa: E402
 
 SERVERS = 3
 DRAIN = 4
-"""Seconds that a server which ends answers on: longer than the load balancer takes to notice, also on a busy machine."""
+"""Seconds that a terminating server still answers: longer than the load balancer needs to notice it, also on a busy machine."""
 CLIENTS = 6
 KINDS = 24
-"""Different jobs, whose right results are known."""
+"""Number of different jobs, whose right results are known."""
 
 
 class Balancer:
-    """HAProxy with the file of deploy/, whose addresses are replaced."""
+    """HAProxy with the configuration of deploy/, in which addresses are replaced."""
 
     def __init__(self, folder: Path, servers: List[int]) -> None:
         self.port = free_port()
@@ -76,7 +76,7 @@ class Balancer:
         raise RuntimeError("the load balancer does not answer")
 
     def wait_until_it_sends_to_all(self) -> None:
-        """Until every server has passed the balancer's checks, which takes longer on a busy machine."""
+        """Waits until every server has passed the balancer's checks, which takes longer on a busy machine."""
         end = time.monotonic() + 60
         while time.monotonic() < end:
             rows = csv.DictReader(ask(self.statistics, "GET", "/;csv")[1].decode().removeprefix("# ").splitlines())
@@ -93,7 +93,7 @@ class Balancer:
 
 
 def ask(port: int, method: str, path: str, document: Any = None, headers: "Dict[str, str] | None" = None) -> Tuple[int, bytes]:
-    """One request over a connection of its own. Raises OSError or HTTPException where no answer comes."""
+    """Sends one request over a new connection. Raises OSError or HTTPException if there is no answer."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
     try:
         body = None if document is None else json.dumps(document).encode()
@@ -106,7 +106,7 @@ def ask(port: int, method: str, path: str, document: Any = None, headers: "Dict[
 
 
 def until_answered(port: int, method: str, path: str, document: Any = None, headers: "Dict[str, str] | None" = None) -> Tuple[int, bytes]:
-    """Again while nobody answers, or says that it cannot for now."""
+    """Repeats a request while there is no answer or a temporary refusal."""
     end = time.monotonic() + 120
     while True:
         try:
@@ -120,7 +120,7 @@ def until_answered(port: int, method: str, path: str, document: Any = None, head
 
 
 class Trial:
-    """Servers, balancer, and what has happened."""
+    """The servers, the balancer, and counts of events."""
 
     def __init__(self, folder: Path, seed: int) -> None:
         self.chance = random.Random(seed)
@@ -171,7 +171,7 @@ class Trial:
     # --- kills -------------------------------------------------------------------------------------------------------
 
     def hand_in(self, number: int, jobs: int, seconds: float) -> None:
-        """So many jobs, spread over so many seconds."""
+        """Submits `jobs` jobs, distributed over `seconds`."""
         stream = random.Random(100 + number)
         for _ in range(jobs):
             kind = stream.randrange(KINDS)
@@ -217,7 +217,7 @@ class Trial:
         self.check_jobs()
 
     def check_jobs(self) -> None:
-        """Each accepted job is there once, has ended well, and has its result; and there are no others."""
+        """Checks that each accepted job exists once, was successful and has its result, and that there are no other jobs."""
         for job, kind in self.accepted.items():
             end = time.monotonic() + 300
             while True:
@@ -250,7 +250,8 @@ class Trial:
         self.check_files(len(listed))
 
     def check_files(self, jobs: int) -> None:
-        """Each job has the result of its last hold, and nothing else is there but what a killed server had half-written."""
+        """Checks that each job has the result of its last lease, and that there are no other files except those that a killed server
+        had half-written."""
         rights = set(self.query("SELECT id || '.' || hold || '.result' FROM jobs").split())
         end = time.monotonic() + 10
         while True:
@@ -259,14 +260,14 @@ class Trial:
             missing, strangers = rights - files, files - rights - half_written
             if not strangers or time.monotonic() > end:
                 break
-            time.sleep(0.1)  # a server that has just learned that it lost a job removes its late result
+            time.sleep(0.1)  # a server that learns that it has lost the lease of a job removes its late result
         if len(rights) != jobs or missing or strangers or len(half_written) > self.counts["killed"]:
             self.fault(f"{len(rights)} results of {jobs} jobs; missing {sorted(missing)[:5]}, of none {sorted(strangers)[:5]}, "
                        f"half-written {sorted(half_written)[:5]} after {self.counts['killed']} kills")
         self.counts["half-written"] = len(half_written)
 
     def run_again(self) -> int:
-        """How many jobs were begun more than once: their server was killed."""
+        """Number of jobs that were begun more than once because their server was killed."""
         return int(self.query("SELECT count(*) FROM jobs WHERE attempts > 1"))
 
     def query(self, statement: str) -> str:
@@ -333,7 +334,7 @@ A job whose server was killed runs again at another one after {lease} seconds, w
 
 
 def run(jobs: int, every: float, requests: int, seed: int) -> Tuple[Trial, Dict[str, int]]:
-    """Both trials; what went wrong in each, by its name."""
+    """Both trials, and the number of faults in each by its name."""
     with tempfile.TemporaryDirectory(prefix="supple-replicas-") as name:
         trial = Trial(Path(name), seed)
         try:

@@ -1,4 +1,4 @@
-"""The quick start and the tests of a checkout share a build, in this order on a newcomer's machine."""
+"""The quick start and then the tests of a checkout, as on a new user's machine, can use the same build folder."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def configure(*arguments: str) -> None:
 
 @pytest.fixture()
 def first_build(tmp_path: Path) -> Path:
-    """What the quick start configures where nothing is."""
+    """A build folder that the quick start configures if there is none."""
     script = (ROOT / "deploy" / "quickstart.sh").read_text()
     first = re.search(r"first=\((.*?)\)", script[script.index("CMakeCache.txt"):], re.DOTALL)
     assert first

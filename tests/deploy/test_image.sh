@@ -1,6 +1,6 @@
 #!/bin/bash
-# Runs the API tests against the server that is in the image, as a container would run it: as the user 10001 without any capability, on a root that cannot be
-# written, with /tmp and the tests' own folder alone to write to.
+# Runs the API tests against the server in the image, as a container would run it: as the user 10001 without any capability, on a
+# read-only root, with only /tmp and the tests' own folder to write to.
 #
 #   tests/deploy/test_image.sh                                  the image "supple", every test of tests/api
 #   tests/deploy/test_image.sh -- tests/api/test_geodesics.py   what follows -- goes to pytest
@@ -8,8 +8,8 @@
 #   --tag NAME         name of the image (supple)
 #   --storage FOLDER   the folder that deploy/build_image.sh was given
 #
-# Runs as root with buildah, and needs no container runtime: a mount namespace, chroot and the image's files are enough. The command line
-# client and the program that makes test models are those of SUPPLE_BUILD (build/release). Python's tests run outside of the image.
+# Runs as root with buildah, without a container runtime: a mount namespace, chroot and the image's files are sufficient. The command
+# line client and the program that makes test models are those of SUPPLE_BUILD (build/release). The Python tests run outside of the image.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -46,7 +46,7 @@ work=$(mktemp -d /var/tmp/supple-image-XXXXXX)
 cleanup() { buildah "${store[@]}" rm "$container" >/dev/null; rm -rf --one-file-system "$work"; }
 trap cleanup EXIT
 
-# The image's own environment and entry point.
+# The environment and the entry point of the image.
 entry=$(buildah "${store[@]}" inspect --format '{{index .Docker.Config.Entrypoint 0}}' "$container")
 mapfile -t environment < <(buildah "${store[@]}" inspect --format '{{range .Docker.Config.Env}}{{println .}}{{end}}' "$container" | grep .)
 user=$(buildah "${store[@]}" inspect --format '{{.Docker.Config.User}}' "$container")
@@ -55,14 +55,14 @@ health=$(buildah "${store[@]}" inspect --format '{{if .Docker.Config.Healthcheck
 [ -n "$health" ] || fail "the image has lost its health check: build it with --format docker"
 echo "image $tag: runs $entry as $user, health check $health"
 
-# What is written to lies in one folder, which has the same name outside and inside, so that the tests find the files of their servers.
+# All writable folders are within one folder with the same name outside and inside, so that the tests find the files of their servers.
 mkdir -p "$work/root" "$work/data" "$work/tests" "$work/home" "$work/small/disk"
 chown 10001:10001 "$work/data" "$work/tests" "$work/home" "$work/small"
 chmod 755 "$work"
 mkdir -p "$root$work"
 
-# Changing the root is the one thing that the tests' user may do beyond others; the server has lost that too. The process stays the
-# same one, so that signals and limits reach it.
+# The tests' user has only one additional capability, to change the root, which the server does not have. The process is replaced and
+# not forked, so that signals and limits reach the server.
 inside="/usr/sbin/chroot $work/root /usr/bin/setpriv --inh-caps=-all --ambient-caps=-all --no-new-privs"
 printf '#!/bin/bash\nexec %s /usr/local/bin/%s "$@"\n' "$inside" "$entry" >"$work/supple-server"
 printf '#!/bin/bash\nexec %s /usr/bin/env -i %s "$@"\n' "$inside" "${environment[*]@Q}" >"$work/in-the-image"
@@ -73,7 +73,7 @@ set -euo pipefail
 root=$1 work=$2 entry=$3 build=$4
 shift 4
 fail() { printf 'test_image: %s\n' "$*" >&2; exit 1; }
-# The loopback of a network of its own.
+# Enables the loopback device of the new network namespace.
 /usr/bin/python3 -c 'import fcntl, socket, struct
 fcntl.ioctl(socket.socket(), 0x8914, struct.pack("16sH14x", b"lo", 0x41))'
 mount --make-rprivate /
@@ -83,14 +83,14 @@ mount --rbind /dev "$work/root/dev"
 mount -t tmpfs -o mode=1777 tmpfs "$work/root/tmp"
 mount --bind "$work/data" "$work/root/var/lib/supple"
 mount --bind "$work" "$work/root$work"
-# The tests' user may not mount the disk that some tests fill.
+# Some tests fill a small disk, which the tests' user may not mount.
 mount -t tmpfs -o size=64m,mode=700,uid=10001,gid=10001 tmpfs "$work/small/disk"
 mount --bind "$work/small/disk" "$work/root$work/small/disk"
 mount -o remount,bind,ro "$work/root"
 as_user=(setpriv --reuid 10001 --regid 10001 --clear-groups --bounding-set -all,+sys_chroot --inh-caps -all,+sys_chroot
   --ambient-caps -all,+sys_chroot)
 
-# First as it comes, by its entry point. Sets the process and its milliseconds to /readyz.
+# Starts the unchanged image by its entry point. Sets the process and the milliseconds until /readyz is answered.
 start_as_it_comes() {
   local began
   began=$(date +%s%N)
@@ -121,16 +121,16 @@ start_as_it_comes
 stop_as_it_ends
 echo "starts in $first ms, and in $took ms once its files are in memory, with $models models and the editor; its health check passes; SIGTERM ends it with 0"
 
-# Then its program by the tests, which bring models of their own and expect none beside the program.
+# Then the tests start its program. They have their own models and expect none beside the program.
 mount -t tmpfs -o mode=755,ro tmpfs "$work/root/usr/local/share/supple"
 export HOME="$work/home" PYTHONDONTWRITEBYTECODE=1 SUPPLE_TEST_SERVER="$work/supple-server" SUPPLE_TEST_SMALL_DISK="$work/small/disk"
-# The checkout and the build belong to another user than the one who runs the tests. Git shows the history of such a checkout only if
-# it is told to, and "cmake --install" writes a list of what it installed into the build's folder.
+# The checkout and the build belong to another user than the one that runs the tests. Git shows the history of such a checkout only
+# with this setting, and "cmake --install" writes a list of the installed files into the build's folder.
 export GIT_CONFIG_COUNT=1 GIT_CONFIG_KEY_0=safe.directory GIT_CONFIG_VALUE_0="$PWD"
 install -o 10001 -g 10001 -m 644 /dev/null "$work/installed"
 [ -e "$build/install_manifest_client.txt" ] || : >"$build/install_manifest_client.txt"
 mount --bind "$work/installed" "$build/install_manifest_client.txt"
-# PostgreSQL's programs ask for the name of their user.
+# PostgreSQL's programs require that their user has a name.
 if ! getent passwd 10001 >/dev/null; then
   { cat /etc/passwd; echo "supple:x:10001:10001::$work/home:/usr/sbin/nologin"; } >"$work/passwd"
   mount --bind "$work/passwd" /etc/passwd

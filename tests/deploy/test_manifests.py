@@ -1,4 +1,4 @@
-"""The manifests for Kubernetes: against the schemas, and what they promise of safety."""
+"""The manifests for Kubernetes: they satisfy the schemas, and have the promised settings for security."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FOLDER = ROOT / "deploy" / "kubernetes"
 
 
 def manifests() -> List[Dict[str, Any]]:
-    """As the kustomization lists them."""
+    """The manifests that the kustomization lists."""
     return [document for name in kustomization(FOLDER)["resources"] for document in yaml.safe_load_all((FOLDER / name).read_text())]
 
 
@@ -26,7 +26,7 @@ def kustomization(folder: Path) -> Dict[str, Any]:
 
 
 def merged(value: Any, patch: Any) -> Any:
-    """A strategic merge patch, as far as these files need it: lists of named things are merged by their names, others are replaced."""
+    """Applies a strategic merge patch, as far as these files need it: lists of named objects are merged by names, others replaced."""
     if isinstance(value, dict) and isinstance(patch, dict):
         return {key: merged(value[key], patch[key]) if key in value and key in patch else patch.get(key, value.get(key))
                 for key in {**value, **patch}}
@@ -39,7 +39,7 @@ def merged(value: Any, patch: Any) -> Any:
 
 
 def shared_manifests() -> List[Dict[str, Any]]:
-    """Those of several servers."""
+    """The manifests for several servers."""
     patches = [yaml.safe_load((FOLDER / "shared" / patch["path"]).read_text()) for patch in kustomization(FOLDER / "shared")["patches"]]
     documents = manifests()
     for patch in patches:
@@ -137,7 +137,7 @@ def test_the_pod_has_probes_and_limits() -> None:
     assert container["readinessProbe"]["httpGet"]["path"] == container["startupProbe"]["httpGet"]["path"] == "/readyz"
     for amount in ("requests", "limits"):
         assert set(container["resources"][amount]) >= {"cpu", "memory"}
-    # Kubernetes would set SUPPLE_PORT for the service.
+    # Otherwise Kubernetes would set the variable SUPPLE_PORT for the service.
     assert of_kind("Deployment")["spec"]["template"]["spec"]["enableServiceLinks"] is False
 
 

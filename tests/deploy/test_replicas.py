@@ -1,4 +1,4 @@
-"""The short version of `replicas.py`."""
+"""A short run of `replicas.py`."""
 
 from __future__ import annotations
 

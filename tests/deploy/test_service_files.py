@@ -1,4 +1,4 @@
-"""The image's recipe, compose and the systemd unit: what they promise and what they have to mention, without building or starting them."""
+"""The image's recipe, compose and the systemd unit: their promised settings, without building or starting them."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_the_image_is_not_root_and_says_whether_it_is_well() -> None:
     last = CONTAINERFILE.split("\nFROM")[-1]
     assert re.search(r"^USER 10001:10001$", last, flags=re.M)
     assert re.search(r"^HEALTHCHECK ", last, flags=re.M) and "/healthz" in last
-    # The health check is part of Docker's format alone.
+    # Only Docker's image format has a health check.
     assert "--format docker" in (DEPLOY / "build_image.sh").read_text()
 
 
@@ -80,7 +80,7 @@ def test_the_unit_has_limits_and_is_understood_by_systemd() -> None:
     if shutil.which("systemd-analyze") is None:
         pytest.skip("systemd-analyze is not installed")
     done = subprocess.run(["systemd-analyze", "verify", str(unit)], capture_output=True, text=True, timeout=60, check=False)
-    # That the program is not installed here is no fault of the unit.
+    # The program is not installed on this machine, which is no fault of the unit.
     faults = [line for line in done.stderr.splitlines() if "supple-server.service" in line and "not executable" not in line]
     assert faults == []
     done = subprocess.run(["systemd-analyze", "security", "--offline=true", "--threshold=20", "--no-pager", str(unit)],

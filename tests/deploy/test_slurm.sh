@@ -1,11 +1,11 @@
 #!/bin/bash
-# Makes a data set with deploy/slurm/make_dataset.sh on a cluster of Slurm that consists of this machine, kills two tasks of its
-# twenty in the middle, and compares the merged file with one that a single run makes.
+# Makes a data set with deploy/slurm/make_dataset.sh on a Slurm cluster that consists of this machine, kills two of its twenty tasks
+# during their work, and compares the merged file with that of a single run.
 #
 #   tests/deploy/test_slurm.sh [--lab PROGRAM]     supple-lab (build/release/engine/lab/supple-lab)
 #
 # Runs as root with Debian's packages slurmctld, slurmd, slurm-client, munge and hdf5-tools. The cluster has its own folder
-# and ports, and is gone afterwards.
+# and ports, and is removed afterwards.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -41,7 +41,7 @@ install -d -m 700 -o munge "$work/munge"
 install -d "$work/state" "$work/spool"
 mungekey --create --keyfile "$work/munge/key"
 chown munge "$work/munge/key"
-# Of its own, so that a munge of this machine stays as it is.
+# A separate munge, so that one of this machine is not affected.
 setpriv --reuid munge --regid munge --clear-groups munged --key-file "$work/munge/key" --socket "$work/munge/socket" --pid-file "$work/munge/pid" \
   --log-file "$work/munge/log" --seed-file "$work/munge/seed" --force
 cp "$work/munge/pid" "$work/munged.pid"
@@ -82,7 +82,7 @@ deploy/slurm/make_dataset.sh --folder "$work/array" --shards 20 --lab "$lab" -- 
 
 killed=0
 while [ "$killed" -lt 2 ]; do
-  # The oldest process that computes: it is in the middle of a design.
+  # The oldest computing process, which is surely within a design.
   if victim=$(pgrep -o -f "dataset make .*--out $work/array/shard-"); then
     sleep 0.3
     if kill -9 "$victim" 2>/dev/null; then killed=$((killed + 1)); echo "killed process $victim"; fi
@@ -98,7 +98,7 @@ other=$(deploy/slurm/make_dataset.sh --folder "$work/array" --shards 20 --lab "$
 [[ $other == *"has another data set"* ]] || fail "another recipe was refused for another reason: $other"
 
 "$lab" dataset make "${recipe[@]}" --quiet --out "$work/alone.h5"
-# Times alone may differ.
+# Only times may differ.
 h5diff --exclude-path /rows/seconds --exclude-path /designs/seconds --exclude-path /costs "$work/alone.h5" "$work/array/dataset.h5" ||
   fail "the merged data set differs from that of one run"
 h5diff "$work/alone.h5" "$work/array/dataset.h5" /rows/stress >/dev/null

@@ -1,7 +1,7 @@
 #!/bin/bash
-# Boots a Debian with systemd in a container of systemd-nspawn and has it run deploy/supple-server.service with the programs of the image: whether the
-# service starts by its unit as it is, has its limits, comes back after a kill -9, goes on with its data, refuses a wrong
-# configuration without trying again, and ends with SIGTERM.
+# Boots a Debian with systemd in a container of systemd-nspawn, which runs deploy/supple-server.service with the programs of the image.
+# Checks that the service starts by the unchanged unit, has its limits, restarts after a kill -9, continues with its data, does not
+# restart after it has refused a wrong configuration, and ends with SIGTERM.
 #
 #   tests/deploy/test_unit.sh [--tag NAME] [--storage FOLDER]      as for deploy/build_image.sh
 #
@@ -60,12 +60,12 @@ pid=$(is MainPID)
 say "user $(stat -c %u "/proc/$pid"), capabilities $(awk '/CapEff/ {print $2}' "/proc/$pid/status"), seccomp $(awk '/^Seccomp:/ {print $2}' "/proc/$pid/status")"
 [ "$(stat -c %u "/proc/$pid")" != 0 ] || wrong "the server runs as root"
 group=/sys/fs/cgroup$(is ControlGroup)
-# The kernel's limits are there only where the container has the controllers.
+# The kernel's limits exist only if the container has the controllers.
 limit() { cat "$group/$1" 2>/dev/null || echo "not in this container"; }
 say "MemoryMax $(is MemoryMax), kernel: $(limit memory.max); TasksMax $(is TasksMax), kernel: $(limit pids.max)"
 mesh=$(printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' | curl -fsS --data-binary @- -H 'Content-Type: model/obj' http://127.0.0.1:8080/v1/meshes | sed -E 's/.*"id": ?"([^"]+)".*/\1/')
 [ -n "$mesh" ] || wrong "a mesh cannot be stored"
-# Meshing runs in a helper process, which the filter of system calls has to leave alone.
+# Meshing runs in a helper process, which the filter of system calls must permit.
 curl -fsS -o /dev/null -H 'Content-Type: application/json' http://127.0.0.1:8080/v1/simulations -d '{"family": "IH01",
   "parameters": [0.12, 0.5, 0.1, 0.6], "load": {"uniaxial": {"direction": 0, "stretches": [0.99]}}, "accuracy": {"mesh_size": 0.7}}' ||
   wrong "a simulation does not run"
@@ -98,7 +98,7 @@ ExecStart=/proof
 WantedBy=multi-user.target
 SERVICE
 ln -sf /etc/systemd/system/proof.service "$root/etc/systemd/system/multi-user.target.wants/proof.service"
-# There is no system bus here, with which a container would be registered.
+# There is no system bus to register the container with.
 timeout --kill-after=20 300 systemd-nspawn -q --register=no --keep-unit --private-network -D "$root" --boot >"$root/boot.log" 2>&1 ||
   { tail -20 "$root/boot.log" >&2; fail "the container did not boot and end within 5 minutes"; }
 cat "$root/proof.log" || { tail -20 "$root/boot.log" >&2; fail "the container booted without the proof"; }

@@ -1,4 +1,4 @@
-"""Fixtures of the pages' tests. The server and the CLI come from SUPPLE_BUILD (build/release), as those of the API tests."""
+"""Fixtures of the tests of pages. The server and the CLI are those of SUPPLE_BUILD (build/release), as in the API tests."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pages import RUN, blocks_of  # noqa: E402
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """A server with the models that are shipped."""
+    """A server with the shipped models."""
     examples = [BUILD / "engine" / "examples" / path.stem for path in (ROOT / "engine" / "examples").glob("*.cpp")]
     for program in (SERVER, CLI, *examples):
         if not program.exists():

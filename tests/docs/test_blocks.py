@@ -1,10 +1,9 @@
-"""Every block of code of the pages does what it shows: shells and Python against a real server, JSON by parsing it, TOML by being a
-configuration that the server takes, C++ by being the file that is compiled.
+"""Every block of code on the pages works: shell and Python are run with a real server, JSON is parsed, TOML must be a configuration
+that the server accepts, and C++ must be the content of a compiled file.
 
-The blocks of a page run in their order in one folder, in which the checkout's files are at hand. Before them there are, in Python,
-`supple`, `client` and `mesh` (a trefoil knot that was uploaded), and in shells `id`, that mesh's name, and on the path the programs
-`supple`, `supple-server` and those of engine/examples. A block that cannot
-run says why in a comment before it: `<!-- not run: REASON -->`.
+The blocks of a page run in their order in one folder, which has the checkout's files. Python blocks can use `supple`, `client` and
+`mesh` (an uploaded trefoil knot). Shell blocks can use `id`, the id of that mesh, and the programs `supple`, `supple-server` and those
+of engine/examples, which are on the path. A block that cannot run says why in a comment before it: `<!-- not run: REASON -->`.
 """
 
 from __future__ import annotations
@@ -24,8 +23,8 @@ from pages import RUN, Block, blocks_of
 
 DEFAULT_URL = "http://127.0.0.1:8080"
 PAGE_SECONDS = 3600
-"""On the wall's clock, for all blocks of a page: on a busy machine they take many times as long as on an idle one."""
-#: The programs of docs/engine.md, whose blocks of C++ are these files.
+"""Time limit for all blocks of a page, in wall-clock time. It is long, since blocks take many times as long on a busy machine."""
+#: The programs of docs/engine.md, whose C++ blocks are the contents of these files.
 EXAMPLES = sorted((ROOT / "engine" / "examples").glob("*.cpp"))
 MESH = "api/examples/meshes/trefoil-knot.obj"
 
@@ -34,7 +33,7 @@ import supple
 client = supple.Client()
 mesh = client.upload({MESH!r})
 """
-#: A refused request ends the block, which curl leaves to its caller otherwise.
+#: With --fail-with-body a refused request ends the block.
 SHELL_BEGIN = f"""
 set -euo pipefail
 curl() {{ command curl --fail-with-body "$@"; }}
@@ -56,7 +55,7 @@ def pages_with(language: str) -> List[str]:
 
 
 def folder_for(page: str, tmp_path: Path) -> Path:
-    """A folder in which the checkout's files are at hand, and where a page's blocks may write."""
+    """A folder with the checkout's files, in which a page's blocks may write."""
     folder = tmp_path / "page"
     folder.mkdir()
     for entry in ROOT.iterdir():
@@ -88,7 +87,7 @@ def run_shell(page: str, found: List[Block], server: ServerProcess, tmp_path: Pa
 
 
 def run_python(page: str, found: List[Block], server: ServerProcess, tmp_path: Path) -> None:
-    """Tracebacks name the page and its line."""
+    """Runs Python blocks so that tracebacks name the page and its line."""
     steps = [("setup", 1, PYTHON_BEGIN), *((block.page, block.line, block.code) for block in found)]
     script = ("names = {'__name__': '__main__'}\n" +
               "".join(f"exec(compile({chr(10) * (line - 1) + code!r}, {str(ROOT / page)!r}, 'exec'), names)\n" for page, line, code in steps))
@@ -131,7 +130,7 @@ def test_toml_blocks_are_configurations_of_the_server(page: str, tmp_path: Path)
 
 @pytest.mark.parametrize("page", RUN)
 def test_blocks_name_a_language_that_is_checked(page: str) -> None:
-    """Otherwise a block without a language would be one that nobody runs."""
+    """Without a language a block would never be run."""
     faults = []
     for block in blocks_of(page):
         if block.language not in ("sh", "python", "json", "toml", "cpp", "text"):
@@ -161,7 +160,7 @@ def test_most_blocks_run() -> None:
 
 
 class TestAFaultyBlock:
-    """Blocks that would mislead a reader are found."""
+    """The tests detect blocks that would mislead a reader."""
 
     def test_refused_request(self, server: ServerProcess, tmp_path: Path) -> None:
         page = "```sh\ncurl -s http://127.0.0.1:8080/v1/nowhere\n```\n"

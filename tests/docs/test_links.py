@@ -1,4 +1,4 @@
-"""Every relative link of every page leads to a file and, where it names one, to a heading."""
+"""Every relative link on every page leads to a file and, if it names one, to a heading."""
 
 from __future__ import annotations
 

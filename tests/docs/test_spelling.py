@@ -16,8 +16,8 @@ TERMS = Path(__file__).with_name("terms.txt")
 
 
 def words_of(text: str) -> Dict[str, int]:
-    """Each word of a page's prose with the line where it first stands. Acronyms, names with digits or underscores, formulas and
-    names of files are no words."""
+    """Each word of a page's prose with the line of its first occurrence. Acronyms, names with digits or underscores, formulas and
+    names of files do not count as words."""
     found: Dict[str, int] = {}
     for number, line in enumerate(without_code(text).split("\n"), 1):
         if line.startswith("    ") and not re.match(r" *([-*]|\d+\.|\|) ", line) and not re.search(r"[a-z]{3,} [a-z]{2,} [a-z]{2,}", line):
@@ -39,7 +39,7 @@ def stem(word: str) -> str:
 
 
 def misspelt(words: Iterable[str]) -> Set[str]:
-    """Those that hunspell does not know."""
+    """The words that hunspell does not know."""
     done = subprocess.run(["hunspell", "-i", "UTF-8", "-d", "en_GB", "-l"], input="\n".join(sorted(set(words))) + "\n",
                           capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
@@ -47,8 +47,8 @@ def misspelt(words: Iterable[str]) -> Set[str]:
 
 
 def unknown(words: Iterable[str]) -> Set[str]:
-    """Those of the words that neither the dictionary nor the list of terms has. A term in small letters may begin a sentence, and each
-    word may have a genitive."""
+    """The words that neither the dictionary nor the list of terms contains. A term in lower case may begin a sentence, and each word may
+    have a genitive."""
     known = set(terms())
     asked = {word for word in words if known.isdisjoint({stem(word), stem(word).lower()})}
     wrong = misspelt(map(stem, asked))
@@ -57,7 +57,7 @@ def unknown(words: Iterable[str]) -> Set[str]:
 
 @lru_cache(maxsize=None)
 def unknown_on_pages() -> FrozenSet[str]:
-    """Of the words of all pages, so that hunspell starts once."""
+    """The unknown words of all pages, for which hunspell starts only once."""
     return frozenset(unknown(word for page in WRITTEN for word in words_of(text_of(page))))
 
 

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Runs a fuzz target for some seconds, beginning with what it found before and with the corpus of this folder.
+# Runs a fuzz target for some seconds. It starts from the inputs that earlier runs found and from the corpus of this folder.
 #
 #   tests/fuzz/run_target.sh build/asan-ubsan/tests/fuzz/fuzz_NAME SECONDS
 set -uo pipefail
@@ -10,7 +10,7 @@ log=build/asan-ubsan/$name.log
 mkdir -p "$corpus"
 seeds=()
 [ -d "tests/fuzz/corpus/$name" ] && seeds=("tests/fuzz/corpus/$name")
-# A unit that takes 30 seconds hangs, also on a machine that is busy with something else.
+# An input that takes 30 seconds counts as a hang, also on a busy machine.
 if "$target" -max_total_time="$2" -timeout=30 -rss_limit_mb=2048 -print_final_stats=1 \
   -artifact_prefix="build/asan-ubsan/$name-" "$corpus" "${seeds[@]}" 2>"$log"; then
   echo "-- $name for $2 s: $(grep -E 'stat::number_of_executed_units' "$log")"

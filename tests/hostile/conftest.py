@@ -1,4 +1,4 @@
-"""Fixtures of the hostile tests: the harness and the contract of the API tests, and servers of their own."""
+"""Fixtures of the hostile tests: harness and contract of the API tests, and separate servers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """One server for a file of tests, with the shipped models."""
+    """One server for each file of tests, with the shipped models."""
     folder = tmp_path_factory.mktemp("hostile")
     process = ServerProcess(folder / "data", "--models", str(ROOT / "models")).start()
     yield process
@@ -43,7 +43,7 @@ def api(server: ServerProcess, contract: Contract) -> Api:
 
 @pytest.fixture()
 def new_server(tmp_path: Path) -> Iterator[Callable[..., ServerProcess]]:
-    """Starts servers of a test's own."""
+    """Starts servers for a single test."""
     yield from servers_of_a_test(tmp_path)
 
 

@@ -1,7 +1,7 @@
-"""The costliest requests that the contract's limits allow, for each operation that computes or reads a large body.
+"""The costliest requests that the contract's limits permit, for each operation that computes or reads a large body.
 
-Each is a function of the meshes that are there and returns a method, a path, headers and a body. What is large is made
-here, so that the tests need no files.
+Each is a function of the uploaded meshes and returns a method, a path, headers and a body. Large bodies are generated, so
+that the tests need no files.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Costly(NamedTuple):
 
 Meshes = Dict[str, str]
 CASES: "Dict[str, Callable[[Meshes, Dict[str, Any]], Costly]]" = {}
-"""Name -> request; the second argument has the fields that every body may have, such as a deadline."""
+"""Name -> function that returns the request. Its second argument has fields that every body may have, such as a deadline."""
 
 
 def costly(make: "Callable[[Meshes, Dict[str, Any]], Costly]") -> "Callable[[Meshes, Dict[str, Any]], Costly]":
@@ -39,7 +39,7 @@ def post(path: str, document: Dict[str, Any], accept: str = "*/*") -> Costly:
 
 
 def ply(vertices: np.ndarray, faces: np.ndarray) -> bytes:
-    """Binary little-endian PLY."""
+    """The mesh as binary little-endian PLY."""
     head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices)}\nproperty double x\nproperty double y\n"
             f"property double z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n")
     rows = np.zeros(len(faces), dtype=[("n", "u1"), ("v", "<i4", 3)])
@@ -59,7 +59,7 @@ def stl(vertices: np.ndarray, faces: np.ndarray) -> bytes:
 
 
 def read_obj(name: str) -> "Tuple[np.ndarray, np.ndarray]":
-    """Vertices and faces of an example of the contract."""
+    """Vertices and faces of a mesh in the contract's examples."""
     lines = [line.split() for line in (ROOT / "api" / "examples" / "meshes" / f"{name}.obj").read_text(encoding="utf-8").splitlines()]
     vertices = np.array([line[1:4] for line in lines if line and line[0] == "v"], dtype=float)
     faces = np.array([[int(corner.split("/")[0]) - 1 for corner in line[1:4]] for line in lines if line and line[0] == "f"])
@@ -67,11 +67,11 @@ def read_obj(name: str) -> "Tuple[np.ndarray, np.ndarray]":
 
 
 LOOSE = 60_000
-"""Triangles of a mesh that has no two of them at one place."""
+"""Number of triangles in a mesh of separate triangles."""
 
 
 def meshes_of(upload: Callable[[bytes], str]) -> Meshes:
-    """Uploads the meshes that the requests name."""
+    """Uploads the meshes for the requests."""
     x, y = np.meshgrid(np.linspace(0, 1, 701), np.linspace(0, 1, 701), indexing="ij")
     vertices, faces = flat_grid(700)
     hills = vertices.copy()
@@ -89,7 +89,7 @@ def meshes_of(upload: Callable[[bytes], str]) -> Meshes:
 # --- meshes --------------------------------------------------------------------------------------------------------------
 
 GRID = 1500
-"""Cells along each side of a mesh that is uploaded: 4.5 million faces."""
+"""Cells along each side of an uploaded mesh, which has 4.5 million faces."""
 
 
 @costly
@@ -220,7 +220,8 @@ def drawing_of_many_elements(meshes: Meshes, more: Dict[str, Any]) -> Costly:
 
 @costly
 def drawing_that_repeats_itself(meshes: Meshes, more: Dict[str, Any]) -> Costly:
-    # Ten levels of ten uses of the level below: what stops it is the number of curves, each of which is as long as may be.
+    # Ten levels, each with ten uses of the level below. The limit of the number of curves refuses it; each curve is as long as
+    # permitted.
     path = '<path id="l0" d="M0 0' + "h1" * 70 + 'V9Z"/>'
     levels = "".join(f'<g id="l{k}">' + f'<use href="#l{k - 1}" x="{k}"/>' * 10 + "</g>" for k in range(1, 11))
     return post("/v1/outlines", {"text": f'<svg><defs>{path}{levels}</defs><use href="#l10"/></svg>', **more})
@@ -241,8 +242,8 @@ def drawing_of_an_element_of_many_attributes(meshes: Meshes, more: Dict[str, Any
 
 
 def texts_of_one_hash(count: int) -> List[str]:
-    """Texts of 16 bytes that libstdc++'s hash of strings (MurmurHash64A) does not tell apart: of any first half, the
-    second half follows."""
+    """Texts of 16 bytes that have the same hash in libstdc++ (MurmurHash64A). The first half is arbitrary and determines the
+    second."""
     factor = 0xC6A4A7935BD1E995
     inverse = pow(factor, -1, 2**64)
     generator = np.random.default_rng(1)

@@ -1,15 +1,15 @@
-"""Requests of extreme numbers: each is an example of the contract in which some values were replaced.
+"""Requests with extreme numbers: each is an example of the contract in which some values were replaced.
 
     python3 tests/hostile/extremes.py [--requests 20000] [--seed 1] [--only voronoi]
 
-A number becomes a limit that the contract names, zero, the smallest or the largest number there is, or another number
-of the same body; an entry of a list is repeated, or left out; an optional field is added, of which only the contract
-says what it may hold. One to four values change at a time. The server may answer or refuse, and never with 500 or
-beyond the contract's schemas: where a result cannot be finite, the field that is to blame is named. Each request has a
-second; it may take another one (CPU time of the server).
+A number is replaced by a limit in the contract, zero, the smallest or the largest double, or another number of the same
+body. An entry of a list is repeated or removed. An optional field is added with a value that its schema permits. One to
+four values change at a time. The server may answer or refuse, but never with status 500 or in violation of the contract's
+schemas: if a result is not finite, the problem names the responsible field. Each request has a deadline of a second, and
+may take one more second of the server's CPU time.
 
-Prints what broke these rules, with its body, and ends with status 1 then. All the while probes are sent: how long they
-took is printed, and so are the most memory that the server had and how long it took to end while it computed.
+Prints each violation of these rules with its body; the exit status is 1 if there are any. Probes are sent during the whole
+run. Their durations are printed, as are the server's peak memory and the time that it takes to end while it computes.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from working_time import PATIENCE_SECONDS, cpu_seconds  # noqa: E402
 
 DEADLINE = 1.0
 LATE = 1.0
-"""CPU seconds beyond the deadline, for each of the server's threads that compute."""
+"""Permitted CPU seconds beyond the deadline, for each of the server's computing threads."""
 EXTREMES = [0, 1, -1, 5e-324, 1e-310, 1e-300, 1e-154, 1e-100, 1e-30, 1e-12, 1e-6, 1e6, 1e9, 1e12, 1e30, 1e70, 1e100, 1e154, 1e300,
             1.7976931348623157e308, 2**31 - 1, 2**31, 2**53, 2**63, 2**64]
 
@@ -54,7 +54,7 @@ class Base(NamedTuple):
 
 
 def limits_of(node: Any) -> Iterator[float]:
-    """Every limit of a number that the contract names."""
+    """Every limit of a number in the contract."""
     if isinstance(node, dict):
         for key, inner in node.items():
             if key in ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum") and isinstance(inner, (int, float)):
@@ -66,7 +66,7 @@ def limits_of(node: Any) -> Iterator[float]:
 
 
 def places(value: Any, kind: Any, place: Place = ()) -> Iterator[Place]:
-    """The places of a body that hold a value of this kind."""
+    """The places of a body whose value is of this type."""
     if isinstance(value, kind) and not isinstance(value, bool):
         yield place
     if isinstance(value, (dict, list)):
@@ -82,13 +82,13 @@ def at(body: Any, place: Place) -> Any:
 
 
 class Growth:
-    """Optional fields of a body, made from the contract's schemas."""
+    """Generates optional fields of a body from the contract's schemas."""
 
     def __init__(self, contract: Contract, numbers: List[float], chance: random.Random) -> None:
         self.contract, self.numbers, self.chance = contract, numbers, chance
 
     def alternatives(self, schema: Any, value: Any) -> Iterator[Any]:
-        """The schema, and those of its parts that the value keeps to."""
+        """The schema, and those of its alternatives that the value satisfies."""
         schema = self.contract.resolve(schema)
         yield schema
         for key in ("allOf", "oneOf", "anyOf"):
@@ -100,7 +100,7 @@ class Growth:
                 yield from self.alternatives(part, value)
 
     def missing(self, schema: Any, value: Any, place: Place = ()) -> Iterator[Tuple[Place, str, Any]]:
-        """(place of an object, name of a field that it has not, schema of that field)."""
+        """Triples of the place of an object, the name of a field that it lacks, and the schema of that field."""
         for part in self.alternatives(schema, value):
             if isinstance(value, dict):
                 for name, inner in part.get("properties", {}).items():
@@ -113,7 +113,7 @@ class Growth:
                 yield from self.missing(part["items"], value[chosen], place + (chosen,))
 
     def value(self, schema: Any, depth: int = 0) -> Any:
-        """Something that the schema allows, or nearly so."""
+        """A value that the schema permits, or almost permits."""
         schema = self.contract.resolve(schema)
         if "const" in schema:
             return schema["const"]
@@ -161,7 +161,7 @@ class Extremes:
         self.statuses: "Counter[int]" = Counter()
 
     def examples(self) -> Iterator[Base]:
-        """The examples' computations; what they upload is there then."""
+        """The computations of the examples, after the uploads that they need."""
         for example in EXAMPLES:
             saved: Dict[str, str] = {}
             for step in json.loads(example.read_text(encoding="utf-8"))["steps"]:
@@ -227,13 +227,13 @@ class Extremes:
         return body
 
     def with_field(self, base: Base, place: Place, name: str, schema: Any) -> Dict[str, Any]:
-        """The body with another value of this field."""
+        """The body with a generated value of this field."""
         body = copy.deepcopy(base.body)
         at(body, place)[name] = self.growth.value(schema)
         return body
 
     def ask(self, path: str, body: Dict[str, Any], accept: str) -> str:
-        """Sends a request; returns what is wrong with its answer, or nothing."""
+        """Sends a request and returns what is wrong with its answer, or an empty text."""
         before = sum(cpu_seconds(self.server.pid).values())
         try:
             answer = self.session.post(self.server.url + path, data=json.dumps(body),
@@ -264,7 +264,7 @@ class Extremes:
 
 
 class Probes(threading.Thread):
-    """Asks for the server's health twenty times a second."""
+    """Requests the server's health twenty times a second."""
 
     def __init__(self, server: ServerProcess) -> None:
         super().__init__(daemon=True)
@@ -283,14 +283,14 @@ class Probes(threading.Thread):
                 self.seconds.append(time.monotonic() - begin)
 
     def text(self) -> str:
-        """How long they took."""
+        """The durations of the probes, as a sentence."""
         ordered = sorted(self.seconds) or [math.nan]
         shares = ", ".join(f"{100 * share:g} % within {1000 * ordered[min(len(ordered) - 1, int(share * len(ordered)))]:.0f} ms" for share in (0.5, 0.99, 0.999))
         return f"{len(self.seconds)} probes: {shares}, the longest {1000 * ordered[-1]:.0f} ms"
 
 
 def ending(server: ServerProcess, extremes: "Extremes") -> float:
-    """Seconds that the server takes to end while it computes."""
+    """Seconds that the server takes to terminate while it computes."""
     def send(base: Base) -> None:
         try:
             requests.post(server.url + base.path, json=base.body, timeout=PATIENCE_SECONDS)

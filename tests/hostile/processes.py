@@ -1,4 +1,4 @@
-"""What a server's processes use, and requests that are sent without waiting for their answers."""
+"""Resources of a server's processes, and requests that are sent without waiting for their answers."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from harness import SANITIZED, ServerProcess
 from working_time import cpu_seconds
 
 memory_is_its_own = pytest.mark.skipif(SANITIZED, reason="the address sanitizer keeps freed memory and reserves any amount of addresses")
-"""For tests of how much memory the server takes."""
+"""Marks tests that measure the server's memory."""
 
 
 def cpu_within(pid: int, seconds: float) -> float:
-    """CPU seconds that the processes use from now on."""
+    """CPU seconds that the processes use in the next `seconds`."""
     before = sum(cpu_seconds(pid).values())
     time.sleep(seconds)
     return max(0.0, sum(cpu_seconds(pid).values()) - before)
 
 
 def reset_peak(pid: int) -> None:
-    """From now on the peak of the process's memory is counted anew."""
+    """Restarts the measurement of the process's peak memory."""
     Path(f"/proc/{pid}/clear_refs").write_text("5")
 
 
 def peak_bytes(pid: int) -> int:
-    """The most main memory that the process had since `reset_peak`."""
+    """The process's peak resident memory since `reset_peak`."""
     status = Path(f"/proc/{pid}/status").read_text()
     return 1024 * int(re.search(r"VmHWM:\s+(\d+)", status).group(1))  # type: ignore[union-attr]
 
@@ -43,7 +43,7 @@ def sent_request(server: ServerProcess, request: Costly) -> socket.socket:
     try:
         connection.sendall((head if request.body else re.sub("Content-.*?\r\n", "", head)).encode() + request.body)
     except (BrokenPipeError, ConnectionResetError):
-        pass  # it was refused before all of it had arrived; the answer says so
+        pass  # the server refused the request before all of it had arrived; the answer says so
     return connection
 
 

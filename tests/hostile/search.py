@@ -1,13 +1,13 @@
-"""Searches for the costliest request that the contract allows, for each operation.
+"""Searches for the costliest request that the contract permits, for each operation.
 
 Starts from the requests of `costly.py` and changes one value of a body at a time: a number is multiplied, divided or set
-to a limit that the contract names, a choice becomes another choice, an optional field goes. What makes a request hold
-more memory, or work longer beyond its deadline, is kept and changed further. Whatever it finds beyond the bounds is
-printed with its body, so that it can become a case of `costly.py`:
+to a limit in the contract, a choice is replaced by another one, an optional field is removed. A change is retained if the
+request takes more memory or works longer beyond its deadline, and is then changed further. Requests beyond the bounds are
+printed with their bodies, so that they can become cases of `costly.py`:
 
     python3 tests/hostile/search.py --minutes 30 [--operation weave] [--seed 1]
 
-Exit status 1 where a request went beyond a bound or ended the server.
+The exit status is 1 if a request exceeded a bound or ended the server.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ from working_time import cpu_seconds  # noqa: E402
 
 DEADLINE = 2.0
 BOUND_BYTES = 1.25 * 2**30
-"""What one request may add to the process: its limit of 1 GiB, and a margin for what is free but not returned."""
+"""Permitted growth of the process by one request: its limit of 1 GiB, and a margin for free memory that is not returned."""
 BOUND_LATE = 1.0
-"""CPU seconds of the server beyond the deadline, for each of its two threads."""
+"""Permitted CPU seconds of the server beyond the deadline, for each of its two threads."""
 
 Place = Tuple[Any, ...]
 
@@ -54,7 +54,7 @@ class Cost(NamedTuple):
 
 
 def leaves(value: Any, place: Place = ()) -> Iterator[Place]:
-    """The places of a body that are worth changing. Of a long list, those of its first and last entries only."""
+    """The places of a body that are changed. In a long list these are only in its first and last entries."""
     if isinstance(value, dict):
         for key, inner in value.items():
             if key != "mesh" and place + (key,) != ("deadline",):
@@ -125,7 +125,7 @@ class Search:
         return str(response.json()["id"])
 
     def cost(self, request: Costly) -> Cost:
-        """Sends it, and again to a server without a past where it goes beyond a bound."""
+        """Sends a request. If it exceeds a bound, it is sent again to a newly started server."""
         self.tries += 1
         reset_peak(self.server.pid)
         before = self.server.resident_bytes()

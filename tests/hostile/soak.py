@@ -2,16 +2,16 @@
 
     python3 tests/hostile/soak.py [--requests 200000] [--jobs 2000] [--fault-every 2] [--seed 1] [--output docs/bench]
 
-First faults: every few seconds the server is killed (SIGKILL) or ended (SIGTERM) and started again, its disk is full for a
-second, a stored file is damaged, or it starts with a clock that has jumped by eight days; all the while slow clients
-send halves of requests and others leave before their answers. Every answer is compared with the one that the same
-request got before the faults began, and in the end every job that was accepted must be there, once, with the right result.
+The first phase has faults. Every few seconds the server is killed (SIGKILL) or terminated (SIGTERM) and started again, its
+disk is full for a second, a stored file is damaged, or it starts with a clock that has jumped by eight days. Meanwhile
+slow clients send halves of requests, and others disconnect before their answers. Every answer is compared with the answer
+to the same request before the faults began. In the end every accepted job must exist, once, with the right result.
 
-Then calm: as many requests again, while memory stays flat; and paced requests, which are answered in time while long
-jobs keep the workers busy.
+The second phase is calm: as many requests again, during which memory must not grow; and paced requests, which must be
+answered in time while long jobs occupy the workers.
 
-Exit status 1 where something was lost, doubled or wrong. Mounting a small disk takes root, and clocks jump by `faketime`
-(Debian's package); without them those faults are left out, and the report says so.
+The exit status is 1 if something was lost, duplicated or wrong. Mounting a small disk requires root, and jumps of the clock
+`faketime` (Debian's package); without them these faults are omitted, and the report says so.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ from shapes import flat_grid  # noqa: E402
 
 DISK = "192m"
 GOES_ON = {429, 503, 507}
-"""What a server may answer for a while: it is busy, starts, ends, or has no room."""
+"""Status codes that the server may temporarily answer with: it is busy, starts, terminates, or its disk is full."""
 FLAT = 1.05
 P99 = 0.05
-"""Seconds within which 99 of 100 paced requests are answered while long jobs run."""
+"""Seconds within which 99 of 100 paced requests must be answered while long jobs run."""
 PACED_PER_SECOND = 40
 
 
@@ -63,7 +63,7 @@ class Known(NamedTuple):
 
 
 def without_bill(content: bytes) -> bytes:
-    """The answer without what differs from time to time: seconds and identifiers."""
+    """The answer without values that differ between runs: seconds and identifiers."""
     try:
         document = json.loads(content)
     except ValueError:
@@ -80,13 +80,13 @@ def without_bill(content: bytes) -> bytes:
 
 
 class Client:
-    """One kept connection that is opened again whenever it was cut."""
+    """A persistent connection, which is opened again whenever it was closed."""
 
     def __init__(self, port: int) -> None:
         self._connection = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
 
     def once(self, sent: Sent) -> Tuple[int, bytes, Any]:
-        """Status, content, headers. Raises OSError or HTTPException where the connection was cut."""
+        """Status, content and headers of the answer. Raises OSError or HTTPException if the connection was closed."""
         try:
             self._connection.request(sent.method, sent.path, sent.body, sent.headers)
             answer = self._connection.getresponse()
@@ -96,7 +96,7 @@ class Client:
             raise
 
     def until_answered(self, sent: Sent, seconds: float = 120) -> Tuple[int, bytes, Any]:
-        """Again while the server is away or says that it cannot for now."""
+        """Repeats the request while the server is down or answers with one of GOES_ON."""
         end = time.monotonic() + seconds
         while True:
             try:
@@ -110,7 +110,7 @@ class Client:
 
 
 class Counts:
-    """What happened, and what should not have."""
+    """Counts of events, and descriptions of faults."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -153,7 +153,7 @@ class Soak:
     # --- what is right -----------------------------------------------------------------------------------------------
 
     def learn(self, requests: int, jobs: int) -> None:
-        """Asks a sound server, so that later answers can be compared."""
+        """Records the answers of a healthy server, with which later answers are compared."""
         client = Client(self.server.port)
         stream = random.Random(self.chance.random())
         names, weights = [kind.name for kind in MIX if kind.name != "health"], [kind.weight for kind in MIX if kind.name != "health"]
@@ -178,7 +178,7 @@ class Soak:
     # --- clients -----------------------------------------------------------------------------------------------------
 
     def ask(self, number: int, count: int) -> None:
-        """So many requests, and more while the faults go on."""
+        """Sends `count` requests, and more while the faults continue."""
         client, stream = Client(self.server.port), random.Random(number)
         asked = 0
         while asked < count or not self.enough_faults.is_set():
@@ -194,7 +194,7 @@ class Soak:
                 self.counts.fault(f"{known.request.method} {known.request.path}: {status} {content[:200]!r}")
 
     def submit(self, number: int, count: int) -> None:
-        """Jobs, twenty at a time, so that some wait whenever the server is killed. What became of them is looked at in the end."""
+        """Submits jobs, twenty at a time, so that some wait whenever the server is killed. Their results are checked in the end."""
         client, stream = Client(self.server.port), random.Random(1000 + number)
         left = count
         while left > 0:
@@ -206,7 +206,7 @@ class Soak:
                 status, content, _ = client.once(sent)
             except (OSError, http.client.HTTPException):
                 with self.counts.lock:
-                    self.perhaps += 1  # it may have been accepted without our knowing
+                    self.perhaps += 1  # the server may have accepted the job although no answer came
                 time.sleep(0.05)
                 continue
             if status == 202:
@@ -220,7 +220,7 @@ class Soak:
                 time.sleep(0.05)
 
     def vanish(self, number: int) -> None:
-        """Half a request, or a whole one whose answer nobody waits for."""
+        """Sends half a request, or a whole one without waiting for its answer."""
         stream = random.Random(2000 + number)
         while not self.ending.wait(0.02):
             known = stream.choice(self.known)
@@ -243,7 +243,7 @@ class Soak:
         self.server.start()
 
     def kinds(self) -> List[str]:
-        """The faults in a random order, kills most often."""
+        """The kinds of faults in a random order, of which kills are the most frequent."""
         kinds = ["kill", "kill", "kill", "end", "damage"] + ["full disk"] * self.mounted + ["clock"] * bool(self.clock)
         self.chance.shuffle(kinds)
         return kinds
@@ -269,12 +269,12 @@ class Soak:
             try:
                 os.posix_fallocate(file.fileno(), 0, max(1, space.f_bavail * space.f_frsize))
             except OSError:
-                pass  # somebody else took the last of it
+                pass  # the server took the last free space
         time.sleep(1)
         ballast.unlink()
 
     def damage(self) -> None:
-        """Stores a mesh of its own, flips a byte of its file, and expects to hear of it."""
+        """Stores a new mesh, flips a byte of its file, and expects that the server reports it."""
         client = Client(self.server.port)
         vertices, faces = flat_grid(3)
         vertices = vertices + self.chance.random()
@@ -324,7 +324,7 @@ class Soak:
                 time.sleep(0.05)
             if status != 200 or document["state"] != "successful":
                 error = document.get("error", {}).get("code")
-                # What met the full disk says so, and is neither lost nor wrong.
+                # A job that failed because of the full disk says so, and is neither lost nor wrong.
                 if error == "store.full":
                     self.counts.add("jobs that met the full disk")
                 else:
@@ -354,7 +354,7 @@ class Soak:
             after = f"&after={page[-1]}"
 
     def calm(self, requests: int, clients: int = 4) -> Dict[str, float]:
-        """Memory while many ask; then paced requests are timed while two long jobs keep the workers busy."""
+        """Measures memory during many requests, and then times paced requests while two long jobs occupy the workers."""
         self.restart_calmly()
         client = Client(self.server.port)
         half = requests // 2

@@ -1,4 +1,4 @@
-"""Connections of strangers, by a generator of what they may send: the server answers others all the while."""
+"""Hostile connections with generated content, during which the server must answer other clients."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ KINDS: Dict[str, Callable[[random.Random], Iterator[bytes]]] = {
 
 
 def send(port: int, kind: str, seed: int, ended: threading.Event) -> None:
-    """Connects and sends what a stranger of this kind does, and begins anew where the server closes or nothing is left to send."""
+    """Connects and sends the content of this kind. Repeats this when the server closes the connection or everything is sent."""
     chance = random.Random(f"{kind} {seed}")
     while not ended.is_set():
         try:
@@ -87,13 +87,13 @@ def send(port: int, kind: str, seed: int, ended: threading.Event) -> None:
                         try:
                             piece = piece[connection.send(piece):]
                         except socket.timeout:
-                            continue  # the server takes nothing at the moment
+                            continue  # the server does not read at the moment
         except OSError:
             ended.wait(0.01)
 
 
 def longest_waits(server: ServerProcess, kinds: List[str], connections: int, seconds: float) -> Dict[str, float]:
-    """For each path the most seconds that an answer took while so many connections of each kind were sent to."""
+    """For each path the longest duration of an answer in seconds, with `connections` hostile connections of each kind."""
     ended = threading.Event()
     strangers = [threading.Thread(target=send, args=(server.port, kind, k, ended)) for kind in kinds for k in range(connections)]
     for stranger in strangers:

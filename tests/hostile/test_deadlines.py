@@ -1,4 +1,4 @@
-"""Nothing outlives its deadline or its client by more than a second: the costliest request of each operation."""
+"""No computation outlives its deadline or its client by more than a second, tested with each operation's costliest request."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from processes import cpu_within, first_line, sent_request
 from working_time import PATIENCE_SECONDS, WorkingTime, ends_within
 
 DEADLINE = 1.0
-"""Seconds that each request asks for."""
+"""The deadline of each request, seconds."""
 LATE = 1.0 * SLOWNESS * min(2, os.cpu_count() or 1)
-"""CPU seconds that the server may work on after the deadline, or after its client has left: a second of two cores."""
+"""CPU seconds that the server may use after the deadline or after its client has disconnected: one second of two cores."""
 QUIET = 0.2
-"""CPU seconds that an idle server with its helpers may use in a second."""
+"""CPU seconds that an idle server and its helpers may use in a second."""
 
 
 @pytest.fixture(scope="module")
@@ -35,12 +35,12 @@ def meshes(api: Api) -> Meshes:
 
 
 def is_answered(connection: socket.socket, seconds: float) -> bool:
-    """Whether anything has come within this time, which is left to be read."""
+    """Whether there is data to read within this time; nothing is read."""
     return bool(select.select([connection], [], [], seconds)[0])
 
 
 def works_on(server: ServerProcess) -> bool:
-    """Whether the server says that it computes, or it or a helper uses the processor."""
+    """Whether the server reports a computation, or it or a helper uses the processor."""
     ready = requests.get(server.url + "/readyz", timeout=PATIENCE_SECONDS).json()
     return bool(ready["jobs_running"] or ready["jobs_waiting"] or server.metrics()["supple_immediate_computations"]
                 or cpu_within(server.pid, 0.25) >= QUIET * 0.25)

@@ -1,4 +1,4 @@
-"""The short version of `extremes.py`."""
+"""A short run of `extremes.py`."""
 
 from __future__ import annotations
 

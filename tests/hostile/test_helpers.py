@@ -1,4 +1,4 @@
-"""Helper processes as a client sees them: nobody waits for another's mesh, and what ends a helper ends no server."""
+"""Helper processes: no request waits for the mesh of another one, and a helper that ends does not end the server."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from processes import cpu_within, memory_is_its_own, sent_request
 from working_time import comes_true, cpu_of_children, cpu_seconds, processes
 
 SOLID = "/v1/families/IH21/structure?cells=100,100&format=stl"
-"""A minute's work of the mesh generator."""
+"""A request for which the mesh generator works for a minute."""
 CELL: Dict[str, Any] = {"family": "IH21", "mesh": {"mesh_size": 1.0}, "deadline": 20 * SLOWNESS}
-"""Of which a moment's work comes; behind the solid it would come too late."""
+"""A short request, which would miss its deadline if it waited for the solid."""
 
 
 def helpers_of(server: ServerProcess) -> List[int]:
@@ -43,7 +43,7 @@ def get_in_background(server: ServerProcess, path: str) -> "tuple[threading.Thre
 
 
 def at_work(server: ServerProcess) -> List[int]:
-    """A helper, then its child, which computes."""
+    """The processes of a helper that computes: the helper, then its child."""
     for _ in range(200):
         for helper in helpers_of(server):
             both = processes(helper)
@@ -85,7 +85,7 @@ def test_nothing_is_left_of_a_helper_whose_request_nobody_waits_for(server: Serv
 def test_a_helper_is_refused_memory_beyond_its_setting(new_server: Callable[..., ServerProcess], contract: Contract) -> None:
     api = Api(new_server("--helper-memory", "200MB"), contract)
     response = api.get(SOLID, timeout=120)
-    # Where the library does not pass the refusal on, the helper ends.
+    # The helper ends if the library does not report that memory was refused.
     assert problem_code(response) in ("server.out_of_memory", "server.helper_ended"), response.text
     assert "209715200 bytes" in response.json()["detail"]
     assert api.post("/v1/structures", CELL).status_code == 200
@@ -109,7 +109,7 @@ def test_the_server_ends_when_told_to_whatever_it_computes(new_server: Callable[
     assert cpu_of_children() - reaped - used < 3 * SLOWNESS, "CPU seconds of the server and its helpers after the signal"
     connection.close()
     if SANITIZED:
-        time.sleep(1)  # such a helper ends after its server, and waits for somebody to ask how
+        time.sleep(1)  # such a helper ends after its server, and remains as a zombie process
     for process in everything:
         left = runs(process) if SANITIZED else Path(f"/proc/{process}").exists()
         assert not left, f"process {process} is left"

@@ -1,5 +1,5 @@
-"""No request takes more memory than it may, and none ends a server that may not have much: the costliest of each operation,
-alone and sixteen at a time."""
+"""No request exceeds its memory limit, and none ends a server with little memory, tested with each operation's costliest
+request, alone and sixteen at a time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ from shapes import flat_grid
 
 GIBIBYTE = 2**30
 MARGIN = 1.25
-"""Free memory that is not given back at once, and small blocks that are counted together, come on top of what is counted."""
+"""Permitted ratio of real to accounted memory. Free memory that is not returned immediately and small blocks, which are
+accounted together, are in addition to the accounted memory."""
 AT_A_TIME = 16
 CONTROL_GROUPS = Path("/sys/fs/cgroup/memory")
 
@@ -36,7 +37,7 @@ def uploaded(server: ServerProcess) -> Meshes:
 
 @pytest.fixture(scope="module")
 def bounded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
-    """A server whose requests may take a gibibyte each."""
+    """A server whose requests may take 1 GiB each."""
     process = ServerProcess(tmp_path_factory.mktemp("bounded") / "data", "--models", str(ROOT / "models"), "--max-request-memory", "1G")
     yield process.start()
     process.stop()
@@ -49,7 +50,7 @@ def meshes(bounded: ServerProcess) -> Meshes:
 
 LARGE = ["body_of_many_empty_texts", "layout_of_cusps", "network_on_a_large_shell", "optimization_of_many_sites", "sheet_of_circles",
          "sheet_of_many_strands", "upload_of_a_large_ply"]
-"""Those that would take the most of what a request may have, or more, if they were let."""
+"""The requests that would take most or more of the memory limit of a request."""
 
 
 @pytest.mark.parametrize("name", LARGE)
@@ -62,7 +63,7 @@ def test_one_request_takes_what_one_request_may(bounded: ServerProcess, meshes: 
     status = first_line(connection)
     connection.close()
     assert status.split()[1] in ("200", "201", "400", "413", "504"), status
-    body = len(request.body)  # read before anything is computed, and reserved by itself
+    body = len(request.body)  # the body is read before the computation and reserved separately
     assert peak_bytes(server.pid) - before < MARGIN * GIBIBYTE + body, f"{name}: {status}"
 
 
@@ -103,7 +104,7 @@ def test_a_download_is_never_in_memory_as_a_whole(new_server: Callable[..., Serv
 
 
 def group_of(test: str) -> Iterator[List[str]]:
-    """A command that becomes a process of a control group with 2 GiB; the group goes afterwards."""
+    """A command that runs a process in a control group with 2 GiB. The group is removed afterwards."""
     group = CONTROL_GROUPS / f"supple_{test}_{os.getpid()}"
     try:
         group.mkdir()
@@ -116,7 +117,7 @@ def group_of(test: str) -> Iterator[List[str]]:
 
 @pytest.fixture(params=["control_group", "address_space"])
 def small_server(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[ServerProcess]:
-    """A server that may have 2 GiB, with all that it starts or each process by itself."""
+    """A server with a limit of 2 GiB, for all of its processes together or for each process."""
     groups = group_of("memory") if request.param == "control_group" else iter([["prlimit", f"--as={2 * GIBIBYTE}"]])
     process = ServerProcess(tmp_path / "data", "--models", str(ROOT / "models"), "--max-connections", "64", prefix=next(groups))
     yield process.start()
@@ -133,11 +134,11 @@ def test_the_costliest_requests_at_once_do_not_end_a_server_of_two_gibibytes(sma
         try:
             connection = sent_request(small_server, named(name, meshes, 1))
         except ConnectionRefusedError:
-            return name, "refused"  # there is no server any more: its log says why
+            return name, "refused"  # the server has ended: its log says why
         try:
             return name, (first_line(connection).split() + ["", "closed"])[1]
         except ConnectionResetError:
-            return name, "closed"  # a body that was refused while it arrived may cost its sender the answer
+            return name, "closed"  # a server that refuses a body while it arrives may close before the answer is read
         finally:
             connection.close()
 
@@ -147,6 +148,6 @@ def test_the_costliest_requests_at_once_do_not_end_a_server_of_two_gibibytes(sma
     unexpected = {(name, status) for name, status in answers if status not in ("200", "201", "400", "413", "422", "429", "503", "504", "closed")}
     assert not unexpected
     assert {status for _, status in answers} & {"200", "201"}, "nothing was answered"
-    # It is as good as new: what was taken is given back.
+    # The server works as before and has returned the memory.
     assert requests.get(small_server.url + "/v1/families/IH21/structure?format=svg", timeout=60).status_code == 200
     assert small_server.metrics()["supple_memory_used_bytes"] < 4 * 2**20

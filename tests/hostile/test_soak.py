@@ -1,11 +1,11 @@
-"""The short version of `soak.py`: each kind of fault at least once."""
+"""A short run of `soak.py`, with each kind of fault at least once."""
 
 from __future__ import annotations
 
 from soak import run
 
 WAITS = 0.5
-"""Seconds. A request that waited for a long job would take several; on a busy machine one that does not may take a tenth."""
+"""Seconds. A request that waits for a long job would take several; another one takes up to a tenth on a busy machine."""
 
 
 def test_nothing_is_lost_doubled_or_wrong_while_everything_around_the_server_fails() -> None:

@@ -1,4 +1,4 @@
-"""Requests that a stranger sends, or makes somebody's browser send."""
+"""Hostile requests, sent directly or through another user's browser."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ JSON = {"Content-Type": "application/json"}
 
 
 def exchange(server: ServerProcess, message: bytes, seconds: float = 60) -> bytes:
-    """Sends bytes as they are and returns all that comes back."""
+    """Sends bytes unchanged and returns everything that the server answers."""
     with socket.create_connection(("127.0.0.1", server.port), timeout=seconds) as connection:
         connection.sendall(message)
         received = b""
@@ -110,7 +110,7 @@ def test_many_half_sent_requests_keep_nobody_from_being_answered(new_server: Cal
             try:
                 connection.sendall(HALF[part])
             except ConnectionError:
-                pass  # closed already to make room for a later one
+                pass  # the server has closed it in favour of a later connection
         for path in ("/healthz", "/readyz", "/metrics", "/v1/meshes"):
             assert requests.get(server.url + path, timeout=60).status_code == 200
     assert server.metrics()["supple_connections_evicted"] > 0
@@ -124,13 +124,13 @@ def test_slow_bodies_take_no_thread(new_server: Callable[..., ServerProcess]) ->
             connection.sendall(HALF["body"])
         for _ in range(10):
             assert requests.get(server.url + "/v1/meshes", timeout=4).status_code == 200
-        answer = slow[0].recv(65536)  # once its time is up
+        answer = slow[0].recv(65536)  # the answer comes after its time limit
         assert answer.startswith(b"HTTP/1.1 408") and b"http.request_timeout" in answer
 
 
 @memory_is_its_own
 def test_large_json_is_refused_before_it_takes_the_memory(new_server: Callable[..., ServerProcess]) -> None:
-    """60 MB of small arrays took 840 MB, six at once 5.1 GB, of which 4.2 GB stayed."""
+    """A body of 60 MB with small arrays once took 840 MB; six at once took 5.1 GB, of which 4.2 GB remained allocated."""
     server = new_server("--memory", "400MiB", "--max-request-memory", "300MiB", "--max-json-values", "100000000")
     body = b"[" + b"[]," * 20_000_000 + b"0"
     before = server.resident_bytes()

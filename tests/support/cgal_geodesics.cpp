@@ -23,7 +23,7 @@ Mesh converted(const surface::TriangleMesh& mesh) {
   return result;
 }
 
-constexpr double kEdgeOffset = 1e-12;
+constexpr double edge_offset = 1e-12;
 
 double reached(double distance) { return distance < 0 ? std::numeric_limits<double>::infinity() : distance; }
 
@@ -42,8 +42,8 @@ struct CgalGeodesics::Implementation {
                                                     mesh.target(mesh.next(first))};
     Eigen::Vector3d inside = point.barycentric;
     if (const int side = side_of(point); side >= 0) {
-      inside *= 1 - kEdgeOffset;
-      inside[(side + 2) % 3] = kEdgeOffset;
+      inside *= 1 - edge_offset;
+      inside[(side + 2) % 3] = edge_offset;
     }
     std::array<double, 3> barycentric{};
     for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Meshes and networks of the examples of hosts, as OBJ and as JSON that `supple relax MESH --network FILE` reads.
+"""Writes the meshes and networks of the examples with hosts, as OBJ and as JSON for `supple relax MESH --network FILE`.
 
     tests/support/make_host_examples.py api/examples
 """
@@ -23,7 +23,7 @@ TUBE, RING = 0.1, 0.24  # radii, so that the bounding box has a diagonal of abou
 
 
 def torus():
-    """A torus of quads in two triangles each."""
+    """A torus of quadrilaterals, each cut into two triangles."""
     u, v = np.meshgrid(np.arange(AROUND) * 2 * math.pi / AROUND, np.arange(ACROSS) * 2 * math.pi / ACROSS, indexing="ij")
     radius = RING + TUBE * np.cos(v)
     vertices = np.stack([radius * np.cos(u), radius * np.sin(u), TUBE * np.sin(v)], axis=-1).reshape(-1, 3)
@@ -33,7 +33,7 @@ def torus():
 
 
 def sleeve():
-    """A membrane round two thirds of the torus, smaller at rest than there and held at four points of each rim."""
+    """A stretched membrane around two thirds of the torus, with four fixed points at each rim."""
     rows, columns = 24, ACROSS
 
     def at(i, j):
@@ -52,7 +52,7 @@ def sleeve():
 
 
 def ball(subdivisions, radius):
-    """An octahedron whose edges are halved, on a sphere."""
+    """A sphere: an octahedron that is subdivided repeatedly."""
     points = [np.array(p, dtype=float) for p in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))]
     faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
     for _ in range(subdivisions):
@@ -74,10 +74,10 @@ def ball(subdivisions, radius):
 
 
 def point_along(vertices, faces, target):
-    """Where the ray from the origin through the target meets the surface, which it does once."""
+    """The point at which the ray from the origin through the target meets the surface, which it does once."""
     a, b, c = (vertices[faces[:, k]] for k in range(3))
     weights = np.stack([np.cross(b, c) @ target, np.cross(c, a) @ target, np.cross(a, b) @ target], axis=1)
-    sums = weights.sum(axis=1)  # negative behind the origin
+    sums = weights.sum(axis=1)  # negative for faces on the opposite side of the origin
     face = int(np.argmax(np.where(sums > 0, weights.min(axis=1) / np.abs(sums), -1)))
     barycentric = np.clip(weights[face] / weights[face].sum(), 0, None)
     first, second = (round(float(x), 4) for x in barycentric[:2] / barycentric.sum())
@@ -85,7 +85,7 @@ def point_along(vertices, faces, target):
 
 
 def cords(vertices, faces):
-    """Cords along three great circles, knotted where they meet, a fifth shorter at rest."""
+    """Chains of springs along three great circles, joined where they meet. Their rest lengths are a fifth below their lengths."""
     turn = np.linalg.qr(np.array([[1, 0.1, 0.2], [0.15, 1, -0.1], [-0.1, 0.2, 1]]))[0]  # away from the mesh's edges
     count, points, springs, index = 24, [], [], {}
 
@@ -110,7 +110,7 @@ def cords(vertices, faces):
 
 
 def catmull_clark(vertices, quads):
-    """One step of subdivision of a closed mesh of quads."""
+    """One step of Catmull-Clark subdivision of a closed mesh of quadrilaterals."""
     centres = vertices[quads].mean(axis=1)
     edges, of_edge = {}, {}
     for f, quad in enumerate(quads):
@@ -135,7 +135,7 @@ def catmull_clark(vertices, quads):
 
 
 def smoothed(vertices, quads):
-    """Each vertex half way to the mean of its neighbours; feet stay on the ground."""
+    """The vertices, each moved halfway to the mean of its neighbours; feet stay on the ground."""
     sums, counts = np.zeros_like(vertices), np.zeros(len(vertices))
     for a, b in ((quads[:, k], quads[:, (k + 1) % 4]) for k in range(4)):
         np.add.at(sums, a, vertices[b])
@@ -147,7 +147,7 @@ def smoothed(vertices, quads):
 
 
 def rabbit():
-    """A sitting rabbit of blocks, smoothed: z up, it looks along x."""
+    """A sitting rabbit of smoothed blocks, with z upwards and its nose along x."""
     blocks = {(x, y, z) for x in range(4) for y in range(3) for z in range(2)}  # body
     blocks |= {(x, y, z) for x in (2, 3) for y in range(3) for z in (2, 3)}  # head
     blocks |= {(2, y, z) for y in (0, 2) for z in range(4, 8)}  # ears
@@ -177,7 +177,7 @@ def rabbit():
 
 
 def reins(vertices, faces):
-    """A cord from the tip of each ear down its outer side to the flank."""
+    """A chain of springs from the tip of each ear along its outer side to the flank."""
     points, springs, fixed = [], [], []
     centroids = vertices[faces].mean(axis=1)
     for side in (-1, 1):
@@ -194,7 +194,8 @@ def reins(vertices, faces):
 
 
 def pricked(vertices, faces):
-    """The same reins, slack, and the tips of the ears taken forwards in three parts of a turn about the line on which ears begin."""
+    """The same chains, slack, and moved vertices: the tips of the ears rotate forwards about the base of the ears, in three
+    steps."""
     network = reins(vertices, faces)
     for spring in network["springs"]:
         spring["rest_length"] = 0.14
@@ -214,7 +215,7 @@ CUSHION = (200.0, 150.0, 50.0)  # half of its length, width and height in mm
 
 
 def cushion():
-    """A cube's grid on |x|^6 + |y|^6 + |z|^2.5 = 1, stretched to the cushion's size."""
+    """The grid of a cube projected onto |x|^6 + |y|^6 + |z|^2.5 = 1, scaled to the cushion's size."""
     n = 8
     index, quads = {}, []
 
@@ -241,7 +242,7 @@ def cushion():
 
 
 def strap(vertices, faces):
-    """Elastic webbing over the cushion's middle, held at both ends: cords along it and a membrane between them."""
+    """Elastic webbing over the middle of the cushion, fixed at both ends: chains of springs and a membrane between them."""
     points, springs, triangles, fixed = [], [], [], []
     across, along = 4, 17
     for k in range(across):

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes the sample mesh that ships with the project: a closed tube round a trefoil knot, as OBJ.
+"""Writes the project's sample mesh as OBJ: a closed tube around a trefoil knot.
 
     tests/support/make_trefoil_knot.py > api/examples/meshes/trefoil-knot.obj
 """
@@ -9,7 +9,7 @@ import sys
 
 ALONG = 160  # rings along the knot
 ACROSS = 12  # vertices of a ring
-RADIUS = 0.38  # of the tube; the strands of the knot are at least 1.2 apart, so that the tube does not meet itself
+RADIUS = 0.38  # radius of the tube; the strands of the knot are at least 1.2 apart, so that it does not meet itself
 
 
 def normalized(v):
@@ -27,7 +27,7 @@ def ring(j):
     tangent = normalized(
         (math.cos(t) + 4 * math.cos(2 * t), -math.sin(t) + 4 * math.sin(2 * t), -3 * math.cos(3 * t))
     )
-    # The knot is nowhere vertical, so the part of z across it gives a frame without jumps.
+    # The knot is nowhere vertical, so that the component of z normal to it gives a continuous frame.
     up = normalized(tuple((k == 2) - tangent[2] * tangent[k] for k in range(3)))
     side = cross(tangent, up)
     for i in range(ACROSS):

@@ -1,12 +1,12 @@
 #!/bin/bash
-# A PostgreSQL server for tests alone: it listens on a socket in its own folder and nowhere else, and waits for no disk unless
+# A PostgreSQL server for tests. It listens only on a socket in its own folder, and does not wait for the disk unless
 # PRIVATE_POSTGRES_OPTIONS says so.
 #
-#   tests/support/private_postgres.sh start FOLDER     makes FOLDER, prints the connection string
-#   tests/support/private_postgres.sh kill FOLDER      ends it as a power cut would
-#   tests/support/private_postgres.sh again FOLDER     starts it over the same data
-#   tests/support/private_postgres.sh freeze FOLDER    stops its processes, whose connections stay
-#   tests/support/private_postgres.sh thaw FOLDER      lets them go on
+#   tests/support/private_postgres.sh start FOLDER     creates FOLDER, prints the connection string
+#   tests/support/private_postgres.sh kill FOLDER      ends it as a power failure would
+#   tests/support/private_postgres.sh again FOLDER     starts it again with the same data
+#   tests/support/private_postgres.sh freeze FOLDER    suspends its processes, whose connections stay open
+#   tests/support/private_postgres.sh thaw FOLDER      resumes them
 #   tests/support/private_postgres.sh stop FOLDER      ends it
 set -euo pipefail
 action=$1
@@ -19,7 +19,7 @@ as_its_user() {
 }
 
 start_it() {
-  cd /  # which its user may enter
+  cd /  # a folder that its user may enter
   as_its_user "$programs/pg_ctl" --pgdata="$folder/data" --log="$folder/log" --wait --silent start \
     --options="-c listen_addresses= -c unix_socket_directories=$folder -c fsync=off -c max_connections=60 -c shared_buffers=16MB ${PRIVATE_POSTGRES_OPTIONS:-}"
 }
@@ -38,7 +38,7 @@ case $action in
   again) folder=$(realpath "$folder"); start_it ;;
   kill)
     main=$(head -1 "$folder/data/postmaster.pid")
-    kill -STOP "$main"  # or it starts another process meanwhile
+    kill -STOP "$main"  # so that it starts no other process meanwhile
     mapfile -t all < <(pgrep --parent "$main")
     kill -9 "$main" "${all[@]}" 2>/dev/null || true
     while kill -0 "$main" "${all[@]}" 2>/dev/null; do sleep 0.02; done
@@ -46,7 +46,7 @@ case $action in
   freeze | thaw)
     main=$(head -1 "$folder/data/postmaster.pid")
     [ "$action" = freeze ] && signal=STOP || signal=CONT
-    kill -STOP "$main"  # or it starts another process meanwhile
+    kill -STOP "$main"  # so that it starts no other process meanwhile
     mapfile -t all < <(pgrep --parent "$main")
     kill -"$signal" "$main" "${all[@]}"
     ;;

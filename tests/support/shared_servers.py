@@ -1,4 +1,4 @@
-"""Servers that share a PostgreSQL database and a folder, for tests of their own."""
+"""Servers that share a PostgreSQL database and a folder, for tests."""
 
 from __future__ import annotations
 
@@ -16,14 +16,15 @@ from harness import ServerProcess  # noqa: E402
 
 POSTGRES = ROOT / "tests" / "support" / "private_postgres.sh"
 LEASE = 2
-"""Seconds until others take the jobs of a server that was killed."""
+"""Seconds until other servers take over the jobs of a server that was killed."""
 
 
 class Replicas:
-    """A database, a folder and the servers over them. None of the servers has started yet."""
+    """A database, a folder and the servers that share them. The constructor does not start the servers."""
 
     def __init__(self, folder: Path, count: int, *arguments: str) -> None:
-        # The database's user has to enter its folder. Those of pytest are closed to others again by each further run of pytest.
+        # The database's user must be able to enter its folder. A folder of pytest would not do, since each further run of pytest
+        # closes those to other users again.
         self._postgres = Path(tempfile.mkdtemp(prefix="supple-postgres-"))
         self._postgres.chmod(0o711)
         self.database = self._run("start")

@@ -39,7 +39,7 @@ inline int euler_characteristic(const surface::TriangleMesh& mesh) {
   return mesh.vertex_count() - edges + mesh.face_count();
 }
 
-/// Of every three sites, moves one to a vertex of its face and one to an edge.
+/// Moves one of every three sites to a vertex of its face, and another one to an edge.
 inline std::vector<surface::SurfacePoint> on_vertices_and_edges(std::vector<surface::SurfacePoint> sites) {
   for (std::size_t i = 0; i < sites.size(); ++i) {
     Eigen::Vector3d& weights = sites[i].barycentric;

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Compares the server's answers with independent oracles: small code that shares nothing with the engine, closed forms, invariances.
+"""Compares the server's answers with independent oracles: small programs that share no code with the engine, closed forms, invariances.
 
     tests/truth/run.py [WING ...] [--cases N] [--seed S] [--first K] [--server BINARY] [--out FOLDER]
 
-Runs the wings that are named, or all of them, one after another against one server. A case that is found wrong is repeated with
-`--first K --cases 1` and the same seed. With `--out docs/bench` the tables of these wings are written into truth.csv and truth.md,
-where the rows of other wings and the text between the tables stay as they are. Ends with status 1 if any case is beyond its
-check's limit (of checks that have a share, if more than this share of the cases is), or if a check was not examined at all.
+Runs the named wings, or all of them, one after another against one server. A wrong case is repeated with `--first K --cases 1`
+and the same seed. With `--out docs/bench` the tables of these wings are written into truth.csv and truth.md, whose other rows
+and text remain unchanged. The exit status is 1 if a case exceeds the limit of a check (for checks with a share: if more than
+this fraction of the cases does), or if no case examined a check.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from typing import Any, Dict, List
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
-# The modules of wings import truth.py, and what several of them use, from here.
+# Wings import truth.py and their common modules from these folders.
 sys.path[:0] = [str(HERE), str(HERE / "wings")]
 
 from truth import Result, Server, run_wing  # noqa: E402
@@ -36,7 +36,7 @@ COLUMNS = ["wing", "check", "about", "unit", "limit", "share", "cases", "median"
 
 
 def wings() -> List[str]:
-    """The names of all wings. Modules whose names begin with an underscore are what wings share."""
+    """The names of all wings. Modules whose names begin with an underscore are common to several wings."""
     return sorted(path.stem for path in (HERE / "wings").glob("*.py") if not path.stem.startswith("_"))
 
 
@@ -50,7 +50,7 @@ def load(name: str) -> ModuleType:
 
 
 def shown(number: float) -> str:
-    """Nothing where no case came to the check."""
+    """The number as text; empty if no case examined the check."""
     return "" if math.isnan(number) else f"{number:.3g}"
 
 
@@ -75,7 +75,7 @@ def marks(wing: str) -> "tuple[str, str]":
 
 
 def write_csv(path: Path, rows: List[Dict[str, str]]) -> None:
-    """Takes the place of the rows of these wings, and leaves those of others."""
+    """Replaces the rows of these wings, and leaves those of others unchanged."""
     written = {row["wing"] for row in rows}
     kept: List[Dict[str, Any]] = []
     if path.exists():
@@ -88,7 +88,7 @@ def write_csv(path: Path, rows: List[Dict[str, str]]) -> None:
 
 
 def write_page(path: Path, wing: str, about: str, rows: List[Dict[str, str]]) -> None:
-    """Writes the wing's table between its marks. A page without them gets a section for the wing at its end."""
+    """Writes the wing's table between its marks. A page without these marks gets a section for the wing at its end."""
     page = path.read_text(encoding="utf-8") if path.exists() else "# Answers beside independent oracles\n"
     begin, end = marks(wing)
     block = f"{begin}\n{about}\n\n{table(rows)}\n{end}"
@@ -115,7 +115,7 @@ def main() -> int:
     if asked.server:
         os.environ["SUPPLE_TEST_SERVER"] = str(Path(asked.server).resolve())
     sys.path[:0] = [str(ROOT / "tests" / "api")]
-    from harness import ServerProcess  # it reads the environment
+    from harness import ServerProcess  # importing it reads the environment
 
     def say(line: str) -> None:
         print(line, flush=True)
@@ -123,7 +123,7 @@ def main() -> int:
     def interrupt(number: int, frame: Any) -> None:
         raise KeyboardInterrupt
 
-    signal.signal(signal.SIGTERM, interrupt)  # the server is ended, and what was examined is shown but not written
+    signal.signal(signal.SIGTERM, interrupt)  # the server is terminated, and results so far are shown but not written
 
     sound = True
     with tempfile.TemporaryDirectory(prefix="supple-truth-") as folder:

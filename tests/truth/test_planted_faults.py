@@ -1,4 +1,4 @@
-"""The checks of the wings about tilings, weaves, parts and designs can fail: answers of a real server are changed by a little, and that is found."""
+"""The checks of the wings about tilings, weaves, parts and designs can fail: they detect small changes of a real server's answers."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from harness import ServerProcess  # noqa: E402
 from truth import Server, generator  # noqa: E402
 
 MOST_CASES = 60
-"""Cases in which a fault has to be found: each check is examined in a share of them."""
+"""Largest number of cases until a fault must be found; only some of them examine its check."""
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def url(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 class Faulty(Server):
-    """A server whose answers to one path are changed before they are examined."""
+    """A server whose answers for one path are changed before they are examined."""
 
     def __init__(self, url: str, path: str, spoil: Callable[[Any], None]) -> None:
         super().__init__(url)
@@ -73,7 +73,7 @@ def shift(*keys: Any, by: float) -> Callable[[Dict[str, Any]], None]:
 
 
 def other_bars_where_searches_have_their_own(answer: Any) -> None:
-    """Of the models whose bars are others for a design that was found than for one that is given, so that the two are not to be compared."""
+    """Changes error bars only for the models whose bars differ between found and given designs, which must therefore not be compared."""
     if answer["family"] in ("IH01", "IH22", "IH28", "IH50", "IH67"):
         shift("profile", "error_bar", 1, by=1e-3)(answer)
 

@@ -1,4 +1,4 @@
-"""The suite itself can fail: planted deviations, refusals and checks that nothing comes to are found, and the same seed gives the same case."""
+"""The suite can fail: it detects planted deviations, refusals and checks that no case examines. The same seed gives the same case."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ def test_unfolded_lengths_know_no_order_and_no_path_is_shorter() -> None:
 
 
 def near_vertex(rng: np.random.Generator, faces: Any) -> Any:
-    """A point of a random face that is 1e-12 to 1e-1 from a corner of it, and as near or nearer to one of the edges there."""
+    """A point of a random face, 1e-12 to 1e-1 from one of its corners, and as near or nearer to one of the edges at this corner."""
     corner, turn, near = int(rng.integers(3)), int(rng.integers(1, 3)), 10 ** rng.uniform(-12, -1)
     coordinates = np.zeros(3)
     coordinates[(corner + turn) % 3], coordinates[(corner - turn) % 3] = near, near * rng.choice([0, 1, 10 ** rng.uniform(-10, 0)])
@@ -199,7 +199,7 @@ def test_unfolded_lengths_are_the_same_in_both_senses_but_beside_vertices() -> N
         beside += len(points) - len(compared)
         there, back = distances(surface, compared, others)[0], distances(surface, others, compared)[0]
         assert np.abs(there - back.T).max(initial=0) < 1e-12 * surface.diagonal
-        for point in points:  # what takes their place is found from there and at most as far away as they are
+        for point in points:  # the vertex that replaces such a point is close to it
             place = surface.nearest_vertex(point)
             assert not surface.beside_vertex(place) and np.linalg.norm(surface.position(place) - surface.position(point)) < 3e-6 * surface.length.max()
     assert 25 < beside < 275
@@ -237,7 +237,7 @@ def test_walks_end_as_far_as_they_were_to_go() -> None:
 
 
 def test_a_cylinder_bends_with_the_energy_of_the_plate() -> None:
-    """A strip of equilateral triangles that is rolled up: D / 2 times its area over the squared radius."""
+    """The energy of a rolled-up strip of equilateral triangles is D / 2 times its area over the squared radius."""
     rows, columns, radius = 9, 40, 5.0
     x = np.array([[j + 0.5 * (i % 2) for j in range(columns)] for i in range(rows)]).ravel()
     y = np.repeat(np.arange(rows) * 3**0.5 / 2, columns)

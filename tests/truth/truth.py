@@ -1,4 +1,4 @@
-"""What the wings of tests/truth stand on: checks, the server that is examined, and the run of a wing."""
+"""The basis of the wings in tests/truth: checks, the examined server, and the run of a wing."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ import numpy as np
 import requests
 
 ANSWERED = "answered"
-"""The check that every wing has: a case that ends in a refusal or an exception deviates by 1."""
+"""The check that every wing has. A case that ends with a refusal or an exception deviates by 1."""
 ALL_EXAMINED_FROM = 200
-"""From so many cases on, a check that no case came to is a fault of the suite."""
+"""In a run of at least this many cases, a check that no case examined is a fault of the suite."""
 SECONDS = 900.0
-"""How long an answer may take: a server that hangs is found, and a busy machine is not."""
+"""Time limit of an answer, which detects a hanging server but permits a busy machine."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """What is compared. A deviation is right up to `limit`, which is what the documents promise; `unit` says what it is measured in.
-    `share` of the cases may be beyond it where the documents say that this happens, as at bifurcations."""
+    """A comparison. Deviations up to `limit`, which the documents promise, are right; `unit` is their unit. A fraction `share` of the
+    cases may exceed it if the documents say that this happens, for example at bifurcations."""
     about: str
     limit: float
     unit: str
@@ -45,7 +45,7 @@ class Refusal(Exception):
 
 
 class Server:
-    """Speaks to a running server. Answers are waited for, also where the server makes jobs of the requests."""
+    """The connection to a running server. It waits for answers, also if requests become jobs."""
 
     def __init__(self, url: str) -> None:
         self.url = url
@@ -71,7 +71,7 @@ class Server:
         return self._answer("POST", path, data=_bytes_of(body, content_type), headers={"Content-Type": content_type}).json()
 
     def file(self, path: str, body: Any, accept: str, content_type: str = "application/json") -> bytes:
-        """The answer as a file of the media type that is asked for."""
+        """The answer as a file of the requested media type."""
         return self._answer("POST", path, data=_bytes_of(body, content_type), headers={"Content-Type": content_type, "Accept": accept}).content
 
     def get(self, path: str) -> Any:
@@ -81,7 +81,7 @@ class Server:
         self._answer("DELETE", path)
 
     def upload(self, vertices: Any, faces: Any) -> Any:
-        """The description of a mesh that is given by arrays: `id` names it in requests."""
+        """Uploads a mesh given by arrays and returns its description, whose `id` identifies it in requests."""
         return self.post("/v1/meshes", {"vertices": np.asarray(vertices, dtype=float).tolist(), "faces": np.asarray(faces, dtype=int).tolist()})
 
 
@@ -93,7 +93,7 @@ def _bytes_of(body: Any, content_type: str) -> bytes:
 
 @dataclass
 class Found:
-    """A deviation beyond the limit of its check, or what ended a case."""
+    """A deviation beyond the limit of its check, or the failure that ended a case."""
     check: str
     index: int
     deviation: float
@@ -102,7 +102,7 @@ class Found:
 
 @dataclass
 class Figures:
-    """The deviations of one check, over the cases that came to it. A case may yield several; its largest counts."""
+    """The deviations of one check in the cases that examined it. If a case yields several, the largest one is used."""
     check: Check
     deviations: Dict[int, float] = field(default_factory=dict)
 
@@ -133,7 +133,7 @@ class Figures:
 
 @dataclass
 class Result:
-    """What a wing's cases gave."""
+    """The result of a wing's cases."""
     wing: str
     seed: int
     first: int
@@ -143,7 +143,7 @@ class Result:
 
     @property
     def unexamined(self) -> List[str]:
-        """Checks that no case came to, in a run that is long enough to say so."""
+        """Checks that no case examined, if the run is long enough to say so."""
         return [name for name, figures in self.figures.items() if not figures.deviations] if self.cases >= ALL_EXAMINED_FROM else []
 
     @property
@@ -152,14 +152,14 @@ class Result:
 
 
 def generator(seed: int, wing: str, index: int) -> np.random.Generator:
-    """The random numbers of one case: they depend on the run's seed, on the wing's name and on the case's index, and on nothing else."""
+    """The random numbers of one case. They depend only on the run's seed, the wing's name and the case's index."""
     return np.random.default_rng([seed, zlib.crc32(wing.encode()), index])
 
 
 def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int, cases: int,
              say: Callable[[str], None] = lambda line: None, revive: Callable[[], None] = lambda: None) -> Result:
-    """Examines the cases first ... first + cases - 1 of a wing. `say` hears of progress and of what is found; `revive` is called
-    after a case that ended in an exception, where the server may have died. A run that is interrupted returns the cases before."""
+    """Examines the cases first ... first + cases - 1 of a wing. `say` receives messages about progress and findings. `revive` is called
+    after a case that ended with an exception, since the server may have ended. An interrupted run returns the cases so far."""
     checks = {**wing.CHECKS, ANSWERED: Check("Cases that ended in a refusal or an exception", 0, "1 if it did")}
     result = Result(name, seed, first, cases, {key: Figures(check) for key, check in checks.items()})
     for index in range(first, first + cases):
@@ -172,7 +172,7 @@ def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int,
             result.cases = index - first
             say(f"  {name}: interrupted after {result.cases} cases")
             break
-        except Exception as error:  # whatever ends a case is found
+        except Exception as error:  # any exception that ends a case is a finding
             failure = f"{type(error).__name__}: {error}"
             revive()
         result.figures[ANSWERED].add(index, 1 if failure else 0)

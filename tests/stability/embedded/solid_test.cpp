@@ -17,7 +17,7 @@ using testing::SolidScene;
 
 /// Loads far beyond the modulus and rotating stiff parts take about a hundred iterations. Steps are short if many
 /// tetrahedra are close to inversion, or if a straight step would stretch what only rotates.
-constexpr int most_iterations = 150;
+constexpr int max_solid_iterations = 150;
 
 bool below(const Eigen::Vector3d& x, double height) { return x[2] <= height; }
 
@@ -28,7 +28,7 @@ struct Equilibrium {
 Equilibrium equilibrium(numerics::System<NetworkState>& system, double tolerance) {
   numerics::MinimizerOptions options;
   options.gradient_tolerance = tolerance;
-  options.max_iterations = most_iterations;
+  options.max_iterations = max_solid_iterations;
   return {numerics::minimize(system, options), tolerance};
 }
 

@@ -1,7 +1,7 @@
-"""Plane finite elements of large strain: quadratic triangles of a periodic cell, in the fewest lines that say what is meant.
+"""Plane finite elements for large strains: quadratic triangles of a periodic cell, in a program that is as short as possible.
 
-A point X of the cell moves to F X + w, where w has the periods of the lattice. The energy is summed over three points of each
-triangle and divided by the area of the whole cell, holes included.
+A point X of the cell moves to F X + w, where w is periodic. The energy is integrated with three points in each triangle and
+divided by the area of the whole cell, holes included.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from scipy.spatial import cKDTree
 
 Array = Any
 SAME_NODE = 1e-6
-"""Points of a mesh at rest that differ by a lattice vector but for this, in shares of the lattice, are one node."""
+"""Tolerance, in lattice coordinates, within which points of a mesh at rest that differ by a lattice vector are one node."""
 PLACES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
-"""The integration points of a triangle in barycentric coordinates; each stands for a third of the area."""
+"""The integration points of a triangle in barycentric coordinates; the weight of each is a third of the area."""
 
 
 @dataclass
 class Law:
-    """A hyperelastic law of the plane: energy density, first Piola-Kirchhoff stress and its derivative, for arrays of F."""
+    """A plane hyperelastic law: energy density, first Piola-Kirchhoff stress and its derivative, for arrays of F."""
     name: str
     youngs_modulus: float
     poisson_ratio: float
@@ -52,7 +52,7 @@ class Law:
 
 
 class Cell:
-    """A mesh of a periodic patch at rest, with points on opposite sides both there, as an answer of the server describes it."""
+    """The mesh of a periodic patch at rest from an answer of the server, which has points on both of two opposite sides."""
 
     def __init__(self, mesh: Dict[str, Any]) -> None:
         self.points = np.array(mesh["points"])
@@ -70,7 +70,7 @@ class Cell:
         first[self.node[::-1]] = np.arange(count)[::-1]
         self.first = first
         self.shift = np.rint(shares - shares[first[self.node]]).astype(int)
-        """By how many translations of the lattice each point lies from the one that stands for its node."""
+        """For each point the lattice vector, in translations, from the point that represents its node."""
         corners = self.points[self.triangles[:, :3]]
         sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
         inverse = np.linalg.inv(sides)
@@ -88,11 +88,11 @@ class Cell:
 
 @dataclass
 class Response:
-    """What a cell answers at given positions, per area of the cell: P = d psi / d F where the positions are an equilibrium."""
+    """The response of a cell at given positions, per area of the cell: P = d psi / d F if the positions are an equilibrium."""
     energy: float
     nominal: Array
     decrement: float
-    """By how much one more step of Newton's method would lower the energy."""
+    """Reduction of the energy by one more step of Newton's method."""
     corrected: Array
     """P after that step."""
     modulus: Array
@@ -102,7 +102,8 @@ class Response:
 
 
 def _assembled(cell: Cell, blocks: Array, signs: Array) -> csc_matrix:
-    """The sum of the triangles' stiffnesses; `signs` says for each point of the mesh with which sign it moves beside its node."""
+    """The sum of the triangles' stiffnesses. `signs` has for each point of the mesh the sign of its displacement relative to that
+    of its node."""
     unknowns = (2 * cell.node[cell.triangles][:, :, None] + np.arange(2)).reshape(len(cell.triangles), 12)
     sign = np.repeat(signs[cell.triangles], 2, axis=1)
     values = blocks * sign[:, :, None] * sign[:, None, :]
@@ -112,7 +113,7 @@ def _assembled(cell: Cell, blocks: Array, signs: Array) -> csc_matrix:
 
 
 def _factor(matrix: csc_matrix) -> Any:
-    """L D L^T: without exchanging rows, so that the signs of the pivots are those of the eigenvalues."""
+    """The factorization L D L^T without row exchanges, so that there are as many negative pivots as negative eigenvalues."""
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
@@ -121,7 +122,7 @@ def negative_pivots(matrix: csc_matrix) -> int:
 
 
 def respond(cell: Cell, law: Law, positions: Array) -> Response:
-    """The response where the points of the mesh lie at `positions`."""
+    """The response if the points of the mesh are at `positions`."""
     f = np.einsum("tni,tqnj->tqij", positions[cell.triangles], cell.slope)
     psi, stress, modulus = law.respond(f)
     weight = cell.weight / cell.area
@@ -134,7 +135,7 @@ def respond(cell: Cell, law: Law, positions: Array) -> Response:
     mixed = np.einsum("tq,tqijkl,tqnj->tnikl", weight, modulus, cell.slope, optimize=True).reshape(-1, 4)
     coupling = np.stack([np.bincount(unknowns, mixed[:, column], 2 * cell.nodes) for column in range(4)], axis=1)
     matrix = _assembled(cell, blocks, np.ones(len(cell.points)))
-    held = matrix[2:, 2:].tocsc()  # The first node is held: a translation of all of them costs nothing.
+    held = matrix[2:, 2:].tocsc()  # The first node is fixed, since a translation of all nodes has no energy.
     solver = splu(held)
     step = solver.solve(gradient[2:])
     along = solver.solve(coupling[2:])
@@ -145,7 +146,7 @@ def respond(cell: Cell, law: Law, positions: Array) -> Response:
 
 
 def _corner_jacobians(cell: Cell, positions: Array) -> Array:
-    """det F at the corners of the triangles. Its least value over a triangle is at most the least of these."""
+    """det F at the corners of the triangles. Its least value in a triangle is at most the least of these."""
     corners = cell.points[cell.triangles[:, :3]]
     sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1)
     inverse = np.linalg.inv(sides)
@@ -155,7 +156,8 @@ def _corner_jacobians(cell: Cell, positions: Array) -> Array:
 
 
 def unstable_modes(cell: Cell, response: Response, alternating: bool) -> int:
-    """How many modes lower the energy at a given F: those of the patch, and those that alternate from cell to cell."""
+    """Number of modes that lower the energy at a given F: those of the patch and, if `alternating`, those that alternate from cell
+    to cell."""
     blocks, held = response.matrix
     count = negative_pivots(held)
     if alternating:
@@ -184,6 +186,6 @@ def tangent_of(f: Array, nominal: Array, modulus: Array) -> Array:
 
 
 def broken_periods(cell: Cell, positions: Array, f: Array) -> float:
-    """The largest distance by which w differs at points that are one node, over the size of the cell."""
+    """The largest difference of w between points of one node, over the size of the cell."""
     moved = positions - cell.points @ f.T
     return float(np.max(np.abs(moved - moved[cell.first[cell.node]])) / np.sqrt(cell.area))

@@ -1,4 +1,4 @@
-"""A reader of G-code of the suite's own: positions, lengths and filament, for absolute coordinates in millimetres."""
+"""The suite's own reader of G-code: positions, lengths and filament, for absolute coordinates in millimetres."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ WORD = re.compile(r"([A-Z])\s*(-?\d*\.?\d+)")
 
 @dataclass
 class Print:
-    """What a file prints: beads as pairs of ends, lengths, and the filament that is pushed beyond where it was before."""
+    """The print of a file: beads as pairs of ends, lengths, and the extruded filament after compensation of retractions."""
     beads: List[Tuple[Tuple[float, float, float], Tuple[float, float, float]]] = field(default_factory=list)
     extruded: float = 0.0
     travelled: float = 0.0
@@ -22,7 +22,7 @@ class Print:
 
 
 def read(text: str) -> Print:
-    """Follows the nozzle from (0, 0, 0)."""
+    """The print of a file, with the nozzle at (0, 0, 0) in the beginning."""
     found = Print()
     place = {"X": 0.0, "Y": 0.0, "Z": 0.0}
     pushed = furthest = 0.0

@@ -1,4 +1,4 @@
-"""Energies of shells and solids from the positions of their vertices, as the documents define them."""
+"""Energies of shells and solids from the positions of their vertices, by the definitions in the documents."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _fold_angles(surface: Surface, positions: np.ndarray, hinges: np.ndarray) ->
 
 
 def shell_energies(surface: Surface, host: Dict[str, float], positions: np.ndarray) -> Dict[str, float]:
-    """The terms of a shell that is at rest where `surface` has its vertices."""
+    """The energy terms of a shell that is at rest in the shape of `surface`."""
     young, nu, thickness = host["youngs_modulus"], host["poisson_ratio"], host["thickness"]
     stretched = neo_hookean_triangles(_sides(surface, positions), _sides(surface, surface.vertices), young / (2 * (1 + nu)), young * nu / (1 - nu**2))
     hinges = _hinges(surface)
@@ -58,7 +58,8 @@ def tetrahedron_volumes(nodes: np.ndarray, tetrahedra: np.ndarray) -> np.ndarray
 
 
 def solid_energies(rest: np.ndarray, tetrahedra: np.ndarray, host: Dict[str, object], nodes: np.ndarray) -> Dict[str, float]:
-    """mu / 2 (tr C - 3) - mu log J + lambda / 2 log(J)^2 per volume at rest, and the work against gravity; infinite where a tetrahedron is inside out."""
+    """The energy with the density mu / 2 (tr C - 3) - mu log J + lambda / 2 log(J)^2 per volume at rest, and that of gravity. It is infinite
+    if a tetrahedron is inverted."""
     young, nu = float(host["youngs_modulus"]), float(host["poisson_ratio"])  # type: ignore[arg-type]
     mu, lame = young / (2 * (1 + nu)), young * nu / ((1 + nu) * (1 - 2 * nu))
     before, after = (np.swapaxes(at[tetrahedra][:, 1:] - at[tetrahedra][:, :1], 1, 2) for at in (rest, nodes))
@@ -85,5 +86,5 @@ def host_of_vtu(text: str) -> Tuple[np.ndarray, np.ndarray]:
     points, types, ends = numbers("Points").reshape(-1, 3), numbers("types"), numbers("offsets").astype(int)
     connectivity, begins = numbers("connectivity").astype(int), np.concatenate([[0], ends[:-1]])
     tetrahedra = np.array([connectivity[begin:end] for begin, end, kind in zip(begins, ends, types) if kind == 10])
-    first = int(tetrahedra.min())  # springs' paths come first, and vertex 0 belongs to a tetrahedron
+    first = int(tetrahedra.min())  # the springs' paths come before the host's nodes, and vertex 0 belongs to a tetrahedron
     return points[first:], tetrahedra - first

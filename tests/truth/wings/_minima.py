@@ -1,4 +1,4 @@
-"""Whether a point of a surface is where an energy has a local minimum, by values of the energy alone."""
+"""A test, by values of the energy alone, whether a point of a surface is a local minimum."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ import numpy as np
 from _surface import Point, Surface
 
 SHARES = (1e-3, 1e-5, 1e-6)
-"""How far a point is moved, in units of the diagonal. A place that is lower counts only if the way there is lower as well: beyond a ridge there may be another minimum."""
+"""Distances by which a point is moved, in units of the diagonal. A lower energy at a distance is a descent only if the energy is lower at the
+smaller distances as well, since there may be another minimum beyond a ridge."""
 
 
 def surroundings(surface: Surface, point: Point, first_angle: float, directions: int = 8) -> List[Point]:
-    """The places that a point is moved to: for each direction those of SHARES."""
+    """The places to which a point is moved: for each direction those at the distances of SHARES."""
     around = 2 * np.pi
     if "vertex" in point:
         around = float(surface.angles[point["vertex"]])
@@ -21,6 +22,6 @@ def surroundings(surface: Surface, point: Point, first_angle: float, directions:
 
 
 def steepest_descent(surface: Surface, energy: float, energies: np.ndarray) -> float:
-    """The steepest descent among the directions that go down all the way, as energy for each mesh unit; 0 at a minimum."""
+    """The steepest descent, energy per mesh unit, of the directions in which the energy is lower at all distances; 0 at a minimum."""
     falls = (energy - energies.reshape(-1, len(SHARES))) / (np.array(SHARES) * surface.diagonal)
     return float(max(0.0, falls.min(axis=1).max()))

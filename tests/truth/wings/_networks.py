@@ -1,4 +1,4 @@
-"""Energies of elastic networks from lengths alone, as the documents define them."""
+"""Energies of elastic networks from lengths alone, by the definitions in the documents."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ import numpy as np
 
 
 def neo_hookean_triangles(sides: np.ndarray, at_rest: np.ndarray, mu: float, lame: float) -> np.ndarray:
-    """Energy per area at rest, times that area, of flat triangles whose sides 01, 12 and 20 have these lengths and had those at rest:
-    mu / 2 (tr C - 2 - 2 log J) + lambda / 2 log(J)^2. Infinite where no triangle has such sides."""
+    """Energies of flat triangles whose sides 01, 12 and 20 have the lengths `sides`, and `at_rest` at rest: the area at rest times the
+    density mu / 2 (tr C - 2 - 2 log J) + lambda / 2 log(J)^2. Infinite if no triangle has such sides."""
 
     def metric(lengths: np.ndarray) -> np.ndarray:
         squares = lengths**2
@@ -26,7 +26,7 @@ def neo_hookean_triangles(sides: np.ndarray, at_rest: np.ndarray, mu: float, lam
 
 
 class Network:
-    """Springs, and triangles if there are any, as functions of the matrix of distances between points."""
+    """The energies of springs and triangles as functions of the matrix of distances between points."""
 
     def __init__(self, springs: Sequence[Any], triangles: Sequence[Any], membrane: Any, at_rest: np.ndarray) -> None:
         self.ends = np.array([spring["between"] for spring in springs], dtype=int).reshape(-1, 2)
@@ -61,7 +61,8 @@ class Network:
         return float(self.spring_energies(distance).sum() + self.triangle_energies(distance).sum())
 
     def energies_with(self, distance: np.ndarray, point: int, places: np.ndarray) -> np.ndarray:
-        """The energies of the whole network with one point at each of some places, whose distances from all points are the columns of `places`."""
+        """The energies of the whole network if one point is moved to each of some places. The columns of `places` are their distances from all
+        points."""
         touched = np.flatnonzero((self.ends == point).any(axis=1))
         others = self.ends[touched].sum(axis=1) - point
         before = self.spring_energies(distance)[touched].sum()
@@ -79,7 +80,8 @@ class Network:
         return float(self._of_triangles(self._sides(self.triangles[of_triangles], moved), self.rest_sides[of_triangles]).sum())
 
     def scale(self, distance: np.ndarray) -> float:
-        """What energies of this network are measured against: that of all springs pulled to twice their lengths, and the membrane's stiffness times its area."""
+        """The scale of this network's energies: the energy of all springs stretched to twice their lengths, plus the membrane's stiffness times its
+        area."""
         of_springs = float((self.weight * distance[self.ends[:, 0], self.ends[:, 1]] ** 2).sum())
         if not self.membrane:
             return of_springs

@@ -1,4 +1,4 @@
-"""Random small meshes, among them such whose distances have closed forms, and the same mesh written in another way."""
+"""Random small meshes, some of which have distances in closed form, and other representations of the same mesh."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ def rotation(rng: np.random.Generator) -> np.ndarray:
 
 
 def grid_faces(rows: int, columns: int, wrap_rows: bool, wrap_columns: bool, rng: Optional[np.random.Generator] = None) -> np.ndarray:
-    """Triangles of a grid of rows x columns vertices, joined round where it wraps; diagonals one way, or either way where drawn."""
+    """Triangles of a grid of rows x columns vertices, closed in the directions in which it wraps. With `rng` the diagonals are random, otherwise
+    all the same."""
     faces = []
     for i in range(rows if wrap_rows else rows - 1):
         for j in range(columns if wrap_columns else columns - 1):
@@ -60,11 +61,11 @@ def torus(rows: int, columns: int, tube: float, noise: float, rng: np.random.Gen
 
 
 def sheet(rng: np.random.Generator, rows: int, columns: int, height: float, hole: bool) -> Arrays:
-    """A height field with a boundary, of which some inner faces may be missing."""
+    """A height field with a boundary, perhaps with a hole."""
     i, j = (at.ravel() for at in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
     vertices = np.stack([i, j, height * rng.normal(size=i.size)], axis=1).astype(float)
     faces = grid_faces(rows, columns, False, False, rng)
-    if hole:  # a rectangle of the grid's cells, which leaves a ring of them at least
+    if hole:  # a rectangle of the grid's cells, surrounded by at least one ring of cells
         low = [int(rng.integers(1, size - 2)) for size in (rows, columns)]
         high = [int(rng.integers(least + 1, size - 1)) for least, size in zip(low, (rows, columns))]
         middle = vertices[faces][:, :, :2].mean(axis=1)
@@ -77,8 +78,8 @@ def sheet(rng: np.random.Generator, rows: int, columns: int, height: float, hole
 
 
 def folded(rng: np.random.Generator, tube: bool) -> Tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """A rectangle folded along parallel lines, or a prism without ends: vertices, faces, the places of the faces' corners in the plane, and how far
-    it is round the prism (0 for the rectangle). Distances are those of the plane."""
+    """A rectangle folded along parallel lines, or a prism without ends: vertices, faces, the positions of the faces' corners in the plane, and
+    the circumference of the prism (0 for the rectangle). Distances are those in the plane."""
     rows, columns = int(rng.integers(3, 8)), int(rng.integers(2, 5))
     v = np.sort(rng.uniform(0, 1, columns))
     v = (v - v[0]) / max(v[-1] - v[0], 1e-9) * rng.uniform(0.5, 3) + 0.05 * np.arange(columns)
@@ -96,14 +97,14 @@ def folded(rng: np.random.Generator, tube: bool) -> Tuple[np.ndarray, np.ndarray
     faces = grid_faces(rows, columns, tube, False, rng)
     row = faces // columns
     corners = np.stack([u[row], v[faces % columns]], axis=2)
-    if tube:  # the faces after the last row end where the first begins
+    if tube:  # the faces after the last row end at the first row
         last = (row == rows - 1).any(axis=1) & (row == 0).any(axis=1)
         corners[..., 0] += np.where(last[:, None] & (row == 0), round_it, 0)
     return vertices @ rotation(rng).T, faces, corners, round_it
 
 
 def any_mesh(rng: np.random.Generator) -> Tuple[str, Arrays]:
-    """A small mesh of any kind but the folded ones: closed or not, convex or full of saddles, of well shaped or of thin triangles."""
+    """A small mesh of any kind except folded ones: closed or open, convex or with many saddles, with well-shaped or thin triangles."""
     kind = str(rng.choice(["tetrahedron", "ball", "bumpy ball", "torus", "sheet", "sheet with a hole"]))
     if kind == "tetrahedron":
         vertices = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) + rng.uniform(-0.4, 0.4, (4, 3))
@@ -120,7 +121,7 @@ def any_mesh(rng: np.random.Generator) -> Tuple[str, Arrays]:
 
 
 def random_point(rng: np.random.Generator, faces: np.ndarray, inside: bool = False) -> Point:
-    """In a face; sometimes on an edge or at a vertex, if it need not be inside."""
+    """A point in a face, or sometimes on an edge or at a vertex unless `inside`."""
     face, kind = int(rng.integers(len(faces))), 0.0 if inside else rng.random()
     if kind > 0.85:
         return {"vertex": int(faces[face, int(rng.integers(3))])}
@@ -133,7 +134,7 @@ def random_point(rng: np.random.Generator, faces: np.ndarray, inside: bool = Fal
 
 
 class Renumbering:
-    """The same mesh with its vertices, faces and the faces' first corners in another order."""
+    """The same mesh with a random order of its vertices and faces, and random first corners of the faces."""
 
     def __init__(self, rng: np.random.Generator, surface: Surface) -> None:
         self.vertex = rng.permutation(len(surface.vertices))  # the new index of each vertex
@@ -152,7 +153,7 @@ class Renumbering:
 
 
 def divided(rng: np.random.Generator, surface: Surface) -> Tuple[np.ndarray, np.ndarray, Any]:
-    """Some faces divided into three at a point inside, which leaves the surface as it is: vertices, faces, and a map of points."""
+    """Divides some faces into three at an inner point, which does not change the surface. Returns vertices, faces, and a map of points."""
     vertices, faces = surface.vertices.tolist(), surface.faces.tolist()
     chosen: Dict[int, Tuple[np.ndarray, List[int]]] = {}
     for face in rng.choice(len(faces), min(len(faces), 1 + int(rng.integers(6))), replace=False).tolist():

@@ -1,4 +1,4 @@
-"""Readers of the suite's own for files of plane parts: SVG paths and DXF polylines as polygons with holes, STL and 3MF as triangles."""
+"""The suite's own readers for files of plane parts: SVG paths and DXF polylines as polygons with holes, STL and 3MF as triangles."""
 
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ Array = Any
 
 
 def of_rings(rings: Iterable[Any]) -> Any:
-    """What lies within an odd number of rings. Rings neither cross nor touch, so that each is an outline or a hole by how many others hold it."""
+    """The region that lies within an odd number of rings. Rings neither cross nor touch, so that each is an outline or a hole by the number of rings
+    around it."""
     polygons = sorted((Polygon(ring) for ring in rings), key=lambda polygon: -polygon.area)
     outlines: List[Tuple[Any, List[Any]]] = []
     depths: List[Tuple[Any, int]] = []
@@ -33,7 +34,7 @@ def of_rings(rings: Iterable[Any]) -> Any:
 
 
 def svg_rings(text: str) -> List[Array]:
-    """The closed curves of all paths, of straight sides alone; y points upwards."""
+    """The closed curves of all paths, which must have straight sides; y points upwards."""
     rings = []
     for path in re.findall(r' d="([^"]*)"', text):
         assert not set(re.findall(r"[A-Za-z]", path)) - set("MLZ"), "a path of more than straight sides"
@@ -45,7 +46,7 @@ def svg_rings(text: str) -> List[Array]:
 
 
 def dxf_rings(text: str) -> List[Array]:
-    """The LWPOLYLINEs of the entities."""
+    """The LWPOLYLINE entities of a DXF file."""
     lines = [line.strip() for line in text.splitlines()]
     pairs = list(zip(lines[::2], lines[1::2]))
     start = pairs.index(("2", "ENTITIES"))
@@ -66,7 +67,7 @@ def dxf_rings(text: str) -> List[Array]:
 
 
 def stl_triangles(data: bytes) -> Array:
-    """Corners of the triangles of a binary file, by triangle, corner and axis."""
+    """The triangles of a binary STL file as an array over triangles, corners and axes."""
     count = int(np.frombuffer(data[80:84], dtype="<u4")[0])
     assert len(data) == 84 + 50 * count, "the count does not fit the length"
     facets = np.frombuffer(data[84:], dtype=np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")]))
@@ -74,7 +75,7 @@ def stl_triangles(data: bytes) -> Array:
 
 
 def package_triangles(data: bytes) -> Array:
-    """The same of a 3MF package."""
+    """The triangles of a 3MF package as such an array."""
     with zipfile.ZipFile(io.BytesIO(data)) as package:
         model = ElementTree.fromstring(package.read(next(name for name in package.namelist() if name.endswith(".model"))))
     space = model.tag.split("}")[0] + "}"
@@ -84,7 +85,7 @@ def package_triangles(data: bytes) -> Array:
 
 
 def open_edges(triangles: Array) -> int:
-    """Edges that do not belong to two triangles in opposite directions; corners are the same where all their bits are."""
+    """Number of edges that do not belong to two triangles in opposite directions. Corners are equal if all their bits are."""
     _, index = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     sides = index.reshape(-1, 3)
     ahead = np.concatenate([sides[:, [0, 1]], sides[:, [1, 2]], sides[:, [2, 0]]])

@@ -1,4 +1,4 @@
-"""Triangle meshes as the wings' own code sees them: layouts of faces, neighbours, points, and walks straight ahead."""
+"""Triangle meshes for the suite's own code: faces laid out in the plane, neighbours, points, and straightest paths."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 
 Point = Dict[str, Any]
-"""A face and barycentric coordinates, or a vertex, as requests have them."""
+"""The JSON form of a point: a face and barycentric coordinates, or a vertex."""
 
 ON_EDGE = 1e-9
-"""A point whose barycentric coordinate is below this is near an edge, and is seen from the face beyond it as well."""
+"""A point with a barycentric coordinate below this is near an edge, and counts as a point of the face beyond it as well."""
 AT_VERTEX = 1e-14
-"""A point with two barycentric coordinates below this lies at a vertex."""
+"""A point with two barycentric coordinates below this counts as a vertex."""
 BESIDE_VERTEX = 1e-6
-"""A point with two barycentric coordinates below this, which does not lie at the vertex, is so near to it that it would have to be seen from
-all faces around: rays that are sent from two of them lose digits, and some paths are not found. Own lengths from there are too long."""
+"""A point with two barycentric coordinates below this, but not at the vertex, would have to count as a point of all faces around the vertex. As a
+point of only two of them its rays lose digits, so that some paths are not found and the suite's own lengths are too long."""
 
 
 class Surface:
-    """A mesh. Halfedge h = 3 f + i runs from corner i of face f to the next, with the face on its left. Its frame begins at its first
-    end, with the x axis along it, so that the face lies at y > 0."""
+    """A mesh. Halfedge h = 3 f + i goes from corner i of face f to the next corner, with the face on its left. The origin of its frame is its tail
+    and the x axis is along it, so that the face is at y > 0."""
 
     def __init__(self, vertices: Any, faces: Any) -> None:
         self.vertices = np.asarray(vertices, dtype=float)
@@ -49,14 +49,14 @@ class Surface:
         on_boundary[self.end[self.twin < 0]] = True
         self.angles = angles
         self.on_boundary = on_boundary
-        # A shortest path turns only where both sides of it have at least half a turn. Flat vertices are counted in, whose angles are 2 pi but for rounding.
+        # A shortest path can bend only at a vertex with an angle of at least pi on both sides. This includes flat vertices, whose angle is 2 pi up to rounding.
         self.turns_paths = np.where(on_boundary, angles > np.pi - 1e-6, angles > 2 * np.pi - 1e-6)
 
     def moved(self, vertices: Any) -> "Surface":
         return Surface(vertices, self.faces)
 
     def entries(self, point: Point) -> List[Tuple[int, np.ndarray]]:
-        """All faces that have the point, each with its coordinates there."""
+        """All faces that contain the point, each with its coordinates in that face."""
         if "vertex" in point:
             around = np.flatnonzero(self.start == point["vertex"])
             return [(int(h) // 3, np.eye(3)[int(h) % 3]) for h in around]
@@ -70,7 +70,7 @@ class Surface:
             halfedge = 3 * face + (least + 1) % 3
             twin = int(self.twin[halfedge])
             if twin >= 0:
-                # The point laid into the plane of the face beyond the edge: there it is outside by as much as it is inside here.
+                # The point in the plane of the face beyond the edge, where it is outside by as much as it is inside its own face.
                 along = coordinates[(least + 2) % 3] * self.length[halfedge] + coordinates[least] * self.apex_x[halfedge]
                 out = coordinates[least] * self.apex_y[halfedge]
                 apex = -out / self.apex_y[twin]
@@ -81,17 +81,17 @@ class Surface:
         return found
 
     def at_vertex(self, point: Point) -> Point:
-        """The point by its vertex, if it lies at one."""
+        """The point as a vertex, if it is at one."""
         if "vertex" in point or sum(abs(x) < AT_VERTEX for x in point["barycentric"]) < 2:
             return point
         return {"vertex": int(self.faces[point["face"], int(np.argmax(point["barycentric"]))])}
 
     def beside_vertex(self, point: Point) -> bool:
-        """Whether own lengths from this point are not to be compared with anything."""
+        """Whether the suite's own lengths from this point are too inaccurate for comparisons (see BESIDE_VERTEX)."""
         return "vertex" not in self.at_vertex(point) and sum(abs(x) < BESIDE_VERTEX for x in point["barycentric"]) == 2
 
     def nearest_vertex(self, point: Point) -> Point:
-        """The point, or the vertex that it lies beside: lengths from there are right to the way between them."""
+        """The point, or the vertex next to it: lengths from the vertex are accurate up to the distance between the two."""
         return {"vertex": int(self.faces[point["face"], int(np.argmax(point["barycentric"]))])} if self.beside_vertex(point) else self.at_vertex(point)
 
     def position(self, point: Point) -> np.ndarray:
@@ -101,8 +101,8 @@ class Surface:
         return (coordinates / coordinates.sum()) @ self.vertices[self.faces[point["face"]]]
 
     def walk(self, point: Point, angle: float, length: float) -> Point:
-        """Where a walk straight ahead ends, from a point of a face; `angle` is counted from the face's first edge. It ends early at the
-        boundary. From a vertex the walk begins in the face and corner that `angle` falls into, of all angles around it in turn."""
+        """The end of a straightest path from a point of a face. `angle` is measured from the face's first edge. The path ends early at the boundary.
+        From a vertex, `angle` is measured through the faces around it, one after the other."""
         if "vertex" in point:
             around = np.flatnonzero(self.start == point["vertex"])
             openings = np.arctan2(self.apex_y[around], self.apex_x[around])
@@ -126,7 +126,7 @@ class Surface:
                 if i in not_across:
                     continue
                 a, along = corners[i], corners[(i + 1) % 3] - corners[i]
-                leaving = along[1] * way[0] - along[0] * way[1]  # positive where the way leads out across this edge
+                leaving = along[1] * way[0] - along[0] * way[1]  # positive if the path leaves the face across this edge
                 if leaving <= 0:
                     continue
                 reach = (along[1] * (a[0] - place[0]) - along[0] * (a[1] - place[1])) / leaving

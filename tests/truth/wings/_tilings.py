@@ -1,4 +1,4 @@
-"""What the wings about tilings share: families, and parameters that have a structure."""
+"""Code common to the wings about tilings: families, and parameters that have a structure."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from truth import Refusal, Server
 
 FAMILIES = ("IH01", "IH21", "IH22", "IH28", "IH29", "IH50", "IH67")
 DRAWS = 4
-"""Parameters that a case holds ready: the corners of some boxes have no structure, and the next draw takes the place of such a one."""
+"""Number of random parameter vectors of a case. Parameters in the corners of some boxes have no structure; the next vector is then used."""
 NO_STRUCTURE = ("tiling.cell_too_small", "tiling.hole_closed")
 
 
@@ -21,7 +21,7 @@ def _families(server: Server) -> Dict[str, Any]:
 
 
 def draws(rng: np.random.Generator) -> List[List[float]]:
-    """Places in the box of the parameters as shares of its sides, more of them than any family has sides."""
+    """Random parameter vectors as fractions of the ranges of the parameters, with more entries than any family has parameters."""
     return [[float(share) for share in rng.uniform(size=8)] for _ in range(DRAWS)]
 
 
@@ -31,7 +31,7 @@ def parameters_at(server: Server, family: str, shares: Sequence[float]) -> List[
 
 
 def structure_of(server: Server, family: str, shares: Sequence[Sequence[float]], beam_width: float = 0.3) -> Optional[Dict[str, Any]]:
-    """The structure of the first of the draws that has one; None where none of them has."""
+    """The structure of the first of the parameter vectors that has one; None if none has."""
     for one in shares:
         try:
             answer = server.post("/v1/structures", {"family": family, "parameters": parameters_at(server, family, one), "beam_width": beam_width})

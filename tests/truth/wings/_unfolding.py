@@ -1,8 +1,8 @@
-"""Exact geodesic distances by unfolding: the least length over all sequences of faces and over all vertices that paths may turn at.
+"""Exact geodesic distances by unfolding: the least length over all sequences of faces and over all vertices at which paths can bend.
 
-Every source sends a bundle of rays across each edge that it sees. The bundle is laid into the plane of the next face, which divides it at
-the opposite corner, and so on. A bundle ends only where it is longer than a path that is known to everything that is asked for, or where the
-way along the edge from one of its ends is shorter for all its rays. Vertices that turn paths send bundles of their own, from their distance on.
+Every source sends a bundle of rays across each edge of its face. The bundle is unfolded into the plane of the next face, whose opposite corner
+divides it, and so on. A bundle ends only if it is longer than known paths to all targets, or if for all its rays the path along the edge from
+one of its ends is shorter. Vertices at which paths can bend send bundles too, which begin with the distance of the vertex.
 """
 
 from __future__ import annotations
@@ -14,11 +14,12 @@ import numpy as np
 from _surface import ON_EDGE, Point, Surface
 
 SLACK = 1e-11
-"""Share of an edge by which a ray may miss an opening: the path is longer by the square of it only."""
+"""Fraction of an edge by which a ray may miss an interval. The path is longer only by the square of this."""
 
 
 class Bundles:
-    """Arrays of rays from unfolded sources (x, y < 0) through [low, high] of halfedges' frames; `before` is the length up to the source."""
+    """Arrays of bundles: rays from unfolded sources (x, y < 0) through the intervals [low, high] in the frames of halfedges. `before` is the length
+    of the path up to the source."""
 
     def __init__(self, halfedge: np.ndarray, x: np.ndarray, y: np.ndarray, low: np.ndarray, high: np.ndarray, source: np.ndarray, before: np.ndarray) -> None:
         self.halfedge, self.x, self.y, self.low, self.high, self.source, self.before = halfedge, x, y, low, high, source, before
@@ -38,7 +39,7 @@ class Bundles:
 
 
 def distances(surface: Surface, sources: Sequence[Point], targets: Sequence[Point], to_vertices: bool = False) -> Tuple[np.ndarray, np.ndarray]:
-    """Distances from each source to each target, and to each vertex; the latter are complete only if they are asked for."""
+    """Distances from each source to each target, and to each vertex. The latter are complete only with `to_vertices`."""
     return _Search(surface, sources, targets, to_vertices).run()
 
 
@@ -53,7 +54,7 @@ class _Search:
         self.sent = np.full_like(self.vertex_distance, np.inf)
 
     def _place(self, targets: Sequence[Point]) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Targets in the frames of the halfedges of all faces that have them, and for each face the list of these, filled up with -1."""
+        """Targets in the frames of the halfedges of all faces that contain them, and for each face the list of these, padded with -1."""
         places: List[np.ndarray] = []
         owner: List[int] = []
         of_face: List[List[int]] = [[] for _ in self.surface.faces]
@@ -74,7 +75,7 @@ class _Search:
         return np.array([along * surface.length[halfedge] + apex * surface.apex_x[halfedge], apex * surface.apex_y[halfedge]])
 
     def _begin(self, sources: Sequence[Point], targets: Sequence[Point]) -> Bundles:
-        """The bundles of the sources, and all distances within the faces that have them."""
+        """The bundles of the sources, after setting all distances within the faces that contain them."""
         surface = self.surface
         found: List[Tuple[int, float, float, int, float]] = []
         of_face = [[] for _ in surface.faces]  # type: List[List[Tuple[int, np.ndarray]]]
@@ -101,7 +102,7 @@ class _Search:
         self.vertex_distance[source, vertex] = min(self.vertex_distance[source, vertex], distance)
 
     def _whole(self, found: List[Tuple[int, float, float, int, float]]) -> Bundles:
-        """Bundles through whole edges."""
+        """The bundles through whole edges."""
         halfedge = np.array([one[0] for one in found], dtype=int)
         x, y, before = (np.array([one[k] for one in found], dtype=float) for k in (1, 2, 4))
         source = np.array([one[3] for one in found], dtype=int)
@@ -118,7 +119,7 @@ class _Search:
         return self.target_distance, self.vertex_distance
 
     def _along_edges(self) -> None:
-        """Lets distances of vertices, and of targets in the faces around them, be those along edges where these are shorter."""
+        """Updates distances of vertices, and of targets in the faces around them, with shorter paths along edges."""
         surface, table = self.surface, self.vertex_distance
         while True:
             before = table.copy()
@@ -133,16 +134,16 @@ class _Search:
             np.minimum.at(self.target_distance.T, self.entry_target[entries], table.T[surface.faces[faces, i]] + way[:, None])
 
     def _bound(self) -> np.ndarray:
-        """For each source the longest distance that is known and asked for."""
+        """For each source the longest known distance to its targets."""
         bound = self.target_distance.max(axis=1) if self.target_distance.shape[1] else np.zeros(len(self.target_distance))
         return np.maximum(bound, self.vertex_distance.max(axis=1)) if self.to_vertices else bound
 
     def _step(self, bundles: Bundles) -> Bundles:
-        """Lays bundles across the faces that they enter, and returns those that leave them."""
+        """Propagates bundles across the faces that they enter, and returns those that leave them."""
         surface, h = self.surface, bundles.halfedge
         x, y, low, high = bundles.x, bundles.y, bundles.low, bundles.high
         slack = SLACK * surface.length[h]
-        # Whether the opposite corner and the face's targets are seen.
+        # Whether rays of the bundle reach the opposite corner and the face's targets.
         apex_x, apex_y = surface.apex_x[h], surface.apex_y[h]
         divide = x + (apex_x - x) * -y / (apex_y - y)
         seen = (divide >= low - slack) & (divide <= high + slack)
@@ -162,7 +163,8 @@ class _Search:
     @staticmethod
     def _leave(bundles: Bundles, twin: np.ndarray, from_x: np.ndarray, from_y: np.ndarray, to_x: np.ndarray, to_y: np.ndarray,
                low: np.ndarray, high: np.ndarray) -> Bundles:
-        """Rays through [low, high] of the edge where they enter, in the frame of the halfedge from one place to another."""
+        """The bundles in the frames of the halfedges through which they leave, which go from one given place to another. `low` and `high` are on the
+        edges through which they enter."""
         keep = (twin >= 0) & (high > low)
         twin, from_x, from_y, to_x, to_y, low, high = (part[keep] for part in (twin, from_x, from_y, to_x, to_y, low, high))
         bundles = bundles.only(keep)
@@ -172,7 +174,7 @@ class _Search:
 
         def reach(through: np.ndarray) -> np.ndarray:
             dx, dy = through - bundles.x, -bundles.y
-            # A ray along the edge itself has no place where it leaves: its bundle begins or ends at the edge's first end.
+            # A ray along the edge itself has no intersection with it: its bundle begins or ends at the edge's tail.
             with np.errstate(divide="ignore", invalid="ignore"):
                 return np.clip(np.nan_to_num((sx * dy - sy * dx) / (ex * dy - ey * dx), nan=0), 0, length)
 
@@ -180,7 +182,7 @@ class _Search:
         return made.only((made.high > made.low) & (made.y < 0))
 
     def _useful(self, bundles: Bundles) -> Bundles:
-        """Drops what cannot be shortest for anything that is asked for."""
+        """Drops bundles that cannot be shortest for any target."""
         surface, h = self.surface, bundles.halfedge
         nearest = np.hypot(np.clip(bundles.x, bundles.low, bundles.high) - bundles.x, bundles.y)
         tie = 1e-12 * surface.diagonal
@@ -192,7 +194,7 @@ class _Search:
         return bundles.only(keep)
 
     def _from_vertices(self) -> Bundles:
-        """Bundles of the vertices that turn paths and that are nearer than when they sent bundles before."""
+        """Bundles of vertices at which paths can bend, if their distances have decreased since they sent bundles."""
         surface = self.surface
         better = (self.vertex_distance < self.sent - 1e-14 * surface.diagonal) & surface.turns_paths & (self.vertex_distance < self._bound()[:, None])
         sources, vertices = np.nonzero(better)

@@ -1,4 +1,4 @@
-"""Searches for designs: their bookkeeping is done again, and profiles are computed again from the model's energies by Newton's method of the suite's own."""
+"""Searches for designs: derived values of the answers are computed again, and profiles from the model's energies by the suite's own Newton's method."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ CHECKS = {
 
 KINDS = (("search", 0.5), ("profile", 0.26), ("rules", 0.14), ("materials", 0.1))
 QUANTITIES = {"stress_strain": "stress", "stiffness": "stiffness", "poisson": "poisson"}
-"""What the model's description calls the values of each task."""
+"""The name of each task's values in the model's description."""
 DATA_MODULUS = 26.0
 """Young's modulus of the models' data, in MPa."""
 
@@ -88,7 +88,7 @@ def _over_directions(problem: Dict[str, Any]) -> bool:
 
 
 def _linear(problem: Dict[str, Any], values: Any, x: Any) -> Any:
-    """Linear between the control points; over directions the last is followed by the first, half a turn later."""
+    """Linear interpolation between control points. Over directions the first point follows the last one, half a turn later."""
     places = np.array(problem["target"]["control_points"])[:, 0]
     if _over_directions(problem):
         return np.interp(x, places, values, period=np.pi)
@@ -141,7 +141,7 @@ def _beyond_neighbours(problem: Dict[str, Any], x: Any, target: Any) -> float:
 
 
 def _deviation(problem: Dict[str, Any], profile: Dict[str, Any]) -> Tuple[float, float, Any, float]:
-    """Relative root mean square, largest deviation, all of them, and the root mean square of the target."""
+    """Relative root mean square deviation, largest deviation, all deviations, and the root mean square of the target."""
     x, target, achieved = (np.array(profile[key]) for key in ("x", "target", "achieved"))
     count = len(problem["target"]["control_points"])
     weights = np.maximum(_linear(problem, np.array(problem["target"].get("weights", np.ones(count))), x), 0)
@@ -201,7 +201,7 @@ def _search(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
 
 
 def _description(server: Server, drawn: Dict[str, Any]) -> Dict[str, Any]:
-    """What the model of the family that is asked about says of itself; the answer that is tested is not asked which one it is of."""
+    """The description of the model of the family in the request; the tested answer is not used to identify it."""
     (model,) = [model for model in server.get("/v1/models")["models"] if model["family"] == drawn["family"]]
     assert isinstance(model, dict)
     return model
@@ -237,7 +237,7 @@ def _asked_again(server: Server, drawn: Dict[str, Any], answer: Dict[str, Any], 
 
 
 def _apart(one: Any, other: Any) -> float:
-    """The largest difference over the largest value. Where one has no value, the other has none."""
+    """The largest difference over the largest value; a missing value must be missing in both."""
     a, b = (np.array([np.nan if value is None else value for value in values], dtype=float) for values in (one, other))
     if len(a) != len(b) or np.any(np.isnan(a) != np.isnan(b)):
         return float("nan")
@@ -264,7 +264,7 @@ def _sized(server: Server, drawn: Dict[str, Any], answer: Dict[str, Any]) -> Ite
 
 
 def _better_modulus(drawn: Dict[str, Any], answer: Dict[str, Any]) -> float:
-    """Without bands the best modulus is a quotient of scalar products, or the end of the range that is nearest to it."""
+    """Deviation from the best modulus. Without bands this is a quotient of scalar products, clamped to the range."""
     problem, profile = drawn["targets"][0], answer["profile"]
     if problem["task"] == "poisson":
         return 0.0
@@ -297,7 +297,7 @@ def _profile(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float
 
 
 def _given(server: Server, model: Dict[str, Any], design: Dict[str, Any], problem: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """The bars of a design of which nothing is searched for, asked for in three ways. Designs beyond the model's bounds are refused."""
+    """Compares the error bars of a given design from three kinds of requests. Designs beyond the model's bounds are refused."""
     if not _within(model, design["parameters"]):
         return
     told = server.post("/v1/designs", {**problem, "family": design["family"], "initial": design["parameters"], "fixed": design["parameters"]})["profile"]
@@ -308,7 +308,7 @@ def _given(server: Server, model: Dict[str, Any], design: Dict[str, Any], proble
 
 
 def _uniaxial_bars(server: Server, model: str, parameters: List[float], problem: Dict[str, Any], x: Any) -> List[Optional[float]]:
-    """Of the stress at each strain, by two paths from rest."""
+    """Error bars of the stress at each strain, from two paths that begin at rest."""
     found: Dict[float, Optional[float]] = {}
     for sense in (-1, 1):
         strains = sorted((strain for strain in x if strain * sense > 0 or (strain == 0 and sense > 0)), key=abs)
@@ -322,7 +322,7 @@ def _uniaxial_bars(server: Server, model: str, parameters: List[float], problem:
 
 
 def _own_profile(server: Server, model: str, parameters: List[float], problem: Dict[str, Any], x: Any) -> Optional[List[float]]:
-    """All samples at once: each is followed from rest in small steps. None where Newton's method does not get there."""
+    """The profile for all samples at once, each followed from rest in small steps. None if Newton's method does not converge."""
     x = np.array(x)
     directions = x if _over_directions(problem) else np.full(len(x), problem["direction"])
     strains = np.full(len(x), problem["strain"]) if _over_directions(problem) else x

@@ -1,4 +1,4 @@
-"""Geodesic distances, paths, derivatives, fields, means and walks, beside an exact search of our own and closed forms."""
+"""Geodesic distances, paths, derivatives, fields, means and straightest paths, compared with the suite's own exact search and closed forms."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ABOUT = ("On random small meshes (tetrahedra, balls, tori, sheets with holes and
          "renumbered and divided mesh.")
 
 ROUNDING = 1e-12
-"""Documents say: exact up to rounding. Coordinates are rounded to 1e-16, and a path has up to some tens of crossings of thin faces."""
+"""The documents promise exactness up to rounding. Coordinates are rounded to 1e-16, and a path crosses up to some tens of thin faces."""
 
 CHECKS = {
     "distance": Check("Distance between two points, from the least over all unfolded sequences of faces", ROUNDING, "diagonals"),
@@ -81,7 +81,7 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _largest(deviations: Any) -> float:
-    """Not a number counts."""
+    """The largest deviation; NaN if there is one."""
     return float(np.max(np.abs(deviations)))
 
 
@@ -96,7 +96,7 @@ def _in_the_plane(case: Dict[str, Any]) -> np.ndarray:
 
 
 def _again(server: Server, case: Dict[str, Any], surface: Surface, asked: np.ndarray, rng: np.random.Generator) -> Iterator[Tuple[str, float]]:
-    """The same distances of the same surface in another place, size, order and division."""
+    """The same distances on the same surface after a rigid motion, a scaling, a renumbering and a subdivision."""
     vertices, faces, points, diagonal = surface.vertices, surface.faces, case["points"], surface.diagonal
     renumbered = Renumbering(rng, surface)
     more_vertices, more_faces, placed = divided(rng, surface)
@@ -119,7 +119,8 @@ def _path(surface: Surface, result: Any) -> Iterator[Tuple[str, float]]:
 
 
 def _derivatives(surface: Surface, points: List[Point], result: Any, angle: float) -> Iterator[Tuple[str, float]]:
-    """By the second end, which is in a face. Left out where differences of two widths contradict each other: there the distance has a kink nearby."""
+    """Derivatives by the second end, which is in a face. They are not compared if finite differences of two widths disagree, since the distance then
+    has a kink nearby."""
     if not result.get("differentiable", False) or result["frames"]["to"]["face"] != points[1]["face"]:
         return
     width = 1e-3 * min(float(surface.length.mean()), result["distance"])

@@ -1,4 +1,4 @@
-"""Shells and solids that networks pull on, beside energies of our own from the answered positions."""
+"""Shells and solids under networks, compared with the suite's own energies of the positions in the answers."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ ABOUT = ("Random networks that pull on shells (balls, tori and sheets, some of w
          "and with a vertex taken away and back.")
 
 OTHER = 1e-6
-"""Energies of shells that differ by more of their size belong to different equilibria: a sheet that buckles goes to one side or to the other."""
+"""Relative difference of energies of shells above which they belong to different equilibria: a sheet can buckle to either side."""
 JUMP = 1e-7
-"""Jumps of less than this share of the energy are not seen, by the documents."""
+"""By the documents, jumps of less than this fraction of the energy are not detected."""
 
 CHECKS = {
     "springs": Check("The springs' energy, from own lengths on the deformed surface, where no point is within 1e-6 of a vertex but not at it", 1e-10, "of the term"),
@@ -69,7 +69,7 @@ def case(rng: np.random.Generator) -> Dict[str, Any]:
         if shape != "sheet" and rng.random() < 0.5:
             host |= {"volume_weight": host["youngs_modulus"] * float(rng.uniform(0.01, 1)), "volume_scale": float(rng.uniform(0.9, 1.2))}
     far = [int(rng.integers(len(vertices)))]
-    while len(far) < 4:  # vertices that are far from each other hold the body
+    while len(far) < 4:  # vertices that are far from each other support the body
         far.append(int(np.argmax(np.linalg.norm(vertices[:, None] - vertices[far][None], axis=2).min(axis=1))))
     again = str(rng.choice(["stiffness", "moved", "renumbered", "there_and_back"]))
     if again == "there_and_back" or rng.random() < 0.3:
@@ -112,13 +112,13 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
     network = Network(case["springs"], [], None, np.zeros((1, 1)))
 
     def energies(at: np.ndarray) -> Dict[str, float]:
-        """All terms, with the network's points where they are in the material."""
+        """All terms of the energy, for the network's points at their barycentric coordinates."""
         moved = surface.moved(at[:len(surface.vertices)])
         points = [surface.nearest_vertex(point) for point in answer["points"]]
         between, _ = distances(moved, points, points)
         return {"springs": network.energy(between), **of_host(at)}
 
-    exact = not any(surface.beside_vertex(point) for point in answer["points"])  # else own lengths, which are those from the vertex, are not
+    exact = not any(surface.beside_vertex(point) for point in answer["points"])  # else the suite's lengths are those from the vertex
     for name, deviation in _terms(answer, energies(nodes), stiffness):
         if exact or name != "springs":
             yield name, deviation
@@ -132,13 +132,14 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _at_rest(server: Server, body: Dict[str, Any]) -> Tuple[np.ndarray, np.ndarray]:
-    """The nodes and tetrahedra of a solid on which nothing acts."""
+    """The nodes and tetrahedra of a solid without loads."""
     still = {**body, "springs": [], "host": {key: value for key, value in body["host"].items() if key != "gravity"}}
     return host_of_vtu(server.file("/v1/embedded-systems", still, "application/x-vtu+xml").decode())
 
 
 def _terms(answer: Any, own: Dict[str, float], stiffness: float) -> Iterator[Tuple[str, float]]:
-    """Energies near rest are differences of numbers of the size of the stiffness, and those of bending of far smaller ones."""
+    """Compares the terms of the energy. Energies near rest are differences of numbers of the size of the stiffness; those of bending are differences
+    of far smaller numbers."""
     said = {term["name"]: term["energy"] for term in answer["terms"]}
     said["springs"] = said.pop("geodesic_springs", 0.0)
     for name in sorted(own.keys() | said.keys()):
@@ -157,9 +158,9 @@ def _at_equilibrium(case: Dict[str, Any], surface: Surface, network: Network, an
         ahead, back = energies(nodes + step * motion), energies(nodes - step * motion)
         return np.array([(ahead[name] - back[name]) / (2 * step) for name in ahead])
 
-    # Thin tetrahedra are stiff, and their energy is far from a parabola: two widths make up for that.
+    # Thin tetrahedra are stiff, and their energy is far from a parabola: an extrapolation from two widths compensates for that.
     slopes = (4 * slopes_of(width / 2) - slopes_of(width)) / 3
-    least = 1e-3 * network.largest_weight * surface.diagonal * float(np.linalg.norm(motion))  # a millionth of it is the tolerance of gradients
+    least = 1e-3 * network.largest_weight * surface.diagonal * float(np.linalg.norm(motion))  # a million times the tolerance of gradients
     yield "equilibrium", float(slopes.sum() / (np.abs(slopes).sum() + least))
     moved = surface.moved(nodes[:len(surface.vertices)])
     points = [moved.at_vertex(point) for point in answer["points"]]
@@ -173,7 +174,7 @@ def _at_equilibrium(case: Dict[str, Any], surface: Surface, network: Network, an
 
 
 def _again(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, answer: Any, rest: Any, rng: np.random.Generator) -> Iterator[Tuple[str, float]]:
-    """The same body asked about in another way, of which the answer is an equilibrium as well."""
+    """Another request for the same body, for which the answer is an equilibrium as well."""
     host = case["host"]
     least = max(sum(abs(term["energy"]) for term in answer["terms"]), 1e-12)
     if case["again"] == "stiffness":

@@ -1,4 +1,4 @@
-"""Elastic networks and membranes on surfaces that keep their shape or move, beside energies from distances of our own."""
+"""Elastic networks and membranes on rigid and moving surfaces, compared with energies from the suite's own distances."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ ABOUT = ("Random networks of 6 to 40 points and membranes on tori, balls and she
          "renumbered mesh, and on a surface that moves away and back.")
 
 SAME = 1e-9
-"""Energies of one equilibrium: gradients are zero to 1e-9, and energies to the square of that."""
+"""Relative difference of energies of one equilibrium. Gradients are zero up to 1e-9, so that energies are exact up to the square of that."""
 OTHER = 1e-6
-"""Energies that differ by more of their size belong to different equilibria, between which rounding may decide."""
+"""Relative difference of energies above which they belong to different equilibria, between which rounding may decide."""
 JUMP = 1e-7
-"""Jumps of less than this share of the energy are not seen, by the documents."""
+"""By the documents, jumps of less than this fraction of the energy are not detected."""
 
 CHECKS = {
     "energy": Check("The energy, from that of own lengths, where no point is within 1e-6 of a vertex but not at it", 1e-12, "stiffness"),
@@ -54,7 +54,7 @@ def _mesh(rng: np.random.Generator) -> Tuple[str, np.ndarray, np.ndarray]:
 
 def case(rng: np.random.Generator) -> Dict[str, Any]:
     kind, vertices, faces = _mesh(rng)
-    jam = kind == "fine torus"  # many points that push their neighbours, of which some come to rest at cut loci
+    jam = kind == "fine torus"  # many points with compressed springs, some of which reach equilibrium at cut loci
     count = int(rng.integers(25, 41)) if jam else int(rng.integers(6, 21))
     points = [random_point(rng, faces, inside=True) for _ in range(count)]
     between, _ = distances(Surface(vertices, faces), points, points)
@@ -104,7 +104,7 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
     found, _ = distances(surface, points, points + [place for i in free for place in places[i]])
     between = found[:, :len(points)]
     scale, energy = network.scale(between), network.energy(between)
-    if exact and not answer["mollified"]:  # else the energy is that of mollified lengths
+    if exact and not answer["mollified"]:  # a mollified energy is that of mollified lengths
         yield "energy", (answer["energy"] - energy) / scale
     yield from _lengths("length", surface, network, answer, between)
     if exact:
@@ -126,7 +126,7 @@ def _lengths(name: str, surface: Surface, network: Network, answer: Any, between
 
 
 def _moves(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, network: Network, answer: Any, found: np.ndarray, free: List[int]) -> Iterator[Tuple[str, float]]:
-    """Moves single points, which are found where an energy that no step lowers can be lowered."""
+    """Moves single points, which shows whether the energy of an answer can still be lowered."""
     count = len(answer["points"])
     between, energy = found[:, :count], network.energy(found[:, :count])
     each = (found.shape[1] - count) // max(len(free), 1)
@@ -148,7 +148,7 @@ def _moves(server: Server, mesh: str, case: Dict[str, Any], surface: Surface, ne
 
 
 def _with_rest(server: Server, mesh: str, case: Dict[str, Any], answer: Any, **changed: Any) -> Any:
-    """Goes on from an answer. Membranes are at rest where they start, so that only networks can."""
+    """Continues from an answer. A membrane is at rest at its start, so that only networks can be continued."""
     return None if "membrane" in case else _relax(server, mesh, case, points=answer["points"], **changed)
 
 
@@ -200,7 +200,7 @@ def _on_a_moving_surface(server: Server, mesh: str, case: Dict[str, Any], surfac
     if case["host"] == "turned_host":
         yield "turned_host", np.inf if jumps else (other["energy"] - answer["energy"]) / least
     elif not jumps:
-        # A stretch of all lengths by s changes the sum of w (d - L)^2 by no more than 2 s the root of (that sum times that of w d^2).
+        # If all lengths d change by the fraction s, the sum E of w (d - L)^2 changes by at most 2 s sqrt(E * sum of w d^2).
         stretch = 0.0 if case["host"] == "there_and_back" else 5 * float(np.abs(surface.moved(ways[-1]).length / surface.length - 1).max())
         caused = 2 * stretch * float(np.sqrt(answer["energy"] * scale))
         yield case["host"], max(0.0, abs(other["energy"] - answer["energy"]) - caused) / least

@@ -1,4 +1,4 @@
-"""Parts to print or cut: their files are read by the suite's own code, drawn beside own drawings of the tilings, eroded and measured with GEOS."""
+"""Parts to print or cut: the suite's own code reads their files, compares them with its own drawings of the tilings, and erodes and measures them with GEOS."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ ABOUT = ("Random coupons, blocks, rectangles and polygons, filled with random ti
          "documents say, is laid over the part.")
 
 CORNER = 0.25 * np.sqrt(2) + 0.49 * (np.sqrt(2) - 1)
-"""What lies within a quarter of a wall stays. The disk's outline is drawn with a few sides, so that corners count as reached that are farther by the
-square root of two."""
+"""Distance, in widths of the smallest wall, up to which corners may be rounded. A disk is approximated by a polygon of few sides, so that it can reach corners
+that are farther away by the square root of two."""
 
 CHECKS = {
     "area": Check("`solid_area` beside that of the DXF file", 1e-5, "mm, over the perimeter"),
@@ -74,7 +74,7 @@ def examine(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
     try:
         answer = server.post("/v1/parts", {**body, "svg": True})
     except Refusal as refusal:
-        if refusal.code != "tiling.part":  # Outlines between the beams of large tiles have nothing in them, or polygons cross themselves.
+        if refusal.code != "tiling.part":  # Outlines between the beams of large tiles are empty, or polygons cross themselves.
             raise
         return
     part = _solids.of_rings(_solids.dxf_rings(server.file("/v1/parts", body, "image/vnd.dxf").decode()))
@@ -128,8 +128,8 @@ def _booked(drawn: Dict[str, Any], answer: Dict[str, Any], part: Any) -> Iterato
 
 
 def _topology(part: Any, radius: float, least: float) -> int:
-    """Pieces less holes after eroding, of pieces of more than the least area. It rises by one where a place is parted, be it that the part falls in
-    two there, or that two holes become one. Corners and dead ends that vanish do not change it."""
+    """Number of pieces minus number of holes after eroding, for pieces of more than the least area. It increases by one if erosion cuts a neck, whether the part then
+    falls into two pieces or two holes become one. Corners and dead ends that vanish do not change it."""
     eroded = part.buffer(-radius, resolution=16)
     return sum(1 - len(piece.interiors) for piece in (eroded.geoms if isinstance(eroded, MultiPolygon) else [eroded]) if piece.area > least)
 
@@ -163,7 +163,8 @@ def _outline(drawn: Dict[str, Any]) -> Any:
 
 
 def _drawn_apart(drawn: Dict[str, Any], structure: Dict[str, Any], answer: Dict[str, Any], part: Any) -> float:
-    """A lattice point lies in the middle of the outline's bounding box, and the tiling is turned about it. What is no hole of a tile is solid."""
+    """Compares the part with the suite's own drawing. A lattice point is in the centre of the outline's bounding box, and the tiling is rotated about it. All except the
+    holes of tiles is solid."""
     outline = _outline(drawn)
     turn = drawn["orientation"]
     if drawn["kind"] in ("coupon", "block") and drawn["direction"] is not None:

@@ -1,4 +1,4 @@
-"""Tilings under load, beside finite elements of the suite's own on the triangles that the server answers, and invariances."""
+"""Tilings under load, compared with the suite's own finite elements on the triangles in the server's answer, and invariances."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ ABOUT = ("Random tilings under random loads. Energy, stress, tangent, equilibriu
          "than the error that is said.")
 
 GROUP = 10
-"""Designs of a case that counts how often the error of the mesh is larger than said."""
+"""Number of designs in a case that counts how often the error of the mesh exceeds its estimate."""
 
 PATIENCE = 3600
-"""Seconds until the server stops a simulation: the suite may share a busy machine."""
+"""Deadline of a simulation in seconds. It is long because the machine may be busy."""
 
 CHECKS = {
     "energy": Check("energy density of the state that is answered, beside own elements", 1e-9, "of it"),
@@ -82,7 +82,7 @@ def _tensor(parts: Any) -> Any:
 
 
 def _norm(parts: Any) -> float:
-    """The Frobenius norm of a symmetric tensor of these components."""
+    """The Frobenius norm of a symmetric tensor with these components."""
     return float(np.linalg.norm(_tensor(parts)))
 
 
@@ -123,7 +123,7 @@ def _elements(server: Server, drawn: Dict[str, Any], body: Dict[str, Any]) -> It
         yield "periods", broken_periods(cell, np.array(state["deformed"]["points"]), f)
         yield "periods", np.max(np.abs(np.array(state["deformed"]["lattice"]) - cell.lattice @ f.T)) / np.sqrt(cell.area)
         yield "load", _load_deviation(drawn["designs"][0], body["load"], answer["states"].index(state), state)
-        if state["contacts"] == 0:  # Energies of contact are the engine's own.
+        if state["contacts"] == 0:  # Energies of contact are not defined in the documents.
             yield from _state(cell, law, drawn, state)
 
 
@@ -138,7 +138,7 @@ def _state(cell: Cell, law: Law, drawn: Dict[str, Any], state: Dict[str, Any]) -
     if state["tangent"] is not None:
         tangent = tangent_of(f, own.nominal, own.modulus)
         yield "tangent", np.linalg.norm(np.array(state["tangent"]) - tangent) / np.linalg.norm(tangent)
-    if drawn["designs"][0]["load"] in ("green_strain", "biaxial"):  # Nothing of F is free there.
+    if drawn["designs"][0]["load"] in ("green_strain", "biaxial"):  # These loads prescribe all of F.
         modes = unstable_modes(cell, own, alternating=drawn["patch"] == "automatic" and state["cells"] == 1)
         yield "stability", float(state["stable"] != (modes == 0))
 
@@ -160,7 +160,7 @@ def _load_deviation(design: Dict[str, Any], load: Dict[str, Any], index: int, st
 
 
 def _plain(server: Server, body: Dict[str, Any], **more: Any) -> List[Dict[str, Any]]:
-    """States on a coarse mesh, to a tolerance that comparisons of two answers need."""
+    """States on a coarse mesh, with the tolerance that is needed to compare two answers."""
     answer = server.post("/v1/simulations", {**body, "deadline": PATIENCE, "accuracy": {"mesh_size": 1, "corner_size": 0.5, "tolerance": 1e-10}, "tangents": False,
                                              "effects": {"refinement": "off", "contact": "off"}, **more})
     return [state for state in answer["states"] if state["stopped"] == "converged"]
@@ -181,7 +181,7 @@ def _invariance(server: Server, drawn: Dict[str, Any], body: Dict[str, Any]) -> 
     other = _plain(server, {**body, "load": load}, **more)
     for one, two in zip(base, other):
         if name == "same strain" and (one["branch"] or two["branch"] or one["cells"] != two["cells"]):
-            return  # After a bifurcation another path to the same strain need not reach the same state.
+            return  # After a bifurcation, different paths to the same strain need not reach the same state.
         yield name, max(_apart(np.array(two["stress"]) / scale, one["stress"]), abs(two["energy_density"] / scale / one["energy_density"] - 1))
 
 
@@ -196,7 +196,7 @@ def _judged(states: List[Dict[str, Any]]) -> bool:
 
 
 def _derivative(server: Server, drawn: Dict[str, Any], body: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """Between two strains the energy rises by the integral of the stress: Hermite's rule, whose error is of the fifth order in the step."""
+    """Compares the difference of the energies at two strains with the integral of the stress by Hermite's rule, whose error is of fifth order in the step."""
     design = drawn["designs"][0]
     strain = _strain(design["direction"], design["stretches"])
     step = 2e-3 * np.array(drawn["step"]) / _norm(drawn["step"])
@@ -214,7 +214,7 @@ def _derivative(server: Server, drawn: Dict[str, Any], body: Dict[str, Any]) -> 
 
 
 def _symmetry(structure: Dict[str, Any], design: Dict[str, Any]) -> Optional[Any]:
-    """A mirror or a turn by less than half a circle that maps the tiling to itself: it maps the corners of holes to such corners."""
+    """A reflection, or a rotation by less than half a turn, that maps the tiling to itself, since it maps the corners of holes to such corners."""
     lattice = np.array(structure["lattice"])
     inverse = np.linalg.inv(lattice)
     holes = [np.array(hole) for tile in structure["tiles"] for hole in tile["holes"]]
@@ -256,7 +256,7 @@ def _mirror(server: Server, drawn: Dict[str, Any], body: Dict[str, Any], structu
 
 
 def _mesh_error(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """In 90 of 100 simulations the error that is said is larger than the difference to a finer mesh."""
+    """In 90 of 100 simulations the estimated error is larger than the difference to a finer mesh."""
     judged = beyond = 0
     for design in drawn["designs"]:
         structure = structure_of(server, design["family"], design["shares"])

@@ -1,4 +1,4 @@
-"""Optimized sites of Voronoi diagrams, beside energies of our own and moves of single sites."""
+"""Optimized sites of Voronoi diagrams, compared with the suite's own energies and with moves of single sites."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ABOUT = ("Diagrams of 4 to 12 random sites that are optimized for one objective,
 
 DIRECTIONS = 8
 LENGTHS = (0.3, 0.1, 0.03, 0.01)
-"""How far a site is moved, in units of the mean cell size."""
+"""Distances by which a site is moved, in units of the mean cell size."""
 
 CHECKS = {
     "energy": Check("The energy of edge_length, regularity or equal_area, from own lengths and the answered areas", 1e-9, "of the energy"),
@@ -55,7 +55,7 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
         yield "energy", (own - energy) / max(energy, 1e-6)
 
     def energies(places: List[Point]) -> np.ndarray:
-        """With one site in each of some places and the others where they are: nothing moves where all are fixed."""
+        """The energies with one site at each of some places and the others unchanged. All sites are fixed, so that the server moves none."""
         found = []
         for place in places:
             sites = answer["sites"][:moved] + [place] + answer["sites"][moved + 1:]
@@ -74,7 +74,8 @@ def examine(server: Server, case: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _own_energy(surface: Surface, objective: str, answer: Any, cell_size: float) -> Optional[float]:
-    """(1/2) sum of the squares of what is to become small, lengths in units of the mean cell size; None for the others."""
+    """The energy of an objective: half the sum of squared residuals, with lengths in units of the mean cell size. None for objectives that the suite
+    does not compute."""
     if objective == "equal_area":
         areas = np.array([cell["area"] for cell in answer["cells"]]) / cell_size**2
         return float(((areas - areas.mean()) ** 2).sum()) / 2

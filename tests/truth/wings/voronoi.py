@@ -1,4 +1,4 @@
-"""Geodesic Voronoi diagrams beside distances and areas of our own."""
+"""Geodesic Voronoi diagrams, compared with the suite's own distances and areas."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ABOUT = ("Diagrams of 2 to 7 random sites, some of them on vertices and edges, o
          "compared with the least lengths over all unfolded sequences of faces, areas with the polygons that are drawn, and the diagram with that of the moved and renumbered mesh.")
 
 AREAS = 2e-7
-"""Share of the surface by which areas of cells differ at most, by the documents."""
+"""By the documents, the largest error of a cell's area as a fraction of the surface's area."""
 
 CHECKS = {
     "cells_cover": Check("Sum of the cells' areas, from the area of the mesh", 1e-9, "surfaces"),
@@ -70,7 +70,7 @@ class Polygon:
         self.perimeter = float(np.linalg.norm(following - self.corners, axis=1).sum())
 
     def has(self, place: np.ndarray) -> bool:
-        """By the number of sides to the right of the place."""
+        """Whether the polygon contains the place, by the number of its sides to the right of the place."""
         a, b = self.corners, np.roll(self.corners, -1, axis=0)
         spans = (a[:, 1] > place[1]) != (b[:, 1] > place[1])
         a, b = a[spans], b[spans]
@@ -107,7 +107,7 @@ def _sums(surface: Surface, answer: Any, areas: np.ndarray, deviation: float) ->
 
 
 def _places(surface: Surface, answer: Any, case: Dict[str, Any], rng: np.random.Generator) -> Iterator[Tuple[str, float]]:
-    """Whose cell places are of, by own distances from all sites: one search for all of them."""
+    """Compares the sites of random places with the suite's own distances from all sites, with one search for all places."""
     within = case["deviation"] * surface.diagonal
     of_face: Dict[int, List[Polygon]] = {}
     for piece in answer["pieces"]["cut_faces"]:
@@ -157,7 +157,7 @@ def _places(surface: Surface, answer: Any, case: Dict[str, Any], rng: np.random.
 
 
 def _middle(surface: Surface, a: Point, b: Point) -> Point:
-    """Between two points of a border, which lie in one face."""
+    """The midpoint of two points of a border that are in one face."""
     of_a, of_b = dict(surface.entries(a)), dict(surface.entries(b))
     face = next(face for face in of_a if face in of_b)
     return {"face": face, "barycentric": ((of_a[face] + of_b[face]) / 2).tolist()}

@@ -1,4 +1,4 @@
-"""Weaves, beside closed forms of straight strands, scales, symmetries, other paths to the same strain, and own reading of G-code."""
+"""Weaves, compared with closed forms for straight strands, scalings, symmetries, other paths to the same strain, and the suite's own reader of G-code."""
 
 from __future__ import annotations
 
@@ -42,11 +42,11 @@ CHECKS = {
 KINDS = (("straight", 0.12), ("families", 0.12), ("shear", 0.08), ("scales", 0.14), ("symmetry", 0.14), ("paths", 0.2), ("derivative", 0.08),
          ("sheet", 0.04), ("print", 0.08))
 SHEAR_ERRORS = {2: 0.335, 4: 0.115, 8: 0.035}
-"""What the contract says for numbers of segments: 33, 11 and 3 %, rounded up."""
+"""Errors by number of segments according to the contract, 33, 11 and 3 %, rounded up."""
 SHEET_STATES = 24
-"""States of a sheet on its way. With few of them the work of a sheet that turns stiff late is not what Simpson's rule makes of the reactions."""
+"""Number of states on the path of a sheet. With few states, Simpson's rule for the work of the reactions is inaccurate if the sheet stiffens late."""
 TRIES = 4
-"""Prints that a case holds ready: crossings that are too close to each other cannot be printed."""
+"""Number of random prints in a case, of which one is used: crossings that are too close to each other cannot be printed."""
 
 
 def case(rng: np.random.Generator) -> Dict[str, Any]:
@@ -112,7 +112,7 @@ def _straight(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, floa
 
 
 def _lattice_of_two(drawn: Dict[str, Any], angles: List[float]) -> Tuple[Dict[str, Any], Any]:
-    """Two families of straight strands through a lattice's points, and the unit vectors along them."""
+    """A weave of two families of straight strands through the points of a lattice, and the unit vectors along them."""
     along = np.array([[np.cos(angle), np.sin(angle)] for angle in (angles[0], angles[0] + angles[1])])
     lattice = along * np.array(drawn["pitches"])[:, None]
     strands = [{"points": [(drawn["start"] * one).tolist()], "ends": "periodic", "translation": one.tolist(), "radius": radius}
@@ -134,7 +134,7 @@ def _families(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, floa
 
 
 def _shear(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """Both families bend between joints that do not turn against each other: two springs 12 EI / L in a row."""
+    """Compares the shear stiffness with a closed form: the strands of both families bend between joints with fixed angles, as two springs 12 EI / L in series."""
     weave, _ = _lattice_of_two(drawn, [0.0, np.pi / 2])
     segments, shear = drawn["segments"], 1e-3
     answer = server.post("/v1/weave-deformations", {"weave": weave, "deformation_gradients": [[[1, shear], [0, 1]]],
@@ -157,7 +157,7 @@ def _defined(answer: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
         yield "definitions", (answer["youngs_modulus"][k] - d @ cauchy @ d / strain) * strain / size
         yield "definitions", answer["poisson_ratio"][k] + n @ (f - np.eye(2)) @ n / strain
         yield "definitions", np.max(np.abs(f.T @ d - (1 + strain) * d))
-        if abs(answer["youngs_modulus"][k]) > 1:  # Cells that slide freely bear nothing but rounding.
+        if abs(answer["youngs_modulus"][k]) > 1:  # Cells that slide freely have no stress except rounding.
             yield "free stress", np.linalg.norm(p.T @ n) / np.linalg.norm(p)
         if silent:
             yield "limit error", np.nan if answer["limit_error"][k] is None else answer["limit_error"][k]
@@ -186,15 +186,15 @@ def _scales(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]
 
 
 def _bending(weave: Dict[str, Any]) -> float:
-    """The stress EI / L^3 of strands of the default material, in N/m, with L the largest length of the pattern. An equilibrium to the default
-    tolerance is one to a millionth of about this, so that smaller stresses are compared with it."""
+    """The stress EI / L^3 of strands of the default material, in N/m, where L is the largest length of the pattern. The residual of an equilibrium with
+    the default tolerance is about a millionth of this, so that it is the scale of small stresses."""
     size = weave.get("pitch", weave.get("side", weave.get("distance", 4)))
     return float(1000 * 3500 * np.pi / 4 * weave["radius"] ** 4 / size ** 3)
 
 
 def _above(weave: Dict[str, Any], strain: float, one: Dict[str, Any], other: Dict[str, Any], both_ways: bool = False) -> Iterator[float]:
-    """By how much the energies of the first answer are above those of the second, of directions in which both converged. Of energies that
-    sliding freely leaves, a hundred-thousandth of that of bending is as good as none."""
+    """Relative excess of the first answer's energies over those of the second, in directions in which both converged. Energies below 1e-5 of that of
+    bending, which remain in cells that slide freely, are not distinguished."""
     for k, (energy, least) in enumerate(zip(one["energy_density"], other["energy_density"])):
         if one["stopped"][k] == other["stopped"][k] == "converged":
             deviation = (energy - least) / max(least, 1e-5 * strain ** 2 * _bending(weave))
@@ -202,7 +202,7 @@ def _above(weave: Dict[str, Any], strain: float, one: Dict[str, Any], other: Dic
 
 
 def _image_of(layout: Dict[str, Any], image: Any) -> bool:
-    """Whether the image maps the crossings to themselves: places, the directions of their strands, and which of them slide."""
+    """Whether the map preserves the crossings: their places, the directions of their strands, and which strands slide."""
     lattice = np.array(layout["lattice"])
     inverse = np.linalg.inv(lattice)
     if np.max(np.abs(lattice @ image.T @ inverse - np.rint(lattice @ image.T @ inverse))) > 1e-6:
@@ -234,7 +234,7 @@ def _members(layout: Dict[str, Any], crossing: Dict[str, Any]) -> List[Tuple[flo
 
 
 def _alike(one: List[Tuple[float, bool]], other: List[Tuple[float, bool]]) -> bool:
-    """Directions of polylines are those of chords, so that they agree roughly."""
+    """Whether the strands at two crossings agree. The directions of polylines are those of chords, so that they agree only roughly."""
     near = lambda a, b: abs((a - b + np.pi / 2) % np.pi - np.pi / 2) < 0.1  # noqa: E731
     return len(one) == len(other) and any(all(near(a[0], b[0]) and a[1] == b[1] for a, b in zip(one, order)) for order in itertools.permutations(other))
 
@@ -274,7 +274,7 @@ def _paths(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _derivative(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """Simpson's rule over a step of 4e-3, whose error is of the fifth order in it."""
+    """Compares a difference of energies with the integral of the stress by Simpson's rule over a step of 4e-3, whose error is of fifth order in the step."""
     step = np.array(drawn["step"]).reshape(2, 2)
     step *= 2e-3 / np.linalg.norm(step)
     turn = turned(drawn["directions"][0])
@@ -359,7 +359,7 @@ def _print(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _laid(server: Server, weave: Dict[str, Any], drawn: Dict[str, Any], answer: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    """Lays the moves of each strand over the strand of the layout, wherever on the bed that lies."""
+    """Compares the moves of each strand with the strand of the layout, at any position on the bed."""
     layout = server.post("/v1/weave-layouts", {"weave": weave})
     tracks: Dict[int, List[Any]] = {}
     for move in answer["moves"]:
@@ -383,7 +383,7 @@ def _unit(vector: Any) -> Any:
 
 
 def _origin(layout: Dict[str, Any], tracks: Dict[int, List[Any]], overrun: List[float]) -> Any:
-    """Where the weave's (0, 0) lies on the bed: the first strand begins at a known distance before, or at, its first point."""
+    """Position on the bed of the weave's (0, 0). The print of the first strand begins at its first point, or at a known distance before it."""
     strand = layout["strands"][0]
     line, track = np.array(strand["polyline"]), np.concatenate(tracks[0])
     if strand["ends"] == "open":
@@ -395,7 +395,7 @@ def _origin(layout: Dict[str, Any], tracks: Dict[int, List[Any]], overrun: List[
 
 
 def _chord_error(line: Any) -> float:
-    """By how much a polyline's chords may leave the curve that it draws: length times turn over 8, at the sharpest corner."""
+    """Estimated distance of a polyline's chords from the curve that it approximates: length times angle over 8, at the sharpest corner."""
     sides = np.diff(line, axis=0)
     lengths = np.linalg.norm(sides, axis=1)
     turns = np.abs([np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b) for a, b in zip(sides, sides[1:])] or [0.0])
