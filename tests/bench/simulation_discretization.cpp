@@ -37,7 +37,7 @@ std::vector<Way> ways(const std::string& family, bool brief) {
     return {{"reference", {0.5, 0.1}, Refinement::extrapolated},
             {"default", microscale::extrapolated_mesh(), Refinement::extrapolated}};
   // Slender beams bend along their length, for which longer triangles are as good.
-  const bool slender = family == "IH21" || family == "IH28" || family == "IH29";
+  const bool slender = tiling::family(family).sufficient_mesh_size > tiling::default_mesh_size;
   return {{"reference", {slender ? 0.5 : 0.35, 0.05}, Refinement::extrapolated},
           {"before", {0.5, 0.1}, Refinement::off},
           {"estimated", {0.5, 0.1}, Refinement::estimated},

@@ -57,10 +57,7 @@ const std::vector<std::string>& published_families() {
 
 microscale::SimulationOptions data_set_options(const std::string& family) {
   microscale::SimulationOptions options;
-  // Cells of many slender beams deform by bending along them, for which fewer elements suffice (see the refinement
-  // study).
-  if (family == "IH21" || family == "IH28") options.mesh.mesh_size = 1;
-  if (family == "IH29") options.mesh.mesh_size = 0.7;
+  options.mesh.mesh_size = tiling::family(family).sufficient_mesh_size;
   options.tolerance = 1e-7;
   return options;
 }

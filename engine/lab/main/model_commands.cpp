@@ -178,41 +178,16 @@ void train(TrainArguments& arguments, const StopSignals& signals, bool& interrup
   fmt::print("epoch {} of {} was the best\n", result.best_epoch, result.history.size());
 }
 
-void add_options(CLI::App& command, TrainArguments& arguments) {
-  auto& options = arguments.options;
-  auto& training = options.training;
-  auto& shape = training.shape;
-  add_data_options(command, arguments.data);
-  command.add_option("--out", arguments.out, "The model; until it is finished, OUT.partial keeps what is done")
-      ->required();
-  command.add_option("--start", arguments.start,
-                     "A model of the same data and split: training goes on with it, and its network's shape holds");
-  command.add_flag("--start-foreign", options.start_is_foreign,
-                   "START was trained on other data of the family; what is held out now may have trained it");
-  command.add_option("--rest-data", arguments.data.rest,
-                     "Data sets of stiffnesses at rest (dataset rest), to which the stiffness branch is fitted first");
-  command.add_option("--family", arguments.family, "Refuses data of another");
-  command.add_option("--id", options.id, "Of the model; the family's unless given");
-  command.add_option("--log", arguments.log, "CSV file of losses and validation errors");
-  auto* exported = command.add_option("--export", arguments.exported,
-                                      "Write the training for another trainer, as on a GPU, and train nothing");
-  command
-      .add_option("--import", arguments.imported,
-                  "Take the network that it made, and write the model OUT; same options")
-      ->excludes(exported);
-  command.add_option("--threads", arguments.threads, "0: one for each core")->capture_default_str();
-  command
-      .add_option("--device", arguments.device,
-                  "automatic: CUDA where LibTorch has a device; cpu; or cuda, an error elsewhere")
-      ->check(CLI::IsMember({"automatic", "cpu", "cuda"}))
-      ->capture_default_str();
-  command.add_flag("--quiet", arguments.quiet, "No progress on stderr");
-  const auto group_of = [&](const char* group) {
-    return [&command, group](const char* name, auto& value, const char* about) {
-      return command.add_option(name, value, about)->capture_default_str()->group(group);
-    };
+/// Adds options with defaults to a group of the help.
+auto options_of(CLI::App& command, const char* group) {
+  return [&command, group](const char* name, auto& value, const char* about) {
+    return command.add_option(name, value, about)->capture_default_str()->group(group);
   };
-  const auto network_option = group_of("Network");
+}
+
+void add_network_options(CLI::App& command, TrainArguments& arguments) {
+  auto& shape = arguments.options.training.shape;
+  const auto network_option = options_of(command, "Network");
   network_option("--width", shape.width, "Neurons of each layer, a multiple of 16");
   network_option("--strain-layers", shape.strain_layers, "Of the branch that reads the strain");
   network_option("--parameter-layers", shape.parameter_layers, "Of the branch that reads the parameters");
@@ -228,7 +203,11 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   network_option("--features", arguments.features,
                  "geometric: lengths, gaps, angles and density of the tile are inputs; or none")
       ->check(CLI::IsMember({"geometric", "none"}));
-  const auto training_option = group_of("Training");
+}
+
+void add_training_options(CLI::App& command, TrainArguments& arguments) {
+  auto& training = arguments.options.training;
+  const auto training_option = options_of(command, "Training");
   training_option("--epochs", training.epochs, "Passes over the training rows");
   training_option("--chunk-rows", training.chunk_rows, "Rows of one design that go together");
   training_option("--batch-chunks", training.batch_chunks, "Chunks of one step");
@@ -256,14 +235,51 @@ void add_options(CLI::App& command, TrainArguments& arguments) {
   training_option("--patience", training.patience, "Epochs without a better validation that end training; 0: never");
   training_option("--validation-interval", training.validation_interval, "Epochs between validations");
   training_option("--seed", training.seed, "Of the weights and the order of rows");
-  training_option("--symmetry", options.use_symmetry, "See each chunk through the family's symmetries (1 or 0)");
-  const auto sample_option = group_of("Samples");
+  training_option("--symmetry", arguments.options.use_symmetry,
+                  "See each chunk through the family's symmetries (1 or 0)");
+}
+
+void add_sample_options(CLI::App& command, TrainArguments& arguments) {
+  auto& options = arguments.options;
+  const auto sample_option = options_of(command, "Samples");
   sample_option("--least-energy", options.samples.min_energy, "MPa; rows below are left out");
   sample_option("--largest-energy", options.samples.max_energy, "MPa; rows above are left out");
   sample_option("--validation-share", options.split.validation, "Of the designs");
   sample_option("--test-share", options.split.test, "Of the designs");
   sample_option("--row-test-share", options.split.row_test, "Of the rows of the other designs");
   sample_option("--split-seed", options.split.seed, "Which designs and rows these are");
+}
+
+void add_options(CLI::App& command, TrainArguments& arguments) {
+  auto& options = arguments.options;
+  add_data_options(command, arguments.data);
+  command.add_option("--out", arguments.out, "The model; until it is finished, OUT.partial keeps what is done")
+      ->required();
+  command.add_option("--start", arguments.start,
+                     "A model of the same data and split: training goes on with it, and its network's shape holds");
+  command.add_flag("--start-foreign", options.start_is_foreign,
+                   "START was trained on other data of the family; what is held out now may have trained it");
+  command.add_option("--rest-data", arguments.data.rest,
+                     "Data sets of stiffnesses at rest (dataset rest), to which the stiffness branch is fitted first");
+  command.add_option("--family", arguments.family, "Refuses data of another");
+  command.add_option("--id", options.id, "Of the model; the family's unless given");
+  command.add_option("--log", arguments.log, "CSV file of losses and validation errors");
+  auto* exported = command.add_option("--export", arguments.exported,
+                                      "Write the training for another trainer, as on a GPU, and train nothing");
+  command
+      .add_option("--import", arguments.imported,
+                  "Take the network that it made, and write the model OUT; same options")
+      ->excludes(exported);
+  command.add_option("--threads", arguments.threads, "0: one for each core")->capture_default_str();
+  command
+      .add_option("--device", arguments.device,
+                  "automatic: CUDA where LibTorch has a device; cpu; or cuda, an error elsewhere")
+      ->check(CLI::IsMember({"automatic", "cpu", "cuda"}))
+      ->capture_default_str();
+  command.add_flag("--quiet", arguments.quiet, "No progress on stderr");
+  add_network_options(command, arguments);
+  add_training_options(command, arguments);
+  add_sample_options(command, arguments);
 }
 
 struct CardArguments {

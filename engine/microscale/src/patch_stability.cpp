@@ -1,5 +1,6 @@
 #include "patch_stability.h"
 
+#include "supple/base/error.h"
 #include "supple/numerics/least_stable_mode.h"
 
 namespace supple::microscale {
@@ -20,9 +21,10 @@ std::optional<PatchStability::Instability> PatchStability::find(const CellModel&
     execution.cancellation.throw_if_requested();
     entries_[a].assemble(n, *matrix_);
     if (cholesky_.factorize(hessian, 0)) continue;
-    const numerics::Mode mode = numerics::least_stable_mode(hessian, n, cholesky_, execution.cancellation);
-    if (mode.curvature < 0 && (!least_stable || mode.curvature < least_stable->curvature))
-      least_stable = Instability{alternations[a], mode.direction, mode.curvature};
+    const auto mode = numerics::least_stable_mode(hessian, n, cholesky_, execution.cancellation);
+    if (!mode) throw Error("minimizer.not_finite", "The stiffness of the patch of 2x2 cells is not finite.");
+    if (mode->curvature < 0 && (!least_stable || mode->curvature < least_stable->curvature))
+      least_stable = Instability{alternations[a], mode->direction, mode->curvature};
   }
   return least_stable;
 }

@@ -22,11 +22,14 @@ constexpr double ritz_tolerance = 1e-6;
 /// Decreases of the energy in the two directions that differ by less than this, relative, count as equal.
 constexpr double symmetry_tolerance = 1e-9;
 
-double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, const CancellationToken& cancellation) {
+/// The first shift that makes the matrix positive definite, whose factors `cholesky` then holds; none up to max_shift.
+std::optional<double> shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky,
+                                           const CancellationToken& cancellation) {
   const double scale = matrix_scale(hessian);
   double shift = first_shift * scale;
-  while (!cholesky.factorize(hessian, shift) && shift < max_shift * scale) {
+  while (!cholesky.factorize(hessian, shift)) {
     cancellation.throw_if_requested();
+    if (!(shift < max_shift * scale)) return std::nullopt;
     shift *= shift_growth;
   }
   return shift;
@@ -34,10 +37,11 @@ double shift_until_definite(const Hessian& hessian, ShiftedCholesky& cholesky, c
 
 }  // namespace
 
-Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
-                       const CancellationToken& cancellation) {
+std::optional<Mode> least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
+                                      const CancellationToken& cancellation) {
   cholesky.stop_with(cancellation);
-  const double shift = shift_until_definite(hessian, cholesky, cancellation);
+  const std::optional<double> shift = shift_until_definite(hessian, cholesky, cancellation);
+  if (!shift) return std::nullopt;
   const int steps = static_cast<int>(std::min<Eigen::Index>(lanczos_steps, n));
   Eigen::MatrixXd basis(n, steps + 1);
   Eigen::VectorXd diagonal(steps);
@@ -70,7 +74,7 @@ Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& 
   Eigen::Index peak = 0;
   mode.direction.cwiseAbs().maxCoeff(&peak);
   if (mode.direction[peak] < 0) mode.direction = -mode.direction;
-  mode.curvature = 1 / ritz.eigenvalues()[size - 1] - shift;
+  mode.curvature = 1 / ritz.eigenvalues()[size - 1] - *shift;
   return mode;
 }
 

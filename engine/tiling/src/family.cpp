@@ -41,6 +41,7 @@ std::vector<Family> make_families() {
                       .description = type.description,
                       .parameters = type.parameters,
                       .beam_width = type.beam_width,
+                      .sufficient_mesh_size = type.sufficient_mesh_size,
                       .holes_may_close = false,
                       .shape = [&type](std::span<const double> parameters) { return evaluate(type, parameters); }});
   }

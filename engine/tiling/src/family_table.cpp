@@ -31,9 +31,7 @@ constexpr std::array<double, 4> mirror_diagonal = {0, 1, 1, 0};  // x and y chan
 /// Length below which sides of the square family's tiles are points, in tiling units: some 1e-8 beam widths.
 constexpr double min_tile_side = 1e-9;
 
-std::vector<IsohedralType> make_table() {
-  std::vector<IsohedralType> table;
-
+void add_hexagons(std::vector<IsohedralType>& table) {
   table.push_back(
       {.id = "IH01",
        .description = "Hexagons whose opposite edges are parallel; one tile per cell",
@@ -47,13 +45,16 @@ std::vector<IsohedralType> make_table() {
                 {-5.5 * p3 + 0.5, 4 * p4 - 2}},
        .translations = {{{0, -1}, {3.9 * p1 + 5.5 * p3 - 0.4, 5 * p2 - 4 * p4 - 0.5}}},
        .placements = {{identity, {0, 0}}}});
+}
 
+void add_pentagons(std::vector<IsohedralType>& table) {
   // The bounds start above the type's own default of p1, 0.1045; the preset is the nearest value within them.
   table.push_back(
       {.id = "IH21",
        .description = "Pentagons around centres of sixfold, threefold and twofold rotation; six tiles per cell",
        .parameters = {{0.105, 0.195, 0.105}, {0.505, 0.795, 0.65}},
        .beam_width = 0.0641,
+       .sufficient_mesh_size = 1,
        .tile = {{1, 0},
                 {5 * p2 - 2.5, 5.1 * p1 - 0.1},
                 {-5.1 / (2 * std::numbers::sqrt3) * p1 + 2.5 * p2 - 1.25 + 0.05 / std::numbers::sqrt3,
@@ -86,6 +87,7 @@ std::vector<IsohedralType> make_table() {
                    .description = "Pentagons around two centres of fourfold rotation; four tiles per cell",
                    .parameters = {{0.005, 0.8, 0.4528270266}, {0.005, 1, 0.5}},
                    .beam_width = 0.0769,
+                   .sufficient_mesh_size = 1,
                    .tile = {{0, 1},
                             {0, 0},
                             {1.95 * p1 + 2.5 * p2 - 0.95, -1.95 * p1 + 2.5 * p2 - 1.05},
@@ -102,6 +104,7 @@ std::vector<IsohedralType> make_table() {
                    .description = "Pentagons in pairs around centres of fourfold rotation; four tiles per cell",
                    .parameters = {{0.005, 1, 0.3668738189}},
                    .beam_width = 0.1282,
+                   .sufficient_mesh_size = 0.7,
                    .tile = {{-1, 0},
                             {1, 0},
                             {4.95 * p1 + 0.55, 4.95 * p1 + 0.55},
@@ -112,7 +115,9 @@ std::vector<IsohedralType> make_table() {
                                   {rotation180, {0, 0}},
                                   {rotation90, {9.9 * p1 + 1.1, 0}},
                                   {mirror_diagonal, {-9.9 * p1 - 1.1, 0}}}});
+}
 
+void add_quadrilaterals(std::vector<IsohedralType>& table) {
   table.push_back({.id = "IH50",
                    .description = "Quadrilaterals in zigzag rows; four tiles per cell",
                    .parameters = {{0.1, 0.3, 0.2307692308}, {0.25, 0.75, 0.5}},
@@ -131,6 +136,13 @@ std::vector<IsohedralType> make_table() {
                    .tile = {{1, 0}, {-3.45 * p2 + 4, 3.9 * p1 + 0.1}, {3.45 * p2 - 3, 3.9 * p1 + 0.1}, {0, 0}},
                    .translations = {{{-3.45 * p2 + 4, -3.9 * p1 - 0.1}, {-3.45 * p2 + 4, 3.9 * p1 + 0.1}}},
                    .placements = {{identity, {0, 0}}, {rotation180, {-3.45 * p2 + 5, 3.9 * p1 + 0.1}}}});
+}
+
+std::vector<IsohedralType> make_table() {
+  std::vector<IsohedralType> table;
+  add_hexagons(table);
+  add_pentagons(table);
+  add_quadrilaterals(table);
   return table;
 }
 

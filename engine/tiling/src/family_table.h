@@ -23,8 +23,9 @@ struct IsohedralType {
   std::string id;
   std::string description;
   std::vector<Parameter> parameters;
-  double beam_width = 0;          ///< tiling units
-  std::vector<AffinePoint> tile;  ///< vertices, counterclockwise
+  double beam_width = 0;                            ///< tiling units
+  double sufficient_mesh_size = default_mesh_size;  ///< as in Family
+  std::vector<AffinePoint> tile;                    ///< vertices, counterclockwise
   std::array<AffinePoint, 2> translations;
   std::vector<AffinePlacement> placements;  ///< the tiles of one cell
 };

@@ -1,5 +1,6 @@
 #include "out_of_plane.h"
 
+#include "supple/base/error.h"
 #include "supple/numerics/cholesky.h"
 #include "supple/numerics/least_stable_mode.h"
 
@@ -59,10 +60,10 @@ std::optional<Eigen::VectorXd> out_of_plane_mode(const RodModel& spatial, const 
   cholesky.stop_with(execution.cancellation);
   const double scale = numerics::matrix_scale(at.hessian);
   if (cholesky.factorize(at.hessian, min_instability * scale)) return std::nullopt;
-  const numerics::Mode mode =
-      numerics::least_stable_mode(at.hessian, objective.dimension(), cholesky, execution.cancellation);
-  if (!(mode.curvature < -min_instability * scale)) return std::nullopt;
-  return objective.expand(mode.direction);
+  const auto mode = numerics::least_stable_mode(at.hessian, objective.dimension(), cholesky, execution.cancellation);
+  if (!mode) throw Error("minimizer.not_finite", "The stiffness of the weave out of its plane is not finite.");
+  if (!(mode->curvature < -min_instability * scale)) return std::nullopt;
+  return objective.expand(mode->direction);
 }
 
 }  // namespace supple::weave

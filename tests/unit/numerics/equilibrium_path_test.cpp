@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "supple/base/error.h"
 
@@ -14,6 +15,7 @@ namespace {
 class Pitchfork : public Objective {
  public:
   double load = -1, tilt = 0;
+  bool stiffness_is_known = true;
   Eigen::Vector2d x{0, -1};
 
   Eigen::Index dimension() const override { return 2; }
@@ -24,7 +26,7 @@ class Pitchfork : public Objective {
     if (order >= 1) e.gradient = Eigen::Vector2d(std::pow(at[0], 3) - load * at[0] - tilt, at[1] - load);
     if (order >= 2) {
       Eigen::MatrixXd hessian = Eigen::MatrixXd::Identity(2, 2);
-      hessian(0, 0) = 3 * at[0] * at[0] - load;
+      hessian(0, 0) = stiffness_is_known ? 3 * at[0] * at[0] - load : std::numeric_limits<double>::quiet_NaN();
       e.hessian = std::move(hessian);
     }
     return e;
@@ -214,9 +216,24 @@ TEST(EquilibriumPath, MinimizesAgainWhileTheSceneIsNotSettled) {
   Path path(scene, {}, {});
   EXPECT_TRUE(path.settle());
   EXPECT_EQ(scene.repeats, 0);
+}
+
+TEST(EquilibriumPath, RefusesASceneThatDoesNotSettle) {
+  PitchforkScene scene;
   scene.repeats = 1'000'000;
-  EXPECT_TRUE(path.settle()) << "it does not repeat for ever";
-  EXPECT_GT(scene.repeats, 1'000'000 - 100);
+  Path path(scene, {}, {});
+  EXPECT_FALSE(path.settle());
+  EXPECT_EQ(path.stopped(), PathStop::iteration_limit);
+  EXPECT_GT(scene.repeats, 1'000'000 - 100) << "it does not repeat for ever";
+}
+
+TEST(EquilibriumPath, CallsAnEquilibriumWhoseStiffnessIsNotFiniteUnstable) {
+  PitchforkScene scene;
+  scene.pitchfork.stiffness_is_known = false;
+  Path path(scene, {}, {});
+  EXPECT_TRUE(path.settle());
+  EXPECT_FALSE(path.stable());
+  EXPECT_EQ(scene.left, 0);
 }
 
 TEST(EquilibriumPath, GoesOverToAnotherEquilibriumOnlyIfItIsLower) {

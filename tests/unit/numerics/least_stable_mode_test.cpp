@@ -27,15 +27,25 @@ TEST(LeastStableMode, IsTheLowestEigenpairOfAnIndefiniteAndOfADefiniteMatrix) {
   const double lowest = 4 * std::pow(std::sin(std::numbers::pi / (2 * (n + 1))), 2);
   for (const double shift : {0.0, 5e-3, 0.2}) {
     ShiftedCholesky cholesky;
-    const Mode mode = least_stable_mode(chain(n, shift), n, cholesky, {});
-    EXPECT_NEAR(mode.curvature, lowest - shift, 1e-3 * std::max(lowest, shift)) << shift;
+    const auto mode = least_stable_mode(chain(n, shift), n, cholesky, {});
+    ASSERT_TRUE(mode);
+    EXPECT_NEAR(mode->curvature, lowest - shift, 1e-3 * std::max(lowest, shift)) << shift;
     Eigen::VectorXd exact(n);
     for (int i = 0; i < n; ++i) exact[i] = std::sin(std::numbers::pi * (i + 1) / (n + 1));
-    EXPECT_NEAR(mode.direction.norm(), 1, 1e-12);
+    EXPECT_NEAR(mode->direction.norm(), 1, 1e-12);
     if (shift < 0.1) {
-      EXPECT_GT(mode.direction.dot(exact.normalized()), 0.99) << shift;
+      EXPECT_GT(mode->direction.dot(exact.normalized()), 0.99) << shift;
     }
   }
+}
+
+TEST(LeastStableMode, IsNoneWhereNoShiftIsPositiveDefinite) {
+  const int n = 100;
+  ShiftedCholesky cholesky;
+  ASSERT_TRUE(cholesky.factorize(chain(n, 0), 0)) << "the factors of another matrix, which must not be used";
+  SparseMatrix broken = chain(n, 0);
+  broken.coeffRef(3, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(least_stable_mode(broken, n, cholesky, {}));
 }
 
 TEST(LowestAlongMode, GoesAsFarAsTheEnergyFallsAndTheBetterWay) {

@@ -47,6 +47,15 @@ TEST(Family, TheTableHasSevenIsohedralTypesAndTheSquare) {
   }
 }
 
+TEST(Family, OfManySlenderBeamsKnowsThatACoarserMeshSuffices) {
+  std::vector<std::string> slender;
+  for (const Family& family : families()) {
+    EXPECT_GE(family.sufficient_mesh_size, default_mesh_size) << family.id;
+    if (family.sufficient_mesh_size > default_mesh_size) slender.push_back(family.id);
+  }
+  EXPECT_EQ(slender, (std::vector<std::string>{"IH21", "IH28", "IH29"}));
+}
+
 TEST(Family, ThePlacedTilesCoverThePlaneExactlyOnce) {
   for (const Family& family : families()) {
     RandomStream random("tiling.cover." + family.id, 1);

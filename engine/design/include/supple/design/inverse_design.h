@@ -71,12 +71,17 @@ struct DesignProblem {
 
 struct DesignOptions {
   /// The search ends once the next step is predicted to reduce the relative root mean square deviation by at most this.
+  /// Increase it if a design is wanted quickly and an error of the model hides the difference.
   double tolerance = 1e-6;
   double equilibrium_tolerance = 1e-10;  ///< maximum of neural::uniaxial_residual
-  int max_iterations = 200;              ///< iterations from one starting point
-  /// Maximum number of starting points. 0 means 24 in one space, or 4 in each of several spaces.
+  /// Maximum number of iterations from one starting point. Increase it if a search stops at iteration_limit.
+  int max_iterations = 200;
+  /// Maximum number of starting points. 0 means 24 in one space, or 4 in each of several spaces. Increase it if a
+  /// target is not reached that a structure of the family is known to reach; the time is proportional to it.
   int starts = 0;
-  int candidates = 0;  ///< number of designs from which starting points are chosen; 0 means default_candidates
+  /// Number of designs from which starting points are chosen; 0 means default_candidates. Increase it with `starts` for
+  /// families with many parameters.
+  int candidates = 0;
   /// Whether there are further starting points. automatic uses them if there is no `initial`, or if the design found
   /// from `initial` does not reach the target or deviates by more than 0.1 %.
   Switch multi_start = Switch::automatic;

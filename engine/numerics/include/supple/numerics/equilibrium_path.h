@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <concepts>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -43,7 +44,7 @@ struct PathOptions {
 
 enum class PathStop {
   converged,
-  iteration_limit,  ///< the smallest load step did not converge within the iterations
+  iteration_limit,  ///< the smallest load step did not converge within the iterations or repetitions
   step_too_small,   ///< no descent direction led to a lower energy
 };
 
@@ -202,7 +203,8 @@ class EquilibriumPath {
   void set_branches_left(int branches) { counts_.branches_left = branches; }
 
  private:
-  /// Maximum number of repetitions of one minimization at the scene's request (`unsettled`).
+  /// Maximum number of repetitions of one minimization at the scene's request (`unsettled`). A state that is still
+  /// unsettled then is no equilibrium of the scene.
   static constexpr int max_repeats = 10;
 
   /// `after_leaving`: whether an unstable equilibrium was just left, so that the state may be far from equilibrium.
@@ -231,7 +233,11 @@ class EquilibriumPath {
         return false;
       }
       termination_ = PathStop::converged;
-      if (repeats++ < max_repeats && scene_.unsettled(std::as_const(result_))) continue;
+      if (scene_.unsettled(std::as_const(result_))) {
+        if (repeats++ < max_repeats) continue;
+        termination_ = PathStop::iteration_limit;
+        return false;
+      }
       stable_ = scene_.finish(std::as_const(result_));
       if (stable_) return true;
       indefinite_ = true;
@@ -241,14 +247,15 @@ class EquilibriumPath {
   }
 
   /// Returns false and restores the state if the equilibrium is stable, may not be left, or no lower state was found.
+  /// An equilibrium without a least stable mode (see least_stable_mode) counts as unstable.
   bool leave_least_stable_mode() {
     if (!options_.leave_unstable || counts_.branches_left >= options_.max_branch_changes) return false;
     Objective& objective = scene_.objective();
     const Evaluation evaluation = objective.evaluate(2);
-    const Mode mode =
+    const std::optional<Mode> mode =
         least_stable_mode(evaluation.hessian, objective.dimension(), scene_.cholesky(), execution_.cancellation);
-    stable_ = mode.curvature >= -options_.zero_curvature * matrix_scale(evaluation.hessian);
-    return !stable_ && move_along(scene_.expand(mode.direction));
+    stable_ = mode && mode->curvature >= -options_.zero_curvature * matrix_scale(evaluation.hessian);
+    return mode && !stable_ && move_along(scene_.expand(mode->direction));
   }
 
   bool move_along(const Eigen::VectorXd& mode) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "supple/base/cancellation.h"
+#include "supple/numerics/entry_pattern.h"
 #include "supple/numerics/objective.h"
 
 namespace supple::numerics {
@@ -44,7 +45,7 @@ class HessianEntries {
       border_columns_(low, high - border_) += value;
       return;
     }
-    const Position position = position_of(low, high);
+    const EntryPosition position = position_of(low, high);
     if (position != no_position) add_at(position, value);
   }
 
@@ -90,10 +91,6 @@ class HessianEntries {
   void assemble(Eigen::Index n, BorderedMatrix& into);
 
  private:
-  /// Column << 32 | row in the lower triangle; sorted ones are in compressed column order.
-  using Position = std::uint64_t;
-  /// Stands for an entry that is dropped.
-  static constexpr Position no_position = std::numeric_limits<Position>::max();
   struct Block {
     std::size_t cursor;  ///< index into sequence_ of its first entry
     std::size_t first;   ///< index into block_rows_ of its first row
@@ -105,20 +102,20 @@ class HessianEntries {
     std::size_t block;  ///< index into blocks_ of the block that was expected
     std::size_t size;
   };
-  using Entry = std::pair<Position, double>;
+  using Entry = std::pair<EntryPosition, double>;
 
   static std::size_t index(Eigen::Index i) { return static_cast<std::size_t>(i); }
   /// The position of an entry with low <= high below the border; `no_position` if one of the two is fixed.
-  Position position_of(Eigen::Index low, Eigen::Index high) const {
-    if (numbering_.empty()) return static_cast<Position>(low) << 32 | static_cast<Position>(high);
+  EntryPosition position_of(Eigen::Index low, Eigen::Index high) const {
+    if (numbering_.empty()) return static_cast<EntryPosition>(low) << 32 | static_cast<EntryPosition>(high);
     const std::int32_t column = numbering_[index(low)];
     const std::int32_t row = numbering_[index(high)];
     if (column < 0 || row < 0) return no_position;
-    return static_cast<Position>(column) << 32 | static_cast<Position>(row);
+    return static_cast<EntryPosition>(column) << 32 | static_cast<EntryPosition>(row);
   }
-  void add_at(Position position, double value) {
+  void add_at(EntryPosition position, double value) {
     if (cursor_ < sequence_.size() && sequence_[cursor_] == position) {
-      values_[slots_[cursor_++]] += value;
+      pattern_.value(slots_[cursor_++]) += value;
     } else {
       add_unexpected(position, value);
     }
@@ -128,7 +125,8 @@ class HessianEntries {
     if (expects_block(rows, size)) {
       const std::size_t count = entries_of(size);
       const std::uint32_t* slots = slots_.data() + cursor_;
-      for (std::size_t i = 0; i < count; ++i) values_[slots[i]] += lower[i];
+      double* values = pattern_.values();
+      for (std::size_t i = 0; i < count; ++i) values[slots[i]] += lower[i];
       cursor_ += count;
       ++next_block_;
       return;
@@ -142,7 +140,7 @@ class HessianEntries {
       for (std::size_t l = 0; l <= k; ++l)
         add_at(position_of(std::min(rows[k], rows[l]), std::max(rows[k], rows[l])), *lower++);
   }
-  void add_unexpected(Position position, double value);
+  void add_unexpected(EntryPosition position, double value);
   bool expects_block(const std::int32_t* rows, std::size_t size) const {
     if (next_block_ >= blocks_.size()) return false;
     const Block& block = blocks_[next_block_];
@@ -161,32 +159,21 @@ class HessianEntries {
   }
   void grow_border(Eigen::Index high);
   Eigen::Index core_size() const;
-  /// The index into pattern_ of a position or, if it is missing there, of the first one after it.
-  std::size_t find(Position position) const;
-  std::uint32_t slot_of(Position position) const;
-  void index_columns();
   void update_pattern();
   void insert_replaced_blocks();
-  std::vector<Position> new_positions() const;
-  bool add_to_pattern();
-  void remove_unfilled();
+  std::vector<EntryPosition> new_positions() const;
   CancellationToken cancellation() const { return cancellation_ ? *cancellation_ : CancellationToken(); }
   void check_for_stop() const {
     if (cancellation_) cancellation_->throw_if_requested();
   }
-  SparseMatrix lower(Eigen::Index n) const;
 
   Numbering numbering_;  ///< empty if no degree of freedom is fixed
   Eigen::Index border_;
-  Eigen::Index unknowns_ = 0;         ///< number of unknowns in `numbering_`
-  std::vector<Position> sequence_;    ///< positions in the order in which they were added last
-  std::vector<std::uint32_t> slots_;  ///< index into values_ for each entry of sequence_
+  Eigen::Index unknowns_ = 0;            ///< number of unknowns in `numbering_`
+  std::vector<EntryPosition> sequence_;  ///< positions in the order in which they were added last
+  std::vector<std::uint32_t> slots_;     ///< slot in pattern_ of each entry of sequence_
   std::size_t cursor_ = 0;
-  std::vector<Position> pattern_;  ///< positions, sorted, without repetition
-  /// Index into pattern_ of the begin of each column, and the end of the last.
-  std::vector<std::size_t> column_begin_{0};
-  /// values_[1 + i] belongs to pattern_[i]. values_[0] receives what is dropped.
-  std::vector<double> values_{0};
+  EntryPattern pattern_;
   const CancellationToken* cancellation_ = nullptr;
   /// Values of the last entries of sequence_, which differ from the previous sequence.
   std::vector<double> unexpected_;

@@ -17,9 +17,10 @@ struct Mode {
 
 /// The lowest eigenpair of a symmetric matrix of n unknowns, by the Lanczos method on the inverse of the matrix, which
 /// is shifted until it is positive definite. A negative curvature is overestimated by a few percent at most. Takes some
-/// factorizations and about 30 solves. `cholesky` then holds the factors of the shifted matrix.
-Mode least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
-                       const CancellationToken& cancellation);
+/// factorizations and about 30 solves. `cholesky` then holds the factors of the shifted matrix. None if no shift makes
+/// the matrix positive definite, because its entries are not finite or their sizes differ by more than rounding allows.
+std::optional<Mode> least_stable_mode(const Hessian& hessian, Eigen::Index n, ShiftedCholesky& cholesky,
+                                      const CancellationToken& cancellation);
 
 /// The step length along an unstable mode that has the lowest energy. Tried are first, 2 first, 4 first, ...
 /// (`doublings` doublings) and their negatives. Each direction ends where the energy no longer falls. If both

@@ -34,6 +34,9 @@ struct Parameter {
   double preset = 0;  ///< the family's default, within the bounds
 };
 
+/// Length of a triangle's side away from corners, in beam widths, unless a mesh asks for another one.
+inline constexpr double default_mesh_size = 0.5;
+
 /// A family of tilings: data and, through `shape`, the tiling at given parameters. Another of the 81 isohedral types is
 /// one more entry of the table in family_table.cpp.
 struct Family {
@@ -41,6 +44,9 @@ struct Family {
   std::string description;
   std::vector<Parameter> parameters;
   double beam_width = 0;  ///< in tiling units; scaled to printed_beam_width
+  /// Mesh size, in beam widths, that suffices for data sets of the family. It is larger than the default in cells of
+  /// many slender beams, which deform by bending along their length.
+  double sufficient_mesh_size = default_mesh_size;
   /// Whether tiles whose hole closes are part of the family. This is so for the family with a topological singularity.
   bool holes_may_close = false;
   std::function<Tiling(std::span<const double>)> shape;  ///< the tiling at parameters, which `tiling_of` checks

@@ -55,7 +55,7 @@ enum class Region {
 struct MeshOptions {
   /// Length of a triangle's side divided by the beam width, > 0. The defaults of this and of `corner_size` keep the
   /// error of the stress within 1 % (docs/bench/simulations.md). Published data used 1/3 and 1.
-  double mesh_size = 0.5;
+  double mesh_size = default_mesh_size;
   /// Size at re-entrant corners of the solid divided by the size elsewhere, from 0.001 to 1. 1 gives a uniform mesh.
   /// Grading acts within half a beam width of corners where the hole's angle is below 165 degrees.
   double corner_size = 0.1;
