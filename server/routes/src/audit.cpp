@@ -9,7 +9,7 @@ constexpr int forbidden = 403;
 
 bool succeeded(int status) { return status >= 200 && status < 300; }
 
-/// Empty where nothing is to be said.
+/// The word for what a request has done; empty if the log says nothing of it.
 std::string action_of(const http::AnsweredRequest& answered) {
   const bool session = answered.pattern == "/v1/session";
   if (session && answered.method == "POST") return succeeded(answered.status) ? "sign-in" : "sign-in-refused";
@@ -22,10 +22,10 @@ std::string action_of(const http::AnsweredRequest& answered) {
 }  // namespace
 
 std::string plain_text(const std::string& text) {
-  constexpr std::size_t most = 200;
+  constexpr std::size_t max_length = 200;
   if (text.empty()) return "-";
   std::string plain;
-  for (const char c : text.substr(0, most)) plain += c > 0x20 && c < 0x7f ? c : '?';
+  for (const char c : text.substr(0, max_length)) plain += c > 0x20 && c < 0x7f ? c : '?';
   return plain;
 }
 
@@ -43,12 +43,12 @@ void AuditLog::note(const http::AnsweredRequest& answered, Clock::time_point now
   if (line.empty()) return;
   const std::lock_guard lock(mutex_);
   if (now - second_ >= std::chrono::seconds(1)) {
-    if (refusals_ > most_refusals)
-      write_("audit " + std::to_string(refusals_ - most_refusals) + " refusals more than the lines above say");
+    if (refusals_ > max_refusals)
+      write_("audit " + std::to_string(refusals_ - max_refusals) + " refusals more than the lines above say");
     second_ = now;
     refusals_ = 0;
   }
-  if (answered.status < bad_request || ++refusals_ <= most_refusals) write_(line);
+  if (answered.status < bad_request || ++refusals_ <= max_refusals) write_(line);
 }
 
 }  // namespace supple::routes

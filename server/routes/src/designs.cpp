@@ -21,7 +21,7 @@ json::DesignModel name_of(const store::LoadedModel& model) {
   return {model.model.family, model.model.id, model.sha256, provenance.youngs_modulus, provenance.poisson_ratio};
 }
 
-/// The best model of each family, families in the order of their models' ids.
+/// The best model of each family, in the order of the models' ids.
 std::vector<Model> models_by_family(const store::ModelStore& store) {
   const auto all = store.models();
   std::vector<const neural::Model*> models;
@@ -49,7 +49,7 @@ Model model_by_id(const store::ModelStore& store, const std::string& id, const s
   return fault_of_field("model.", region + "/model", [&] { return store.get(id); });
 }
 
-/// One region with the models that it is searched in.
+/// A region with the models in whose parameters its design is searched.
 struct Region {
   json::RegionSpec spec;
   std::vector<Model> models;
@@ -71,7 +71,7 @@ std::vector<Model> models_of(const store::ModelStore& store, const json::RegionS
   return models;
 }
 
-/// Throws "design.invalid_target" with pointers.
+/// Checks each target. Throws "design.invalid_target" with pointers.
 void check_targets(const Region& region) {
   const auto& targets = region.spec.problem.targets;
   for (std::size_t t = 0; t < targets.size(); ++t) {

@@ -61,7 +61,7 @@ embedded::NetworkPlan plan_of(const Loader& loader, EmbeddedSystemRequest& reque
   return plan;
 }
 
-/// Publishes the states on the way, as often as anyone can see them.
+/// Publishes intermediate states, as often as clients can see one.
 class StatePublisher {
  public:
   StatePublisher(ProgressSink& sink, bool host_moves) : sink_(sink), host_moves_(host_moves) {}

@@ -11,7 +11,7 @@
 namespace supple::routes {
 namespace {
 
-/// The name of a "name:port", without brackets and the root's dot.
+/// The name in "name:port", without brackets and the root's dot.
 std::string name_of(std::string_view host) {
   if (host.starts_with('[')) return http::lower_case(host.substr(1, std::min(host.find(']'), host.size()) - 1));
   auto name = http::lower_case(host.substr(0, host.find(':')));
@@ -29,7 +29,7 @@ bool contains(const std::vector<std::string>& list, const std::string& text) {
   return std::find(list.begin(), list.end(), text) != list.end();
 }
 
-/// The host of an origin, "localhost:8080" of "http://localhost:8080"; empty for "null" and other schemes.
+/// The host in an origin: "localhost:8080" in "http://localhost:8080"; empty for "null" and other schemes.
 std::string_view host_of_origin(std::string_view origin) {
   for (const std::string_view scheme : {"http://", "https://"}) {
     if (origin.starts_with(scheme)) return origin.substr(scheme.size());
@@ -39,9 +39,9 @@ std::string_view host_of_origin(std::string_view origin) {
 
 bool only_reads(const std::string& method) { return method == "GET" || method == "HEAD" || method == "OPTIONS"; }
 
-/// The options as the checks of each request need them.
-struct Prepared {
-  explicit Prepared(GuardOptions given) : options(std::move(given)) {
+/// The options in the form in which each request is checked.
+struct PreparedOptions {
+  explicit PreparedOptions(GuardOptions given) : options(std::move(given)) {
     for (auto& host : options.allowed_hosts) host = name_of(host);
     for (auto& origin : options.allowed_origins) origin = http::lower_case(origin);
     options.listens_on = http::lower_case(options.listens_on);
@@ -51,7 +51,7 @@ struct Prepared {
   bool beyond_loopback = false;
 };
 
-void check_host(const Prepared& prepared, const http::Request& request) {
+void check_host(const PreparedOptions& prepared, const http::Request& request) {
   const auto& options = prepared.options;
   const auto name = name_of(request.host);
   const bool known = name.empty() || is_loopback(name) || name == options.listens_on ||
@@ -63,7 +63,7 @@ void check_host(const Prepared& prepared, const http::Request& request) {
   }
 }
 
-void check_origin(const Prepared& prepared, const http::Request& request) {
+void check_origin(const PreparedOptions& prepared, const http::Request& request) {
   const auto origin = http::lower_case(request.header("Origin"));
   if (origin.empty()) {
     if (!only_reads(request.method) && request.header("Sec-Fetch-Site") == "cross-site") {
@@ -79,9 +79,9 @@ void check_origin(const Prepared& prepared, const http::Request& request) {
   }
 }
 
-/// A browser sends the cookie along with requests of other pages of the same host too, such as those of another port.
-/// Then it does not count: only a page of this server, or one that is allowed, acts for whoever has signed in.
-bool cookie_counts(const Prepared& prepared, const http::Request& request) {
+/// Whether the cookie of a request counts. A browser also sends it with requests of other pages of the same host, such
+/// as those of another port, but only a page of this server, or one that is allowed, acts for whoever has signed in.
+bool cookie_counts(const PreparedOptions& prepared, const http::Request& request) {
   const auto origin = http::lower_case(request.header("Origin"));
   const auto site = request.header("Sec-Fetch-Site");
   if (origin.empty()) return only_reads(request.method) ? site != "cross-site" : site == "same-origin";
@@ -94,7 +94,7 @@ bool is_local(const http::Request& request) {
          request.header("X-Forwarded-For").empty() && request.header("Via").empty();
 }
 
-void check_key(const Prepared& prepared, http::Request& request, const http::Route* route) {
+void check_key(const PreparedOptions& prepared, http::Request& request, const http::Route* route) {
   if (!prepared.options.gate || !route || route->needs_no_key || !prepared.options.gate->required()) return;
   if (route->pattern == "/metrics" && is_local(request)) return;
   const auto authorization = request.header("Authorization");
@@ -116,7 +116,7 @@ bool is_loopback(const std::string& name) {
 }
 
 http::Server::Guard make_guard(GuardOptions options) {
-  return [prepared = Prepared(std::move(options))](http::Request& request, const http::Route* route) {
+  return [prepared = PreparedOptions(std::move(options))](http::Request& request, const http::Route* route) {
     check_host(prepared, request);
     check_origin(prepared, request);
     check_key(prepared, request, route);

@@ -27,9 +27,8 @@ void add_job_routes(http::Router& router, Services& services);
 /// Sessions of browsers: signing in with a key, and out.
 void add_session_routes(http::Router& router, Services& services);
 void add_service_routes(http::Router& router, Services& services);
-/// The files of a folder as they are now, each at its path, and index.html also at "/". What is not there is not found,
-/// whatever a path looks like: the folder is not looked at again. Throws std::runtime_error where it cannot be read or
-/// has no index.html.
+/// The files of a folder as they are now, each at its path, and index.html also at "/". The folder is read once, so
+/// that no path can reach another file. Throws std::runtime_error if it cannot be read or has no index.html.
 void add_web_routes(http::Router& router, const std::string& folder);
 
 /// Throws "server.not_ready" until the store is open and the models are read, "server.shutting_down" at the end.
@@ -43,8 +42,8 @@ http::PiecewiseBody body_of(store::OpenContent content);
 
 http::Response json_response(std::string body, int status = 200);
 
-/// A page's `limit` (1 to 1000, 100 without it) and `after`. Throws "request.invalid_parameter", also for parameters
-/// other than these and `more`.
+/// Which entries of a list a request asks for: at most `limit` (1 to 1000, the default is 100), after the entry
+/// `after`. Throws "request.invalid_parameter", also for parameters other than these and `more`.
 struct Page {
   std::size_t limit = 100;
   std::string after;

@@ -12,7 +12,7 @@ namespace {
 
 using store::JobState;
 
-/// The job that the path names, once it is sure that the request may see it.
+/// The id of the job that the path names. Throws "job.not_found" if the request may not see it.
 const std::string& job_parameter(const Services& services, const http::Request& request) {
   const auto& id = request.path_parameters.at("job");
   require_job(services, request, id);
@@ -76,7 +76,8 @@ http::Response remove_job(Services& services, const http::Request& request) {
   return response;
 }
 
-/// Counts a stream for as long as it exists.
+/// One of the event streams that are followed at the same time. Throws "server.too_many_event_streams" if there are
+/// enough.
 class StreamPlace {
  public:
   explicit StreamPlace(Services& services) : services_(services) {

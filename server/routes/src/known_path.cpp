@@ -11,7 +11,7 @@ namespace {
 /// Two ends within this distance are the same; fraction of the mesh's diagonal.
 constexpr double max_end_distance = 1e-9;
 
-/// The faces that have the point: one, two on an edge, all around a vertex.
+/// The faces that contain the point: one, two for a point on an edge, all faces around a vertex.
 std::vector<std::int32_t> faces_of(const surface::TriangleMesh& mesh, const surface::SurfacePoint& point) {
   const auto face = index(point.face);
   std::vector<std::int32_t> faces{face};
@@ -28,7 +28,8 @@ std::vector<std::int32_t> faces_of(const surface::TriangleMesh& mesh, const surf
   return faces;
 }
 
-bool share_a_face(const surface::TriangleMesh& mesh, const surface::SurfacePoint& a, const surface::SurfacePoint& b) {
+bool have_common_face(const surface::TriangleMesh& mesh, const surface::SurfacePoint& a,
+                      const surface::SurfacePoint& b) {
   const auto first = faces_of(mesh, a);
   const auto second = faces_of(mesh, b);
   return std::find_first_of(first.begin(), first.end(), second.begin(), second.end()) != first.end();
@@ -57,7 +58,7 @@ std::vector<surface::PathPoint> checked_path(PointResolver& points_of, const std
   std::vector<surface::PathPoint> result;
   result.reserve(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i > 0 && !share_a_face(mesh, points[i - 1], points[i])) {
+    if (i > 0 && !have_common_face(mesh, points[i - 1], points[i])) {
       fail(pointer + "/" + std::to_string(i), "no face has both this point and the one before");
     }
     result.push_back({points[i], surface::position(mesh, points[i]), VertexId::none});

@@ -11,7 +11,7 @@
 namespace supple::routes {
 namespace {
 
-/// Of a table, the text is the field that its points came from too.
+/// Pointers for the engine's faults of a measurement. The points of a table come from its text.
 PointerMap measurement_pointers(const json::MeasuredCurveRequest& request) {
   std::vector<FieldPlace> places{{.field = "text", .pointer = request.text_field}};
   if (request.measurements.text) places.push_back({.field = "points", .pointer = request.text_field});

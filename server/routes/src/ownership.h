@@ -7,17 +7,17 @@
 
 namespace supple::routes {
 
-/// Whose things a request may see: the id of its key, or nothing where it may see those of all.
+/// The owner whose meshes and jobs a request may see: the id of its key, or nothing if it may see those of all owners.
 inline const std::string& owner_filter(const http::Request& request) {
   static const std::string all;
   return request.is_admin ? all : request.key;
 }
 
-/// Throws "mesh.not_found", with a pointer where one is given, as for a mesh that does not exist, where the request may
-/// not see it. Without a filter it does not ask the store.
+/// Throws "mesh.not_found", with `pointer` unless that is empty, if the request may not see the mesh: to its client the
+/// mesh does not exist. The store is not asked for a request that may see everything.
 void require_mesh(const Services& services, const http::Request& request, const std::string& id,
                   const std::string& pointer = {});
-/// Throws "job.not_found" likewise.
+/// The same for a job, with "job.not_found".
 void require_job(const Services& services, const http::Request& request, const std::string& id);
 
 }  // namespace supple::routes

@@ -11,7 +11,7 @@ namespace {
 
 using surface::RepairOptions;
 
-/// What is wrong with the names between commas; empty where they have been read.
+/// What is wrong with the names between commas; empty if they have been read.
 std::string read_repairs(std::string_view text, RepairOptions& options) {
   if (text == surface::automatic_repair_name) {
     options.automatic = true;

@@ -23,12 +23,13 @@ http::Response health(const Services& services) {
   return json_response(out.take());
 }
 
-/// Throws "store.unavailable" where the database does not answer, "store.full" where nothing more can be stored.
-store::DiskSpace usable_store(const Services& services) {
-  services.store->job({});  // there is none, which only a database that answers knows
+/// The disk of the data folder. Throws "store.unavailable" if the database does not answer, "store.full" if nothing
+/// more can be stored.
+store::DiskSpace check_store(const Services& services) {
+  services.store->job({});  // there is no such job, but only a database that answers knows
   const auto disk = store::disk_space(services.data);
   if (disk.free < services.limits.min_free) {
-    constexpr int later = 60;  // seconds: somebody has to make room
+    constexpr int retry_after = 60;  // seconds: somebody has to make room
     const auto limit = static_cast<double>(services.limits.min_free);
     throw problem::ProblemError({"store.full",
                                  "The disk of the data folder has " + std::to_string(disk.free) +
@@ -36,7 +37,7 @@ store::DiskSpace usable_store(const Services& services) {
                                      " (setting --min-free).",
                                  {},
                                  problem::Limit{limit, static_cast<double>(disk.free), "--min-free"},
-                                 later});
+                                 retry_after});
   }
   return disk;
 }
@@ -44,7 +45,7 @@ store::DiskSpace usable_store(const Services& services) {
 http::Response readiness(const Services& services) {
   require_ready(services);
   if (services.draining) throw Error("server.shutting_down", "The server is about to shut down; ask another one.");
-  const auto disk = usable_store(services);
+  const auto disk = check_store(services);
   json::JsonWriter out;
   out.begin_object()
       .field("status", "ready")

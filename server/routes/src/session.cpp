@@ -2,6 +2,7 @@
 
 #include "handlers.h"
 #include "supple/access/gate.h"
+#include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
 #include "supple/json/requests.h"
 #include "supple/routes/guard.h"
@@ -29,8 +30,8 @@ http::Response session_response(bool required, const access::Key* key) {
   return response;
 }
 
-/// Out of reach of scripts, and sent along with requests of this server's own pages alone; over TLS alone where the
-/// page came that way.
+/// The cookie that scripts cannot read, and that browsers send only with requests of this server's own pages: over TLS
+/// only, if the page came over TLS.
 std::string cookie(const http::Request& request, const std::string& token, std::chrono::seconds age) {
   auto text = std::string(session_cookie) + "=" + token +
               "; Path=/; HttpOnly; SameSite=Strict; Max-Age=" + std::to_string(age.count());

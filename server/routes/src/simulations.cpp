@@ -12,7 +12,7 @@
 namespace supple::routes {
 namespace {
 
-/// Throws "request.limit_exceeded" where the deformed meshes would be too large an answer.
+/// Throws "request.limit_exceeded" if the deformed meshes would be too large an answer.
 void check_deformed(const json::SimulationRequest& request, const tiling::PeriodicMesh& cell,
                     const json::Limits& limits) {
   if (request.deformed == json::Deformed::none) return;
@@ -24,13 +24,13 @@ void check_deformed(const json::SimulationRequest& request, const tiling::Period
   }
 }
 
-/// What a request is answered with: the simulator keeps the mesh.
+/// What a request is answered with. The simulator owns the mesh.
 struct Outcome {
   std::optional<microscale::Simulator> simulator;
   microscale::SimulationResult result;
 };
 
-/// On the mesh of the request, or on the server's.
+/// Simulates on the mesh of the request, or on the default mesh.
 Outcome on_one_mesh(const json::SimulationRequest& request, const tiling::Structure& structure,
                     const json::Limits& limits, const Execution& execution) {
   Outcome outcome{microscale::Simulator(structure, request.options, execution), {}};
@@ -39,7 +39,8 @@ Outcome on_one_mesh(const json::SimulationRequest& request, const tiling::Struct
   return outcome;
 }
 
-/// On meshes that become finer until the error is that which the request accepts. `request` is told of the last one.
+/// Simulates on finer and finer meshes until the error is one that the request accepts. The last mesh becomes that of
+/// the request.
 Outcome within_error(json::SimulationRequest& request, const tiling::Structure& structure, const json::Limits& limits,
                      const Execution& execution) {
   auto found =

@@ -4,10 +4,11 @@
 
 namespace supple::routes {
 
-/// Which intermediate states of a computation are written down: the first, and then as many as job queues show.
+/// Chooses the intermediate states of a computation that are written: the first one, and then one in each period in
+/// which clients of a job can see one.
 class StatePace {
  public:
-  /// Whether the state that was reached now is one of them.
+  /// Whether the state that has been reached now is written.
   bool is_due() {
     const auto now = std::chrono::steady_clock::now();
     if (any_ && now - last_ < period) return false;

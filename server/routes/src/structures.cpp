@@ -12,7 +12,7 @@
 namespace supple::routes {
 namespace {
 
-/// How long a file behind a link may be cached: it changes only with the version of the server.
+/// Clients may cache a file behind a link for an hour: it changes only with the version of the server.
 constexpr const char* link_cache_control = "public, max-age=3600";
 
 store::Result write_file(const tiling::ExportOptions& files, const tiling::Structure& structure,

@@ -34,7 +34,7 @@ constexpr DiagramFormat diagram_formats[] = {
      [](const auto&, const auto& diagram, double scale) { return voronoi::write_panels_svg(diagram, scale); }},
     {"text/csv", [](const auto&, const auto& diagram, double) { return voronoi::write_panels_csv(diagram); }}};
 
-/// The sites one by one, or none yet where they are random, which is part of the computation.
+/// The sites of a request that lists them; nullopt if they are random, because drawing them is part of the computation.
 template <class Request>
 std::optional<Sites> given_sites(const Loader& loader, const store::LoadedMesh& mesh, Request& request) {
   if (const auto* given = std::get_if<std::vector<json::PointSpec>>(&request.sites))
@@ -94,7 +94,7 @@ store::Result compute(const json::VoronoiDiagramRequest& request,
   return json_result(json::write_voronoi_diagram(request, mesh.mesh(), diagram, numbers, bill, limits));
 }
 
-/// Publishes the diagrams on the way, as often as anyone can see them.
+/// Publishes intermediate diagrams, as often as clients can see one.
 class DiagramPublisher {
  public:
   DiagramPublisher(ProgressSink& sink, const surface::TriangleMesh& mesh) : sink_(sink), mesh_(mesh) {}

@@ -21,14 +21,14 @@ Weave lay_out_billed(const json::WeaveSpec& spec, const Execution& execution) {
   return make_weave(spec, execution);
 }
 
-/// The same at the beginning of a computation that takes much longer.
+/// The weave of a request, as the beginning of a computation that takes much longer.
 Weave lay_out_first(const json::WeaveSpec& spec, const Execution& execution) {
   constexpr double fraction = 0.02;  // of the progress
   const PartOfExecution part(execution, 0, fraction);
   return lay_out_billed(spec, part.execution());
 }
 
-/// The same where a cell is needed. Throws "weave.not_periodic".
+/// The periodic weave of a request, as the beginning of a longer computation. Throws "weave.not_periodic".
 Weave lay_out_periodic(const json::WeaveSpec& spec, const Execution& execution) {
   Weave weave = lay_out_first(spec, execution);
   if (!weave.lattice) {
@@ -38,7 +38,7 @@ Weave lay_out_periodic(const json::WeaveSpec& spec, const Execution& execution) 
   return weave;
 }
 
-/// Throws "request.limit_exceeded" where the strands at rest would be too large an answer.
+/// Throws "request.limit_exceeded" if the strands at rest would be too large an answer.
 void check_polylines(const Weave& weave, const json::Limits& limits) {
   double points = 0;
   for (const auto& strand : weave.strands) points += static_cast<double>(weave::polyline_size(strand.curve));
@@ -103,7 +103,7 @@ double deformed_points(const Weave& weave, int segments) {
   return static_cast<double>(places) * segments;
 }
 
-/// Throws "request.limit_exceeded" where the deformed strands would be too large an answer.
+/// Throws "request.limit_exceeded" if the deformed strands would be too large an answer.
 void check_deformed(const Weave& weave, int segments, std::size_t states, const json::Limits& limits) {
   const double points = deformed_points(weave, segments) * static_cast<double>(states);
   if (points > static_cast<double>(limits.max_deformed))
@@ -164,8 +164,8 @@ store::Result simulate(const json::WeaveSimulationRequest& request, const json::
   return json_result(json::write_weave_simulation(request, weave, placed.places, result, bill));
 }
 
-/// The computation of a request about a weave. Where it becomes a job, a weave that is laid out at once and is faulty
-/// is refused before.
+/// The computation of a request about a weave. A faulty weave that can be laid out at once is refused before it becomes
+/// a job.
 template <class Request, class Run>
 PreparedComputation computation_on_weave(const EndpointRequest& asked, Request request, Run run) {
   if (asked.becomes_job) refuse_small_faulty_weave(request.weave);

@@ -33,13 +33,13 @@ constexpr std::array media_types{
     MediaType{".obj", "model/obj"},
 };
 
-/// Only what this server sends runs, is shown or is asked for. Pictures may also be made by the page itself; styles
-/// are set by its scripts, never by attributes.
+/// Scripts, styles and fonts come from this server only, and so do answers. Pictures may also be made by the page
+/// itself. Styles are set by its scripts, never by attributes.
 constexpr const char* content_security_policy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A file of the editor as it is sent.
+/// A file of the editor.
 struct WebFile {
   std::string path;  ///< "/assets/index-4f2a.js"
   std::string media_type;
@@ -62,8 +62,8 @@ std::string read_content(const std::filesystem::path& file) {
   return content;
 }
 
-/// Every regular file below the folder. A name that begins with a dot or a brace is left out: the first is nobody's
-/// business, the second would be a pattern.
+/// Every regular file below the folder, except names that begin with a dot, which are private, or with a brace, which
+/// would be a pattern of a route.
 std::vector<WebFile> read_folder(const std::filesystem::path& folder) {
   std::vector<WebFile> files;
   auto entries = std::filesystem::recursive_directory_iterator(folder);

@@ -217,6 +217,33 @@ TEST(Requests, AreReadNoFurtherOnceAStopIsAskedFor) {
   EXPECT_EQ(error_of([&] { parse_mesh_arrays('[' + numbers + '?', {}, {}, {}); }).code(), "request.malformed_json");
 }
 
+TEST(Requests, WithoutAMeshAreReadNoFurtherEither) {
+  std::string body = R"({"mesh":")" + std::string(64, '0') + R"(","points":[{"vertex":0})";
+  for (int i = 0; i < 20'000; ++i) body += R"(,{"vertex":1})";
+  body += "]}";
+  CancellationToken token;
+  EXPECT_EQ(parse_karcher_mean(body, {}, token).points.size(), 20'001U);
+  token.request(StopReason::deadline);
+  try {
+    parse_karcher_mean(body, {}, token);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "job.deadline_exceeded");
+  }
+}
+
+TEST(Requests, TellTheirDeadlineBeforeTheyAreParsed) {
+  const Limits limits;
+  const auto peek = [&](const std::string& body) { return peek_deadline(body, limits); };
+  EXPECT_EQ(peek(R"({"mesh":"x", "deadline" : 2.5, "points":[]})"), 2.5);
+  EXPECT_EQ(peek(R"({"deadline":1e9})"), limits.max_deadline);
+  EXPECT_EQ(peek(R"({"points":[{"deadline":3}],"text":"\"deadline\":4"})"), limits.default_deadline)
+      << "none of its own";
+  for (const char* body : {"", "{", "\"deadline", "\"\\", R"({"deadline")", R"({"deadline":)", R"({"deadline":"2"})",
+                           R"({"deadline":-1})"})
+    EXPECT_EQ(peek(body), limits.default_deadline) << body;
+}
+
 TEST(Requests, RefuseMoreFacesThanTheLimit) {
   surface::MeshLimits limits;
   limits.faces = 1;

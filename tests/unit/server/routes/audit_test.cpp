@@ -7,8 +7,8 @@
 namespace supple::routes {
 namespace {
 
-http::Answered answered(const std::string& method, const std::string& path, int status) {
-  http::Answered answered;
+http::AnsweredRequest answered(const std::string& method, const std::string& path, int status) {
+  http::AnsweredRequest answered;
   answered.id = "00000000000000a1";
   answered.address = "127.0.0.1";
   answered.key = "0123456789ab";
@@ -31,7 +31,7 @@ TEST(Audit, SaysWhoMadeAndDeletedWhat) {
 }
 
 TEST(Audit, SaysWhoWasRefusedAndWhoSignedIn) {
-  const auto has = [](const http::Answered& one, const std::string& text) {
+  const auto has = [](const http::AnsweredRequest& one, const std::string& text) {
     return audit_line(one).find(text) != std::string::npos;
   };
   EXPECT_TRUE(has(answered("GET", "/v1/meshes", 401), "action=refused"));

@@ -134,7 +134,7 @@ class GuardOfKeys : public testing::Test {
     request_.headers = std::move(headers);
     http::Route route;
     route.pattern = pattern;
-    route.open = open;
+    route.needs_no_key = open;
     try {
       make_guard({"127.0.0.1", {"supple.example"}, {}, gate_.get()})(request_, &route);
     } catch (const Error& error) {
@@ -153,7 +153,7 @@ class GuardOfKeys : public testing::Test {
 
 TEST_F(GuardOfKeys, AnswersEverybodyWhereThereAreNone) {
   EXPECT_EQ(answer("DELETE", {}), "answered");
-  EXPECT_TRUE(request_.sees_all);
+  EXPECT_TRUE(request_.is_admin);
   EXPECT_EQ(request_.client, "127.0.0.1");
   EXPECT_EQ(request_.key, "");
 }
@@ -163,9 +163,9 @@ TEST_F(GuardOfKeys, NamesTheClientByItsKey) {
   EXPECT_EQ(answer("POST", bearer(token)), "answered");
   EXPECT_EQ(request_.key, token.id);
   EXPECT_EQ(request_.client, "key " + token.id);
-  EXPECT_FALSE(request_.sees_all);
+  EXPECT_FALSE(request_.is_admin);
   EXPECT_EQ(answer("POST", bearer(add("admin"))), "answered");
-  EXPECT_TRUE(request_.sees_all);
+  EXPECT_TRUE(request_.is_admin);
 }
 
 TEST_F(GuardOfKeys, AsksForReadWhereNothingChangesAndForComputeElsewhere) {
@@ -211,7 +211,7 @@ TEST_F(GuardOfKeys, ACookieCountsForPagesOfThisServerAlone) {
   EXPECT_EQ(request_.key, token.id);
   EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Origin", own}}), "answered");
   EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Sec-Fetch-Site", "same-origin"}}), "answered");
-  // Of another port, which is another's, and of nobody knows what.
+  // A page of another port is somebody else's, and so may be a request without an origin.
   EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Origin", "http://localhost:3000"}}), "access.key_required");
   EXPECT_EQ(answer("POST", {{"Cookie", session}, {"Sec-Fetch-Site", "same-site"}}), "access.key_required");
   EXPECT_EQ(answer("POST", {{"Cookie", session}}), "access.key_required");

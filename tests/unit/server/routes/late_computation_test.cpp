@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "computation_route.h"
+#include "immediate_answer.h"
 #include "supple/json/answers.h"
 #include "supple/routes/routes.h"
 #include "supple/store/local_store.h"
@@ -43,7 +43,8 @@ std::string ask(int port, const std::string& text) {
   return answer;
 }
 
-/// A server that answers one request at a time, within one slot, and a route whose computation looks at no token.
+/// A server that answers one request at a time, within one slot, and a route whose computation never checks for a stop
+/// request.
 class LateComputationTest : public testing::Test {
  protected:
   LateComputationTest() {
@@ -60,13 +61,13 @@ class LateComputationTest : public testing::Test {
     router.add({"GET",
                 "/held",
                 [this](const http::Request& request) {
-                  return answer_immediately(services_, request, computation(0.25, [this] { gate_.pass(); }));
+                  return answer_immediately(services_, request, computation(0.25, [this] { gate_.pass(); }), 0);
                 },
                 {}});
     router.add({"GET",
                 "/quick",
                 [this](const http::Request& request) {
-                  return answer_immediately(services_, request, computation(60, [] {}));
+                  return answer_immediately(services_, request, computation(60, [] {}), 0);
                 },
                 {}});
     http::ServerOptions options;
@@ -74,7 +75,7 @@ class LateComputationTest : public testing::Test {
     options.max_requests = 1;
     server_ = std::make_unique<http::Server>(
         options, std::move(router), problem_response,
-        [this](const http::Answered& answered) {
+        [this](const http::AnsweredRequest& answered) {
           const std::lock_guard lock(mutex_);
           answered_.push_back(answered);
           changed_.notify_all();
@@ -102,7 +103,7 @@ class LateComputationTest : public testing::Test {
   }
 
   static jobs::Computation computation(double deadline, const std::function<void()>& run) {
-    return {"geodesics", {}, deadline, [run](const Execution&) {
+    return {.kind = "geodesics", .mesh = {}, .deadline = deadline, .run = [run](const Execution&) {
               run();
               return store::Result{"text/plain", {}, "42"};
             }};
@@ -121,7 +122,7 @@ class LateComputationTest : public testing::Test {
   Gate gate_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<http::Answered> answered_;
+  std::vector<http::AnsweredRequest> answered_;
 };
 
 /// The problem of an answer, without what differs from one request to the next.

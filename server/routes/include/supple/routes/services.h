@@ -27,26 +27,26 @@ struct RouteLimits {
   surface::MeshLimits mesh;
 };
 
-/// What the routes call. Exists from the start; `store`, `meshes`, `models` and `jobs` once the server is ready, before
-/// which the routes that need them answer "server.not_ready".
+/// What the routes call. `store`, `meshes`, `models` and `jobs` are null until the server is ready; the routes that
+/// need them answer "server.not_ready" until then.
 struct Services {
   RouteLimits limits;
   std::string version;
-  std::string data;  ///< folder of what is stored
-  std::string web;   ///< folder of the built web editor; none where empty
+  std::string data;  ///< data folder
+  std::string web;   ///< folder of the built web editor; empty: none
   std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
   metrics::Metrics* metrics = nullptr;
   store::Store* store = nullptr;
   store::MeshCache* meshes = nullptr;
   store::ModelStore* models = nullptr;
   jobs::JobQueue* jobs = nullptr;
-  std::atomic<bool> ready{false};  ///< set after the pointers, read before them
+  std::atomic<bool> ready{false};  ///< set after the pointers, and read before them
   std::atomic<bool> stopping{false};
-  std::atomic<bool> draining{false};  ///< answers, but is not to be asked any more
+  std::atomic<bool> draining{false};  ///< answers, but tells load balancers to ask others
   std::atomic<int> event_streams{0};
   std::function<http::Load()> load;
   budget::MemoryBudget* memory = nullptr;
-  access::Gate* gate = nullptr;  ///< that knows the keys; null: nobody needs one
+  access::Gate* gate = nullptr;  ///< knows the keys; null: nobody needs one
 };
 
 }  // namespace supple::routes

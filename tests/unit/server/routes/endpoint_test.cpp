@@ -1,0 +1,193 @@
+#include "endpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "results.h"
+#include "supple/base/error.h"
+#include "supple/json/answers.h"
+#include "supple/routes/resume.h"
+#include "supple/store/local_store.h"
+
+namespace supple::routes {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A router whose endpoint /v1/echoes answers with the format that was negotiated and the length of its body.
+class EndpointTest : public testing::Test {
+ protected:
+  EndpointTest() {
+    std::string pattern = (fs::temp_directory_path() / "supple_endpoint_XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+    store_ = std::make_unique<store::LocalStore>(folder_);
+    jobs::QueueOptions queue;
+    queue.workers = 1;
+    queue.immediate = 1;
+    jobs_ = std::make_unique<jobs::JobQueue>(*store_, queue, json::write_problem, [](const store::JobRecord&) {});
+    services_.jobs = jobs_.get();
+    services_.store = store_.get();
+    services_.metrics = &metrics_;
+    services_.ready = true;
+    add_endpoint(
+        router_, services_,
+        {.path = "/v1/echoes",
+         .kind = "echoes",
+         .sends = "An echo is sent as",
+         .formats = {"application/json", "text/csv", "text/plain"},
+         .prepare = [this](const EndpointRequest& asked, const Loader& loader) { return prepare(asked, loader); }});
+    router_.add({"POST", "/v1/others", [](const http::Request&) { return http::Response{}; }, {}});
+  }
+  ~EndpointTest() override {
+    jobs_.reset();
+    store_.reset();
+    fs::remove_all(folder_);
+  }
+
+  PreparedComputation prepare(const EndpointRequest& asked, const Loader& loader) {
+    slots_during_preparation_ = jobs_->immediate();
+    if (waits_for_stop_)
+      while (true) {
+        loader.cancellation().throw_if_requested();
+        std::this_thread::yield();
+      }
+    return {.deadline = 60, .run = [format = std::string(asked.format), length = asked.body.size()](const Execution&) {
+              return store::Result{format, {}, std::to_string(length)};
+            }};
+  }
+
+  static http::Request request_with(std::string body, std::vector<std::pair<std::string, std::string>> headers = {}) {
+    http::Request request;
+    request.method = "POST";
+    request.path = "/v1/echoes";
+    request.body = std::move(body);
+    request.headers = std::move(headers);
+    request.headers.emplace_back("Content-Type", "application/json");
+    return request;
+  }
+
+  http::Response ask(const http::Request& request) const {
+    return router_.find(request.method, request.path).route->handler(request);
+  }
+
+  /// The problem's code, or "none".
+  std::string refusal(const http::Request& request) const {
+    try {
+      ask(request);
+    } catch (const Error& error) {
+      return error.code();
+    }
+    return "none";
+  }
+
+  /// The path of the job that a request with the key "mine" becomes.
+  std::string job_of(const std::string& accept, const std::string& body = "{}") const {
+    const auto response =
+        ask(request_with(body, {{"Prefer", "respond-async"}, {"Idempotency-Key", "mine"}, {"Accept", accept}}));
+    for (const auto& [name, value] : response.headers)
+      if (name == "Location") return value;
+    return "none";
+  }
+  std::string refusal_of_job(const std::string& accept, const std::string& body = "{}") const {
+    return refusal(request_with(body, {{"Prefer", "respond-async"}, {"Idempotency-Key", "mine"}, {"Accept", accept}}));
+  }
+
+  fs::path folder_;
+  std::unique_ptr<store::Store> store_;
+  metrics::Metrics metrics_{"0"};
+  Services services_;
+  std::unique_ptr<jobs::JobQueue> jobs_;
+  http::Router router_;
+  int slots_during_preparation_ = -1;
+  bool waits_for_stop_ = false;
+};
+
+TEST_F(EndpointTest, TheFormatIsNegotiatedBeforeTheComputationIsPrepared) {
+  EXPECT_EQ(ask(request_with("{}")).content_type, "application/json");
+  EXPECT_EQ(ask(request_with("{}", {{"Accept", "text/plain"}})).content_type, "text/plain");
+  slots_during_preparation_ = -1;
+  EXPECT_EQ(refusal(request_with("{}", {{"Accept", "image/png"}})), "http.not_acceptable");
+  auto untyped = request_with("{}");
+  untyped.headers.clear();
+  EXPECT_EQ(refusal(untyped), "http.unsupported_media_type");
+  EXPECT_EQ(slots_during_preparation_, -1) << "neither of them was prepared";
+}
+
+TEST_F(EndpointTest, TheFaultOfAFormatNamesAllThatThereAre) {
+  try {
+    ask(request_with("{}", {{"Accept", "image/png"}}));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "An echo is sent as application/json, text/csv or text/plain.");
+  }
+}
+
+TEST_F(EndpointTest, AKeyOfIdempotencyIsOfOneRepresentation) {
+  const auto job = job_of("text/csv");
+  EXPECT_EQ(job_of("text/csv;q=0.5, text/plain;q=0.1"), job) << "the same format in other words";
+  EXPECT_EQ(refusal_of_job("text/plain"), "job.key_reused");
+  EXPECT_EQ(refusal_of_job(""), "job.key_reused") << "JSON";
+  EXPECT_EQ(refusal_of_job("text/csv", "{ }"), "job.key_reused") << "another body";
+}
+
+TEST_F(EndpointTest, AKeyForTheFirstFormatMeansTheSameJobAsInEarlierVersions) {
+  const auto id = job_of("").substr(std::string("/v1/jobs/").size());
+  const std::string asked = "POST /v1/echoes\n" + store::sha256("{}");
+  EXPECT_EQ(store_->job(id)->request_hash, store::sha256(asked));
+}
+
+TEST_F(EndpointTest, ASmallBodyIsPreparedAtOnceAndALargeOneWithinASlot) {
+  ask(request_with("{}"));
+  EXPECT_EQ(slots_during_preparation_, 0);
+  const std::string large(2 << 20, ' ');
+  EXPECT_EQ(ask(request_with(large)).body, std::to_string(large.size()));
+  EXPECT_EQ(slots_during_preparation_, 1);
+}
+
+TEST_F(EndpointTest, TheDeadlineOfALargeBodyStopsItsPreparation) {
+  waits_for_stop_ = true;
+  EXPECT_EQ(refusal(request_with(R"({"deadline":0.1,"text":")" + std::string(2 << 20, 'x') + "\"}")),
+            "job.deadline_exceeded");
+}
+
+TEST_F(EndpointTest, AStoredJobIsPreparedAsItsRequestWas) {
+  const store::StoredRequest stored{{"POST", "/v1/echoes", {}, "application/json", "text/csv"}, "{\"a\":1}"};
+  const auto computation = computation_of(router_, {}, stored, {});
+  EXPECT_EQ(computation.kind, "echoes");
+  const auto result = computation.run({});
+  EXPECT_EQ(result.content_type, "text/csv");
+  EXPECT_EQ(result.body, "7");
+}
+
+TEST_F(EndpointTest, AStopRequestEndsTheSecondPreparationOfAStoredJob) {
+  waits_for_stop_ = true;
+  Execution execution;
+  execution.cancellation.request(StopReason::cancelled);
+  const store::StoredRequest stored{{"POST", "/v1/echoes", {}, "application/json", ""}, "{}"};
+  try {
+    computation_of(router_, {}, stored, execution);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "job.cancelled");
+  }
+}
+
+TEST_F(EndpointTest, AStoredJobOfARouteThatIsNoEndpointAnyMoreIsInterrupted) {
+  const store::StoredRequest stored{{"POST", "/v1/others", {}, "application/json", ""}, "{}"};
+  try {
+    computation_of(router_, {}, stored, {});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), "job.interrupted");
+  }
+}
+
+}  // namespace
+}  // namespace supple::routes

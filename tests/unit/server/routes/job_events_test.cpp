@@ -1,0 +1,83 @@
+#include "job_events.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "supple/base/error.h"
+
+namespace supple::routes {
+namespace {
+
+using store::JobState;
+
+class Recorder final : public http::StreamWriter {
+ public:
+  bool write(std::string_view text) override {
+    this->text += text;
+    return true;
+  }
+  bool client_gone() override { return false; }
+  std::string text;
+};
+
+jobs::JobStatus status_in(JobState state) {
+  jobs::JobStatus status;
+  status.record.id = "0123456789abcdef0123456789abcdef";
+  status.record.state = state;
+  return status;
+}
+
+/// What a stream sends whose job shows these states, or fails with these codes, one after the other.
+struct Step {
+  JobState state = JobState::running;
+  std::string fails_with{};
+};
+std::string stream_of(const std::vector<Step>& steps) {
+  std::size_t next = 0;
+  Recorder out;
+  follow_job({.wait_for_change =
+                  [&](std::uint64_t& version, double) {
+                    const auto& step = steps.at(next++);
+                    if (!step.fails_with.empty()) throw Error(step.fails_with, "No.");
+                    ++version;
+                    return status_in(step.state);
+                  },
+              .may_follow = [&] { return next < steps.size(); },
+              .period_seconds = 0.001},
+             out);
+  EXPECT_EQ(next, steps.size()) << "the stream ended before";
+  return out.text;
+}
+
+std::size_t count(const std::string& text, const std::string& part) {
+  std::size_t found = 0;
+  for (auto at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++found;
+  return found;
+}
+
+TEST(JobEvents, AJobIsFollowedUntilItIsFinished) {
+  const auto text = stream_of({{JobState::accepted}, {JobState::running}, {JobState::successful}});
+  EXPECT_EQ(count(text, "event: progress\n"), 2U) << text;
+  EXPECT_TRUE(text.find("event: finished\n") > text.rfind("event: progress\n")) << text;
+}
+
+TEST(JobEvents, AStoreThatIsAwayForAWhileDoesNotEndTheStream) {
+  const auto text = stream_of({{JobState::running},
+                               {JobState::running, "store.unavailable"},
+                               {JobState::running, "store.unavailable"},
+                               {JobState::successful}});
+  EXPECT_EQ(count(text, "event: finished\n"), 1U) << text;
+  EXPECT_EQ(count(text, ": the job cannot be read now (store.unavailable)\n\n"), 1U) << "told once: " << text;
+}
+
+TEST(JobEvents, AJobThatIsRemovedEndsTheStreamWithoutAnEvent) {
+  const auto text = stream_of({{JobState::running}, {JobState::running, "job.not_found"}});
+  EXPECT_EQ(count(text, "event: "), 1U) << text;
+  EXPECT_EQ(count(text, "cannot be read"), 0U) << text;
+}
+
+}  // namespace
+}  // namespace supple::routes
