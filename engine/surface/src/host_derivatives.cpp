@@ -28,7 +28,7 @@ class HostLength {
   }
 
   HostDerivatives derivatives() {
-    for (const StraightSection& section : sections_) add(section);
+    for (const PathSection& section : sections_) add(section);
     if (order_ > 1) complete_hessian();
     return std::move(result_);
   }
@@ -47,7 +47,7 @@ class HostLength {
       const Triangle& corners = mesh_.faces()[face];
       vertices.insert(vertices.end(), corners.begin(), corners.end());
     };
-    for (const StraightSection& section : sections_) {
+    for (const PathSection& section : sections_) {
       for (std::size_t i = 0; i <= section.crossings.size(); ++i) add_face(section.face_before(mesh_, i));
     }
     const std::size_t last = sections_.back().crossings.size();
@@ -62,7 +62,7 @@ class HostLength {
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   }
 
-  Motion crossing_motion(const StraightSection::Crossing& crossing) const {
+  Motion crossing_motion(const PathSection::Crossing& crossing) const {
     Motion motion;
     motion.vertices = {mesh_.tail(crossing.over), mesh_.head(crossing.over), -1};
     motion.weights = {1 - crossing.t, crossing.t, 0};
@@ -100,7 +100,7 @@ class HostLength {
     }
   };
 
-  UnfoldedSection unfolded(const StraightSection& section) const {
+  UnfoldedSection unfolded(const PathSection& section) const {
     UnfoldedSection result;
     UnfoldedStrip strip(mesh_, section.entered);
     result.into_plane = {strip.into_plane()};
@@ -118,12 +118,12 @@ class HostLength {
   }
 
   /// The motions of the section's ends and crossings, in order.
-  std::vector<Motion> motions_of(const StraightSection& section, const UnfoldedSection& plane) {
+  std::vector<Motion> motions_of(const PathSection& section, const UnfoldedSection& plane) {
     const std::size_t crossings = section.crossings.size();
     std::vector<Motion> motions;
     motions.push_back(section.first == 0 ? motion_of_end(0, section.face_before(mesh_, 0), -plane.along(0))
                                          : bend_motion(section.first));
-    for (const StraightSection::Crossing& crossing : section.crossings) motions.push_back(crossing_motion(crossing));
+    for (const PathSection::Crossing& crossing : section.crossings) motions.push_back(crossing_motion(crossing));
     motions.push_back(section.last + 1 == path_.size()
                           ? motion_of_end(1, section.face_before(mesh_, crossings), plane.along(crossings))
                           : bend_motion(section.last));
@@ -149,7 +149,7 @@ class HostLength {
     return result.motion;
   }
 
-  void add(const StraightSection& section) {
+  void add(const PathSection& section) {
     const UnfoldedSection plane = unfolded(section);
     result_.length += plane.length;
     if (plane.length == 0) return;
@@ -184,8 +184,8 @@ class HostLength {
   ///   1/2 (A + F)^2 / L - sum f_k (B_k + 1/2 W_k),
   /// with A = sum a_i, B_k = sum_{i < k} a_i, F = sum p_k f_k, W_k = sum_j min(p_j, p_k) f_j, and the arc lengths p_k.
   /// `arc` are the arc lengths of the section's ends and crossings.
-  void add_within_plane(const StraightSection& section, const UnfoldedSection& plane,
-                        const std::vector<Motion>& motions, const std::vector<double>& arc) {
+  void add_within_plane(const PathSection& section, const UnfoldedSection& plane, const std::vector<Motion>& motions,
+                        const std::vector<double>& arc) {
     const std::size_t crossings = section.crossings.size();
     VectorXd total = VectorXd::Zero(size());             // A + F
     VectorXd following_forces = VectorXd::Zero(size());  // sum of the f_k of the crossings that follow
@@ -285,7 +285,7 @@ class HostLength {
   const TriangleMesh& mesh_;
   const std::vector<PathPoint>& path_;
   int order_;
-  std::vector<StraightSection> sections_;
+  std::vector<PathSection> sections_;
   HostDerivatives result_;
   Eigen::MatrixXd mixed_;  ///< to be subtracted from the Hessian together with its transpose
 };

@@ -77,8 +77,8 @@ VertexBypass bypass_of(const TriangleMesh& mesh, const PathPoint& before, const 
 
 }  // namespace
 
-std::vector<StraightSection> sections_of(const TriangleMesh& mesh, const std::vector<PathPoint>& path) {
-  std::vector<StraightSection> sections;
+std::vector<PathSection> sections_of(const TriangleMesh& mesh, const std::vector<PathPoint>& path) {
+  std::vector<PathSection> sections;
   std::int32_t face = -1;  // a halfedge of the face through which the path runs
   const auto begin = [&](std::size_t k) {
     face = common_face(mesh, path[k].point, path[k + 1].point);
@@ -87,7 +87,7 @@ std::vector<StraightSection> sections_of(const TriangleMesh& mesh, const std::ve
   };
   begin(0);
   for (std::size_t k = 1; k + 1 < path.size(); ++k) {
-    StraightSection& section = sections.back();
+    PathSection& section = sections.back();
     if (crosses_edge(path[k])) {
       const int side = side_of(path[k].point);
       std::int32_t over = 3 * index(path[k].point.face) + side;

@@ -9,7 +9,7 @@
 namespace supple::surface {
 
 /// A straight section of a path, between ends of the path or vertices that bend it, with the edges that it crosses.
-struct StraightSection {
+struct PathSection {
   struct Crossing {
     std::int32_t over;  ///< halfedge of the face before
     double t;           ///< barycentric coordinate of the head of `over`
@@ -24,6 +24,6 @@ struct StraightSection {
 };
 
 /// The straight sections of a path with at least two points, in order.
-std::vector<StraightSection> sections_of(const TriangleMesh& mesh, const std::vector<PathPoint>& path);
+std::vector<PathSection> sections_of(const TriangleMesh& mesh, const std::vector<PathPoint>& path);
 
 }  // namespace supple::surface
