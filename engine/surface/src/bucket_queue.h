@@ -17,7 +17,7 @@ namespace supple::surface {
 class BucketQueue {
  public:
   using Bucket = std::int32_t;
-  static constexpr Bucket kNotQueued = std::numeric_limits<Bucket>::max();
+  static constexpr Bucket not_queued = std::numeric_limits<Bucket>::max();
 
   /// Empties the queue. O(buckets touched since the last start).
   void start(double first_key, double width) {

@@ -21,8 +21,8 @@ std::string with_all_digits(double x) {
 
 std::string distance_of(std::int32_t v, double distance) {
   const std::string vertex = "vertex " + std::to_string(v);
-  return distance < kInfinity ? "the distance of " + vertex + " is " + with_all_digits(distance)
-                              : vertex + " is not reached";
+  return distance < infinity ? "the distance of " + vertex + " is " + with_all_digits(distance)
+                             : vertex + " is not reached";
 }
 
 [[noreturn]] void throw_inconsistent(std::int32_t v, double found, std::int32_t neighbour, double known, double edge) {
@@ -49,7 +49,7 @@ void check_distances(const TriangleMesh& mesh, std::span<const double> distances
       const double far = std::max(a, b);
       const double max_distance = (near + mesh.edge_length(h)) * factor;
       if (far <= max_distance) continue;
-      if (far == kInfinity && max_distance > limit) continue;
+      if (far == infinity && max_distance > limit) continue;
       const std::int32_t tail = face[i];
       const std::int32_t head = face[i == 2 ? 0 : i + 1];
       throw_inconsistent(a > b ? tail : head, far, a > b ? head : tail, near, mesh.edge_length(h));

@@ -11,12 +11,12 @@ namespace {
 
 /// A vertex whose total angle exceeds 2 pi by less than this angle (radians) bends no path that matters, because the
 /// sector behind it is narrower than the tolerance by which windows are trimmed.
-constexpr double kSaddleTolerance = 1e-12;
+constexpr double saddle_tolerance = 1e-12;
 
 }  // namespace
 
 bool bends_paths(const TriangleMesh& mesh, std::int32_t v) {
-  return mesh.is_boundary(v) || mesh.vertex_angle(v) > 2 * std::numbers::pi + kSaddleTolerance;
+  return mesh.is_boundary(v) || mesh.vertex_angle(v) > 2 * std::numbers::pi + saddle_tolerance;
 }
 
 SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in, const Execution& execution)

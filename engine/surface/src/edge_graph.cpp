@@ -15,9 +15,9 @@ EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfaceP
   const TriangleMesh& m = *mesh.mesh;
   EdgeGraphField field;
   std::vector<double>& distances = field.distances;
-  distances.assign(static_cast<std::size_t>(m.vertex_count()), kInfinity);
+  distances.assign(static_cast<std::size_t>(m.vertex_count()), infinity);
   field.vertex_sources.assign(distances.size(), -1);
-  std::vector<BucketQueue::Bucket> queued(distances.size(), BucketQueue::kNotQueued);
+  std::vector<BucketQueue::Bucket> queued(distances.size(), BucketQueue::not_queued);
   BucketQueue queue;
   // With buckets of half a mean edge, most vertices are settled once. The others are corrected.
   queue.start(0, 0.5 * m.mean_edge_length());
@@ -40,7 +40,7 @@ EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfaceP
   std::int64_t settled = 0;
   while (queue.pop(v, bucket)) {
     if (queued[v] != bucket) continue;
-    queued[v] = BucketQueue::kNotQueued;
+    queued[v] = BucketQueue::not_queued;
     if (++settled % vertices_per_checkpoint == 0) execution.cancellation.throw_if_requested();
     const double distance = distances[v];
     const std::int32_t source = field.vertex_sources[v];

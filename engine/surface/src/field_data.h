@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "path_assembly.h"
+#include "supple/base/large_page_allocator.h"
 #include "supple/surface/geodesic_field.h"
 
 namespace supple::surface {

@@ -52,11 +52,11 @@ void GeodesicField::Data::fill_vertex_sources() {
     // already found.
     std::int32_t at = static_cast<std::int32_t>(v);
     chain.clear();
-    while (vertex_sources[at] < 0 && distances[at] < kInfinity && records[at].origin >= 0) {
+    while (vertex_sources[at] < 0 && distances[at] < infinity && records[at].origin >= 0) {
       chain.push_back(at);
       at = records[at].origin;
     }
-    if (vertex_sources[at] < 0 && distances[at] < kInfinity) vertex_sources[at] = -1 - records[at].origin;
+    if (vertex_sources[at] < 0 && distances[at] < infinity) vertex_sources[at] = -1 - records[at].origin;
     for (const std::int32_t passed : chain) vertex_sources[passed] = vertex_sources[at];
   }
 }

@@ -29,7 +29,7 @@ double length_bound(const std::vector<PathPoint>& path) {
     length += (path[i].position - path[i - 1].position).norm();
     coordinates += path[i].position.lpNorm<1>();
   }
-  return length * (1 + 1e-9) + kEdgeRounding * coordinates;
+  return length * (1 + 1e-9) + edge_rounding * coordinates;
 }
 
 }  // namespace
@@ -157,8 +157,8 @@ GeodesicField GeodesicSolver::field(std::span<const SurfacePoint> sources, const
   data->distances.resize(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     const auto vertex = static_cast<std::int32_t>(v);
-    const double distance = search->distance(vertex) < kInfinity ? search->length_of_path(vertex) : kInfinity;
-    data->distances[v] = distance <= options.max_distance ? distance : kInfinity;
+    const double distance = search->distance(vertex) < infinity ? search->length_of_path(vertex) : infinity;
+    data->distances[v] = distance <= options.max_distance ? distance : infinity;
   }
   // With known distances the check does not apply: the field is right only where the given sources are the nearest.
   if (options.known_distances.empty()) {

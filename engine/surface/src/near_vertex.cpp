@@ -14,7 +14,7 @@ using std::numbers::pi;
 
 /// A point is near a vertex if its distance is below this fraction of the least height over the vertex. Further away,
 /// the error of windows, which is the rounding of an edge's length, is below 1e-12 of the distances.
-constexpr double kNear = 1e-3;
+constexpr double near_ratio = 1e-3;
 
 Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}; }
 
@@ -100,15 +100,16 @@ std::optional<NearVertexPath> path_near_vertex(const SearchMesh& mesh, const Sur
   // A barycentric coordinate is the relative height over the side opposite the vertex. Points near a vertex therefore
   // have one that is nearly 1.
   int corner = 0;
-  if (!(from.barycentric.maxCoeff(&corner) >= 1 - kNear) || from.face == to.face || corner_of(from) >= 0) return {};
+  if (!(from.barycentric.maxCoeff(&corner) >= 1 - near_ratio) || from.face == to.face || corner_of(from) >= 0)
+    return {};
   int other = 0;
-  if (!(to.barycentric.maxCoeff(&other) >= 1 - kNear) || corner_of(to) >= 0) return {};
+  if (!(to.barycentric.maxCoeff(&other) >= 1 - near_ratio) || corner_of(to) >= 0) return {};
   const std::vector<Triangle>& faces = mesh.mesh->faces();
   const std::int32_t vertex = faces[index(from.face)][corner];
   if (faces[index(to.face)][other] != vertex) return {};
   const FanPoint a(mesh, 3 * index(from.face) + corner, from);
   const FanPoint b(mesh, 3 * index(to.face) + other, to);
-  const double near_radius = kNear * min_height(mesh, vertex);
+  const double near_radius = near_ratio * min_height(mesh, vertex);
   if (std::max(a.radius, b.radius) > near_radius) return {};
 
   FanChord ahead = chord_between(mesh, a, b);

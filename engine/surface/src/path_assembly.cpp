@@ -402,10 +402,10 @@ Vector2d arrival_direction(const SearchState& state, const SearchTarget& target)
 double competing_excess_at(const SearchState& state, std::int32_t v) {
   const SearchMesh& mesh = *state.mesh;
   const VertexRecord& record = state.records[v];
-  double min_excess = kInfinity;
+  double min_excess = infinity;
   if (record.ties < 0) return min_excess;
   const double angle = arrival_angle(mesh, record, v);
-  const double total = mesh.mesh->is_boundary(v) ? kInfinity : mesh.mesh->vertex_angle(v);
+  const double total = mesh.mesh->is_boundary(v) ? infinity : mesh.mesh->vertex_angle(v);
   const double length = record.sigma + last_segment_length(mesh, record);
   for (std::int32_t i = record.ties; i >= 0; i = state.ties[i].next) {
     const double turn = std::abs(state.ties[i].angle - angle);

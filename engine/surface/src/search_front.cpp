@@ -12,7 +12,7 @@ constexpr double goal_bucket_width = 0.03;
 
 SearchFront::SearchFront(const SearchMesh& its_mesh) : mesh(&its_mesh), vertices(its_mesh), targets(*its_mesh.mesh) {
   halfedges.resize(static_cast<std::size_t>(mesh->mesh->halfedge_count()),
-                   HalfedgeRecord{-1, 0, 0, BucketQueue::kNotQueued});
+                   HalfedgeRecord{-1, 0, 0, BucketQueue::not_queued});
 }
 
 void SearchFront::start(std::span<const SurfacePoint> from, std::span<SearchTarget> to, const SearchSettings& how) {
@@ -33,7 +33,7 @@ void SearchFront::start(std::span<const SurfacePoint> from, std::span<SearchTarg
   for (const SurfacePoint& source : sources) {
     near_vertices = near_vertices || (corner_of(source) < 0 && source.barycentric.maxCoeff() > 1 - short_side_ratio);
   }
-  plain = !settings.goal_directed && settings.relative_error == 0 && settings.limit == kInfinity && !near_vertices;
+  plain = !settings.goal_directed && settings.relative_error == 0 && settings.limit == infinity && !near_vertices;
   double first_key = 0;
   if (settings.goal_directed) {
     goal.start(*mesh, to[0].point, settings.landmark, settings.landmark_distance);
@@ -42,7 +42,7 @@ void SearchFront::start(std::span<const SurfacePoint> from, std::span<SearchTarg
     goal.clear();
   }
   for (std::size_t v = 0; v < settings.known_distances.size(); ++v) {
-    if (!(settings.known_distances[v] < kInfinity)) continue;
+    if (!(settings.known_distances[v] < infinity)) continue;
     vertices.set_known(static_cast<std::int32_t>(v), settings.known_distances[v],
                        -1 - static_cast<std::int32_t>(sources.size()));
   }

@@ -18,7 +18,7 @@ struct SearchSettings {
   bool goal_directed = false;  ///< there is exactly one target, and only its distance matters
   bool keep_windows = false;   ///< every processed window is logged, for take_logged_windows
   double relative_error = 0;
-  double limit = kInfinity;  ///< distances beyond it need not be found
+  double limit = infinity;  ///< distances beyond it need not be found
   /// For goal_directed: exact distance of each vertex from a landmark, a point near the target; empty for none.
   std::span<const double> landmark = {};
   double landmark_distance = 0;  ///< distance of the landmark from the target, or more
@@ -44,7 +44,7 @@ struct SearchFront {
 
   [[gnu::always_inline]] HalfedgeRecord& halfedge(std::int32_t h) {
     HalfedgeRecord& record = halfedges[h];
-    if (record.epoch != epoch) record = {-1, 0, epoch, BucketQueue::kNotQueued};
+    if (record.epoch != epoch) record = {-1, 0, epoch, BucketQueue::not_queued};
     return record;
   }
   /// VertexTable::improve, and queues the vertex if it has windows to emit. Returns whether the path is recorded and
@@ -74,7 +74,7 @@ struct SearchFront {
   std::vector<Trail> trails;  ///< the full trails to which the trails of windows and records refer
   WindowLog logged;
   BucketQueue queue;            ///< halfedges, and ~v for vertices
-  double max_key = kInfinity;   ///< larger keys are of no use
+  double max_key = infinity;    ///< larger keys are of no use
   bool plain = true;            ///< the search has no goal, no allowed error and no limit to test for
   bool records_trails = false;  ///< paths will be asked for, and not only distances
   bool near_vertices = false;   ///< a (pseudo-)source may be much closer to a vertex than its edges are long

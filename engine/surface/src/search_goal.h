@@ -27,7 +27,7 @@ class SearchGoal {
   }
   /// The same by the landmark alone; -infinity without one.
   double min_distance_by_landmark(std::int32_t vertex) const {
-    return landmark_.empty() ? -kInfinity : landmark_[vertex] - landmark_distance_;
+    return landmark_.empty() ? -infinity : landmark_[vertex] - landmark_distance_;
   }
   bool has_landmark() const { return !landmark_.empty(); }
   /// The goal, rotated about the edge into the plane of the next face. Its distance from a point of the edge is the

@@ -9,7 +9,7 @@ namespace {
 
 /// A point with two barycentric coordinates below this value is taken for the vertex: its coordinates in the frames of
 /// other faces are those of the vertex up to rounding.
-constexpr double kAtVertex = 1e-14;
+constexpr double at_vertex_tolerance = 1e-14;
 /// Arrivals whose directions differ by less than this angle (radians) count as one path.
 constexpr double same_direction_tolerance = 1e-6;
 /// An arrival that is bent at a window's end may stand for a straight path whose window was trimmed on the way. This is
@@ -33,7 +33,7 @@ bool same_path(const Arrival& a, const Arrival& b) {
   // passes beside a vertex ends there, and a path bent at its end restarts at the vertex. A longer one stands for
   // another path.
   const auto last = [](const Arrival& x) { return x.bend.isZero(0) ? x.image : x.bend; };
-  return !(a.bend.isZero(0) && b.bend.isZero(0)) && std::abs(a.length - b.length) <= kTieTolerance * a.length &&
+  return !(a.bend.isZero(0) && b.bend.isZero(0)) && std::abs(a.length - b.length) <= tie_tolerance * a.length &&
          same_direction(last(a), last(b), same_direction_tolerance);
 }
 
@@ -106,7 +106,7 @@ BentAt bent_at(const SearchMesh& mesh, const EdgeFrame& frame, const Arrival& ar
 
 /// Arrivals longer than this do not change the target.
 double max_useful_length(const SearchTarget& target) {
-  return std::max(target.best.length * (1 + kDropTolerance), target.competing_length);
+  return std::max(target.best.length * (1 + drop_tolerance), target.competing_length);
 }
 
 /// Arrival::rank of the path to (x, y): 0 if the straight line from the window's source passes the interval up to
@@ -151,7 +151,7 @@ Eigen::Vector3d offset_from(const TriangleMesh& mesh, const SurfacePoint& point,
 
 SurfacePoint rounded_to_vertex(const SurfacePoint& point) {
   for (int i = 0; i < 3; ++i) {
-    if (point.barycentric[(i + 1) % 3] < kAtVertex && point.barycentric[(i + 2) % 3] < kAtVertex) {
+    if (point.barycentric[(i + 1) % 3] < at_vertex_tolerance && point.barycentric[(i + 2) % 3] < at_vertex_tolerance) {
       return {point.face, Eigen::Vector3d::Unit(i)};
     }
   }
@@ -191,14 +191,14 @@ double last_segment_length(const SearchMesh& mesh, const VertexRecord& record) {
 
 void update_target(SearchTarget& target, const Arrival& arrival) {
   const Arrival previous = target.best;
-  const double tie = kDropTolerance * arrival.length;
+  const double tie = drop_tolerance * arrival.length;
   bool wins = arrival.length < previous.length;
   if (std::abs(arrival.length - previous.length) <= tie) {
     // Among paths of equal length and rank, the one with the longest last segment is taken. The vertices on it then do
     // not seem to pin the path.
     wins = arrival.rank != previous.rank
                ? arrival.rank < previous.rank
-               : arrival.image.squaredNorm() > previous.image.squaredNorm() * (1 + kDropTolerance);
+               : arrival.image.squaredNorm() > previous.image.squaredNorm() * (1 + drop_tolerance);
     wins = wins || previous.kind == Arrival::Kind::none;
   }
   if (wins) target.best = arrival;
@@ -281,7 +281,7 @@ void update_by_direct_path(const SearchMesh& mesh, SearchTarget& target, const S
 bool arrive_near_vertex(const SearchMesh& mesh, std::span<const SurfacePoint> sources, SearchTarget& target) {
   if (target.vertex >= 0) return false;
   Arrival best;
-  double competing_length = kInfinity;
+  double competing_length = infinity;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::optional<NearVertexPath> path = path_near_vertex(mesh, sources[i], target.point);
     if (!path || path->length >= best.length) continue;
@@ -309,7 +309,7 @@ void update_by_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, 
   if (target.vertex >= 0) {
     if (target.vertex != v) return;
     arrival.length = distance;
-    if (!(arrival.length < kInfinity)) return;
+    if (!(arrival.length < infinity)) return;
     arrival.rank = 0;  // the record describes the path, straight or not
     if (record.along >= 0 || record.halfedge >= 0) {
       arrival.image = polar_image(mesh, v, arrival_angle(mesh, record, v), last_segment_length(mesh, record));
@@ -318,12 +318,12 @@ void update_by_vertex(const SearchMesh& mesh, SearchTarget& target, int corner, 
     // In the frame of side `corner`, this corner is the origin.
     const Eigen::Vector2d relative = -target.planar[corner];
     arrival.length = distance + relative.norm();
-    if (!(arrival.length < kInfinity)) return;
+    if (!(arrival.length < infinity)) return;
     const bool bends = mesh.pins(v) || distance == 0;
     // Up to rounding, a path by a vertex that cannot bend paths is not shorter than those of the windows beside it. It
     // counts only where they leave a gap.
     arrival.rank = bends ? 1 : 3;
-    if (!bends && arrival.length >= target.best.length * (1 - kDropTolerance)) return;
+    if (!bends && arrival.length >= target.best.length * (1 - drop_tolerance)) return;
     arrival.image = in_frame_of_side_zero(mesh, target, corner, relative);
   }
   update_target(target, arrival);

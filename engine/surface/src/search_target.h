@@ -15,7 +15,7 @@ namespace supple::surface {
 /// How a path reaches a target.
 struct Arrival {
   enum class Kind { none, direct, window, vertex, near_vertex } kind = Kind::none;
-  double length = kInfinity;
+  double length = infinity;
   std::int32_t vertex = -1;
   std::int32_t source = -1;  ///< for direct arrivals and those near a vertex
   // For arrivals by a window: the halfedge at which it was queued, its trail, and where the path crosses the edge.
@@ -40,7 +40,7 @@ struct SearchTarget {
   std::array<Eigen::Vector2d, 3> planar;  ///< the point in the frames of the three sides of its face
   Eigen::Vector3d position;
   Arrival best;
-  double competing_length = kInfinity;  ///< length of the shortest path found with another image
+  double competing_length = infinity;  ///< length of the shortest path found with another image
 };
 
 /// The vertex of the point's face with the largest barycentric coordinate.

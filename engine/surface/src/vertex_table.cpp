@@ -9,15 +9,15 @@ namespace supple::surface {
 namespace {
 
 /// Minimum relative improvement of a vertex's distance; less is rounding.
-constexpr double kImprovement = 4e-16;
+constexpr double min_distance_improvement = 4e-16;
 /// A vertex whose distance improves by this relative amount emits its windows again, because the excess length of the
-/// earlier ones has to stay well below kDropTolerance.
+/// earlier ones has to stay well below drop_tolerance.
 constexpr double min_reemission_improvement = 1e-13;
 
 }  // namespace
 
 VertexTable::VertexTable(const SearchMesh& mesh) : mesh_(mesh) {
-  distances_.resize(static_cast<std::size_t>(mesh.mesh->vertex_count()), Distance{kInfinity, 0});
+  distances_.resize(static_cast<std::size_t>(mesh.mesh->vertex_count()), Distance{infinity, 0});
   records_.resize(distances_.size());
 }
 
@@ -27,7 +27,7 @@ void VertexTable::start(std::uint32_t epoch, double relative_error) {
   }
   epoch_ = epoch;
   relative_error_ = relative_error;
-  edge_rounding_ = kEdgeRounding * mesh_.longest_edge;
+  edge_rounding_ = edge_rounding * mesh_.longest_edge;
   ties_.clear();
   reached_count_ = 0;
 }
@@ -35,7 +35,7 @@ void VertexTable::start(std::uint32_t epoch, double relative_error) {
 VertexRecord& VertexTable::record(std::int32_t v) {
   VertexRecord& record = records_[v];
   if (distances_[v].epoch != epoch_) {
-    distances_[v] = {kInfinity, epoch_};
+    distances_[v] = {infinity, epoch_};
     ++reached_count_;
     record = VertexRecord{};
     record.emits = mesh_.pins(v);
@@ -49,13 +49,13 @@ VertexTable::Improvement VertexTable::improve(std::int32_t v, double distance, d
                                               std::int32_t along, double crossing, bool straight) {
   VertexRecord& record = this->record(v);
   double& current = distances_[v].value;
-  const bool improves = distance < current * (1 - kImprovement);
-  const bool ties = distance < current * (1 + kDropTolerance) && distance > current * (1 - kDropTolerance);
+  const bool improves = distance < current * (1 - min_distance_improvement);
+  const bool ties = distance < current * (1 + drop_tolerance) && distance > current * (1 - drop_tolerance);
   bool replaces = improves;
   if (ties && current > 0) {
     // Among paths of equal length, the one whose last segment is longest is recorded, so that a vertex on a straight
     // path does not seem to pin it.
-    const bool straighter = along < 0 && straight && (record.along >= 0 || sigma < record.sigma * (1 - kDropTolerance));
+    const bool straighter = along < 0 && straight && (record.along >= 0 || sigma < record.sigma * (1 - drop_tolerance));
     replaces = straighter || (improves && along >= 0 && record.along >= 0);
   }
   bool must_emit = false;
@@ -96,14 +96,14 @@ bool VertexTable::note_tie(std::int32_t v, const VertexRecord& path, double leng
   if (path.along >= 0 ? path.along == record.along
                       : path.halfedge == record.halfedge &&
                             std::abs(path.source_x - record.source_x) + std::abs(path.depth - record.depth) <=
-                                kSectorTolerance * path.depth) {
+                                sector_tolerance * path.depth) {
     return false;
   }
   const double total = mesh_.mesh->vertex_angle(v);
-  const double full_turn = mesh_.mesh->is_boundary(v) ? kInfinity : total;
+  const double full_turn = mesh_.mesh->is_boundary(v) ? infinity : total;
   const auto apart = [&](double a, double b) {
     const double turn = std::abs(a - b);
-    return std::min(turn, full_turn - turn) > kSectorTolerance;
+    return std::min(turn, full_turn - turn) > sector_tolerance;
   };
   const double recorded = arrival_angle(mesh_, record, v);
   const double angle = arrival_angle(mesh_, path, v);

@@ -13,15 +13,15 @@
 
 namespace supple::surface {
 
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A path may turn at a saddle vertex if the angle on either side is at least pi. Rays within this angle (radians) of
 /// that limit are emitted too, so that no gap opens beside the windows that pass the vertex. A sector without any other
 /// width emits nothing: the path goes straight on, in a window of its own.
-inline constexpr double kSectorTolerance = 1e-13;
+inline constexpr double sector_tolerance = 1e-13;
 
 /// The search goes on past the best known length by this relative amount, so that it finds paths of equal length.
-inline constexpr double kTieTolerance = 1e-9;
+inline constexpr double tie_tolerance = 1e-9;
 
 /// The best known path to a vertex. One cache line.
 struct alignas(64) VertexRecord {
@@ -34,7 +34,7 @@ struct alignas(64) VertexRecord {
   std::int32_t halfedge = -1;   ///< the halfedge whose apex the vertex is; -1 for a path along an edge
   std::int32_t origin = -1;     ///< pseudo-source: a vertex, or -1 - i for the i-th source
   std::int32_t along = -1;      ///< halfedge of the edge along which the path arrives; -1 for other paths
-  BucketQueue::Bucket queued = BucketQueue::kNotQueued;
+  BucketQueue::Bucket queued = BucketQueue::not_queued;
   /// Whether the vertex emits windows: it bends paths, or replaces windows that an allowed error has dropped.
   bool emits = false;
   bool emits_all_around = false;  ///< the vertex emits windows in all directions
@@ -67,7 +67,7 @@ class VertexTable {
     // The choice between integers needs no branch, which would be hard to predict.
     const Distance& d = distances_[v];
     const auto bits = std::bit_cast<std::uint64_t>(d.value);
-    return std::bit_cast<double>(d.epoch == epoch_ ? bits : std::bit_cast<std::uint64_t>(kInfinity));
+    return std::bit_cast<double>(d.epoch == epoch_ ? bits : std::bit_cast<std::uint64_t>(infinity));
   }
   /// Length of the path that the record of a reached vertex describes. It is at most 1 + e times the distance.
   double length_of_path(std::int32_t v) const { return distances_[v].value + relative_error_ * records_[v].sigma; }
@@ -108,11 +108,11 @@ class VertexTable {
   /// Distance of an end of an edge of the given length, plus the excess at which a window is dropped in favour of that
   /// vertex. Near a source the distance is tiny, and the excess covers the rounding of the edge's length.
   double drop_threshold(std::int32_t vertex, double length) const {
-    return distance(vertex) * (1 + kDropTolerance) + kEdgeRounding * length;
+    return distance(vertex) * (1 + drop_tolerance) + edge_rounding * length;
   }
   /// Whether lengths of paths to a vertex differ by less than the excess at which windows are dropped in its favour.
   bool within_drop_tolerance(double a, double b) const {
-    return std::abs(a - b) <= kDropTolerance * a + edge_rounding_;
+    return std::abs(a - b) <= drop_tolerance * a + edge_rounding_;
   }
   std::size_t memory_bytes() const {
     return distances_.capacity() * sizeof(Distance) + records_.capacity() * sizeof(VertexRecord);
@@ -130,7 +130,7 @@ class VertexTable {
   ///
   /// Why no shortest path is lost, although lengths are rounded: let P be a shortest path to a point y.
   ///
-  /// 1. A window is cut in favour of a vertex only where the path by the vertex is shorter by kDropTolerance, which is
+  /// 1. A window is cut in favour of a vertex only where the path by the vertex is shorter by drop_tolerance, which is
   ///    far more than the rounding of lengths. P would not be shortest there. So no cut removes P.
   /// 2. A window w that holds P may be trimmed in favour of another window c where both are equal up to rounding. The
   ///    path by c to the point where P crosses the edge, and then along P, is as long as P up to rounding, and the rays
@@ -138,7 +138,7 @@ class VertexTable {
   ///    opens between them. Therefore c holds a path to y that is as short, or y lies beyond an end of c. If c was
   ///    trimmed at that end, the same holds for the window in whose favour this was done. If c has passed beside a
   ///    vertex v at that end, v emits windows into the region beyond it, behind the path that has come to v by c.
-  /// 3. That path is longer than the recorded path to v by kDropTolerance at most, since otherwise v would have cut c,
+  /// 3. That path is longer than the recorded path to v by drop_tolerance at most, since otherwise v would have cut c,
   ///    which step 1 excludes. But it need not be the recorded one. Paths whose lengths differ by one part in 10^12 may
   ///    come from directions that differ by 10^-6 radians, because a chord past a corner saves only the square of the
   ///    angle. Behind the recorded path, v then emits nothing into the part where y lies: the angle there falls short
@@ -148,7 +148,7 @@ class VertexTable {
   /// these paths has a sector behind it, and only what the sectors of the others leave out is emitted.
   bool note_tie(std::int32_t v, const VertexRecord& path, double length, bool replaces);
   /// Whether lengths of paths to a vertex are so close that both count as shortest.
-  bool both_shortest(double a, double b) const { return std::abs(a - b) <= kTieTolerance * a + edge_rounding_; }
+  bool both_shortest(double a, double b) const { return std::abs(a - b) <= tie_tolerance * a + edge_rounding_; }
 
   const SearchMesh& mesh_;
   std::vector<Distance> distances_;  ///< separate from the records, because every window reads them
@@ -156,7 +156,7 @@ class VertexTable {
   std::vector<TiedArrival> ties_;
   std::uint32_t epoch_ = 0;
   double relative_error_ = 0;
-  double edge_rounding_ = 0;  ///< kEdgeRounding times the longest edge
+  double edge_rounding_ = 0;  ///< edge_rounding times the longest edge
   std::int64_t reached_count_ = 0;
 };
 

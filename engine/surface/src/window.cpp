@@ -46,7 +46,7 @@ void trim_by_ends(Window& p, Window& w, const Crossing& equal, double a, double 
     }
   }
   if (!(crossing >= a) ||
-      std::abs(length_at(p, crossing) - length_at(w, crossing)) > kDropTolerance * length_at(p, crossing)) {
+      std::abs(length_at(p, crossing) - length_at(w, crossing)) > drop_tolerance * length_at(p, crossing)) {
     crossing = bisect(p, w, a, b);  // cancellation has spoiled the closed form
   }
   Window& left = at_a < 0 ? p : w;

@@ -62,12 +62,12 @@ inline double length_to(const Window& w, double x, double y, double& crossing) {
 
 /// A window, or a part of one, is dropped only where it is longer than what replaces it by this relative amount.
 /// Overlaps cost a little time, while gaps would cost correctness.
-inline constexpr double kDropTolerance = 1e-12;
+inline constexpr double drop_tolerance = 1e-12;
 /// The absolute part of that amount, as a fraction of the length of the edge that the window crosses.
-inline constexpr double kEdgeRounding = 1e-14;
+inline constexpr double edge_rounding = 1e-14;
 /// Minimum width of a window as a fraction of its edge, which is a few units in the last place of a coordinate.
 /// Narrower windows are dropped.
-inline constexpr double kLeastWidth = 2e-15;
+inline constexpr double min_window_width = 2e-15;
 
 /// Bounds from the distances of an edge's end vertices: no shortest path to x is longer than `tail` + x or
 /// `head` + length - x, measured beyond a window's sigma. Where an error is allowed, they are smaller.
@@ -109,7 +109,7 @@ struct Cut {
     const double root = (from_head * from_head - square) / (2 * (from_head - w.source_x));
     if (root < w.b1) w.b1 = std::max(root, w.b0);
   }
-  result.empty = !(w.b1 - w.b0 > kLeastWidth * length);
+  result.empty = !(w.b1 - w.b0 > min_window_width * length);
   return result;
 }
 

@@ -52,7 +52,7 @@ void emit_through(SearchFront& front, std::int32_t v, const FanCorner& corner, d
   }
   low = std::max(low, 0.0);
   high = std::min(high, angle);
-  if (corner.across < 0 || high - low <= 3 * kSectorTolerance) return;
+  if (corner.across < 0 || high - low <= 3 * sector_tolerance) return;
   // The ray at angle `turn` from the direction apex to tail meets the opposite edge at this distance from its tail.
   const auto meets = [&](double turn) {
     const double c = std::cos(turn);
@@ -75,11 +75,11 @@ void emit_behind(SearchFront& front, std::int32_t v, double arrival, double reco
   const double total = front.mesh->mesh->vertex_angle(v);
   const bool boundary = front.mesh->mesh->is_boundary(v);
   using std::numbers::pi;
-  const double first = pi - kSectorTolerance;
-  const double last = total - pi + kSectorTolerance;
+  const double first = pi - sector_tolerance;
+  const double last = total - pi + sector_tolerance;
   // Angles on either side of the arrival to the nearest arrivals that have been continued.
-  double below = kInfinity;
-  double above = kInfinity;
+  double below = infinity;
+  double above = infinity;
   const auto leave_out = [&](double other) {
     double turn = other - arrival;
     if (!boundary && turn > 0.5 * total) turn -= total;
@@ -94,8 +94,8 @@ void emit_behind(SearchFront& front, std::int32_t v, double arrival, double reco
   }
   if (boundary) {
     // A boundary vertex emits on both sides of the arriving path, where the angle from it is at least pi.
-    const bool after_emitted = below < kInfinity;
-    const bool before_emitted = above < kInfinity;
+    const bool after_emitted = below < infinity;
+    const bool before_emitted = above < infinity;
     for (const FanCorner& corner : front.mesh->fan(v)) {
       const double after = arrival + first - corner.polar_angle;
       if (!after_emitted && after <= corner.angle && after + above >= 0) {

@@ -12,7 +12,7 @@ namespace {
 
 /// An apex that lies outside a window by at most this fraction of the edge still takes the path by the window's end,
 /// because windows on both sides of a vertex meet there only up to rounding.
-constexpr double kApexTolerance = 1e-9;
+constexpr double apex_tolerance = 1e-9;
 /// Neighbouring windows that overlap by less than this fraction of the edge touch up to rounding, and are not trimmed.
 constexpr double touching_tolerance = 1e-9;
 /// Maximum number of windows at an edge that are compared each with each.
@@ -47,7 +47,7 @@ Exit exit_towards(SearchFront& front, std::int32_t halfedge, std::int32_t tail, 
             direction.y,
             front.vertices.drop_threshold(tail, length),
             front.vertices.drop_threshold(head, length),
-            kInfinity,
+            infinity,
             front.goal.min_distance_by_landmark(tail),
             front.goal.min_distance_by_landmark(head),
             {0, 0},
@@ -60,7 +60,7 @@ Exit exit_towards(SearchFront& front, std::int32_t halfedge, std::int32_t tail, 
 
 /// Hands the windows of an exit over to its halfedge, and queues the halfedge.
 void queue_exit(SearchFront& front, const Exit& exit) {
-  if (!(exit.key < kInfinity)) return;
+  if (!(exit.key < infinity)) return;
   SearchFront::HalfedgeRecord& record = front.halfedges[exit.halfedge];
   record.pending = exit.pending;
   front.queue_halfedge(exit.halfedge, record, exit.key);
@@ -70,9 +70,9 @@ void queue_exit(SearchFront& front, const Exit& exit) {
 /// anything is left.
 bool cut_within_error(SearchFront& front, Window& window, std::int32_t halfedge) {
   const EdgeFrame& frame = front.mesh->frames[halfedge];
-  const double shrink = (1 + kDropTolerance) / (1 + front.settings.relative_error);
+  const double shrink = (1 + drop_tolerance) / (1 + front.settings.relative_error);
   const auto weight = [&](std::int32_t v) {
-    return front.vertices.distance(v) < kInfinity ? front.vertices.length_of_path(v) * shrink : kInfinity;
+    return front.vertices.distance(v) < infinity ? front.vertices.length_of_path(v) * shrink : infinity;
   };
   const Cut result = cut(window, {weight(frame.tail) - window.sigma, weight(frame.head) - window.sigma}, frame.length);
   for (const auto& [by, v] : {std::pair{result.by_tail, frame.tail}, std::pair{result.by_head, frame.head}}) {
@@ -101,7 +101,7 @@ double goal_key(const SearchFront& front, const Window& window, const Exit& exit
 /// has no goal, no allowed error and no limit to test for.
 template <bool plain>
 [[gnu::always_inline]] inline void admit(SearchFront& front, Window& window, Exit& exit) {
-  if (!(window.b1 - window.b0 > kLeastWidth * exit.length)) return;
+  if (!(window.b1 - window.b0 > min_window_width * exit.length)) return;
   if (cut(window, {exit.tail - window.sigma, exit.head - window.sigma}, exit.length).empty) return;
   if (!plain && front.settings.relative_error > 0 && !cut_within_error(front, window, exit.halfedge)) return;
   if (!plain && front.settings.goal_directed) {
@@ -110,7 +110,7 @@ template <bool plain>
     exit.key = std::min(exit.key, key);
   } else {
     const double at = clamped(window.source_x, window.b0, window.b1);
-    if (!plain && front.max_key < kInfinity && farther(window, at, front.max_key - window.sigma)) return;
+    if (!plain && front.max_key < infinity && farther(window, at, front.max_key - window.sigma)) return;
     // The square root is taken only if it lowers the batch's key.
     const double nearest = squared_radius(window, at);
     const double to_beat = exit.key - window.sigma;
@@ -149,7 +149,7 @@ void propagate(SearchFront& front, const Window& w, const Entrance& entrance, Ex
   const auto side_of_apex = [&](double b) { return (b - w.source_x) * height - (ax - w.source_x) * w.depth; };
   const double first = side_of_apex(w.b0);
   const double last = side_of_apex(w.b1);
-  const double tolerance = kApexTolerance * length * height;
+  const double tolerance = apex_tolerance * length * height;
   if (first <= tolerance && last >= -tolerance) {
     double crossing = 0;
     const double reached = length_to(w, ax, ay, crossing);
@@ -164,7 +164,7 @@ void propagate(SearchFront& front, const Window& w, const Entrance& entrance, Ex
   if (trail.full()) trail = continued(front, trail);
   // The direction from a source to a very close end of the edge has lost its digits. Windows on both sides of such a
   // vertex overlap by as much as rounding could leave open.
-  const double rounding = near_vertices ? kEdgeRounding * length : 0;
+  const double rounding = near_vertices ? edge_rounding * length : 0;
   if (left.halfedge >= 0 && first < 0) {
     // Distance from the tail at which the ray through b meets the edge from tail to apex.
     const auto meets = [&](double b) { return w.depth * b / (w.depth * left.ux + (w.source_x - b) * left.uy); };
@@ -216,7 +216,7 @@ void WindowPropagation::gather(std::int32_t h) {
   const WindowPool& pool = front_.pool;
   SearchFront::HalfedgeRecord& record = front_.halfedges[h];
   batch_.clear();
-  double last = -kInfinity;
+  double last = -infinity;
   for (std::int32_t i = record.pending; i >= 0; i = pool[i].link) {
     const double b0 = pool[i].b0;
     batch_.push_back(i);
@@ -291,7 +291,7 @@ void WindowPropagation::process(std::int32_t h, const CancellationToken& cancell
     trim_large_batch(touching, cancellation);
   else
     trim_small_batch(touching);
-  const double min_width = kLeastWidth * frame.length;
+  const double min_width = min_window_width * frame.length;
   Exit left = exit_towards(front, frame.left, frame.tail, frame.apex, frame.left_length, frame.left_direction());
   Exit right = exit_towards(front, frame.right, frame.apex, frame.head, frame.right_length, frame.right_direction());
   const Entrance entrance{h, frame.apex, frame.length, frame.apex_x(), frame.apex_y};

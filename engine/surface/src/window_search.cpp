@@ -23,12 +23,12 @@ void WindowSearch::update_by_corners(SearchTarget& target) {
   const Triangle& corners = front_.mesh->mesh->faces()[index(target.point.face)];
   for (int i = 0; i < 3; ++i) {
     const double d = distance(corners[i]);
-    if (d < kInfinity) update_by_vertex(*front_.mesh, target, i, d, front_.vertices.reached(corners[i]));
+    if (d < infinity) update_by_vertex(*front_.mesh, target, i, d, front_.vertices.reached(corners[i]));
   }
 }
 
 double WindowSearch::max_useful_key(double length) const {
-  return length * (1 + kTieTolerance) + kEdgeRounding * front_.mesh->longest_edge;
+  return length * (1 + tie_tolerance) + edge_rounding * front_.mesh->longest_edge;
 }
 
 bool WindowSearch::all_certain() {
@@ -70,7 +70,7 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
     if (item >= 0) {
       SearchFront::HalfedgeRecord& record = front_.halfedges[item];
       if (record.queued != bucket) continue;
-      record.queued = BucketQueue::kNotQueued;
+      record.queued = BucketQueue::not_queued;
       propagation_.process(item, execution.cancellation);
       if (++batches_ % batches_per_checkpoint == 0) {
         execution.cancellation.throw_if_requested();
@@ -79,7 +79,7 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
     } else {
       VertexRecord& record = front_.vertices.reached(~item);
       if (record.queued != bucket) continue;
-      record.queued = BucketQueue::kNotQueued;
+      record.queued = BucketQueue::not_queued;
       emit_from_vertex(front_, ~item);
     }
   }

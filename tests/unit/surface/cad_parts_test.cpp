@@ -17,7 +17,7 @@ namespace {
 using testing::CgalGeodesics;
 
 /// Of the diagonal of the part.
-constexpr double kSymmetry = 1e-9;
+constexpr double symmetry_tolerance = 1e-9;
 
 std::vector<double> distances_from(const GeodesicSolver& solver, std::int32_t v) {
   const SurfacePoint source = vertex_point(solver.mesh(), VertexId(v));
@@ -28,7 +28,7 @@ std::vector<double> distances_from(const GeodesicSolver& solver, std::int32_t v)
 void expect_all_pairs_right(const std::shared_ptr<const TriangleMesh>& mesh) {
   const GeodesicSolver solver(mesh);
   CgalGeodesics cgal(*mesh);
-  const double tolerance = kSymmetry * mesh->diagonal();
+  const double tolerance = symmetry_tolerance * mesh->diagonal();
   for (std::int32_t a = 0; a < mesh->vertex_count(); ++a) {
     const SurfacePoint from = vertex_point(*mesh, VertexId(a));
     cgal.set_source(from);
@@ -110,7 +110,7 @@ TEST(CadParts, FieldsOfGeneratedPartsAreSymmetricReachEveryVertexAndAgreeWithCga
     const auto mesh = testing::share(std::move(part.mesh));
     const GeodesicSolver solver(mesh);
     CgalGeodesics cgal(*mesh);
-    const double tolerance = kSymmetry * mesh->diagonal();
+    const double tolerance = symmetry_tolerance * mesh->diagonal();
     std::vector<std::vector<double>> ours;
     std::vector<std::vector<double>> theirs;
     const std::int32_t n = std::min(mesh->vertex_count(), 25);

@@ -12,7 +12,7 @@
 namespace supple::surface {
 namespace {
 
-constexpr double kUnreached = std::numeric_limits<double>::infinity();
+constexpr double unreached = std::numeric_limits<double>::infinity();
 
 class DistanceCheck : public ::testing::Test {
  protected:
@@ -20,7 +20,7 @@ class DistanceCheck : public ::testing::Test {
     const SurfacePoint source = vertex_point(*mesh_, VertexId(0));
     distances_ = GeodesicSolver(mesh_).field({&source, 1}).vertex_distances();
   }
-  void check(double relative_error = 0, double limit = kUnreached) const {
+  void check(double relative_error = 0, double limit = unreached) const {
     check_distances(*mesh_, distances_, relative_error, limit);
   }
   std::string message() const {
@@ -41,7 +41,7 @@ class DistanceCheck : public ::testing::Test {
 TEST_F(DistanceCheck, PassesWhatASearchFinds) { EXPECT_NO_THROW(check()); }
 
 TEST_F(DistanceCheck, NamesAVertexThatIsNotReachedAndItsNeighbour) {
-  distances_[6] = kUnreached;
+  distances_[6] = unreached;
   EXPECT_NE(message().find("Vertex 6 is not reached, but the distance of vertex "), std::string::npos) << message();
 }
 
@@ -62,17 +62,17 @@ TEST_F(DistanceCheck, AllowsTheErrorThatTheSearchWasAllowed) {
 
 TEST_F(DistanceCheck, LetsVerticesBeyondTheLimitBeUnreached) {
   for (double& d : distances_)
-    if (d > 2.5) d = kUnreached;
+    if (d > 2.5) d = unreached;
   EXPECT_NO_THROW(check(0, 2.5));
   EXPECT_THROW(check(0, 5), Error);
 }
 
 TEST_F(DistanceCheck, LetsOtherComponentsBeUnreached) {
   const TriangleMesh two = testing::two_components();
-  std::vector<double> distances(static_cast<std::size_t>(two.vertex_count()), kUnreached);
-  EXPECT_NO_THROW(check_distances(two, distances, 0, kUnreached));
+  std::vector<double> distances(static_cast<std::size_t>(two.vertex_count()), unreached);
+  EXPECT_NO_THROW(check_distances(two, distances, 0, unreached));
   distances[0] = 0;
-  EXPECT_THROW(check_distances(two, distances, 0, kUnreached), Error);
+  EXPECT_THROW(check_distances(two, distances, 0, unreached), Error);
 }
 
 TEST_F(DistanceCheck, FindsATargetFartherThanAWayByItsNeighbours) {

@@ -23,8 +23,8 @@ using supple::testing::CgalGeodesics;
 using supple::testing::SurfaceSampler;
 
 /// Both sides compute in double precision by different constructions.
-constexpr double kAgreement = 1e-9;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double max_difference = 1e-9;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 struct Shape {
   std::string name;
@@ -75,8 +75,8 @@ class Agreement {
   void compare(double ours, double exact, const std::function<std::string()>& what) {
     ++count_;
     double error = 0;
-    if (ours == kInfinity || exact == kInfinity)
-      error = ours == exact ? 0 : kInfinity;
+    if (ours == infinity || exact == infinity)
+      error = ours == exact ? 0 : infinity;
     else
       error = std::abs(ours - exact) / std::max(exact, std::numeric_limits<double>::min());
     if (!(error <= worst_)) {
@@ -164,13 +164,13 @@ class GeodesicOracle : public ::testing::TestWithParam<Shape> {
 TEST_P(GeodesicOracle, DistancesFromPointsInsideFacesAgree) {
   Agreement agreement;
   for (int i = 0; i < 6; ++i) compare_all_from(interior(), agreement);
-  agreement.expect_within(kAgreement, 4000);
+  agreement.expect_within(max_difference, 4000);
 }
 
 TEST_P(GeodesicOracle, DistancesFromVerticesAgree) {
   Agreement agreement;
   for (int i = 0; i < 4; ++i) compare_all_from(supple::testing::random_vertex_point(*mesh_, stream_), agreement);
-  agreement.expect_within(kAgreement, 2500);
+  agreement.expect_within(max_difference, 2500);
 }
 
 TEST_P(GeodesicOracle, DistancesFromPointsOnEdgesAgreeWithTheOtherEnd) {
@@ -192,7 +192,7 @@ TEST_P(GeodesicOracle, DistancesFromPointsOnEdgesAgreeWithTheOtherEnd) {
                         [&] { return "pair " + describe(sources[k]) + " to " + describe(target); });
     }
   }
-  agreement.expect_within(kAgreement, 400);
+  agreement.expect_within(max_difference, 400);
 }
 
 TEST_P(GeodesicOracle, OneSearchForManyTargetsGivesTheDistancesOfPairs) {
@@ -212,10 +212,10 @@ TEST_P(GeodesicOracle, OneSearchForManyTargetsGivesTheDistancesOfPairs) {
       const auto what = [&] { return describe(source) + " to " + describe(targets[k]); };
       agreement.compare(together[k].distance, cgal_.distance(targets[k]), what);
       agreement.compare(together[k].distance, solver_.distance(source, targets[k]), what);
-      EXPECT_EQ(together[k].unreachable, together[k].distance == kInfinity);
+      EXPECT_EQ(together[k].unreachable, together[k].distance == infinity);
     }
   }
-  agreement.expect_within(kAgreement, 480);
+  agreement.expect_within(max_difference, 480);
 }
 
 TEST_P(GeodesicOracle, FieldsStopAtTheirLargestDistance) {
@@ -228,14 +228,14 @@ TEST_P(GeodesicOracle, FieldsStopAtTheirLargestDistance) {
   // Half way between two vertices' distances, so that rounding does not decide.
   const std::size_t middle = sorted.size() / 4;
   options.max_distance = 0.5 * (sorted[middle] + sorted[middle + 1]);
-  if (!(sorted[middle + 1] > sorted[middle] * (1 + kAgreement))) GTEST_SKIP() << "two vertices at the limit";
+  if (!(sorted[middle + 1] > sorted[middle] * (1 + max_difference))) GTEST_SKIP() << "two vertices at the limit";
   const std::vector<double> found = solver_.field({&source, 1}, options).vertex_distances();
   Agreement agreement;
   for (std::int32_t v = 0; v < mesh_->vertex_count(); ++v) {
-    agreement.compare(found[v], exact[v] <= options.max_distance ? exact[v] : kInfinity,
+    agreement.compare(found[v], exact[v] <= options.max_distance ? exact[v] : infinity,
                       [&] { return "vertex " + std::to_string(v) + " from " + describe(source); });
   }
-  agreement.expect_within(kAgreement, mesh_->vertex_count());
+  agreement.expect_within(max_difference, mesh_->vertex_count());
 }
 
 TEST_P(GeodesicOracle, ErrorBoundedFieldsKeepTheirBound) {
@@ -255,8 +255,8 @@ TEST_P(GeodesicOracle, ErrorBoundedFieldsKeepTheirBound) {
       double most = 0;
       std::string where = "nowhere";
       const auto check = [&](double d, double least, const std::string& place) {
-        if (least == kInfinity) {
-          EXPECT_EQ(d, kInfinity) << place;
+        if (least == infinity) {
+          EXPECT_EQ(d, infinity) << place;
           return;
         }
         EXPECT_GE(d, least * (1 - rounding)) << place << " from " << describe(source);
@@ -284,9 +284,9 @@ TEST_P(GeodesicOracle, EdgePathsAreNeverShorterThanGeodesics) {
     const GeodesicField field = solver_.field({&source, 1}, options);
     EXPECT_TRUE(std::isnan(field.relative_error_bound()));
     for (std::int32_t v = 0; v < mesh_->vertex_count(); ++v) {
-      EXPECT_GE(field.vertex_distances()[v], exact[v] * (1 - kAgreement))
+      EXPECT_GE(field.vertex_distances()[v], exact[v] * (1 - max_difference))
           << "vertex " << v << " from " << describe(source);
-      EXPECT_EQ(field.vertex_distances()[v] == kInfinity, exact[v] == kInfinity) << "vertex " << v;
+      EXPECT_EQ(field.vertex_distances()[v] == infinity, exact[v] == infinity) << "vertex " << v;
     }
   }
 }

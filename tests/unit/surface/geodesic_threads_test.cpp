@@ -15,7 +15,7 @@
 namespace supple::surface {
 namespace {
 
-constexpr int kThreads = 8;
+constexpr int number_of_threads = 8;
 
 void append(std::vector<double>& values, const Geodesic& geodesic) {
   values.push_back(geodesic.distance);
@@ -64,10 +64,10 @@ TEST(GeodesicThreads, ThreadsThatShareASolverAndAFieldGetTheSameBitsAsOneThread)
 
   const GeodesicSolver solver(mesh);
   const GeodesicField field = solver.field({points.data(), 3}, kept);
-  std::vector<int> differing(kThreads, 0);
-  std::barrier start(kThreads);
+  std::vector<int> differing(number_of_threads, 0);
+  std::barrier start(number_of_threads);
   std::vector<std::thread> threads;
-  for (int t = 0; t < kThreads; ++t) {
+  for (int t = 0; t < number_of_threads; ++t) {
     threads.emplace_back([&, t] {
       start.arrive_and_wait();
       for (std::size_t k = 0; k < points.size(); ++k) {
@@ -77,7 +77,7 @@ TEST(GeodesicThreads, ThreadsThatShareASolverAndAFieldGetTheSameBitsAsOneThread)
     });
   }
   for (std::thread& thread : threads) thread.join();
-  EXPECT_EQ(differing, std::vector<int>(kThreads, 0));
+  EXPECT_EQ(differing, std::vector<int>(number_of_threads, 0));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ TEST(SearchMemory, ASearchForAFarPairHoldsTheWindowsOfItsFrontAndNoneThatHavePas
   SearchSettings settings;
   settings.goal_directed = true;
   search.run({&from, 1}, {&target, 1}, settings, {});
-  ASSERT_LT(target.best.length, kInfinity);
+  ASSERT_LT(target.best.length, infinity);
   ASSERT_GT(search.windows_created(), 500'000);
   const double bytes_of_windows = static_cast<double>(search.windows_created()) * sizeof(Window);
   EXPECT_LT(static_cast<double>(search.buffer_bytes()), 0.1 * bytes_of_windows);

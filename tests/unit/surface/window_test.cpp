@@ -47,7 +47,7 @@ TEST(Window, PairsKeepTheirLowerEnvelope) {
       const double before = std::min(length_within(p, x), length_within(w, x));
       const double after = std::min(length_within(left, x), length_within(right, x));
       if (before == infinity) continue;
-      ASSERT_LE(after, before * (1 + 2 * kDropTolerance)) << "trial " << trial << ", x " << x;
+      ASSERT_LE(after, before * (1 + 2 * drop_tolerance)) << "trial " << trial << ", x " << x;
     }
   }
 }
