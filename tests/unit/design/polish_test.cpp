@@ -8,10 +8,13 @@
 #include <numbers>
 
 #include "corrected_model.h"
+#include "polish_rounds.h"
+#include "polish_starts.h"
 #include "supple/design/verified_designs.h"
 #include "support/expect_error.h"
 #include "support/test_calibration.h"
 #include "test_space.h"
+#include "trust_region_descent.h"
 
 namespace supple::design {
 namespace {
@@ -360,6 +363,41 @@ TEST(Polish, CountsTheWeightsOfTargetsAndTheirBands) {
   EXPECT_NEAR(*polished.target_error, std::sqrt((first * first + 3 * other * other) / 4), 1e-12);
   missed.problem.targets[1].bands.assign(second.control_points.size(), 1e3);
   EXPECT_NEAR(*missed.polished({.max_rounds = 0}).target_error, first / 2, 1e-12);
+}
+
+TEST(TrustRegionDescent, ReachesTheTargetFromTheDesignOfTheSearch) {
+  Missed missed;
+  const PolishOptions options{.tolerance = 1e-4};
+  const Execution execution;
+  const OnPolishRound on_round;
+  PolishRounds rounds(missed.test.space(), missed.problem, missed.simulate, options, execution, on_round);
+  const auto found = rounds.simulate_found(FreeParameters::all_of(missed.found.parameters, 0));
+  EXPECT_GT(found.deviation, 5e-3);
+  EXPECT_EQ(TrustRegionDescent(rounds, found).run(), PolishStop::reached);
+  EXPECT_LE(rounds.best().deviation, 1e-4);
+  EXPECT_EQ(rounds.count(), missed.calls);
+  EXPECT_EQ(rounds.result(PolishStop::reached).rounds.size(), rounds.tried().size());
+}
+
+TEST(OtherStarts, AreMinimaThatWereNotSimulatedAndEndWithHalfOfTheRounds) {
+  Missed missed;
+  const PolishOptions options{.max_rounds = 4};
+  const Execution execution;
+  const OnPolishRound on_round;
+  const DesignSpace space = missed.test.space();
+  PolishRounds rounds(space, missed.problem, missed.simulate, options, execution, on_round);
+  rounds.simulate_found(FreeParameters::all_of(missed.found.parameters, 0));
+  OtherStarts starts(space, rounds);
+  std::vector<Eigen::VectorXd> given;
+  while (const auto start = starts.next()) {
+    EXPECT_GT(distance_to_nearest(*start, rounds.tried()), 1e-3);
+    EXPECT_GT(distance_to_nearest(*start, given), 0.01) << "each minimum once";
+    given.push_back(*start);
+  }
+  EXPECT_LE(given.size(), 3U);
+  OtherStarts late(space, rounds);
+  while (rounds.count() <= 2) rounds.simulate(Proposal::survey, Eigen::Vector2d(0.5, 0.5));
+  EXPECT_FALSE(late.next()) << "the other half of the rounds is for the survey";
 }
 
 TEST(DesignAt, TellsOfThePolishedDesignAsOfOneThatWasFound) {
