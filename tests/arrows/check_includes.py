@@ -24,7 +24,7 @@ ROOMS = {
     "engine/weave": {"base", "numerics", "weave"},
     "engine/files": {"base", "files"},
     "engine/dataset": {"base", "files", "dataset"},
-    # Of tilings what a family is, not its meshes: networks are trained where there is no mesh generator.
+    # Training sees families of tilings and not their meshes: networks are trained where there is no mesh generator.
     "engine/training": {"base", "files", "tiling/family.h", "tiling/symmetry.h", "dataset", "neural", "training"},
     "engine/neural": {"base", "files", "neural"},
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},

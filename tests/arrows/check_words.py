@@ -22,7 +22,7 @@ CONSTANT = re.compile(r"\bconst(?:expr|init)?\b[^=;(){}]*?\b(\w+)\s*(?:=|\{)")
 FORMER_LIMIT = re.compile(r"(?:most|least|enough|few)_\w+")
 CAMEL_CASE = re.compile(r"k[A-Z]\w+")
 SCREAMING_LIMIT = re.compile(r"\bconst\s+((?:MOST|LEAST|ENOUGH|FEW)_\w+)")
-CITATION = re.compile(r"\[((?:[A-Z][A-Za-z]*|de[A-Z]\w*|van[A-Z]\w*)(?:19|20)\d\d|Thesis)(?:, [^\]\n]*)?\](?!\()")
+CITATION = re.compile(r"\[((?:[A-Z][A-Za-z]*|de[A-Z]\w*|van[A-Z]\w*)(?:18|19|20)\d\d|Thesis)(?:, [^\]\n]*)?\](?!\()")
 IN_WORDS = re.compile(r"\b[Tt]hesis\b(?!')")
 
 

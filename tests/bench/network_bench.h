@@ -29,16 +29,16 @@ struct Scene {
   double tolerance_for(double gradient) const;
 };
 
-/// One point in each face, with springs to the points of the three neighbours: each pair has two, as in the thesis
+/// One point in each face, with springs to the points of the three neighbours: each pair has two, as in [Thesis]
 /// (3 springs for each face). Weights are 1 / (number of springs), rest lengths 0.
 Scene face_scene(std::string name, surface::TriangleMesh mesh, const Eigen::Vector3d& barycentric);
-/// The scenes of thesis fig. 3.4, near vertices and on edges, on closed meshes made here.
+/// The scenes of [Thesis, fig. 3.4], near vertices and on edges, on closed meshes made here.
 std::vector<Scene> face_scenes(const NetworkSettings& settings);
 /// Barycentric coordinates from which scenes start.
 extern const Eigen::Vector3d near_vertex;
 extern const Eigen::Vector3d on_edge;
 
-/// The thesis ends at |g| below this.
+/// [Thesis] ends at |g| below this.
 inline constexpr double thesis_gradient = 1e-6;
 
 /// A state of a run, with the times from the first evaluation until it was reached.

@@ -18,7 +18,7 @@ struct HostScene {
   embedded::RelaxationOptions options(double gradient) const;
 };
 
-/// Radius of the sphere that thesis fig. 3.7 inflates: its bounding box has a diagonal of 1, as all meshes of these
+/// Radius of the sphere that [Thesis, fig. 3.7] inflates: its bounding box has a diagonal of 1, as all meshes of these
 /// studies.
 extern const double sphere_radius;
 surface::TriangleMesh sphere(int subdivisions);
@@ -30,7 +30,7 @@ HostScene shell_scene(const std::string& name, surface::TriangleMesh mesh, const
                       double rest_fraction, double weight, std::size_t fixed_every, double volume_scale);
 /// Points all over the sphere at this distance: 17 points for 0.2.
 std::vector<Eigen::Vector3d> points_on_sphere(double distance);
-/// The rabbit for the bunny of thesis fig. 3.1: E 10, and 1,000 in the top 15 %; nu 0.49; the lowest 10 % fixed.
+/// The rabbit for the bunny of [Thesis, fig. 3.1]: E 10, and 1,000 in the top 15 %; nu 0.49; the lowest 10 % fixed.
 /// Springs of rest length 0 join neighbouring points, every sixth of which is fixed. `element_size` is in mean edges.
 HostScene rabbit_scene(int n, double spacing, double element_size);
 

@@ -1,4 +1,4 @@
-// Membranes on a torus that is stretched in steps (thesis fig. 3.6): iterations of a step and their time.
+// Membranes on a torus that is stretched in steps [Thesis, fig. 3.6]: iterations of a step and their time.
 #include "network_membranes.h"
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 #include "network_bench.h"
 #include "supple/embedded/network_builders.h"
 
-/// Studies of membranes on the stretched torus of thesis fig. 3.6. Each writes sections of membranes.md.
+/// Studies of membranes on the stretched torus of [Thesis, fig. 3.6.] Each writes sections of membranes.md.
 namespace supple::bench {
 
 /// A torus that is stretched along the x axis, step by step, and a membrane round all of it that is at rest at first.

@@ -1,4 +1,4 @@
-// Convergence from starts that are hard for others: near vertices and on edges (thesis fig. 3.4).
+// Convergence from starts that are hard for others: near vertices and on edges [Thesis, fig. 3.4].
 #include "network_bench.h"
 #include "supple/base/threads.h"
 

@@ -1,4 +1,4 @@
-// Time of a uniaxial equilibrium by the network and by a simulation, over the strain (thesis 4.4.3, fig. 4.11).
+// Time of a uniaxial equilibrium by the network and by a simulation, over the strain [Thesis, sec. 4.4.3, fig. 4.11].
 #include <cmath>
 #include <map>
 #include <numbers>

@@ -12,7 +12,7 @@
 /// Uniaxial curves of random designs by simulation, which the studies of networks compare with.
 namespace supple::bench {
 
-/// The worst error in per cent that the thesis reports of a uniaxial stress (4.4.3).
+/// The worst error in per cent of a uniaxial stress that [Thesis, sec. 4.4.3] reports.
 inline constexpr double worst_allowed = 3.57;
 
 /// The simulation pulls along a direction of space, F^T d = s d with the rest of F free: its stress is uniaxial, S =

@@ -17,7 +17,7 @@ constexpr int max_folds = 10;
 /// Held-out designs for each group of states with similar ratings (conformal_offsets).
 constexpr int designs_per_group = 8;
 constexpr int max_groups = 6;
-/// Largest relative error of a uniaxial stress that the thesis reports [Thesis, section 4.4.3].
+/// Largest relative error of a uniaxial stress that is reported in [Thesis, sec. 4.4.1].
 constexpr double thesis_max_error = 0.0357;
 constexpr std::array<double, 7> plotted_levels{0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98};
 

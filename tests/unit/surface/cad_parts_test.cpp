@@ -16,7 +16,7 @@ namespace {
 
 using testing::CgalGeodesics;
 
-/// Of the diagonal of the part.
+/// Difference of the distances in both directions, over the diagonal of the part.
 constexpr double symmetry_tolerance = 1e-9;
 
 std::vector<double> distances_from(const GeodesicSolver& solver, std::int32_t v) {

@@ -10,7 +10,7 @@
 namespace supple::surface {
 namespace {
 
-/// Of the four kinds of buffers that grow with a search each may keep so much.
+/// Bytes that the four kinds of buffers which grow with a search may retain together.
 constexpr auto kept_by_all_buffers = static_cast<std::int64_t>(4 * max_retained_buffer_bytes);
 
 struct FarPair {

@@ -70,7 +70,7 @@ TEST(Window, PairsOverlapNoMoreUnlessOneOfThemWouldBeCutInTwo) {
       ++apart;
       continue;
     }
-    // Which one is shorter, along the overlap: once for each time that it changes.
+    // The shorter one along the overlap, with one entry for each change.
     std::vector<bool> shorter;
     for (int i = 0; i < samples; ++i) {
       const double x = sample(a, b, i);

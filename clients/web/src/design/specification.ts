@@ -62,7 +62,7 @@ export interface Preset extends Material {
   readonly youngsModulus: number;
 }
 
-/** Typical values of printed materials. Those of a certain filament differ, and so do those of a print. */
+/** Typical values of printed materials. A certain filament has other values, and so does a print of it. */
 export const PRESETS: readonly Preset[] = [
   { name: "TPU", youngsModulus: 26, density: 1.21 },
   { name: "PLA", youngsModulus: 2500, density: 1.24 },

@@ -22,7 +22,7 @@ std::string_view to_string(Quantity quantity);
 
 /// A state whose error bar is above this limit is not `in_range`: 5 % for a stress under a uniaxial load, 10 % for a
 /// stiffness or for the stress at a given strain, and 0.1 for Poisson's ratio. The largest error of a uniaxial stress
-/// in the thesis is 3.57 % [Thesis, sec. 4.4.1]. Errors of tangents are several times as large.
+/// published is 3.57 % [Thesis, sec. 4.4.1]. Errors of tangents are several times as large.
 double trusted_error(Quantity quantity);
 
 /// A validation of error bars with states of designs that were not used to make the bars.
@@ -33,7 +33,7 @@ struct JudgedBars {
   double median_bar = 0;         ///< median of the bars
   std::vector<double> stated;    ///< states ordered by their bars, in ten equal groups: the median bar of each group
   std::vector<double> observed;  ///< fraction of each of these groups whose error is within its bar
-  // Counts of states whose error, relative to the simulation, exceeds the largest one of the thesis, 3.57 % (0.0357 for
+  // Counts of states whose error, relative to the simulation, exceeds the largest one in [Thesis], 3.57 % (0.0357 for
   // Poisson's ratio):
   std::int64_t beyond = 0;
   std::int64_t beyond_in_box = 0;    ///< those of them that are within the ranges of training

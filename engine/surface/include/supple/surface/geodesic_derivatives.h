@@ -40,7 +40,7 @@ PathLength path_length(const TriangleMesh& mesh, const std::vector<PathPoint>& p
 ///
 /// With `ends` the mollifier also acts on the barycentric coordinates w of both ends (the paragraph before
 /// [Thesis, eq. 3.12]). With the mollifier m, the path then begins and ends at sum m(w_i) v_i / sum m(w_i). The
-/// division, which the thesis does not have, keeps the point in its face. At an end on an edge, the derivative towards
+/// division, which [Thesis] does not have, keeps the point in its face. At an end on an edge, the derivative towards
 /// the opposite corner then vanishes. The Hessian jumps by 2 / epsilon times the gradient where a coordinate passes
 /// epsilon. Minimizers therefore converge to points of edges that are no equilibria, which is why `ends` is off by
 /// default. Numbers are in docs/notes/geodesics.md.

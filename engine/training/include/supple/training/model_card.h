@@ -15,7 +15,7 @@ struct PublishedErrors {
   double energy = 0;
 };
 /// The errors of the published network of this family, on held-out rows of designs on which it was trained [Thesis,
-/// table 4.1]. None if the thesis has no network of the family.
+/// table 4.1]. None if [Thesis] has no network of the family.
 std::optional<PublishedErrors> published_errors(const std::string& family);
 
 /// Returns a page about a model in Markdown: what it predicts, how large its errors are and where they occur, where not
