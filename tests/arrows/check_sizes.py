@@ -59,6 +59,24 @@ CPP_TOKEN = re.compile(
     re.VERBOSE | re.DOTALL | re.MULTILINE)
 
 
+def first_branches(text: str) -> str:
+    """The text in which the lines of each #else and #elif are empty, so that its braces are balanced."""
+    lines = text.split("\n")
+    left_out = [False]  # for each #if around a line, whether the line is in another branch than the first
+    for i, line in enumerate(lines):
+        directive = re.match(r"\s*#\s*(if|el|endif)", line)
+        if directive is None:
+            lines[i] = "" if left_out[-1] else line
+        elif directive[1] == "if":
+            left_out.append(left_out[-1])
+        elif len(left_out) > 1:
+            if directive[1] == "el":
+                left_out[-1] = True
+            else:
+                left_out.pop()
+    return "\n".join(lines)
+
+
 def tokens_of(text: str, pattern: "re.Pattern[str]") -> List[Token]:
     """Words and marks; a literal is the word `"`. Comments and preprocessor lines are left out."""
     ends = [match.start() for match in re.finditer("\n", text)]
@@ -183,7 +201,7 @@ def begins_body(head: List[str]) -> bool:
 
 
 def cpp_pieces(path: str, text: str) -> Iterator[Piece]:
-    tokens = tokens_of(text, CPP_TOKEN)
+    tokens = tokens_of(first_branches(text) if "#" in text else text, CPP_TOKEN)
     # Names of the namespaces and classes around the present token, and whether each is a class.
     scopes: List[Tuple[List[str], bool, int]] = []
     head: List[int] = []
@@ -436,7 +454,11 @@ bool operator==(const Plain& a, const Plain& b) { return true; }
 static const std::map<int, int> table = {
     {1, 2},
 };
-struct Plain make() {
+#ifdef FIRST
+struct Plain make(int n) {
+#else
+struct Plain make(double n) {
+#endif
   return {};
 }
 }  // namespace supple::room
@@ -473,7 +495,7 @@ EXPECTED = {
     "function supple::room::Shape::draw": 7,
     "function supple::room::Hidden::run (a.cpp)": 3,
     "function supple::room::operator=": 1,
-    "function supple::room::make": 3,
+    "function supple::room::make": 6,
     "class Panel (b.ts)": 7,
     "function f (b.ts)": 3,
     "function far (b.ts)": 5,
