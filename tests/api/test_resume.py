@@ -225,3 +225,13 @@ def test_a_job_is_not_made_twice_though_its_server_was_killed(new_server: NewSer
     refused = api.post(FIELDS, field(mesh, 2), headers={**ASYNC, **key})
     assert problem_code(refused) == "job.key_reused" and refused.status_code == 422
     assert submit(api, field(mesh, 1), **{"Idempotency-Key": "another-name"}) != job
+
+
+def test_a_name_of_a_job_is_not_taken_for_another_format(new_server: NewServer, contract: Contract) -> None:
+    api = Api(new_server(), contract)
+    mesh = api.upload(*bumpy_sphere(2))
+    key = {"Idempotency-Key": "a-name-of-my-own"}
+    job = submit(api, field(mesh, 1), Accept="application/json", **key)
+    refused = api.post(FIELDS, field(mesh, 1), headers={**ASYNC, **key, "Accept": "application/octet-stream"})
+    assert problem_code(refused) == "job.key_reused" and refused.status_code == 422
+    assert submit(api, field(mesh, 1), Accept="*/*", **key) == job, "the same format in other words"

@@ -211,8 +211,8 @@ PreparedComputation prepare_profile(const EndpointRequest& asked, const Loader& 
 }  // namespace
 
 void add_design_routes(http::Router& router, Services& services) {
-  add_endpoint(router, services, {.path = "/v1/designs", .kind = "designs", .prepare = prepare_design});
-  add_endpoint(router, services, {.path = "/v1/profiles", .kind = "profiles", .prepare = prepare_profile});
+  add_endpoint(router, services, {.kind = "designs", .prepare = prepare_design});
+  add_endpoint(router, services, {.kind = "profiles", .prepare = prepare_profile});
 }
 
 }  // namespace supple::routes

@@ -130,8 +130,7 @@ PreparedComputation prepare_embedded_system(const EndpointRequest& asked, const 
 
 void add_embedded_system_route(http::Router& router, Services& services) {
   add_endpoint(router, services,
-               {.path = "/v1/embedded-systems",
-                .kind = "embedded-systems",
+               {.kind = "embedded-systems",
                 .sends = "A network is sent as",
                 .formats = json_or(network_formats),
                 .prepare = prepare_embedded_system});

@@ -93,30 +93,20 @@ class EndpointHandler {
   /// The computation of a stored job, on a thread that computes.
   jobs::Computation repeat(const http::Request& request, const Execution& execution) const {
     require_json(request);
-    const Loader loader(services_, request, execution);
-    return computation_of(
-        request, endpoint_.prepare(endpoint_request(request, negotiate_format(endpoint_, request), true), loader));
+    const auto asked = endpoint_request(request, negotiate_format(endpoint_, request), true);
+    return computation_of(request, endpoint_.prepare(asked, Loader(services_, request, execution)));
   }
 
  private:
   PreparedComputation prepare(const http::Request& request, const EndpointRequest& asked,
                               Clock::time_point begin) const {
-    if (request.body.size() <= max_bytes_at_once) {
-      const Loader loader(services_, request, begin);
-      return endpoint_.prepare(asked, loader);
-    }
+    if (request.body.size() <= max_bytes_at_once) return endpoint_.prepare(asked, Loader(services_, request, begin));
     PreparedComputation prepared;
-    compute_now(services_, request,
-                {.kind = endpoint_.kind,
-                 .mesh = {},
-                 .deadline = remaining_seconds(json::peek_deadline(request.body, services_.limits.json), begin),
-                 .run =
-                     [&](const Execution& execution) {
-                       const Loader loader(services_, request, execution);
-                       prepared = endpoint_.prepare(asked, loader);
-                       return store::Result{};
-                     },
-                 .client = request.client});
+    const double deadline = remaining_seconds(json::peek_deadline(request.body, services_.limits.json), begin);
+    work_now(services_, request, {.kind = endpoint_.kind, .mesh = {}, .deadline = deadline, .run = {}},
+             [&](const Execution& execution) {
+               prepared = endpoint_.prepare(asked, Loader(services_, request, execution));
+             });
     return prepared;
   }
 
@@ -157,7 +147,7 @@ class EndpointHandler {
 }  // namespace
 
 void add_endpoint(http::Router& router, Services& services, Endpoint endpoint) {
-  auto path = endpoint.path;
+  auto path = endpoint.path.empty() ? "/v1/" + endpoint.kind : endpoint.path;
   router.add({"POST",
               std::move(path),
               EndpointHandler(services, std::move(endpoint)),

@@ -34,7 +34,7 @@ struct PreparedComputation {
 /// A path to which clients POST a request as JSON, and which computes. Answers and the repetition of a job after a
 /// restart both get their computation from `prepare`.
 struct Endpoint {
-  std::string path{};   ///< pattern, as in http::Route
+  std::string path{};   ///< pattern, as in http::Route; empty: "/v1/" and the kind
   std::string kind{};   ///< kind of its jobs: "karcher-means"
   std::string sends{};  ///< what its answer is, for the problem that no format is acceptable: "A field is sent as"
   /// Media types of the answer. The first one is that of a request without the header Accept; if there is no other one,

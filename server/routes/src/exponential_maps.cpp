@@ -39,8 +39,7 @@ PreparedComputation prepare_exponential_map(const EndpointRequest& asked, const 
 }  // namespace
 
 void add_exponential_map_route(http::Router& router, Services& services) {
-  add_endpoint(router, services,
-               {.path = "/v1/exponential-maps", .kind = "exponential-maps", .prepare = prepare_exponential_map});
+  add_endpoint(router, services, {.kind = "exponential-maps", .prepare = prepare_exponential_map});
 }
 
 }  // namespace supple::routes

@@ -80,8 +80,7 @@ PreparedComputation prepare_geodesic_field(const EndpointRequest& asked, const L
 
 void add_geodesic_field_route(http::Router& router, Services& services) {
   add_endpoint(router, services,
-               {.path = "/v1/geodesic-fields",
-                .kind = "geodesic-fields",
+               {.kind = "geodesic-fields",
                 .sends = "A field is sent as",
                 .formats = {"application/json", binary_type},
                 .prepare = prepare_geodesic_field});

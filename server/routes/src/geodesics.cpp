@@ -84,7 +84,7 @@ PreparedComputation prepare_geodesics(const EndpointRequest& asked, const Loader
 }  // namespace
 
 void add_geodesics_route(http::Router& router, Services& services) {
-  add_endpoint(router, services, {.path = "/v1/geodesics", .kind = "geodesics", .prepare = prepare_geodesics});
+  add_endpoint(router, services, {.kind = "geodesics", .prepare = prepare_geodesics});
 }
 
 }  // namespace supple::routes

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "supple/http/router.h"
+#include "supple/json/json_writer.h"
 #include "supple/routes/services.h"
 
 namespace supple::routes {
@@ -49,5 +53,26 @@ struct Page {
   std::string after;
 };
 Page read_page(const http::Request& request, std::initializer_list<std::string_view> more = {});
+
+/// A page of a list: {NAME: [...], "next": ID}. `entries` has one entry more than the page, if there are so many, and
+/// "next" tells then that there are more. write(entry) gives JSON, and id(entry) what `after` takes.
+template <class Entry, class Write, class Id>
+http::Response page_response(std::string_view name, const std::vector<Entry>& entries, const Page& page, Write write,
+                             Id id) {
+  const auto count = std::min(entries.size(), page.limit);
+  json::JsonWriter out;
+  out.begin_object().key(name).begin_array();
+  for (std::size_t i = 0; i < count; ++i) out.raw(write(entries[i]));
+  out.end_array();
+  if (entries.size() > count) out.field("next", id(entries[count - 1]));
+  out.end_object();
+  return json_response(out.take());
+}
+
+/// The handler of a route that calls handler(services, request). `Context` is Services or const Services.
+template <class Context>
+http::Handler handler_with(Services& services, http::Response (*handler)(Context&, const http::Request&)) {
+  return [&services, handler](const http::Request& request) { return handler(services, request); };
+}
 
 }  // namespace supple::routes

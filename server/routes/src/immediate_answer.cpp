@@ -35,6 +35,16 @@ store::Result compute_now(const Services& services, const http::Request& request
   return services.jobs->run_now(computation, std::move(waiting), profile);
 }
 
+void work_now(const Services& services, const http::Request& request, jobs::Computation computation,
+              const std::function<void(const Execution&)>& work) {
+  computation.client = request.client;
+  computation.run = [&](const Execution& execution) {
+    work(execution);
+    return store::Result{};
+  };
+  compute_now(services, request, computation);
+}
+
 http::Response answer_immediately(Services& services, const http::Request& request,
                                   const jobs::Computation& computation, double reading_seconds) {
   jobs::Profile profile;

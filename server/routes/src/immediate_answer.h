@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
 #include "supple/http/message.h"
 #include "supple/jobs/job_queue.h"
@@ -13,6 +14,10 @@ namespace supple::routes {
 /// that has hung up, and the client is answered at its deadline, whether it stops or not.
 store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
                           jobs::Profile* profile = nullptr);
+
+/// The same for work without a result. The computation says what it belongs to, and its client is that of the request.
+void work_now(const Services& services, const http::Request& request, jobs::Computation computation,
+              const std::function<void(const Execution&)>& work);
 
 /// Answers a computation with 200, whatever the request prefers. `reading_seconds` is what its preparation took.
 http::Response answer_immediately(Services& services, const http::Request& request,

@@ -3,8 +3,6 @@
 #include "handlers.h"
 #include "job_events.h"
 #include "ownership.h"
-#include "supple/json/answers.h"
-#include "supple/json/json_writer.h"
 #include "supple/routes/guard.h"
 
 namespace supple::routes {
@@ -30,16 +28,8 @@ http::Response list(Services& services, const http::Request& request) {
                   "The query parameter state takes accepted, running, successful, failed or dismissed.");
     }
   }
-  auto statuses = services.jobs->list(state, page.limit + 1, page.after, owner_filter(request));
-  const bool more = statuses.size() > page.limit;
-  if (more) statuses.pop_back();
-  json::JsonWriter out;
-  out.begin_object().key("jobs").begin_array();
-  for (const auto& status : statuses) out.raw(write_job(status));
-  out.end_array();
-  if (more) out.field("next", statuses.back().record.id);
-  out.end_object();
-  return json_response(out.take());
+  return page_response("jobs", services.jobs->list(state, page.limit + 1, page.after, owner_filter(request)), page,
+                       write_job, [](const auto& status) { return status.record.id; });
 }
 
 http::Response show_job(Services& services, const http::Request& request) {
@@ -124,14 +114,11 @@ http::Response events(Services& services, const http::Request& request) {
 }  // namespace
 
 void add_job_routes(http::Router& router, Services& services) {
-  const auto with = [&services](http::Response (*handler)(Services&, const http::Request&)) {
-    return [&services, handler](const http::Request& request) { return handler(services, request); };
-  };
-  router.add({"GET", "/v1/jobs", with(list), {}});
-  router.add({"GET", "/v1/jobs/{job}", with(show_job), {}});
-  router.add({"DELETE", "/v1/jobs/{job}", with(remove_job), {}});
-  router.add({"GET", "/v1/jobs/{job}/result", with(result), {}});
-  router.add({"GET", "/v1/jobs/{job}/events", with(events), {}});
+  router.add({"GET", "/v1/jobs", handler_with<Services>(services, list), {}});
+  router.add({"GET", "/v1/jobs/{job}", handler_with(services, show_job), {}});
+  router.add({"DELETE", "/v1/jobs/{job}", handler_with(services, remove_job), {}});
+  router.add({"GET", "/v1/jobs/{job}/result", handler_with(services, result), {}});
+  router.add({"GET", "/v1/jobs/{job}/events", handler_with(services, events), {}});
 }
 
 }  // namespace supple::routes

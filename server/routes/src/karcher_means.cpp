@@ -46,8 +46,7 @@ PreparedComputation prepare_karcher_mean(const EndpointRequest& asked, const Loa
 }  // namespace
 
 void add_karcher_mean_route(http::Router& router, Services& services) {
-  add_endpoint(router, services,
-               {.path = "/v1/karcher-means", .kind = "karcher-means", .prepare = prepare_karcher_mean});
+  add_endpoint(router, services, {.kind = "karcher-means", .prepare = prepare_karcher_mean});
 }
 
 }  // namespace supple::routes

@@ -27,16 +27,8 @@ const surface::NearestPointSearch& Loader::nearest_search(const std::string& id,
 
 void Loader::run(const std::string& mesh, double deadline, const std::function<void(const Execution&)>& work) const {
   if (execution_) return work(*execution_);
-  compute_now(services_, request_,
-              {.kind = "meshes",
-               .mesh = mesh,
-               .deadline = remaining_seconds(deadline, begin_),
-               .run =
-                   [&](const Execution& execution) {
-                     work(execution);
-                     return store::Result{};
-                   },
-               .client = request_.client});
+  const double left = remaining_seconds(deadline, begin_);
+  work_now(services_, request_, {.kind = "meshes", .mesh = mesh, .deadline = left, .run = {}}, work);
 }
 
 }  // namespace supple::routes

@@ -43,8 +43,7 @@ PreparedComputation prepare_measured_curve(const EndpointRequest& asked, const L
 }  // namespace
 
 void add_measured_curve_route(http::Router& router, Services& services) {
-  add_endpoint(router, services,
-               {.path = "/v1/measured-curves", .kind = "measured-curves", .prepare = prepare_measured_curve});
+  add_endpoint(router, services, {.kind = "measured-curves", .prepare = prepare_measured_curve});
 }
 
 }  // namespace supple::routes

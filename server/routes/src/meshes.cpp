@@ -7,7 +7,6 @@
 #include "ownership.h"
 #include "repair_query.h"
 #include "supple/json/answers.h"
-#include "supple/json/json_writer.h"
 #include "supple/json/requests.h"
 #include "supple/surface/mesh_report.h"
 
@@ -77,44 +76,29 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
   return response;
 }
 
-/// Runs work on a mesh as a computation, because it may take as long as one and its client may leave. `takes_slot`:
-/// whether it waits for a compute slot.
-void run_now(const Services& services, const http::Request& request, const std::string& mesh, bool takes_slot,
-             const std::function<void(const Execution&)>& work) {
-  compute_now(services, request,
-              {.kind = "meshes",
-               .mesh = mesh,
-               .deadline = services.limits.json.default_deadline,
-               .run =
-                   [&](const Execution& execution) {
-                     work(execution);
-                     return store::Result{};
-                   },
-               .client = request.client,
-               .takes_slot = takes_slot});
+/// What clients wait for while a mesh is read or written, which may take as long as a computation.
+jobs::Computation mesh_work(const Services& services, const std::string& mesh, bool takes_slot) {
+  return {.kind = "meshes",
+          .mesh = mesh,
+          .deadline = services.limits.json.default_deadline,
+          .run = {},
+          .takes_slot = takes_slot};
 }
 
 http::Response create(Services& services, const http::Request& request) {
   require_ready(services);
   http::Response response;
-  run_now(services, request, {}, true,
-          [&](const Execution& execution) { response = store_mesh(services, request, execution); });
+  work_now(services, request, mesh_work(services, {}, true),
+           [&](const Execution& execution) { response = store_mesh(services, request, execution); });
   return response;
 }
 
 http::Response list(const Services& services, const http::Request& request) {
   require_ready(services);
   const auto page = read_page(request);
-  auto records = services.store->meshes(page.limit + 1, page.after, owner_filter(request));
-  const bool more = records.size() > page.limit;
-  if (more) records.pop_back();
-  json::JsonWriter out;
-  out.begin_object().key("meshes").begin_array();
-  for (const auto& record : records) out.raw(record.description);
-  out.end_array();
-  if (more) out.field("next", records.back().id);
-  out.end_object();
-  return json_response(out.take());
+  return page_response(
+      "meshes", services.store->meshes(page.limit + 1, page.after, owner_filter(request)), page,
+      [](const auto& record) { return record.description; }, [](const auto& record) { return record.id; });
 }
 
 http::Response show_mesh(const Services& services, const http::Request& request) {
@@ -141,7 +125,7 @@ http::Response content(const Services& services, const http::Request& request) {
   if (matches(request.header("If-None-Match"), tag)) return not_modified(tag);
   http::Response response;
   response.content_type = *type;
-  run_now(services, request, id, as_obj, [&](const Execution& execution) {
+  work_now(services, request, mesh_work(services, id, as_obj), [&](const Execution& execution) {
     if (as_obj)
       response.body = surface::write_obj(services.meshes->get(id, execution)->mesh(), execution);
     else
@@ -169,17 +153,11 @@ http::Response remove_mesh(Services& services, const http::Request& request) {
 }  // namespace
 
 void add_mesh_routes(http::Router& router, Services& services) {
-  const auto with = [&services](http::Response (*handler)(Services&, const http::Request&)) {
-    return [&services, handler](const http::Request& request) { return handler(services, request); };
-  };
-  const auto with_const = [&services](http::Response (*handler)(const Services&, const http::Request&)) {
-    return [&services, handler](const http::Request& request) { return handler(services, request); };
-  };
-  router.add({"POST", "/v1/meshes", with(create), {services.limits.max_body, "--max-body"}});
-  router.add({"GET", "/v1/meshes", with_const(list), {}});
-  router.add({"GET", "/v1/meshes/{mesh}", with_const(show_mesh), {}});
-  router.add({"DELETE", "/v1/meshes/{mesh}", with(remove_mesh), {}});
-  router.add({"GET", "/v1/meshes/{mesh}/content", with_const(content), {}});
+  router.add({"POST", "/v1/meshes", handler_with(services, create), {services.limits.max_body, "--max-body"}});
+  router.add({"GET", "/v1/meshes", handler_with<const Services>(services, list), {}});
+  router.add({"GET", "/v1/meshes/{mesh}", handler_with(services, show_mesh), {}});
+  router.add({"DELETE", "/v1/meshes/{mesh}", handler_with(services, remove_mesh), {}});
+  router.add({"GET", "/v1/meshes/{mesh}/content", handler_with(services, content), {}});
 }
 
 }  // namespace supple::routes

@@ -47,7 +47,7 @@ PreparedComputation prepare_outlines(const EndpointRequest& asked, const Loader&
 }  // namespace
 
 void add_outline_route(http::Router& router, Services& services) {
-  add_endpoint(router, services, {.path = "/v1/outlines", .kind = "outlines", .prepare = prepare_outlines});
+  add_endpoint(router, services, {.kind = "outlines", .prepare = prepare_outlines});
 }
 
 }  // namespace supple::routes

@@ -45,7 +45,7 @@ tiling::PartDesign design_of(const json::PartRequest& request) {
 /// The outline's polygons are an array in the engine and a field of the outline in requests, and so are its solids.
 PointerMap part_pointers() {
   const auto polygon = [](std::size_t i) { return "/outline/polygons/" + std::to_string(i); };
-  return PointerMap("", {{.field = "outline", .pointer = {}, .pointer_of_entry = polygon},
+  return PointerMap("", {{.field = "outline", .pointer_of_entry = polygon},
                          {.field = "solids", .pointer = "/outline", .rest = FieldPlace::Rest::dropped}});
 }
 
@@ -114,12 +114,9 @@ PreparedComputation prepare_part(const EndpointRequest& asked, const Loader& loa
 }  // namespace
 
 void add_part_route(http::Router& router, Services& services) {
-  add_endpoint(router, services,
-               {.path = "/v1/parts",
-                .kind = "parts",
-                .sends = "A part is sent as",
-                .formats = json_or(part_formats),
-                .prepare = prepare_part});
+  add_endpoint(
+      router, services,
+      {.kind = "parts", .sends = "A part is sent as", .formats = json_or(part_formats), .prepare = prepare_part});
 }
 
 }  // namespace supple::routes

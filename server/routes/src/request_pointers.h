@@ -13,8 +13,8 @@ namespace supple::routes {
 
 /// Where a field of the engine's structs is in a request.
 struct FieldPlace {
-  std::string field;    ///< path: "sheet/columns"; empty: every field
-  std::string pointer;  ///< where it is: "/weave/sheet/columns"
+  std::string field{};    ///< path: "sheet/columns"; empty: every field
+  std::string pointer{};  ///< where it is: "/weave/sheet/columns"
   /// For an array instead of `pointer`: where its entry with this index is. The array itself is elsewhere.
   std::function<std::string(std::size_t)> pointer_of_entry{};
   /// What becomes of the path below the field: it follows the pointer; or it is dropped; or the request has no such

@@ -109,10 +109,22 @@ http::Response contract_text() {
 }  // namespace
 
 void add_service_routes(http::Router& router, Services& services) {
-  router.add({"GET", "/healthz", [&services](const http::Request&) { return health(services); }, {}, true, true});
-  router.add({"GET", "/readyz", [&services](const http::Request&) { return readiness(services); }, {}, true, true});
-  router.add({"GET", "/metrics", [&services](const http::Request&) { return metrics_text(services); }, {}, true});
-  router.add({"GET", "/openapi.yaml", [](const http::Request&) { return contract_text(); }, {}, false, true});
+  const auto probe = [&](const char* path, http::Response (*answer)(const Services&), bool needs_no_key) {
+    router.add({.method = "GET",
+                .pattern = path,
+                .handler = [&services, answer](const http::Request&) { return answer(services); },
+                .body = {},
+                .probe = true,
+                .needs_no_key = needs_no_key});
+  };
+  probe("/healthz", health, true);
+  probe("/readyz", readiness, true);
+  probe("/metrics", metrics_text, false);
+  router.add({.method = "GET",
+              .pattern = "/openapi.yaml",
+              .handler = [](const http::Request&) { return contract_text(); },
+              .body = {},
+              .needs_no_key = true});
 }
 
 }  // namespace supple::routes

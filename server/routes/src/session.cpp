@@ -73,9 +73,11 @@ http::Response sign_out(const Services& services, const http::Request& request) 
 void add_session_routes(http::Router& router, Services& services) {
   const auto add = [&](const char* method, http::Response (*handler)(const Services&, const http::Request&),
                        http::BodyLimit body) {
-    router.add({method, "/v1/session",
-                [&services, handler](const http::Request& request) { return handler(services, request); },
-                std::move(body), false, true});
+    router.add({.method = method,
+                .pattern = "/v1/session",
+                .handler = handler_with(services, handler),
+                .body = std::move(body),
+                .needs_no_key = true});
   };
   add("GET", show, {});
   add("POST", sign_in, {max_sign_in_bytes, ""});

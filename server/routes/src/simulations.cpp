@@ -77,7 +77,7 @@ PreparedComputation prepare_simulation(const EndpointRequest& asked, const Loade
 }  // namespace
 
 void add_simulation_route(http::Router& router, Services& services) {
-  add_endpoint(router, services, {.path = "/v1/simulations", .kind = "simulations", .prepare = prepare_simulation});
+  add_endpoint(router, services, {.kind = "simulations", .prepare = prepare_simulation});
 }
 
 }  // namespace supple::routes

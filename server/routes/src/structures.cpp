@@ -100,8 +100,7 @@ void add_structure_routes(http::Router& router, Services& services) {
               [&services](const http::Request& request) { return link(services, request); },
               {}});
   add_endpoint(router, services,
-               {.path = "/v1/structures",
-                .kind = "structures",
+               {.kind = "structures",
                 .sends = "A structure is sent as",
                 .formats = json_or(structure_formats),
                 .prepare = prepare_structure});

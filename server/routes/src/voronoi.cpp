@@ -148,12 +148,9 @@ void add_voronoi_route(http::Router& router, Services& services, const std::stri
           return compute(request, mesh, given, format, limits, *cache, execution);
         }};
   };
-  add_endpoint(router, services,
-               {.path = "/v1/" + kind,
-                .kind = kind,
-                .sends = "A Voronoi diagram is sent as",
-                .formats = json_or(diagram_formats),
-                .prepare = prepare});
+  add_endpoint(
+      router, services,
+      {.kind = kind, .sends = "A Voronoi diagram is sent as", .formats = json_or(diagram_formats), .prepare = prepare});
 }
 
 }  // namespace

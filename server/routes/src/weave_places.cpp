@@ -95,8 +95,8 @@ PointerMap load_pointers(const PlacedLoad& placed) {
   const auto force = [&force_of = placed.force_of](std::size_t i) {
     return "/forces/" + std::to_string(force_of.at(i));
   };
-  return PointerMap("", {{.field = "supports", .pointer = {}, .pointer_of_entry = support},
-                         {.field = "forces", .pointer = {}, .pointer_of_entry = force},
+  return PointerMap("", {{.field = "supports", .pointer_of_entry = support},
+                         {.field = "forces", .pointer_of_entry = force},
                          {.field = "lattice", .pointer = "/weave"}});
 }
 

@@ -31,8 +31,7 @@ PointerMap option_pointers_of(const WeaveToolpathRequest& request) {
     const auto entry = std::find(strands.begin(), strands.end(), static_cast<int>(strand)) - strands.begin();
     return "/overruns/" + std::to_string(entry);
   };
-  return PointerMap("",
-                    {{.field = "overruns", .pointer = {}, .pointer_of_entry = overrun, .of_entry_itself = "/strand"}});
+  return PointerMap("", {{.field = "overruns", .pointer_of_entry = overrun, .of_entry_itself = "/strand"}});
 }
 
 /// Strands and crossings have pointers if the request has them; a message names those that a pattern laid out.
@@ -42,11 +41,10 @@ PointerMap print_pointers(const json::WeaveSpec& spec) {
   };
   std::vector<FieldPlace> places{{.field = "bed", .pointer = "/printer/bed"}};
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) {
-    places.push_back({.field = "strands", .pointer = {}, .pointer_of_entry = entry_of("strands")});
-    if (layout->crossings)
-      places.push_back({.field = "crossings", .pointer = {}, .pointer_of_entry = entry_of("crossings")});
+    places.push_back({.field = "strands", .pointer_of_entry = entry_of("strands")});
+    if (layout->crossings) places.push_back({.field = "crossings", .pointer_of_entry = entry_of("crossings")});
   }
-  places.push_back({.field = {}, .pointer = "/weave", .rest = FieldPlace::Rest::in_message});
+  places.push_back({.pointer = "/weave", .rest = FieldPlace::Rest::in_message});
   return PointerMap("", std::move(places));
 }
 
@@ -167,12 +165,11 @@ PreparedComputation prepare_report(const EndpointRequest& asked, const Loader& l
 
 void add_weave_toolpath_routes(http::Router& router, Services& services) {
   add_endpoint(router, services,
-               {.path = "/v1/weave-toolpaths",
-                .kind = "weave-toolpaths",
+               {.kind = "weave-toolpaths",
                 .sends = "A toolpath is sent as",
                 .formats = json_or(toolpath_formats),
                 .prepare = prepare_toolpath});
-  add_endpoint(router, services, {.path = "/v1/gcode-reports", .kind = "gcode-reports", .prepare = prepare_report});
+  add_endpoint(router, services, {.kind = "gcode-reports", .prepare = prepare_report});
 }
 
 }  // namespace supple::routes

@@ -170,9 +170,8 @@ template <class Request, class Run>
 PreparedComputation computation_on_weave(const EndpointRequest& asked, Request request, Run run) {
   if (asked.becomes_job) refuse_small_faulty_weave(request.weave);
   return {.deadline = request.deadline,
-          .run = [request = std::make_shared<const Request>(std::move(request)), run](const Execution& execution) {
-            return run(*request, execution);
-          }};
+          .run = [request = std::make_shared<const Request>(std::move(request)),
+                  run = std::move(run)](const Execution& execution) { return run(*request, execution); }};
 }
 
 PreparedComputation prepare_layout(const EndpointRequest& asked, const Loader& loader) {
@@ -187,9 +186,7 @@ template <class Request>
 Endpoint weave_endpoint(const std::string& kind,
                         Request (*parse)(std::string_view, const json::Limits&, const CancellationToken&),
                         store::Result (*compute)(const Request&, const json::Limits&, const Execution&)) {
-  return {.path = "/v1/" + kind,
-          .kind = kind,
-          .prepare = [parse, compute](const EndpointRequest& asked, const Loader& loader) {
+  return {.kind = kind, .prepare = [parse, compute](const EndpointRequest& asked, const Loader& loader) {
             return computation_on_weave(
                 asked, parse(asked.body, loader.limits(), loader.cancellation()),
                 [compute, limits = loader.limits()](const Request& request, const Execution& execution) {
@@ -202,8 +199,7 @@ Endpoint weave_endpoint(const std::string& kind,
 
 void add_weave_routes(http::Router& router, Services& services) {
   add_endpoint(router, services,
-               {.path = "/v1/weave-layouts",
-                .kind = "weave-layouts",
+               {.kind = "weave-layouts",
                 .sends = "A layout is sent as",
                 .formats = {"application/json", svg_type},
                 .prepare = prepare_layout});

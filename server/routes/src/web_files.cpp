@@ -110,10 +110,16 @@ void add_web_routes(http::Router& router, const std::string& folder) {
   bool has_index = false;
   for (auto& content : read_folder(folder)) {
     const auto file = std::make_shared<const WebFile>(std::move(content));
-    const auto handler = [file](const http::Request& request) { return send(*file, request); };
-    router.add({"GET", file->path, handler, {}, false, true});
+    const auto add = [&](const std::string& path) {
+      router.add({.method = "GET",
+                  .pattern = path,
+                  .handler = [file](const http::Request& request) { return send(*file, request); },
+                  .body = {},
+                  .needs_no_key = true});
+    };
+    add(file->path);
     if (file->path.substr(1) != index_name) continue;
-    router.add({"GET", "/", handler, {}, false, true});
+    add("/");
     has_index = true;
   }
   if (!has_index) throw std::runtime_error("the folder " + folder + " of --web has no " + index_name);

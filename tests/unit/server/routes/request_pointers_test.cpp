@@ -28,7 +28,6 @@ TEST(RequestPointers, APlaceHasItsFieldAndAllBelowItButNotFieldsWhoseNamesBeginA
 TEST(RequestPointers, EntriesOfAnArrayMayBeInAnotherOrderThere) {
   const PointerMap pointers("",
                             {{.field = "overruns",
-                              .pointer = {},
                               .pointer_of_entry = [](std::size_t strand) { return numbered("/overruns/", strand - 5); },
                               .of_entry_itself = "/strand"}});
   EXPECT_EQ(pointers.pointer("overruns/7/start"), "/overruns/2/start");
@@ -38,7 +37,7 @@ TEST(RequestPointers, EntriesOfAnArrayMayBeInAnotherOrderThere) {
 
 TEST(RequestPointers, TheRestOfAPathMayBeDroppedOrNamedInTheMessage) {
   const PointerMap pointers("", {{.field = "solids", .pointer = "/outline", .rest = Rest::dropped},
-                                 {.field = {}, .pointer = "/weave", .rest = Rest::in_message}});
+                                 {.pointer = "/weave", .rest = Rest::in_message}});
   EXPECT_EQ(pointers.pointer("solids/0/1"), "/outline");
   const auto error = pointers({"weave.not_printable", "text", {{"strands/3", "goes on for ever"}}});
   EXPECT_EQ(error.details().at(0).where, "/weave");
@@ -46,9 +45,8 @@ TEST(RequestPointers, TheRestOfAPathMayBeDroppedOrNamedInTheMessage) {
 }
 
 TEST(RequestPointers, MessagesNameEntriesAsTheRequestDoes) {
-  const PointerMap pointers("", {{.field = "supports", .pointer = {}, .pointer_of_entry = [](std::size_t i) {
-                                    return numbered("/supports/", i / 10);
-                                  }}});
+  const PointerMap pointers(
+      "", {{.field = "supports", .pointer_of_entry = [](std::size_t i) { return numbered("/supports/", i / 10); }}});
   const auto error = pointers({"weave.invalid_load",
                                "supports/21: holds what supports/3 holds already (and 1 more)",
                                {{"supports/21", "holds what supports/3 holds already"}, {"lattice", "is for cells"}}});
