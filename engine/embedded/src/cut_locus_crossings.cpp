@@ -15,7 +15,7 @@ using surface::TangentGeodesic;
 
 constexpr std::size_t max_cut_locus_candidates = 4;
 /// Paths are the same where their gradients differ by less than this.
-constexpr double same_gradient = 1e-4;
+constexpr double same_path_gradient = 1e-4;
 /// Bisections of a step to find where it crossed a cut locus.
 constexpr int cut_locus_bisections = 50;
 /// Relative difference of lengths above which a path is shorter than another one, and not by rounding.
@@ -43,8 +43,8 @@ class PathChange {
 
   bool is_same_path() const {
     const Eigen::Vector4d gradient = after_.continued(-step_).gradient();
-    return std::ranges::any_of(before_,
-                               [&](const auto& one) { return (one.gradient() - gradient).norm() < same_gradient; });
+    return std::ranges::any_of(
+        before_, [&](const auto& one) { return (one.gradient() - gradient).norm() < same_path_gradient; });
   }
   /// How much longer the paths before the step are than the other one at a fraction of the step. The paths before are
   /// equally long; where one of them is left, it becomes longer than the others, so the longest counts.

@@ -45,7 +45,8 @@ struct PointsElement {
     hessian.template middleCols<2>(row) = (hessian.template middleCols<2>(row) * rest).eval();
   }
 
-  /// Sets the derivatives by a point's coordinates to zero. The derivatives by points at cone vertices are added separately.
+  /// Sets the derivatives by a point's coordinates to zero. The derivatives by points at cone vertices are added
+  /// separately.
   void zero_point(std::int32_t point) {
     const int row = row_of(point);
     gradient.template segment<2>(row).setZero();
