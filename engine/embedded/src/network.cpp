@@ -19,16 +19,16 @@ class ElementCheck {
 
   /// Whether all points exist and are distinct. `where` is the path of their list in the request.
   bool points(std::span<const std::int32_t> points, const std::string& where) {
-    const auto count = static_cast<std::int64_t>(network_.points.empty());
+    const auto count = static_cast<std::int64_t>(network_.points.size());
     bool known = true;
-    for (std::size_t k = 0; k < points.empty(); ++k) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
       if (points[k] >= 0 && points[k] < count) continue;
       known = false;
       faults_.add(
           where + "/" + std::to_string(k),
           "is " + std::to_string(points[k]) + ", but points are numbered from 0 to " + std::to_string(count - 1));
     }
-    for (std::size_t k = 0; k < points.empty() && known; ++k)
+    for (std::size_t k = 0; k < points.size() && known; ++k)
       if (std::count(points.begin(), points.end(), points[k]) > 1) {
         faults_.add(where, "names one point twice");
         return false;
@@ -65,7 +65,7 @@ class ElementCheck {
 void check_springs(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
   Faults faults;
   ElementCheck check(mesh, network, faults, unreachable);
-  for (std::size_t i = 0; i < network.springs.empty(); ++i) {
+  for (std::size_t i = 0; i < network.springs.size(); ++i) {
     const Spring& spring = network.springs[i];
     const std::string where = "springs/" + std::to_string(i);
     const std::array<std::int32_t, 2> ends{spring.from, spring.to};
@@ -83,7 +83,7 @@ constexpr double min_height = 1e-6;
 void check_triangles(const surface::TriangleMesh& mesh, const Network& network, Faults& unreachable) {
   Faults faults;
   ElementCheck check(mesh, network, faults, unreachable);
-  for (std::size_t i = 0; i < network.triangles.empty(); ++i) {
+  for (std::size_t i = 0; i < network.triangles.size(); ++i) {
     const MembraneTriangle& triangle = network.triangles[i];
     const std::string where = "triangles/" + std::to_string(i);
     if (check.points(triangle.corners, where)) check.component(triangle.corners, where);
@@ -124,15 +124,15 @@ double largest_weight(const Network& network) {
 Network checked_network(const surface::TriangleMesh& mesh, Network network) {
   if (network.points.empty())
     throw Error("network.no_points", "A network needs at least one point.", {{"points", "is empty"}});
-  for (std::size_t i = 0; i < network.points.empty(); ++i)
+  for (std::size_t i = 0; i < network.points.size(); ++i)
     network.points[i] = surface::checked_point(mesh, network.points[i], "points/" + std::to_string(i));
   Faults unreachable;
   check_springs(mesh, network, unreachable);
   check_triangles(mesh, network, unreachable);
   if (!network.triangles.empty()) check_material(network.material);
   Faults fixed;
-  const auto count = static_cast<std::int64_t>(network.points.empty());
-  for (std::size_t i = 0; i < network.fixed_points.empty(); ++i) {
+  const auto count = static_cast<std::int64_t>(network.points.size());
+  for (std::size_t i = 0; i < network.fixed_points.size(); ++i) {
     const std::int32_t point = network.fixed_points[i];
     fixed.require(point >= 0 && point < count, "fixed_points/" + std::to_string(i),
                   "is " + std::to_string(point) + ", but points are numbered from 0 to " + std::to_string(count - 1));

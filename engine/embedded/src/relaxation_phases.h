@@ -54,6 +54,9 @@ class RelaxationHistory {
   std::vector<RelaxationStep> steps_;
 };
 
+/// Relative difference of the energy on the way back up to which it is that of the same equilibrium.
+inline constexpr double same_equilibrium = 1e-7;
+
 /// Where a phase ended and the next one begins.
 struct Equilibrium {
   NetworkState state;

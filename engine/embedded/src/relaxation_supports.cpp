@@ -18,7 +18,7 @@ using Termination = numerics::MinimizerStop;
 /// Lengths of load increments; the way from one position to the next has the length 1. Where an equilibrium is lost,
 /// shorter increments than the first do not help. They do help, down to the second, where elements are about to be
 /// turned inside out.
-constexpr double min_increment = 1.0 / 8;
+constexpr double min_support_increment = 1.0 / 8;
 constexpr double min_valid_increment = 1.0 / 1024;
 /// A load increment takes few iterations from its prediction, and some dozens where a thin shell buckles. A shorter
 /// increment would not end sooner then.
@@ -26,8 +26,6 @@ constexpr int max_iterations_of_increment = 80;
 /// From a tangent, Newton's method finds the continuation of the same equilibrium, unless that is farther from the
 /// prediction than this fraction of the predicted distance. Then it may be another one.
 constexpr double max_prediction_error = 0.4;
-/// Relative difference of the energy on the way back up to which it is that of the same equilibrium.
-constexpr double same_equilibrium = 1e-7;
 
 class SupportFollower {
  public:
@@ -76,7 +74,7 @@ class SupportFollower {
       if (step.step_length > 0 && !scene_.is_on_trial()) history_.record(step, system_->state());
     };
     options.max_iterations = max_iterations();
-    options.smallest_step = min_increment;
+    options.smallest_step = min_support_increment;
     return options;
   }
   int max_iterations() const { return std::min(context_.options.max_iterations, max_iterations_of_increment); }
@@ -117,13 +115,13 @@ class SupportFollower {
       if (failed) {
         const bool is_blocked = at_kink || path_.stopped() == numerics::PathStop::step_too_small;
         scene_.set_at_kink(is_blocked);
-        if (!advance_without_equilibrium(target, is_blocked ? max_increment : min_increment)) break;
+        if (!advance_without_equilibrium(target, is_blocked ? max_increment : min_support_increment)) break;
       }
       const bool is_doubtful = !failed && scene_.prediction_error() > max_prediction_error;
       const bool is_lost = scene_.has_jumped(path_.result().value) ||
                            (is_doubtful && returns_elsewhere(before.state.load, energy_before));
       const double increment = scene_.load() - before.state.load;
-      if (is_lost && increment > min_increment) {
+      if (is_lost && increment > min_support_increment) {
         path_.restore(before);
         max_increment = increment / 2;
         path_.set_largest_step(max_increment);

@@ -17,11 +17,10 @@ using Termination = numerics::MinimizerStop;
 /// Lengths of load increments; the way from one position to the next has the length 1. Where an equilibrium is lost,
 /// shorter increments than the first do not find a nearer one. Where a search meets its limit of iterations, searches
 /// after increments shorter than the second do, too.
-constexpr double min_increment = 1.0 / 64;
+constexpr double min_surface_increment = 1.0 / 64;
 constexpr double min_unfinished_increment = 1.0 / 8;
-/// Relative differences of the energy on the way back: up to the first it is that of the same equilibrium, and up to
-/// the second the equilibrium is so near that shorter increments would hardly find a nearer one.
-constexpr double same_equilibrium = 1e-7;
+/// Relative difference of the energy on the way back up to which the equilibrium is so near that shorter increments
+/// would hardly find a nearer one.
 constexpr double near_equilibrium = 1e-2;
 /// A load increment with at most this many iterations lets the next one be twice as long.
 constexpr int quick_iterations = 6;
@@ -99,7 +98,7 @@ class SurfaceFollower {
       const double loss =
           !is_unfinished && scene_.is_doubtful(path_.result().value) ? scene_.loss_on_return(quiet_options()) : 0;
       const bool is_lost = is_unfinished || loss > same_equilibrium;
-      const double shortest = is_unfinished ? min_unfinished_increment : min_increment;
+      const double shortest = is_unfinished ? min_unfinished_increment : min_surface_increment;
       if ((is_unfinished || loss > near_equilibrium) && increment > shortest) {
         path_.restore(before);
         max_increment_ = std::max(shortest, increment / 2);
