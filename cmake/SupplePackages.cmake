@@ -46,9 +46,10 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "supple, python3-supple")
 set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS supple-server)
-# What find_package(Supple) looks for.
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS
-  "libeigen3-dev (>= 3.4), libgmsh-dev, libhdf5-dev, libpolyclipping-dev, libpugixml-dev, libsuitesparse-dev, libtbb-dev, libzip-dev, pkg-config")
+# What find_package(Supple) looks for: for geodesics, Voronoi diagrams and weaves, and for all other components.
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libsuitesparse-dev, libtbb-dev")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS
+  "libfmt-dev, libgmsh-dev, libhdf5-dev, libpolyclipping-dev, libpugixml-dev, libzip-dev, pkg-config")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.9), python3-numpy, python3-requests")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, supple-server")

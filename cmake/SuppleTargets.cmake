@@ -86,12 +86,60 @@ function(supple_compile_quickly name)
 endfunction()
 
 # supple_install_rooms(ROOM ...)
-# Installs the libraries and public headers of these rooms and of no others, for find_package(Supple).
+# Installs the libraries and public headers of these rooms and of no others. Each room is exported by itself, so that
+# find_package(Supple COMPONENTS ...) reads only those that a component uses.
 function(supple_install_rooms)
   foreach(name IN LISTS ARGN)
     get_target_property(folder supple_${name} SOURCE_DIR)
-    set_target_properties(supple_${name} PROPERTIES EXPORT_NAME ${name})
-    install(TARGETS supple_${name} EXPORT SuppleTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+    supple_export(${name})
     install(DIRECTORY ${folder}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT library FILES_MATCHING PATTERN "*.h")
   endforeach()
+endfunction()
+
+# supple_export(NAME)
+# Installs the target supple_NAME, which programs outside know as Supple::NAME.
+function(supple_export name)
+  set_target_properties(supple_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS supple_${name} EXPORT Supple_${name} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library)
+  install(EXPORT Supple_${name} NAMESPACE Supple:: FILE Supple_${name}.cmake DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Supple
+    COMPONENT library)
+endfunction()
+
+# supple_component(NAME [ROOM ...])
+# Declares the component NAME of the installed library: these rooms and all that they use, or the room NAME. Programs link
+# Supple::NAME. Appends to SUPPLE_COMPONENTS what SuppleConfig.cmake must know: the component's targets, those that others use first,
+# and the libraries of others that it needs, as targets or files.
+function(supple_component name)
+  if(ARGN)
+    add_library(supple_${name} INTERFACE)
+    add_library(Supple::${name} ALIAS supple_${name})
+    list(TRANSFORM ARGN PREPEND supple_ OUTPUT_VARIABLE rooms)
+    target_link_libraries(supple_${name} INTERFACE ${rooms})
+    supple_export(${name})
+  endif()
+  set(targets "")
+  set(libraries "")
+  supple_collect(supple_${name})
+  string(APPEND SUPPLE_COMPONENTS "\nlist(APPEND supple_components ${name})\nset(supple_${name}_targets ${targets})\n"
+    "set(supple_${name}_libraries ${libraries})\n")
+  set(SUPPLE_COMPONENTS "${SUPPLE_COMPONENTS}" PARENT_SCOPE)
+endfunction()
+
+# Appends a target of this project to `targets` after those that it uses, and the libraries of others to `libraries`.
+function(supple_collect target)
+  get_target_property(used ${target} INTERFACE_LINK_LIBRARIES)
+  foreach(item IN LISTS used)
+    string(REGEX REPLACE "^\\$<LINK_ONLY:(.*)>$" "\\1" item "${item}")
+    if(item MATCHES "^supple_")
+      supple_collect(${item})
+    elseif(NOT item MATCHES "^\\$<BUILD_INTERFACE:|NOTFOUND$")
+      list(APPEND libraries ${item})
+    endif()
+  endforeach()
+  string(REGEX REPLACE "^supple_" "" target ${target})
+  list(APPEND targets ${target})
+  list(REMOVE_DUPLICATES targets)
+  list(REMOVE_DUPLICATES libraries)
+  set(targets "${targets}" PARENT_SCOPE)
+  set(libraries "${libraries}" PARENT_SCOPE)
 endfunction()

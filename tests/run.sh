@@ -30,7 +30,7 @@ declare -A about=(
   [stability]="the named hard cases"
   [python]="the Python package: mypy --strict and its own tests"
   [api]="black box over HTTP: contract, examples, jobs, faults, restart, kill -9, clients"
-  [docs]="the pages: links, spelling, and every block of code that can run, against a real server"
+  [docs]="the pages: links, spelling, and every block of code that can run, against a real server; the engine's reference"
   [deploy]="the image's recipe, compose, the systemd unit and the manifests for Kubernetes, without building or starting them"
   [image]="the image from Debian's packages, and the API tests against the server in it (root, buildah, debootstrap)"
   [packages]="the packages for Debian: what is in them, and that it works from there (npm, cpack)"
@@ -112,11 +112,12 @@ run_python() {  # PART [options of pytest]
 }
 part_python() { (cd clients/python && mypy --strict supple examples) && PYTHONPATH=clients/python "$python" -m pytest -q -p no:cacheprovider clients/python/tests; }
 part_api() { build_preset release --target supple supple-server make_test_model && run_python api -n "$jobs" --dist loadfile; }
-# The links and words of all pages, and of the pages that are chosen the blocks that run.
+# The reference of the engine, the links and words of all pages, and of the pages that are chosen the blocks that run.
 part_docs() {
   local pages=${only[docs]:-} blocks=()
+  doxygen docs/Doxyfile || return 1
   if [ "$pages" = - ]; then
-    "$python" -m pytest -q -p no:cacheprovider tests/docs/test_links.py tests/docs/test_spelling.py
+    "$python" -m pytest -q -p no:cacheprovider tests/docs/test_links.py tests/docs/test_spelling.py tests/docs/test_reference.py
     return
   fi
   [ -z "$pages" ] || blocks=(-k "not (test_shell_blocks_run or test_python_blocks_run) or ${pages// / or }")

@@ -4,23 +4,13 @@
 #include <exception>
 #include <iostream>
 
-#include "supple/design/inverse_design.h"
-#include "supple/neural/model.h"
-#include "supple/tiling/structure.h"
+#include "supple/design/shortcuts.h"
 
 namespace {
 
 void print_design(const char* path) {
   using namespace supple;
   const neural::Model model = neural::read_model(path);
-  const neural::Evaluator evaluator(model.network);
-  const design::Candidates candidates(model.network);
-  // The bounds of the parameters are a box, but near some of its corners no structure exists. The search avoids these.
-  const tiling::Family& family = tiling::family(model.family);
-  const design::DesignSpace space{
-      model, evaluator, candidates, [&family](const Eigen::VectorXd& parameters) {
-        return tiling::can_be_built(family, {parameters.data(), static_cast<std::size_t>(parameters.size())});
-      }};
 
   // The target is a curve through control points (Green strain, stress in MPa) along a direction of 0.3 rad.
   design::Target target;
@@ -28,7 +18,7 @@ void print_design(const char* path) {
   target.direction = 0.3;
   target.control_points = {{-0.1, -0.02}, {0.0, 0.0}, {0.1, 0.02}, {0.2, 0.12}};
 
-  const design::Design found = design::find_design(space, {.targets = {target}, .initial = {}, .fixed = {}});
+  const design::Design found = design::find_design(model, {.targets = {target}, .initial = {}, .fixed = {}});
   std::cout << "family " << model.family << ", parameters " << found.parameters.transpose() << '\n'
             << "relative deviation " << found.error.relative_rms << (found.reached ? ", reached" : ", not reached")
             << '\n';
@@ -40,15 +30,13 @@ void print_design(const char* path) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   if (count != 2) {
     std::cerr << "usage: find_design MODEL\n";
     return 2;
   }
-  try {
-    print_design(arguments[1]);
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
-    return 1;
-  }
+  print_design(arguments[1]);
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

@@ -4,27 +4,17 @@
 ///
 /// The first point is vertex 0. The second one is the centroid of a face in the middle of the list of faces.
 #include <exception>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
-#include <stdexcept>
-#include <string>
 
 #include "supple/surface/geodesic_solver.h"
 #include "supple/surface/mesh_io.h"
 
 namespace {
 
-std::string bytes_of(const char* path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(std::string("cannot read ") + path);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 void print_distance(const char* path) {
   using namespace supple;
-  const auto mesh = std::make_shared<const surface::TriangleMesh>(surface::load_mesh(bytes_of(path)));
+  const auto mesh = std::make_shared<const surface::TriangleMesh>(surface::load_mesh_file(path));
   // The solver stores everything that depends on the mesh alone. It may be used by several threads at once.
   const surface::GeodesicSolver solver(mesh);
 
@@ -47,15 +37,13 @@ void print_distance(const char* path) {
 
 }  // namespace
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   if (count != 2) {
     std::cerr << "usage: geodesic_distance MESH\n";
     return 2;
   }
-  try {
-    print_distance(arguments[1]);
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
-    return 1;
-  }
+  print_distance(arguments[1]);
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

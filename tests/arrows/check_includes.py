@@ -30,7 +30,7 @@ ROOMS = {
     "engine/design": {"base", "numerics", "tiling", "microscale", "neural", "design"},
     "engine/helper": {"base", "numerics", "meshing", "neural", "tiling"},
     "engine/lab": {"base", "files", "numerics", "tiling", "microscale", "dataset", "neural", "training", "lab"},
-    "engine/examples": {"base", "surface", "tiling", "microscale", "neural", "design"},
+    "engine/examples": {"base", "surface", "embedded", "voronoi", "outlines", "tiling", "microscale", "neural", "design", "weave"},
     "server/problem": {"base", "problem"},
     "server/log": {"log"},
     "server/budget": {"base", "problem", "budget"},

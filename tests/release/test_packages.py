@@ -76,6 +76,9 @@ def test_a_package_depends_on_the_libraries_of_its_programs() -> None:
         for library in libraries:
             assert library in field(name, "Depends"), name
     assert "libeigen3-dev" in field("libsupple-dev", "Depends")
+    for library in ("libhdf5-dev", "libpolyclipping-dev", "libpugixml-dev", "libzip-dev", "libfmt-dev"):
+        assert library not in field("libsupple-dev", "Depends"), "geodesics do without it"
+        assert library in field("libsupple-dev", "Recommends"), "other components use it"
     assert "torch" not in "".join(field(name, "Depends") for name in NAMES), "training stays where networks are trained"
 
 

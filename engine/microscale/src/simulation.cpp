@@ -303,4 +303,9 @@ SimulationResult Simulator::run(const Load& load, const Execution& execution) {
 
 const tiling::PeriodicMesh& Simulator::mesh() const { return *implementation_->cell.mesh(); }
 
+SimulationResult simulate(const tiling::Structure& structure, const Load& load, const SimulationOptions& options,
+                          const Execution& execution) {
+  return Simulator(structure, options, execution).run(load, execution);
+}
+
 }  // namespace supple::microscale

@@ -3,6 +3,8 @@
 #include <map>
 #include <tuple>
 
+#include "supple/numerics/rows.h"
+
 namespace supple::microscale {
 
 UnwrappedMesh unwrap(const tiling::PeriodicMesh& mesh) {
@@ -31,5 +33,11 @@ Eigen::Matrix2Xd positions(const UnwrappedMesh& mesh, const Eigen::Matrix2d& lat
   }
   return result;
 }
+
+Eigen::MatrixXd vertices_of(const UnwrappedMesh& mesh, const Eigen::Matrix2d& lattice, const Eigen::Matrix2Xd& nodes) {
+  return positions(mesh, lattice, nodes).transpose();
+}
+
+Eigen::MatrixXi faces_of(const UnwrappedMesh& mesh) { return numerics::rows_of(mesh.triangles).leftCols<3>(); }
 
 }  // namespace supple::microscale

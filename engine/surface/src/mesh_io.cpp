@@ -2,9 +2,12 @@
 
 #include <bit>
 #include <charconv>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "mesh_reading.h"
+#include "supple/base/error.h"
 #include "supple/base/stop_pace.h"
 
 namespace supple::surface {
@@ -61,6 +64,13 @@ TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimi
 TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   TriangleSoup soup = read_mesh(bytes, detect_format(bytes), limits, execution);
   return TriangleMesh::build(std::move(soup.positions), std::move(soup.faces), std::move(soup.warnings), execution);
+}
+
+TriangleMesh load_mesh_file(const std::filesystem::path& path, const MeshLimits& limits, const Execution& execution) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) throw Error("file.unreadable", path.string() + ": there is no such file, or it may not be read.");
+  return load_mesh(bytes, limits, execution);
 }
 
 std::string write_obj(const TriangleMesh& mesh, const Execution& execution) {

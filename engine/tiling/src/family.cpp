@@ -81,9 +81,7 @@ void check_bounds(const Family& family, std::span<const double> parameters, doub
 
 void check_area(const Family& family, const Tiling& tiling) {
   if (family.holes_may_close) return;
-  std::vector<double> presets;
-  for (const Parameter& parameter : family.parameters) presets.push_back(parameter.preset);
-  const double ratio = area(tiling.tiles[0]) / area(family.shape(presets).tiles[0]);
+  const double ratio = area(tiling.tiles[0]) / area(family.shape(presets(family)).tiles[0]);
   if (ratio < min_area_ratio) {
     std::ostringstream message;
     message << "The tile has " << 100 * ratio << " % of the default tile's area; the least allowed is "

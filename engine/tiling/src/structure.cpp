@@ -343,6 +343,11 @@ Structure make_structure(const Family& family, std::span<const double> parameter
   return structure;
 }
 
+Structure make_structure(std::string_view family_id, std::span<const double> parameters) {
+  const Family& found = family(family_id);
+  return parameters.empty() ? make_structure(found, presets(found)) : make_structure(found, parameters);
+}
+
 Structure scaled(Structure structure, double beam_width) {
   const double factor = beam_width / structure.beam_width;
   const auto scale = [factor](Polygon& polygon) {

@@ -44,6 +44,17 @@ TEST(UnwrappedMesh, HasNodesOfOppositeSidesTwiceAndAllTrianglesWhereTheyLieAtRes
   }
 }
 
+TEST(UnwrappedMesh, HasOneRowForEachPointAndForTheCornersOfEachTriangle) {
+  const auto mesh = plus();
+  const auto unwrapped = unwrap(mesh);
+  const Eigen::MatrixXd vertices = vertices_of(unwrapped, mesh.lattice, mesh.nodes);
+  const Eigen::MatrixXi faces = faces_of(unwrapped);
+  EXPECT_EQ(vertices, positions(unwrapped, mesh.lattice, mesh.nodes).transpose());
+  ASSERT_EQ(faces.rows(), static_cast<Eigen::Index>(mesh.triangles.size()));
+  for (int t = 0; t < faces.rows(); ++t)
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(Eigen::Vector2d(vertices.row(faces(t, k)).transpose()), mesh.corner(t, k));
+}
+
 TEST(UnwrappedMesh, FollowsTheDeformedTranslations) {
   const auto mesh = plus();
   const Eigen::Matrix2d f = (Eigen::Matrix2d() << 1.2, 0.3, -0.1, 0.9).finished();

@@ -10,7 +10,6 @@
 namespace supple::tiling::testing {
 
 using supple::testing::preset_structure;
-using supple::testing::presets;
 
 /// Random parameters, uniform in the family's box, which is widened by `margin` of its width on either side.
 std::vector<double> random_parameters(const Family& family, RandomStream& random, double margin = 0);

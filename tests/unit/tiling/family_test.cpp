@@ -16,7 +16,6 @@ namespace {
 
 using supple::testing::expect_error;
 using supple::testing::places;
-using testing::presets;
 using testing::random_parameters;
 using testing::windings;
 

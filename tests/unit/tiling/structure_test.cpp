@@ -15,7 +15,6 @@ namespace {
 
 using supple::testing::expect_error;
 using testing::preset_structure;
-using testing::presets;
 using testing::random_parameters;
 
 double distance_to_outline(const Polygon& polygon, const Eigen::Vector2d& p) {

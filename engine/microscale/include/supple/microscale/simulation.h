@@ -178,4 +178,8 @@ class Simulator {
   std::unique_ptr<Implementation> implementation_;
 };
 
+/// Meshes a structure and loads it once, with a Simulator of its own. Throws what Simulator and Simulator::run throw.
+SimulationResult simulate(const tiling::Structure& structure, const Load& load, const SimulationOptions& options = {},
+                          const Execution& execution = {});
+
 }  // namespace supple::microscale

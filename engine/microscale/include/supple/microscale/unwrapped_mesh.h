@@ -27,4 +27,9 @@ UnwrappedMesh unwrap(const tiling::PeriodicMesh& mesh);
 /// `lattice` the patch's translations, at rest or in a deformed state.
 Eigen::Matrix2Xd positions(const UnwrappedMesh& mesh, const Eigen::Matrix2d& lattice, const Eigen::Matrix2Xd& nodes);
 
+/// The mesh as matrices with one row for each point or triangle: the points' positions, mm, and the corners of the
+/// triangles, without the midpoints of their sides.
+Eigen::MatrixXd vertices_of(const UnwrappedMesh& mesh, const Eigen::Matrix2d& lattice, const Eigen::Matrix2Xd& nodes);
+Eigen::MatrixXi faces_of(const UnwrappedMesh& mesh);
+
 }  // namespace supple::microscale

@@ -19,7 +19,7 @@ PathSlopes path_slopes(const UniaxialFrame& frame, const Eigen::Matrix3d& tangen
 /// The properties of a design on which its error bars depend.
 struct DesignFeatures {
   Eigen::VectorXd mapped;            ///< parameters, mapped linearly from their bounds to [-1, 1]
-  double rest_stiffness = 1;         ///< Evaluator::Design::rest_stiffness, MPa
+  double rest_stiffness = 1;         ///< BasicEvaluator::Design::rest_stiffness, MPa
   Eigen::Matrix3d rest_tangent;      ///< MPa; used by uniaxial_features only
   Eigen::Vector3d rest_eigenvalues;  ///< eigenvalues of the rest tangent, increasing
 };

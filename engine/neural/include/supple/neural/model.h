@@ -36,8 +36,9 @@ struct SplitErrors {
 struct StrainRange {
   double smallest_principal = 0;  ///< least principal Green strain of the training rows
   double largest_principal = 0;   ///< greatest principal Green strain of the training rows
-  /// Greatest ratio of the energy density to the rest stiffness s of its design (Evaluator::Design::rest_stiffness). A
-  /// strain with a larger ratio is far from all simulated paths, for example along a stiff direction.
+  /// Greatest ratio of the energy density to the rest stiffness s of its design
+  /// (BasicEvaluator::Design::rest_stiffness). A strain with a larger ratio is far from all simulated paths, for
+  /// example along a stiff direction.
   double largest_relative_energy = 0;
 };
 
@@ -75,8 +76,8 @@ std::optional<double> mean_stress_error(const Model& model);
 std::vector<std::size_t> best_of_families(std::span<const Model* const> models);
 
 /// Whether these parameters and this strain (E_xx, E_yy, 2 E_xy) lie within the ranges on which the model was trained.
-/// `energy_density` is the one that the model predicts there, and `rest_stiffness` is Evaluator::Design::rest_stiffness
-/// of the design. The bounds of the parameters allow for rounding.
+/// `energy_density` is the one that the model predicts there, and `rest_stiffness` is
+/// BasicEvaluator::Design::rest_stiffness of the design. The bounds of the parameters allow for rounding.
 bool in_range(const Model& model, std::span<const double> parameters, const Eigen::Vector3d& strain,
               double energy_density, double rest_stiffness);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -45,6 +46,10 @@ TriangleSoup read_mesh(std::string_view bytes, MeshFormat format, const MeshLimi
 
 /// Reads a mesh of the detected format (read_mesh) and builds it (TriangleMesh::build). Its warnings are those of both.
 TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits = {}, const Execution& execution = {});
+
+/// Reads and builds the mesh in a file. Throws "file.unreadable" if the file cannot be read, and what load_mesh throws.
+TriangleMesh load_mesh_file(const std::filesystem::path& path, const MeshLimits& limits = {},
+                            const Execution& execution = {});
 
 std::string write_obj(const TriangleMesh& mesh, const Execution& execution = {});
 /// Binary little-endian PLY with double coordinates and int32 indices. It is the canonical form: equal meshes give

@@ -62,6 +62,9 @@ const std::vector<Family>& families();
 /// The family with an id. Throws "tiling.family_not_found", which lists all families.
 const Family& family(std::string_view id);
 
+/// The default parameters of a family.
+std::vector<double> presets(const Family& family);
+
 /// Checks the parameters and makes the tiling. Throws "tiling.parameter_count", "tiling.parameter_out_of_bounds" (which
 /// names each parameter with its bounds and value) and "tiling.cell_too_small" (a tile has less than 10 % of the area
 /// of the default tile, and the family's holes may not close). `box_margin` widens the bounds by this fraction of their

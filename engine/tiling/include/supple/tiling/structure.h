@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "supple/tiling/family.h"
@@ -33,6 +35,10 @@ struct Structure {
 /// the beams close all holes of a tile in a family that does not allow it. O(n log n) for n sides of the tiles around a
 /// cell, which is some milliseconds.
 Structure make_structure(const Family& family, std::span<const double> parameters, double box_margin = 0);
+
+/// The structure of the family with this id, such as "IH21", at parameters or, without them, at the family's default.
+/// Throws what `family` and the function above throw.
+Structure make_structure(std::string_view family_id, std::span<const double> parameters = {});
 
 /// The same structure with beams of another width in millimetres: everything else scales with it.
 Structure scaled(Structure structure, double beam_width);

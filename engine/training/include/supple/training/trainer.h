@@ -48,7 +48,7 @@ struct EnergySymmetry {
 };
 
 /// The loss of a row is the weighted sum of the losses of its relative errors of energy, of stress, and of its tangent
-/// C along a random direction v. Directions are drawn among those with v^T C v = 1 (LabelledBatch::whitening).
+/// C along a random direction v. Directions are drawn among those with v^T C v = 1.
 /// Structures of beams are a hundred times softer along some strains than along others. With directions that are drawn
 /// uniformly, errors of the stiff strains would hide those of the soft ones, which determine the stiffness under a
 /// load.
