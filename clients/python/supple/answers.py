@@ -6,17 +6,15 @@ Lengths are in mesh units (the unit of the mesh's coordinates), angles in radian
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Annotated, Any, Dict, Optional, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ._arrays import Array as Array
+from ._arrays import Array, Indices, Positions, Vector3
 from .drawing import RED, Drawing, Line
-from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
+from .points import PlacedPoint, SurfacePoint
 from .shown import Drawn, Shown
-
-Vector3 = Tuple[float, float, float]
+from .wire import ACCURACY, LOCAL, At, by_name
 
 
 @dataclass(frozen=True, repr=False)
@@ -30,7 +28,7 @@ class Cost(Shown):
     """
 
     seconds: float
-    stages: Dict[str, float]
+    stages: Annotated[Dict[str, float], At(read=by_name("seconds"))]
     quantities: Dict[str, float]
 
 
@@ -73,16 +71,20 @@ class MeshInfo(Shown):
     boundary_loops: int
     genus: int
     saddle_vertices: int
-    lower: Vector3
-    upper: Vector3
-    diagonal: float
+    lower: Annotated[Vector3, At("/bounding_box/lower")]
+    upper: Annotated[Vector3, At("/bounding_box/upper")]
+    diagonal: Annotated[float, At("/bounding_box/diagonal")]
     area: float
-    edge_min: float
-    edge_mean: float
-    edge_max: float
-    angle_min: float
-    angle_max: float
+    edge_min: Annotated[float, At("/edge_length/min")]
+    edge_mean: Annotated[float, At("/edge_length/mean")]
+    edge_max: Annotated[float, At("/edge_length/max")]
+    angle_min: Annotated[float, At("/angle/min")]
+    angle_max: Annotated[float, At("/angle/max")]
     warnings: Tuple[str, ...]
+
+
+def _remaining(vertices: Any) -> Tuple[Tuple[int, ...], ...]:
+    return tuple(() if one is None else tuple(one) if isinstance(one, list) else (one,) for one in vertices)
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,8 +113,8 @@ class MeshRepair(Shown):
     split_edges: int
     split_vertices: int
     removed_vertices: int
-    vertices: Tuple[Tuple[int, ...], ...]
-    faces: NDArray[np.int64]
+    vertices: Annotated[Tuple[Tuple[int, ...], ...], At(read=_remaining)]
+    faces: Indices
 
 
 @dataclass(frozen=True, repr=False)
@@ -125,9 +127,9 @@ class Path(Drawn):
         vertices: for each point the index of the vertex that it is, or None.
     """
 
-    points: Tuple[SurfacePoint, ...]
-    positions: Array
-    vertices: Tuple[Optional[int], ...]
+    points: Annotated[Tuple[SurfacePoint, ...], At("")]
+    positions: Annotated[Positions, At("/*/position")]
+    vertices: Annotated[Tuple[Optional[int], ...], At("/*/vertex")]
 
     def length(self) -> float:
         return float(np.linalg.norm(np.diff(self.positions, axis=0), axis=1).sum())
@@ -160,6 +162,10 @@ class Hessian(Shown):
     tangent: Array
 
 
+def _axes(ends: Any) -> Array:
+    return np.array([ends["from"]["axes"], ends["to"]["axes"]], dtype=np.float64)
+
+
 @dataclass(frozen=True, repr=False)
 class Geodesic(Drawn):
     """A shortest path between two points.
@@ -180,8 +186,8 @@ class Geodesic(Drawn):
         points_in_space: the nearest points on the surface of those ends that were given as points in space.
     """
 
-    distance: float
-    unreachable: bool
+    distance: float = float("inf")
+    unreachable: bool = False
     unique: bool = True
     near_cut_locus: bool = False
     competing_excess: float = float("inf")
@@ -189,9 +195,9 @@ class Geodesic(Drawn):
     differentiable: Optional[bool] = None
     gradient: Optional[Gradient] = None
     hessian: Optional[Hessian] = None
-    frames: Optional[Array] = None
+    frames: Annotated[Optional[Array], At(read=_axes)] = None
     path: Optional[Path] = None
-    points_in_space: Tuple[PlacedPoint, ...] = ()
+    points_in_space: Annotated[Tuple[PlacedPoint, ...], LOCAL] = ()
 
     def _drawing(self) -> Optional[Drawing]:
         return None if self.path is None else self.path._drawing()
@@ -247,7 +253,7 @@ class KarcherMean(Shown):
     position: Vector3
     objective: float
     gradient_norm: float
-    gradient_tolerance: float
+    gradient_tolerance: Annotated[float, ACCURACY]
     iterations: int
     start: int
     stopped: str
@@ -288,119 +294,3 @@ class ExponentialMap(Drawn):
 
     def _drawing(self) -> Optional[Drawing]:
         return None if self.trace is None else self.trace._drawing()
-
-
-def _vector(values: List[float]) -> Vector3:
-    x, y, z = values
-    return (float(x), float(y), float(z))
-
-
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
-
-
-def mesh_info_from_wire(document: Mapping[str, Any]) -> MeshInfo:
-    box, edge, angle = document["bounding_box"], document["edge_length"], document["angle"]
-    counts = ("vertices", "faces", "edges", "components", "boundary_loops", "genus", "saddle_vertices")
-    return MeshInfo(
-        id=document["id"],
-        created=document["created"],
-        **{name: int(document[name]) for name in counts},
-        lower=_vector(box["lower"]),
-        upper=_vector(box["upper"]),
-        diagonal=box["diagonal"],
-        area=document["area"],
-        edge_min=edge["min"],
-        edge_mean=edge["mean"],
-        edge_max=edge["max"],
-        angle_min=angle["min"],
-        angle_max=angle["max"],
-        warnings=tuple(document["warnings"]),
-    )
-
-
-def mesh_repair_from_wire(document: Mapping[str, Any]) -> MeshRepair:
-    def places(entry: Any) -> Tuple[int, ...]:
-        return () if entry is None else tuple(entry) if isinstance(entry, list) else (entry,)
-
-    counts = ("welded_vertices", "dropped_degenerate_faces", "dropped_duplicate_faces", "split_edges", "split_vertices",
-              "removed_vertices")
-    return MeshRepair(
-        **{name: int(document[name]) for name in counts},
-        made=tuple(document["made"]),
-        weld_distance=float(document["weld_distance"]),
-        vertices=tuple(places(entry) for entry in document["vertices"]),
-        faces=np.array([-1 if face is None else face for face in document["faces"]], dtype=np.int64),
-    )
-
-
-def cost_from_wire(document: Mapping[str, Any]) -> Cost:
-    stages = {stage["name"]: float(stage["seconds"]) for stage in document["stages"]}
-    return Cost(float(document["seconds"]), stages, dict(document["quantities"]))
-
-
-def effects_from_wire(documents: List[Mapping[str, Any]]) -> Tuple[Effect, ...]:
-    return tuple(Effect(e["name"], e["ran"], e["why"], int(e["count"]), float(e["seconds"])) for e in documents)
-
-
-def path_from_wire(points: Optional[List[Dict[str, Any]]]) -> Optional[Path]:
-    if points is None:
-        return None
-    return Path(
-        points=tuple(point_from_wire(point) for point in points),
-        positions=_array([point["position"] for point in points]).reshape(-1, 3),
-        vertices=tuple(point.get("vertex") for point in points),
-    )
-
-
-def geodesic_from_wire(result: Mapping[str, Any], placed: Tuple[PlacedPoint, ...] = ()) -> Geodesic:
-    if result["unreachable"]:
-        return Geodesic(distance=float("inf"), unreachable=True, points_in_space=placed)
-    gradient, hessian, frames = result.get("gradient"), result.get("hessian"), result.get("frames")
-    return Geodesic(
-        distance=float(result["distance"]),
-        unreachable=False,
-        unique=result.get("unique", True),
-        near_cut_locus=result.get("near_cut_locus", False),
-        competing_excess=result.get("competing_excess", float("inf")),
-        pinned_at=tuple(result.get("pinned_at", ())),
-        differentiable=result.get("differentiable"),
-        gradient=Gradient(_array(gradient["barycentric"]), _array(gradient["tangent"])) if gradient else None,
-        hessian=Hessian(_array(hessian["barycentric"]), _array(hessian["tangent"])) if hessian else None,
-        frames=_array([frames["from"]["axes"], frames["to"]["axes"]]) if frames else None,
-        path=path_from_wire(result.get("path")),
-        points_in_space=placed,
-    )
-
-
-def karcher_mean_from_wire(document: Mapping[str, Any]) -> KarcherMean:
-    return KarcherMean(
-        mean=point_from_wire(document["mean"]),
-        position=_vector(document["position"]),
-        objective=document["objective"],
-        gradient_norm=document["gradient_norm"],
-        gradient_tolerance=document["accuracy"]["gradient_tolerance"],
-        iterations=document["iterations"],
-        start=document["start"],
-        stopped=document["stopped"],
-        history=tuple(
-            KarcherStep(s["objective"], s["gradient_norm"], s["step_length"], s["regularization"])
-            for s in document["history"]
-        ),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-        points_in_space=placed_points_from_wire(document),
-    )
-
-
-def exponential_map_from_wire(document: Mapping[str, Any]) -> ExponentialMap:
-    return ExponentialMap(
-        end=point_from_wire(document["end"]),
-        position=_vector(document["position"]),
-        end_direction=_vector(document["end_direction"]),
-        length=document["length"],
-        reached_boundary=document["reached_boundary"],
-        transport_angle=document["transport_angle"],
-        trace=path_from_wire(document.get("trace")),
-        points_in_space=placed_points_from_wire(document),
-    )

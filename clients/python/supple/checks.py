@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+import sys
 import warnings
-from typing import Any, List, Optional, Sequence
+from typing import Any, List, Optional, Sequence, Type
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,12 +24,19 @@ def radians(value: Any, name: str) -> float:
     """An angle as a float. Raises `TypeError` if it is no number; warns with `LikelyDegrees` of one beyond a whole turn."""
     angle = number(value, name, "an angle in radians")
     if abs(angle) > WHOLE_TURN:
-        warnings.warn(
+        warn(
             f"{name}={angle:g} is in radians, more than a whole turn; for {angle:g} degrees write math.radians({angle:g})",
             LikelyDegrees,
-            stacklevel=4,
         )
     return angle
+
+
+def warn(message: str, category: Type[Warning] = UserWarning) -> None:
+    """Warns of something at the line of the caller's program that called this package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").split(".")[0] == __package__:
+        level, frame = level + 1, frame.f_back
+    warnings.warn(message, category, stacklevel=level)
 
 
 def number(value: Any, name: str, what: str = "a number") -> float:

@@ -2,36 +2,42 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple, Type, Union
-from urllib.parse import urlencode
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import designs, simulations, tilings
-from .answers import MeshInfo, mesh_info_from_wire, mesh_repair_from_wire
+from .answers import MeshInfo, MeshRepair
+from .calls import named, runs, submits
+from .connection import Connection
 from .conversion import arrays_of
-from .design_answers import DesignResult, ProfileCurve, RegionDesigns
-from .designs import DesignOptions, Limits, Material, Region, Target
+from .designs import DesignRequest, ProfileRequest, RegionsRequest
+from .drawings import DrawingRequest
 from .errors import ConnectionFailed, RequestTimeout, ServerBusy
-from .jobs import Job, JobStatus, Progress, run, status_from_wire, submit
-from .keys import find_key
-from .loads import Load
-from .maker_calls import MakerCalls
+from .jobs import Job, JobStatus
 from .mesh import Mesh
-from .models import Model, model_info_from_wire
-from .simulations import Simulation
-from .tilings import Family, Structure
-from .transport import Answer, Transport
-from .weave_calls import WeaveCalls
+from .models import Model, ModelInfo
+from .parts import PartFileRequest, PartRequest
+from .request import Request
+from .simulations import SimulationRequest
+from .targets import MeasuredCurveRequest
+from .tilings import Family, StructureFileRequest, StructureRequest
+from .transport import Answer
+from .weave_printing import GcodeReportRequest, WeaveToolpathRequest
+from .weaves import (
+    WeaveDeformationRequest,
+    WeaveHomogenizationRequest,
+    WeaveLayoutRequest,
+    WeavePictureRequest,
+    WeaveSimulationRequest,
+)
+from .wire import decode, decode_all
 
-DEFAULT_URL = "http://127.0.0.1:8080"
 
-
-class Client(WeaveCalls, MakerCalls):
+@named
+class Client(Connection):
     """A connection to one supple-server.
 
     ::
@@ -51,43 +57,12 @@ class Client(WeaveCalls, MakerCalls):
         progress: the `progress` of calls that have none of their own; True shows a bar for all that take longer than a second,
             on a terminal or in a notebook.
 
+    The methods of computations, such as `simulate`, make a request of their arguments and run it: `client.simulate(...)` is
+    `client.run(SimulationRequest(...))`, and `client.start_simulation(...)` is `client.submit(SimulationRequest(...))`, a `Job`.
+    The request's class describes the arguments, and `Request` those that all have: `deadline`, `timeout` and `progress`.
+
     Threads may share a client as far as they may share a `requests.Session`; one client for each thread is always safe.
     """
-
-    def __init__(
-        self,
-        url: Optional[str] = None,
-        *,
-        key: Optional[str] = None,
-        key_file: Optional[Union[str, Path]] = None,
-        timeout: float = 60.0,
-        progress: Optional[Progress] = None,
-    ) -> None:
-        if url is None:
-            url = os.environ.get("SUPPLE_SERVER", DEFAULT_URL)
-        self._transport = Transport(url, timeout, key=find_key(key, key_file), progress=progress)
-
-    def __enter__(self) -> "Client":
-        return self
-
-    def __exit__(
-        self,
-        kind: Optional[Type[BaseException]],
-        error: Optional[BaseException],
-        traceback: Optional[TracebackType],
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Closes the connections. Jobs on the server continue."""
-        self._transport.close()
-
-    @property
-    def url(self) -> str:
-        return self._transport.url
-
-    def __repr__(self) -> str:
-        return f"Client({self.url!r})"
 
     def ready(self) -> bool:
         """Whether a server answers at the address and accepts requests."""
@@ -125,19 +100,13 @@ class Client(WeaveCalls, MakerCalls):
                 raise TypeError(f"{type(mesh).__name__} is neither a file nor a mesh of trimesh, meshio or pyvista")
             return self.upload_arrays(*arrays, repair=repair, weld_tolerance=weld_tolerance)
         content = mesh if isinstance(mesh, bytes) else Path(mesh).read_bytes()
-        path = "/v1/meshes"
         query: Dict[str, str] = {}
         if repair:
             query["repair"] = ",".join(_repair_names(repair))
         if weld_tolerance is not None:
             query["weld_tolerance"] = repr(float(weld_tolerance))
-        if query:
-            path += "?" + urlencode(query, safe=",")
-        return self._created(
-            self._transport.request(
-                "POST", path, body=content, headers={"Content-Type": "application/octet-stream"}, repeatable=True
-            )
-        )
+        headers = {"Content-Type": "application/octet-stream"}
+        return self._created(query=query, body=content, headers=headers)
 
     def upload_arrays(
         self,
@@ -166,357 +135,102 @@ class Client(WeaveCalls, MakerCalls):
             document["repair"] = _repair_names(repair)
         if weld_tolerance is not None:
             document["weld_tolerance"] = float(weld_tolerance)
-        return self._created(self._transport.request("POST", "/v1/meshes", document=document, repeatable=True))
+        return self._created(document=document)
 
-    def _created(self, answer: Answer) -> Mesh:
-        document = answer.json()
-        repair = mesh_repair_from_wire(document["repair"]) if "repair" in document else None
-        return Mesh(self._transport, mesh_info_from_wire(document), repair)
+    def _created(self, **sent: Any) -> Mesh:
+        document = self._transport.request("POST", "/v1/meshes", repeatable=True, **sent).json()
+        repair = decode(MeshRepair, document["repair"]) if "repair" in document else None
+        return Mesh(self._transport, decode(MeshInfo, document), repair)
 
     def mesh(self, mesh_id: str) -> Mesh:
         """A mesh that the server has. Raises `NotFound`."""
-        return Mesh(self._transport, mesh_info_from_wire(self._transport.request("GET", f"/v1/meshes/{mesh_id}").json()))
+        return Mesh(self._transport, decode(MeshInfo, self._get("/v1/meshes", mesh_id)))
 
     def meshes(self) -> Iterator[MeshInfo]:
         """The server's meshes, the newest first."""
-        return map(mesh_info_from_wire, self._entries("/v1/meshes", "meshes", {}))
+        return (decode(MeshInfo, mesh) for mesh in self._entries("/v1/meshes", "meshes", {}))
 
     def families(self) -> List[Family]:
         """The families of tilings that structures are made from."""
-        return tilings.families_from_wire(self._transport.request("GET", "/v1/families").json()["families"])
+        return decode_all(Family, self._get("/v1/families")["families"])
 
     def family(self, family_id: str) -> Family:
         """A family by its id, such as "IH21". Raises `NotFound`."""
-        return tilings.family_from_wire(self._transport.request("GET", f"/v1/families/{family_id}").json())
-
-    def structure(
-        self,
-        family: str,
-        parameters: Optional[Sequence[float]] = None,
-        *,
-        beam_width: Optional[float] = None,
-        mesh_size: Optional[float] = None,
-        corner_size: Optional[float] = None,
-        mesh_region: Optional[str] = None,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-    ) -> Structure:
-        """The beam structure of a tiling: one periodic cell.
-
-        Args:
-            family: id of the family.
-            parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` if they give no valid
-                structure.
-            beam_width: in mm; the whole structure scales with it. 0.3 by default.
-            mesh_size: side length of the triangles over beam width. With any mesh option the cell is meshed, and the result
-                has the mesh's statistics.
-            corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
-            mesh_region: whether single tiles or the whole cell are meshed at a time: "automatic", "tile" or "cell".
-        """
-        computation = tilings.structure(family, parameters, beam_width, mesh_size, corner_size, mesh_region, deadline)
-        return run(self._transport, computation, timeout, None)
-
-    def structure_file(
-        self,
-        family: str,
-        parameters: Optional[Sequence[float]] = None,
-        *,
-        kind: str = "svg",
-        cells: Tuple[int, int] = (2, 2),
-        height: float = 1.0,
-        beam_width: Optional[float] = None,
-        timeout: Optional[float] = None,
-    ) -> bytes:
-        """A structure as a file: `kind` is "svg", "dxf" or "stl" (binary, extruded by `height` mm). Lengths are in mm."""
-        computation = tilings.structure_file(family, parameters, kind, cells, height, beam_width)
-        return run(self._transport, computation, timeout, None)
-
-    def simulate(
-        self,
-        family: str,
-        parameters: Optional[Sequence[float]],
-        load: Load,
-        *,
-        material: Optional[Mapping[str, Any]] = None,
-        mesh_size: Optional[float] = None,
-        corner_size: Optional[float] = None,
-        mesh_region: Optional[str] = None,
-        discretization_error: Optional[float] = None,
-        tolerance: Optional[float] = None,
-        max_load_step: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        contact: Optional[str] = None,
-        patch: Optional[str] = None,
-        buckling: Optional[str] = None,
-        refinement: Optional[str] = None,
-        tangents: bool = True,
-        deformed: str = "none",
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> Simulation:
-        """The homogenized response of a structure along a load path from rest.
-
-        Args:
-            family, parameters: the structure, as in `structure`.
-            load: `GreenStrain`, `Uniaxial` or `Biaxial`.
-            material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 by default.
-            mesh_size, corner_size, mesh_region: as in `structure`. Without `mesh_size` the server chooses the mesh, and reduces
-                its discretization error by extrapolation.
-            discretization_error: permitted relative error of the stress due to the mesh; the server then chooses the mesh.
-                `mesh_size` has precedence if both are given.
-            tolerance: relative residual of an equilibrium. 1e-8 by default.
-            max_load_step: largest change of a component of F in one internal load step.
-            max_iterations: Newton iterations for one load step before it is halved.
-            contact, patch, buckling: "on", "off" or "automatic".
-            refinement: "on" extrapolates the states from the mesh and a finer one; "automatic" does so too, but only estimates
-                the error if `mesh_size` is given; "off" does neither, in about half of the time.
-            tangents: whether tangent stiffnesses are computed.
-            deformed: "json" for the deformed points and triangles of each state, "vtu" for VTK files, "none".
-
-        A path that cannot be followed to its end raises no exception: see `Simulation.message`.
-        """
-        accuracy = _accuracy(
-            mesh_size, corner_size, mesh_region, tolerance, max_load_step, max_iterations, discretization_error
-        )
-        effects = {"contact": contact, "patch": patch, "buckling": buckling, "refinement": refinement}
-        computation = simulations.simulation(
-            family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
-        )
-        return run(self._transport, computation, timeout, progress)
-
-    def start_simulation(
-        self,
-        family: str,
-        parameters: Optional[Sequence[float]],
-        load: Load,
-        *,
-        material: Optional[Mapping[str, Any]] = None,
-        mesh_size: Optional[float] = None,
-        corner_size: Optional[float] = None,
-        mesh_region: Optional[str] = None,
-        discretization_error: Optional[float] = None,
-        tolerance: Optional[float] = None,
-        max_load_step: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        contact: Optional[str] = None,
-        patch: Optional[str] = None,
-        buckling: Optional[str] = None,
-        refinement: Optional[str] = None,
-        tangents: bool = True,
-        deformed: str = "none",
-        deadline: Optional[float] = None,
-    ) -> Job[Simulation]:
-        """`simulate` as a job."""
-        accuracy = _accuracy(
-            mesh_size, corner_size, mesh_region, tolerance, max_load_step, max_iterations, discretization_error
-        )
-        effects = {"contact": contact, "patch": patch, "buckling": buckling, "refinement": refinement}
-        computation = simulations.simulation(
-            family, parameters, load, material, accuracy, effects, tangents, deformed, deadline
-        )
-        return submit(self._transport, computation)
+        return decode(Family, self._get("/v1/families", family_id))
 
     def models(self) -> List[Model]:
         """The neural models that the server has, in the order of their ids."""
-        documents = self._transport.request("GET", "/v1/models").json()["models"]
-        return [Model(self._transport, model_info_from_wire(document)) for document in documents]
+        return [Model(self._transport, info) for info in decode_all(ModelInfo, self._get("/v1/models")["models"])]
 
     def model(self, model_id: str) -> Model:
         """A neural model by its id, such as "ih21". Raises `NotFound`."""
-        return Model(self._transport, model_info_from_wire(self._transport.request("GET", f"/v1/models/{model_id}").json()))
+        return Model(self._transport, decode(ModelInfo, self._get("/v1/models", model_id)))
 
-    def design(
-        self,
-        target: Target,
-        *,
-        family: Optional[str] = None,
-        model: Optional[str] = None,
-        also: Sequence[Target] = (),
-        initial: Optional[Sequence[float]] = None,
-        fixed: Optional[Sequence[Optional[float]]] = None,
-        orientation: Union[float, Tuple[float, float], None] = None,
-        initial_orientation: Optional[float] = None,
-        material: Union[Material, Sequence[Material], None] = None,
-        beam_width: Optional[float] = None,
-        cell_size: Optional[float] = None,
-        limits: Optional[Limits] = None,
-        verify: bool = False,
-        options: Optional[DesignOptions] = None,
-        session: Optional[str] = None,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> DesignResult:
-        """Tiling parameters whose response follows a target profile.
+    structure = runs(StructureRequest)
+    structure_file = runs(StructureFileRequest)
+    simulate = runs(SimulationRequest)
+    start_simulation = submits(SimulationRequest)
 
-        Args:
-            target: the wanted profile.
-            family: id of the family to search; None searches every family that has a model.
-            model: id of the model, instead of a family.
-            also: further targets of the same design.
-            initial: parameters to start from, shape (p,); with a family or model.
-            fixed: values of fixed parameters, and None for those to be found, shape (p,); with a family or model.
-            orientation: angle by which the tiling is rotated counterclockwise, radians, or a pair (least, greatest) at most pi
-                apart, between which the search finds it. 0 by default. Directions do not rotate with the tiling.
-            initial_orientation: the orientation that belongs to `initial`.
-            material: the material of the structure, or several materials, of which the search chooses the best for the
-                targets; None takes the material of the model's data.
-            beam_width, cell_size: the size of the structure in mm, given by one of the two; its response does not depend on
-                it. Beams of 0.3 mm by default.
-            limits: limits of the structure's size and density. Raises `InvalidDesign` if no design is within them.
-            verify: whether the design is also simulated at its native scale and corrected until the simulation follows the
-                target (`DesignOptions.polish`); this takes seconds to minutes.
-            session: a newer request of the same session replaces this one while it runs (`Superseded`).
+    design = runs(DesignRequest)
+    start_design = submits(DesignRequest)
+    design_regions = runs(RegionsRequest)
+    start_design_regions = submits(RegionsRequest)
+    profile = runs(ProfileRequest)
+    start_profile = submits(ProfileRequest)
+    measured_curve = runs(MeasuredCurveRequest)
 
-        A target that no design reaches raises no exception: see `Design.reached` and `Design.message`. Raises `InvalidDesign`.
-        """
-        problem = Region(
-            target, None, family, model, also, initial, fixed, orientation, initial_orientation, material, beam_width, cell_size,
-            limits,
-        )
-        return run(self._transport, designs.design(problem, options, verify, session, deadline), timeout, progress)
+    drawing = runs(DrawingRequest)
+    part = runs(PartRequest)
+    part_file = runs(PartFileRequest)
 
-    def start_design(
-        self,
-        target: Target,
-        *,
-        family: Optional[str] = None,
-        model: Optional[str] = None,
-        also: Sequence[Target] = (),
-        initial: Optional[Sequence[float]] = None,
-        fixed: Optional[Sequence[Optional[float]]] = None,
-        orientation: Union[float, Tuple[float, float], None] = None,
-        initial_orientation: Optional[float] = None,
-        material: Union[Material, Sequence[Material], None] = None,
-        beam_width: Optional[float] = None,
-        cell_size: Optional[float] = None,
-        limits: Optional[Limits] = None,
-        verify: bool = False,
-        options: Optional[DesignOptions] = None,
-        session: Optional[str] = None,
-        deadline: Optional[float] = None,
-    ) -> Job[DesignResult]:
-        """`design` as a job, whose `status().partial` is the best design so far."""
-        problem = Region(
-            target, None, family, model, also, initial, fixed, orientation, initial_orientation, material, beam_width, cell_size,
-            limits,
-        )
-        return submit(self._transport, designs.design(problem, options, verify, session, deadline))
-
-    def design_regions(
-        self,
-        regions: Sequence[Region],
-        *,
-        verify: bool = False,
-        options: Optional[DesignOptions] = None,
-        session: Optional[str] = None,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> RegionDesigns:
-        """A design for each region of a product, for example forefoot, midfoot and heel of a sole; see `design`."""
-        computation = designs.design_regions(regions, options, verify, session, deadline)
-        return run(self._transport, computation, timeout, progress)
-
-    def start_design_regions(
-        self,
-        regions: Sequence[Region],
-        *,
-        verify: bool = False,
-        options: Optional[DesignOptions] = None,
-        session: Optional[str] = None,
-        deadline: Optional[float] = None,
-    ) -> Job[RegionDesigns]:
-        """`design_regions` as a job."""
-        return submit(self._transport, designs.design_regions(regions, options, verify, session, deadline))
-
-    def profile(
-        self,
-        task: str,
-        parameters: Sequence[float],
-        *,
-        family: Optional[str] = None,
-        model: Optional[str] = None,
-        direction: Optional[float] = None,
-        strain: Optional[float] = None,
-        strain_measure: Optional[str] = None,
-        x: Optional[ArrayLike] = None,
-        limits: Optional[Tuple[float, float]] = None,
-        samples: Optional[int] = None,
-        equilibrium_tolerance: Optional[float] = None,
-        orientation: Optional[float] = None,
-        material: Optional[Material] = None,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> ProfileCurve:
-        """The profile of given parameters, by the neural model of their family.
-
-        Args:
-            task, direction, strain, strain_measure: what the profile shows, as in `Target`.
-            parameters: parameters of the design, shape (p,), dimensionless.
-            family, model: the family or the model of the parameters; one of the two.
-            x: strains or angles in radians, shape (n,), in any order.
-            limits: first and last strain, instead of `x`; (-0.1, 0.2) by default. Directions always cover half a turn.
-            samples: number of evenly spaced samples. 31 by default, 50 over directions.
-            equilibrium_tolerance: relative residual of an equilibrium. 1e-10 by default.
-            orientation: angle by which the tiling is rotated counterclockwise, radians. 0 by default.
-            material: the material of the structure, with one Young's modulus; None takes that of the model's data.
-        """
-        computation = designs.profile(
-            task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, orientation, material, deadline,
-        )
-        return run(self._transport, computation, timeout, progress)
-
-    def start_profile(
-        self,
-        task: str,
-        parameters: Sequence[float],
-        *,
-        family: Optional[str] = None,
-        model: Optional[str] = None,
-        direction: Optional[float] = None,
-        strain: Optional[float] = None,
-        strain_measure: Optional[str] = None,
-        x: Optional[ArrayLike] = None,
-        limits: Optional[Tuple[float, float]] = None,
-        samples: Optional[int] = None,
-        equilibrium_tolerance: Optional[float] = None,
-        orientation: Optional[float] = None,
-        material: Optional[Material] = None,
-        deadline: Optional[float] = None,
-    ) -> Job[ProfileCurve]:
-        """`profile` as a job."""
-        computation = designs.profile(
-            task, parameters, family, model, direction, strain, strain_measure, x, limits, samples,
-            equilibrium_tolerance, orientation, material, deadline,
-        )
-        return submit(self._transport, computation)
+    weave_layout = runs(WeaveLayoutRequest)
+    weave_picture = runs(WeavePictureRequest)
+    weave_homogenization = runs(WeaveHomogenizationRequest)
+    start_weave_homogenization = submits(WeaveHomogenizationRequest)
+    weave_deformation = runs(WeaveDeformationRequest)
+    start_weave_deformation = submits(WeaveDeformationRequest)
+    weave_simulation = runs(WeaveSimulationRequest)
+    start_weave_simulation = submits(WeaveSimulationRequest)
+    weave_toolpath = runs(WeaveToolpathRequest)
+    start_weave_toolpath = submits(WeaveToolpathRequest)
+    gcode_report = runs(GcodeReportRequest)
+    start_gcode_report = submits(GcodeReportRequest)
 
     def jobs(self, state: Optional[str] = None) -> Iterator[JobStatus]:
         """The server's jobs, the newest first; only those in `state` if it is given."""
-        return map(status_from_wire, self._entries("/v1/jobs", "jobs", {} if state is None else {"state": state}))
+        query = {} if state is None else {"state": state}
+        return (decode(JobStatus, job) for job in self._entries("/v1/jobs", "jobs", query))
 
     def job(self, job_id: str) -> Job[Any]:
         """A job by its id; its `result` is the decoded JSON, or bytes for a binary field or a file. Raises `NotFound`."""
-        self._transport.request("GET", f"/v1/jobs/{job_id}")
+        self._get("/v1/jobs", job_id)
+        return Job(self._transport, job_id, _AnyRequest())
 
-        def decode(answer: Answer) -> Any:
-            return answer.json() if answer.content_type == "application/json" else answer.content
-
-        return Job(self._transport, job_id, decode, "*/*")
+    def _get(self, path: str, of: Optional[str] = None) -> Any:
+        return self._transport.request("GET", path if of is None else f"{path}/{quote(of, safe='')}").json()
 
     def _entries(self, path: str, key: str, query: Dict[str, str]) -> Iterator[Dict[str, Any]]:
         """Every entry of a list that the server sends in pages."""
         while True:
-            parameters = "&".join(f"{name}={value}" for name, value in query.items())
-            page = self._transport.request("GET", path + ("?" + parameters if parameters else "")).json()
+            page = self._transport.request("GET", path, query=query).json()
             yield from page[key]
             if "next" not in page:
                 return
             query = {**query, "after": page["next"]}
+
+
+class _AnyRequest(Request[Any]):
+    """The request of a job that another client submitted."""
+
+    timeout = None
+    progress = None
+
+    @property
+    def accept(self) -> str:
+        return "*/*"
+
+    def decode(self, answer: Answer) -> Any:
+        return answer.json() if answer.content_type == "application/json" else answer.content
 
 
 def _repair_names(repair: Union[str, Sequence[str]]) -> List[str]:
@@ -526,23 +240,3 @@ def _repair_names(repair: Union[str, Sequence[str]]) -> List[str]:
     if isinstance(repair, str):
         raise TypeError(f"repair is {repair!r}; expected a sequence of names such as [{repair!r}]")
     return list(repair)
-
-
-def _accuracy(
-    mesh_size: Optional[float],
-    corner_size: Optional[float],
-    mesh_region: Optional[str],
-    tolerance: Optional[float],
-    max_load_step: Optional[float],
-    max_iterations: Optional[int],
-    discretization_error: Optional[float],
-) -> Dict[str, Any]:
-    return {
-        "mesh_size": mesh_size,
-        "corner_size": corner_size,
-        "mesh_region": mesh_region,
-        "tolerance": tolerance,
-        "max_load_step": max_load_step,
-        "max_iterations": max_iterations,
-        "discretization_error": discretization_error,
-    }

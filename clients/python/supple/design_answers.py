@@ -7,16 +7,17 @@ whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, Optional, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from ._arrays import Array, Flags
+from .answers import Cost, Effect
 from .drawing import ORANGE, RED, Drawing, Line, curve
 from .shown import Drawn, Shown, short_text
+from .wire import ACCURACY, At
 
-Flags = NDArray[np.bool_]
+Name = Annotated[str, At("/name", missing="")]
 
 
 def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...]) -> Drawing:
@@ -139,8 +140,8 @@ class DesignProfile(Drawn):
     error_bar: Optional[Array]
     in_range: Flags
     reached: Flags
-    lower: Optional[Array]
-    upper: Optional[Array]
+    lower: Annotated[Optional[Array], At("/envelope/lower")]
+    upper: Annotated[Optional[Array], At("/envelope/upper")]
     verified: Optional[Verification]
 
     def _drawing(self) -> Drawing:
@@ -187,7 +188,7 @@ class MadeOf(Shown):
         density: in g/cm^3.
     """
 
-    name: str
+    name: Name
     youngs_modulus: float
     law: str
     poisson_ratio: float
@@ -209,6 +210,10 @@ class StructureSize(Shown):
     cell_size: Optional[float]
     relative_density: Optional[float]
     density: Optional[float]
+
+
+def _files(structure: Any) -> Dict[str, str]:
+    return {kind: structure[kind] for kind in ("svg", "dxf", "stl")}
 
 
 @dataclass(frozen=True, repr=False)
@@ -235,7 +240,7 @@ class Design(Drawn):
         structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
     """
 
-    name: str
+    name: Name
     family: str
     model: str
     sha256: str
@@ -250,10 +255,10 @@ class Design(Drawn):
     message: str
     polish: Optional[Polish]
     ranking: Tuple[DesignCandidate, ...]
-    structure: Dict[str, str]
+    structure: Annotated[Dict[str, str], At(read=_files)]
     orientation: float
     material: MadeOf
-    size: StructureSize
+    size: Annotated[StructureSize, At("/structure")]
 
     def _drawing(self) -> Drawing:
         off = 100 * self.error.relative_rms
@@ -271,9 +276,9 @@ class DesignResult(Design):
         effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
     """
 
-    tolerance: float
-    equilibrium_tolerance: float
-    residual: float
+    tolerance: Annotated[float, ACCURACY]
+    equilibrium_tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[float, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -283,9 +288,9 @@ class RegionDesigns(Shown):
     """The designs of several regions, in their order, with accuracy and cost; the fields are those of `DesignResult`."""
 
     regions: Tuple[Design, ...]
-    tolerance: float
-    equilibrium_tolerance: float
-    residual: float
+    tolerance: Annotated[float, ACCURACY]
+    equilibrium_tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[float, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -301,7 +306,7 @@ class PartialDesign(Shown):
         orientation: angle by which the tiling is rotated, radians.
     """
 
-    name: str
+    name: Name
     family: str
     model: str
     parameters: Array
@@ -320,7 +325,7 @@ class PartialRound(Shown):
         name: name of its region; may be empty.
     """
 
-    name: str
+    name: Name
     family: str
     model: str
     round: PolishRound
@@ -355,8 +360,8 @@ class ProfileCurve(Drawn):
     in_range: Flags
     orientation: float
     material: MadeOf
-    equilibrium_tolerance: float
-    residual: float
+    equilibrium_tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[float, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -364,202 +369,3 @@ class ProfileCurve(Drawn):
         title = f"{self.family} {short_text(self.parameters)}"
         line = curve(self.x, self.y, label="neural model")
         return replace(profile_drawing(self.task, self.direction is not None, (line,)), title=title)
-
-
-def _array(values: Any) -> Array:
-    """The values as an array, with nan for None."""
-    return np.asarray([np.nan if value is None else value for value in values], dtype=np.float64)
-
-
-def _flags(values: Any) -> Flags:
-    return np.asarray(values, dtype=np.bool_)
-
-
-def _optional(document: Mapping[str, Any], name: str) -> Optional[float]:
-    return float(document[name]) if name in document else None
-
-
-def _number_or_none(value: Any) -> Optional[float]:
-    return None if value is None else float(value)
-
-
-def _error(document: Mapping[str, Any]) -> DesignError:
-    return DesignError(relative_rms=float(document["relative_rms"]), max=float(document["max"]))
-
-
-def _verification(document: Optional[Mapping[str, Any]]) -> Optional[Verification]:
-    if document is None:
-        return None
-    return Verification(
-        x=_array(document["x"]),
-        y=_array(document["y"]),
-        target=_array(document["target"]),
-        model=_array(document["model"]),
-        relative_rms=_optional(document, "relative_rms"),
-        target_error=_number_or_none(document["target_error"]),
-        discretization_error=_number_or_none(document["discretization_error"]),
-    )
-
-
-def _round(document: Mapping[str, Any]) -> PolishRound:
-    return PolishRound(
-        proposal=str(document["proposal"]),
-        parameters=_array(document["parameters"]),
-        target_error=_number_or_none(document["target_error"]),
-        accepted=bool(document["accepted"]),
-        reason=str(document["reason"]),
-        seconds=float(document["seconds"]),
-        orientation=float(document["orientation"]),
-    )
-
-
-def _polish(document: Optional[Mapping[str, Any]]) -> Optional[Polish]:
-    if document is None:
-        return None
-    return Polish(
-        target_error=_number_or_none(document["target_error"]),
-        stopped=str(document["stopped"]),
-        rounds=tuple(_round(one) for one in document["rounds"]),
-    )
-
-
-def _bars(values: Optional[Sequence[Optional[float]]]) -> Optional[Array]:
-    return None if values is None else _array(values)
-
-
-def _profile(document: Mapping[str, Any]) -> DesignProfile:
-    envelope = document["envelope"]
-    return DesignProfile(
-        task=str(document["task"]),
-        direction=_optional(document, "direction"),
-        strain=_optional(document, "strain"),
-        strain_measure=str(document["strain_measure"]),
-        x=_array(document["x"]),
-        target=_array(document["target"]),
-        initial=_array(document["initial"]),
-        achieved=_array(document["achieved"]),
-        error_bar=_bars(document["error_bar"]),
-        in_range=_flags(document["in_range"]),
-        reached=_flags(document["reached"]),
-        lower=None if envelope is None else _array(envelope["lower"]),
-        upper=None if envelope is None else _array(envelope["upper"]),
-        verified=_verification(document["verified"]),
-    )
-
-
-def _made_of(document: Mapping[str, Any]) -> MadeOf:
-    return MadeOf(
-        name=str(document.get("name", "")),
-        youngs_modulus=float(document["youngs_modulus"]),
-        law=str(document["law"]),
-        poisson_ratio=float(document["poisson_ratio"]),
-        density=float(document["density"]),
-    )
-
-
-def _candidate(document: Mapping[str, Any]) -> DesignCandidate:
-    return DesignCandidate(
-        family=str(document["family"]),
-        model=str(document["model"]),
-        parameters=_array(document["parameters"]),
-        error=_error(document["error"]),
-        model_error=_number_or_none(document["model_error"]),
-        simulated_error=_number_or_none(document["simulated_error"]),
-        stopped=str(document["stopped"]),
-        orientation=float(document["orientation"]),
-        material=_made_of(document["material"]),
-    )
-
-
-def _design_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
-    return {
-        "name": str(document.get("name", "")),
-        "family": str(document["family"]),
-        "model": str(document["model"]),
-        "sha256": str(document["sha256"]),
-        "parameters": _array(document["parameters"]),
-        "profile": _profile(document["profile"]),
-        "also": tuple(_profile(profile) for profile in document["also"]),
-        "error": _error(document["error"]),
-        "reached": bool(document["reached"]),
-        "iterations": int(document["iterations"]),
-        "starts": int(document["starts"]),
-        "stopped": str(document["stopped"]),
-        "message": str(document["message"]),
-        "polish": _polish(document["polish"]),
-        "ranking": tuple(_candidate(candidate) for candidate in document["ranking"]),
-        "structure": {kind: str(document["structure"][kind]) for kind in ("svg", "dxf", "stl")},
-        "orientation": float(document["orientation"]),
-        "material": _made_of(document["material"]),
-        "size": StructureSize(
-            beam_width=float(document["structure"]["beam_width"]),
-            cell_size=_number_or_none(document["structure"]["cell_size"]),
-            relative_density=_number_or_none(document["structure"]["relative_density"]),
-            density=_number_or_none(document["structure"]["density"]),
-        ),
-    }
-
-
-def _bill_fields(document: Mapping[str, Any]) -> Dict[str, Any]:
-    accuracy = document["accuracy"]
-    return {
-        "tolerance": float(accuracy["tolerance"]),
-        "equilibrium_tolerance": float(accuracy["equilibrium_tolerance"]),
-        "residual": float(accuracy["residual"]),
-        "effects": effects_from_wire(document["effects"]),
-        "cost": cost_from_wire(document["cost"]),
-    }
-
-
-def design_from_wire(document: Mapping[str, Any]) -> DesignResult:
-    return DesignResult(**_design_fields(document), **_bill_fields(document))
-
-
-def regions_from_wire(document: Mapping[str, Any]) -> RegionDesigns:
-    return RegionDesigns(
-        regions=tuple(Design(**_design_fields(region)) for region in document["regions"]), **_bill_fields(document)
-    )
-
-
-def partial_from_wire(document: Mapping[str, Any]) -> Union[PartialDesign, PartialRound]:
-    if "round" in document:
-        return PartialRound(
-            name=str(document.get("name", "")),
-            family=str(document["family"]),
-            model=str(document["model"]),
-            round=_round(document["round"]),
-        )
-    return PartialDesign(
-        name=str(document.get("name", "")),
-        family=str(document["family"]),
-        model=str(document["model"]),
-        parameters=_array(document["parameters"]),
-        x=_array(document["x"]),
-        achieved=_array(document["achieved"]),
-        error=_error(document["error"]),
-        iteration=int(document["iteration"]),
-        orientation=float(document["orientation"]),
-    )
-
-
-def profile_from_wire(document: Mapping[str, Any]) -> ProfileCurve:
-    return ProfileCurve(
-        family=str(document["family"]),
-        model=str(document["model"]),
-        sha256=str(document["sha256"]),
-        parameters=_array(document["parameters"]),
-        task=str(document["task"]),
-        direction=_optional(document, "direction"),
-        strain=_optional(document, "strain"),
-        strain_measure=str(document["strain_measure"]),
-        x=_array(document["x"]),
-        y=_array(document["y"]),
-        error_bar=_bars(document["error_bar"]),
-        in_range=_flags(document["in_range"]),
-        orientation=float(document["orientation"]),
-        material=_made_of(document["material"]),
-        equilibrium_tolerance=float(document["accuracy"]["equilibrium_tolerance"]),
-        residual=float(document["accuracy"]["residual"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-    )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Mapping, Optional, Tuple, Union
+from typing import Annotated, Any, Dict, Optional, Tuple, Union
 
-import numpy as np
-
-from . import checks
-from .answers import Array, Cost, cost_from_wire
-from .jobs import Computation
+from ._arrays import Array
+from .answers import Cost
+from .checks import one_of, warn
+from .request import Reported, Request, Timeout
+from .transport import Answer
+from .wire import ACCURACY, At
 
 _CODE_PAGE = re.compile(rb"\$DWGCODEPAGE\s+3\s+(?:ANSI_|DOS|dos)(\d+)")
 UNITS = ("mm", "cm", "m", "in", "ft", "pt", "px")
@@ -84,7 +84,7 @@ class Drawing:
         return {"polygons": remaining}
 
 
-def text_of(source: Union[str, Path]) -> str:
+def text_of(source: Union[str, Path], name: str = "") -> str:
     """The text of a drawing in a file; a string with line breaks or that begins with "<" is the text itself.
 
     A file that is not UTF-8 is read with the code page in its $DWGCODEPAGE (DXF before 2007), or else as Windows-1252.
@@ -104,40 +104,34 @@ def text_of(source: Union[str, Path]) -> str:
             return content.decode("cp1252", errors="replace")
 
 
-def drawing(
-    text: str,
-    width: Optional[float],
-    unit: Optional[str],
-    tolerance: Optional[float],
-    deadline: Optional[float],
-    resolution: Optional[float] = None,
-) -> Computation[Drawing]:
-    checks.one_of(unit, "unit", UNITS)
-    document: Dict[str, Any] = {"text": text}
-    for name, value in (("width", width), ("unit", unit), ("resolution", resolution), ("deadline", deadline)):
-        if value is not None:
-            document[name] = value
-    if tolerance is not None:
-        document["accuracy"] = {"tolerance": tolerance}
-    return Computation("/v1/outlines", document, lambda answer: drawing_from_wire(answer.json()))
+@dataclass(frozen=True)
+class DrawingRequest(Request[Drawing], path="/v1/outlines"):
+    """The closed curves of an SVG or ASCII DXF drawing as polygons in mm.
 
+    Attributes:
+        source: a file, or text with line breaks.
+        width: width of all closed curves together after scaling, mm.
+        unit: the drawing's unit, "mm", "cm", "m", "in", "ft", "pt" or "px"; by default that in the file.
+        tolerance: largest distance of a chord from its curve, mm; 0.05 by default.
+        resolution: pixels per inch of an SVG drawing without a physical size; 96 by default.
 
-def drawing_from_wire(answer: Mapping[str, Any]) -> Drawing:
-    for warning in answer["warnings"]:
-        warnings.warn(warning, stacklevel=5)
-    width, height = answer["size"]
-    return Drawing(
-        format=answer["format"],
-        polygons=tuple(
-            DrawnPolygon(np.asarray(polygon["points"], dtype=np.float64), tuple(polygon["names"]))
-            for polygon in answer["polygons"]
-        ),
-        size=(width, height),
-        unit=answer["unit"],
-        unit_is_known=answer["unit_is_known"],
-        open_curves=answer["open_curves"],
-        chord_error=answer["chord_error"],
-        warnings=tuple(answer["warnings"]),
-        cost=cost_from_wire(answer["cost"]),
-        left_out=tuple(LeftOut(str(one["element"]), str(one["reason"])) for one in answer["left_out"]),
-    )
+    Warns about omitted elements. Raises `InvalidRequest`, which names the element or line that cannot be read.
+    """
+
+    source: Annotated[Union[str, Path], At("/text", write=text_of)]
+    width: Optional[float] = None
+    unit: Optional[str] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
+    deadline: Optional[float] = None
+    resolution: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
+
+    def __post_init__(self) -> None:
+        one_of(self.unit, "unit", UNITS)
+
+    def decode(self, answer: Answer) -> Drawing:
+        drawing = super().decode(answer)
+        for warning in drawing.warnings:
+            warn(warning)
+        return drawing

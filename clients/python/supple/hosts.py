@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
+from typing import Annotated, Any, Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .answers import Vector3
-from .weaves import given, vector_of
+from ._arrays import IndexList, Vector3Like
+from .wire import At, Sent, Shape, numbers
 
 
-def _indices(vertices: Sequence[int]) -> Optional[List[int]]:
-    return [int(vertex) for vertex in vertices] or None
-
-
-def _moves(moved: Mapping[int, ArrayLike]) -> Optional[List[Dict[str, Any]]]:
+def _moves(moved: Mapping[int, ArrayLike], name: str) -> List[Dict[str, Any]]:
     wire = []
     for vertex, positions in moved.items():
         places = np.asarray(positions, dtype=np.float64)
@@ -25,11 +21,11 @@ def _moves(moved: Mapping[int, ArrayLike]) -> Optional[List[Dict[str, Any]]]:
         if places.ndim != 2 or places.shape[1] != 3 or len(places) == 0:
             raise ValueError(f"vertex {vertex} is moved to positions of shape {np.shape(positions)}; expected (3,) or (k, 3)")
         wire.append({"vertex": int(vertex), "positions": places.tolist()})
-    return wire or None
+    return wire
 
 
 @dataclass(frozen=True)
-class Shell:
+class Shell(Sent, kind="shell"):
     """The mesh as a thin elastic shell, which is at rest in the mesh's shape: neo-Hookean faces under plane stress, and edges
     that resist bending.
 
@@ -52,17 +48,12 @@ class Shell:
     poisson_ratio: Optional[float] = None
     volume_weight: Optional[float] = None
     volume_scale: Optional[float] = None
-    fixed_vertices: Sequence[int] = ()
-    moved_vertices: Mapping[int, ArrayLike] = field(default_factory=dict)
-
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "shell", "thickness": float(self.thickness), "youngs_modulus": float(self.youngs_modulus),
-                **given(poisson_ratio=self.poisson_ratio, volume_weight=self.volume_weight, volume_scale=self.volume_scale,
-                        fixed_vertices=_indices(self.fixed_vertices), moved_vertices=_moves(self.moved_vertices))}
+    fixed_vertices: IndexList = ()
+    moved_vertices: Annotated[Mapping[int, ArrayLike], At(write=_moves)] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
-class SolidRegion:
+class SolidRegion(Sent):
     """A box in which a `Solid` has a Young's modulus of its own.
 
     Attributes:
@@ -70,17 +61,13 @@ class SolidRegion:
         youngs_modulus: energy per cubed mesh unit, positive.
     """
 
-    lower: Vector3
-    upper: Vector3
+    lower: Vector3Like
+    upper: Vector3Like
     youngs_modulus: float
-
-    def to_wire(self) -> Dict[str, Any]:
-        return {"lower": vector_of(self.lower, 3, "lower"), "upper": vector_of(self.upper, 3, "upper"),
-                "youngs_modulus": float(self.youngs_modulus)}
 
 
 @dataclass(frozen=True)
-class Solid:
+class Solid(Sent, kind="solid"):
     """The closed mesh as the surface of an elastic solid, which is at rest in the mesh's shape: neo-Hookean linear tetrahedra.
 
     Attributes:
@@ -101,20 +88,17 @@ class Solid:
     poisson_ratio: Optional[float] = None
     element_size: Optional[float] = None
     regions: Sequence[SolidRegion] = ()
-    gravity: Optional[Vector3] = None
-    fixed_vertices: Sequence[int] = ()
-    moved_vertices: Mapping[int, ArrayLike] = field(default_factory=dict)
+    gravity: Optional[Vector3Like] = None
+    fixed_vertices: IndexList = ()
+    moved_vertices: Annotated[Mapping[int, ArrayLike], At(write=_moves)] = field(default_factory=dict)
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "solid", "youngs_modulus": float(self.youngs_modulus),
-                **given(poisson_ratio=self.poisson_ratio, element_size=self.element_size,
-                        regions=[region.to_wire() for region in self.regions] or None,
-                        gravity=vector_of(self.gravity, 3, "gravity"),
-                        fixed_vertices=_indices(self.fixed_vertices), moved_vertices=_moves(self.moved_vertices))}
+
+def _sets(positions: Sequence[ArrayLike], name: str) -> List[Any]:
+    return [numbers(vertices, name, Shape(-1, 3)) for vertices in positions]
 
 
 @dataclass(frozen=True)
-class Moving:
+class Moving(Sent, kind="moving"):
     """The mesh as a surface that moves through given positions, whatever the network. The network first reaches equilibrium on
     the mesh and then follows the surface from equilibrium to equilibrium.
 
@@ -123,14 +107,7 @@ class Moving:
             other on straight lines that begin at the mesh.
     """
 
-    positions: Sequence[ArrayLike]
-
-    def to_wire(self) -> Dict[str, Any]:
-        sets = [np.asarray(vertices, dtype=np.float64) for vertices in self.positions]
-        for vertices in sets:
-            if vertices.ndim != 2 or vertices.shape[1] != 3:
-                raise ValueError(f"positions of the vertices have the shape {vertices.shape}; expected (vertices, 3)")
-        return {"kind": "moving", "positions": [vertices.tolist() for vertices in sets]}
+    positions: Annotated[Sequence[ArrayLike], At(write=_sets)]
 
 
 Host = Union[Shell, Solid, Moving]

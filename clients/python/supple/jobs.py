@@ -6,15 +6,17 @@ import contextlib
 import time
 import uuid
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar, Union
+from typing import Annotated, Any, Generic, Mapping, Optional, TypeVar, Union
+from urllib.parse import quote
 
-from .design_answers import PartialDesign, PartialRound, partial_from_wire
+from .design_answers import PartialDesign, PartialRound
 from .errors import RequestTimeout, SuppleError
-from .network_answers import PartialRelaxation, partial_relaxation_from_wire
-from .progress import Progress as Progress
-from .progress import Reporter
+from .network_answers import PartialRelaxation
+from .progress import Progress, Reporter
+from .request import Request
 from .transport import Answer, Transport
-from .voronoi_answers import PartialOptimization, partial_optimization_from_wire
+from .voronoi_answers import PartialOptimization
+from .wire import At, decode
 
 Result = TypeVar("Result")
 Partial = Union[PartialDesign, PartialRound, PartialRelaxation, PartialOptimization]
@@ -25,6 +27,17 @@ MAX_POLL_INTERVAL = 1.0
 """Seconds between two requests for a job's status: the interval doubles from the first value up to the second."""
 
 UNFINISHED = frozenset({"accepted", "running"})
+
+
+def _partial(job: Mapping[str, Any]) -> Optional[Partial]:
+    partial = job.get("partial")
+    if partial is None:
+        return None
+    if job["kind"] == "embedded-systems":
+        return decode(PartialRelaxation, partial)
+    if job["kind"] == "voronoi-optimizations":
+        return decode(PartialOptimization, partial)
+    return decode(PartialRound, partial) if "round" in partial else decode(PartialDesign, partial)
 
 
 @dataclass(frozen=True)
@@ -51,45 +64,11 @@ class JobStatus:
     progress: float
     stage: str
     created: str
-    partial: Optional[Partial] = None
+    partial: Annotated[Optional[Partial], At("", read=_partial)] = None
 
     @property
     def finished(self) -> bool:
         return self.state not in UNFINISHED
-
-
-def _partial(document: Mapping[str, Any]) -> Optional[Partial]:
-    partial = document.get("partial")
-    if partial is None:
-        return None
-    if document["kind"] == "embedded-systems":
-        return partial_relaxation_from_wire(partial)
-    if document["kind"] == "voronoi-optimizations":
-        return partial_optimization_from_wire(partial)
-    return partial_from_wire(partial)
-
-
-def status_from_wire(document: Mapping[str, Any]) -> JobStatus:
-    return JobStatus(
-        id=str(document["id"]),
-        state=str(document["state"]),
-        kind=str(document["kind"]),
-        mesh=document.get("mesh"),
-        progress=float(document["progress"]),
-        stage=str(document["stage"]),
-        created=str(document["created"]),
-        partial=_partial(document),
-    )
-
-
-@dataclass(frozen=True)
-class Computation(Generic[Result]):
-    """A request and the function that decodes its answer. Internal: see the methods of `Mesh` and `Client`."""
-
-    path: str
-    document: Dict[str, Any]
-    decode: Callable[[Answer], Result]
-    accept: str = "application/json"
 
 
 class Job(Generic[Result]):
@@ -98,18 +77,17 @@ class Job(Generic[Result]):
     The server owns the job: closing a `Client` does not end it, and `client.job(id)` returns it again.
     """
 
-    def __init__(self, transport: Transport, job_id: str, decode: Callable[[Answer], Result], accept: str) -> None:
+    def __init__(self, transport: Transport, job_id: str, request: Request[Result]) -> None:
         self._transport = transport
-        self._path = f"/v1/jobs/{job_id}"
-        self._decode = decode
-        self._accept = accept
+        self._path = f"/v1/jobs/{quote(job_id, safe='')}"
+        self._request = request
         self.id = job_id
 
     def __repr__(self) -> str:
         return f"Job({self.id!r})"
 
     def status(self) -> JobStatus:
-        return status_from_wire(self._transport.request("GET", self._path).json())
+        return decode(JobStatus, self._transport.request("GET", self._path).json())
 
     def cancel(self) -> None:
         """Ends the job if it has not finished; its later `result` raises `JobCancelled`."""
@@ -119,8 +97,10 @@ class Job(Generic[Result]):
         """Returns once the job has finished, whether successfully or not.
 
         Raises `RequestTimeout` after `timeout` seconds. Neither that nor an exception from `progress`, which reaches the
-        caller, ends the job.
+        caller, ends the job. Both are those of the request by default.
         """
+        timeout = self._request.timeout if timeout is None else timeout
+        progress = self._request.progress if progress is None else progress
         end = None if timeout is None else time.monotonic() + timeout
         pause = FIRST_POLL_INTERVAL
         with Reporter(self._transport.progress if progress is None else progress) as report:
@@ -137,41 +117,33 @@ class Job(Generic[Result]):
     def result(self, *, timeout: Optional[float] = None, progress: Optional[Progress] = None) -> Result:
         """Waits and returns the result. Raises a `ProblemError` if the computation failed."""
         self.wait(timeout=timeout, progress=progress)
-        return self._decode(self._transport.request("GET", self._path + "/result", headers={"Accept": self._accept}))
+        answer = self._transport.request("GET", self._path + "/result", headers={"Accept": self._request.accept})
+        return self._request.decode(answer)
 
 
-def submit(transport: Transport, computation: Computation[Result]) -> Job[Result]:
-    """Submits a computation to the server as a job."""
-    answer = transport.request(
-        "POST",
-        computation.path,
-        document=computation.document,
-        headers={"Accept": computation.accept, "Prefer": "respond-async", "Idempotency-Key": uuid.uuid4().hex},
-        repeatable=True,
-    )
-    return Job(transport, _job_id(answer), computation.decode, computation.accept)
+def submit(transport: Transport, request: Request[Result]) -> Job[Result]:
+    """Submits a request to the server as a job."""
+    return Job(transport, _job_id(_send(transport, request, "respond-async")), request)
 
 
 def run(
-    transport: Transport, computation: Computation[Result], timeout: Optional[float], progress: Optional[Progress]
+    transport: Transport,
+    request: Request[Result],
+    timeout: Optional[float] = None,
+    progress: Optional[Progress] = None,
 ) -> Result:
     """Computes and returns the result. A computation that takes longer than a second becomes a job, which is followed.
 
     Anything that interrupts the wait (a timeout, Ctrl-C, an exception from `progress`) cancels the computation on the server.
     """
-    answer = transport.request(
-        "POST",
-        computation.path,
-        document=computation.document,
-        headers={"Accept": computation.accept, "Prefer": "wait=1", "Idempotency-Key": uuid.uuid4().hex},
-        repeatable=True,
-    )
+    progress = request.progress if progress is None else progress
+    answer = _send(transport, request, "wait=1")
     if answer.status != 202:
         # An immediate answer needs no bar.
         if callable(progress):
             progress(1.0, "")
-        return computation.decode(answer)
-    job = Job(transport, _job_id(answer), computation.decode, computation.accept)
+        return request.decode(answer)
+    job = Job(transport, _job_id(answer), request)
     try:
         return job.result(timeout=timeout, progress=progress)
     except BaseException:
@@ -179,6 +151,11 @@ def run(
             if not job.status().finished:
                 job.cancel()
         raise
+
+
+def _send(transport: Transport, request: Request[Result], preference: str) -> Answer:
+    headers = {"Accept": request.accept, "Prefer": preference, "Idempotency-Key": uuid.uuid4().hex}
+    return transport.request("POST", request.url(), document=request.to_wire(), headers=headers, repeatable=True)
 
 
 def _job_id(answer: Answer) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import re
 import stat
-import warnings
 from pathlib import Path
 from typing import Optional, Union
 
 from requests import PreparedRequest
+
+from .checks import warn
 
 FORM = re.compile(r"\w+", re.ASCII)
 
@@ -50,5 +51,5 @@ def find_key(key: Optional[str], key_file: Optional[Union[str, Path]]) -> str:
 
 def _read(path: Path) -> str:
     if path.stat().st_mode & (stat.S_IRWXG | stat.S_IRWXO):
-        warnings.warn(f"others may read the key in {path}; chmod 600 changes that", KeyReadableByOthers, stacklevel=4)
+        warn(f"others may read the key in {path}; chmod 600 changes that", KeyReadableByOthers)
     return path.read_text(encoding="utf-8", errors="replace").strip()

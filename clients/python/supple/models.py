@@ -8,19 +8,21 @@ in MPa, per rest area of the whole cell.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Annotated, Any, Dict, Optional
+from urllib.parse import quote
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .answers import Array, Cost, cost_from_wire
+from ._arrays import Array, Flags, Indices, Numbers, Positions
+from .answers import Cost
+from .calls import named, runs_here, submits_here
 from .checks import radians
 from .drawing import Drawing, curve
-from .jobs import Computation, Job, Progress, run, submit
+from .request import OfModel, Reported, Request, Resource, Result, Timeout, id_of
 from .shown import Drawn, Shown
 from .transport import Transport
-
-Flags = NDArray[np.bool_]
+from .wire import ACCURACY, At, Shape
 
 
 @dataclass(frozen=True, repr=False)
@@ -71,18 +73,18 @@ class ModelInfo(Shown):
 
     id: str
     family: str
-    lower: Array
-    upper: Array
-    smallest_principal: float
-    largest_principal: float
-    largest_relative_energy: float
-    design_split: Optional[SplitErrors]
-    row_split: Optional[SplitErrors]
+    lower: Annotated[Array, At("/parameters/lower")]
+    upper: Annotated[Array, At("/parameters/upper")]
+    smallest_principal: Annotated[float, At("/strain_range/")]
+    largest_principal: Annotated[float, At("/strain_range/")]
+    largest_relative_energy: Annotated[float, At("/strain_range/")]
+    design_split: Annotated[Optional[SplitErrors], At("/errors/")]
+    row_split: Annotated[Optional[SplitErrors], At("/errors/")]
     error_bars: Optional[Dict[str, Any]]
     network: Dict[str, Any]
     provenance: Dict[str, Any]
-    youngs_modulus: float
-    poisson_ratio: float
+    youngs_modulus: Annotated[float, At("/material/")]
+    poisson_ratio: Annotated[float, At("/material/")]
     sha256: str
 
 
@@ -103,8 +105,8 @@ class Evaluation(Shown):
     """
 
     energy_density: Array
-    stress: Optional[Array]
-    tangent: Optional[Array]
+    stress: Optional[Positions]
+    tangent: Optional[Annotated[Array, Shape(-1, 3, 3)]]
     stress_error_bar: Optional[Array]
     in_range: Flags
     sha256: str
@@ -133,16 +135,16 @@ class UniaxialCurve(Drawn):
     """
 
     direction: float
-    green_strain: Array
-    stress: Array
-    directional_stress: Array
-    error_bar: Array
-    energy_density: Array
-    in_range: Flags
-    state_converged: Flags
-    residual: Array
-    iterations: NDArray[np.int64]
-    tolerance: float
+    green_strain: Annotated[Positions, At("/states/*/")]
+    stress: Annotated[Positions, At("/states/*/")]
+    directional_stress: Annotated[Array, At("/states/*/")]
+    error_bar: Annotated[Array, At("/states/*/")]
+    energy_density: Annotated[Array, At("/states/*/")]
+    in_range: Annotated[Flags, At("/states/*/")]
+    state_converged: Annotated[Flags, At("/states/*/converged")]
+    residual: Annotated[Array, At("/states/*/")]
+    iterations: Annotated[Indices, At("/states/*/")]
+    tolerance: Annotated[float, ACCURACY]
     sha256: str
     cost: Cost
 
@@ -159,11 +161,90 @@ class UniaxialCurve(Drawn):
         return Drawing("curves", (line,), (), title, "Green strain along the load", "stress along the load / MPa")
 
 
-class Model:
+def _rows(columns: Optional[int]) -> At:
+    """The place of rows of numbers. A single row may lack the first axis."""
+
+    def write(values: ArrayLike, name: str) -> Any:
+        array = np.atleast_2d(np.asarray(values, dtype=np.float64))
+        if array.ndim != 2 or 0 in array.shape or columns not in (None, array.shape[1]):
+            expected = "(n, p)" if columns is None else f"(n, {columns})"
+            raise ValueError(f"{name} has the shape {np.shape(values)}; expected {expected} or one row of it")
+        return array.tolist()
+
+    return At(write=write)
+
+
+class _ModelRequest(Request[Result]):
+    """A request to a model, whose id is part of the path."""
+
+    model: OfModel
+
+    def url(self) -> str:
+        return self.path.format(model=quote(id_of(self.model), safe=""))
+
+
+@dataclass(frozen=True)
+class EvaluationRequest(_ModelRequest[Evaluation], path="/v1/models/{model}/evaluations"):
+    """Energy density, stress and tangent of n strains.
+
+    Attributes:
+        model: the model, or its id.
+        parameters: one design for all strains, shape (p,), or one for each, shape (n, p); dimensionless. Equal designs in
+            succession cost less.
+        green_strain: (E_xx, E_yy, E_xy), tensor components, shape (3,) or (n, 3).
+        derivatives: 0 for energies, 1 for stresses too, 2 for tangents too.
+
+    Strains and parameters outside of the training data are permitted: see `Evaluation.in_range`.
+    """
+
+    model: OfModel
+    parameters: Annotated[ArrayLike, _rows(None)]
+    green_strain: Annotated[ArrayLike, _rows(3)]
+    derivatives: int = 1
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
+
+
+@dataclass(frozen=True)
+class UniaxialRequest(_ModelRequest[UniaxialCurve], path="/v1/models/{model}/uniaxial"):
+    """Equilibria along a direction. The search for each one starts at the one before, and for the first one at rest.
+
+    Attributes:
+        model: the model, or its id.
+        parameters: parameters of the design, shape (p,), dimensionless.
+        direction: angle of the load from the x axis, radians.
+        stretches: length over rest length along the direction, shape (n,).
+        green_strains: Green strains along the direction instead of stretches, shape (n,), above -0.5.
+        tolerance: relative residual of an equilibrium. 1e-10 by default.
+        max_iterations: Newton iterations for one state. 50 by default.
+
+    A state that is not reached raises no exception: see `UniaxialCurve.state_converged`.
+    """
+
+    model: OfModel
+    parameters: Numbers
+    direction: float
+    stretches: Optional[Numbers] = None
+    green_strains: Optional[Numbers] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
+    max_iterations: Annotated[Optional[int], ACCURACY] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
+
+    def __post_init__(self) -> None:
+        radians(self.direction, "direction")
+        if (self.stretches is None) == (self.green_strains is None):
+            raise ValueError("a uniaxial load is given by stretches or by green_strains, one of the two")
+
+
+@named
+class Model(Resource):
     """A model on a server. `Client.model` and `Client.models` create it.
 
-    Its file may be replaced on the server at any time; `Evaluation.sha256` identifies the one that was used. `deadline` bounds
-    the computation on the server (seconds; `DeadlineExceeded`), `timeout` the wait for it (`RequestTimeout`).
+    Its file may be replaced on the server at any time; `Evaluation.sha256` identifies the one that was used. The arguments of its
+    methods are the fields of `EvaluationRequest` and `UniaxialRequest` after the model.
     """
 
     def __init__(self, transport: Transport, info: ModelInfo) -> None:
@@ -177,221 +258,7 @@ class Model:
     def id(self) -> str:
         return self.info.id
 
-    def evaluate(
-        self,
-        parameters: ArrayLike,
-        green_strain: ArrayLike,
-        derivatives: int = 1,
-        *,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> Evaluation:
-        """Energy density, stress and tangent of n strains.
-
-        Args:
-            parameters: one design for all strains, shape (p,), or one for each, shape (n, p); dimensionless. Equal designs in
-                succession cost less.
-            green_strain: (E_xx, E_yy, E_xy), tensor components, shape (3,) or (n, 3).
-            derivatives: 0 for energies, 1 for stresses too, 2 for tangents too.
-
-        Strains and parameters outside of the training data are permitted: see `Evaluation.in_range`.
-        """
-        computation = evaluation(self.id, parameters, green_strain, derivatives, deadline)
-        return run(self._transport, computation, timeout, progress)
-
-    def start_evaluation(
-        self,
-        parameters: ArrayLike,
-        green_strain: ArrayLike,
-        derivatives: int = 1,
-        *,
-        deadline: Optional[float] = None,
-    ) -> Job[Evaluation]:
-        """`evaluate` as a job."""
-        return submit(self._transport, evaluation(self.id, parameters, green_strain, derivatives, deadline))
-
-    def uniaxial(
-        self,
-        parameters: Sequence[float],
-        direction: float,
-        *,
-        stretches: Optional[Sequence[float]] = None,
-        green_strains: Optional[Sequence[float]] = None,
-        tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        deadline: Optional[float] = None,
-        timeout: Optional[float] = None,
-        progress: Optional[Progress] = None,
-    ) -> UniaxialCurve:
-        """Equilibria along a direction. The search for each one starts at the one before, and for the first one at rest.
-
-        Args:
-            parameters: parameters of the design, shape (p,), dimensionless.
-            direction: angle of the load from the x axis, radians.
-            stretches: length over rest length along the direction, shape (n,).
-            green_strains: Green strains along the direction instead of stretches, shape (n,), above -0.5.
-            tolerance: relative residual of an equilibrium. 1e-10 by default.
-            max_iterations: Newton iterations for one state. 50 by default.
-
-        A state that is not reached raises no exception: see `UniaxialCurve.state_converged`.
-        """
-        computation = uniaxial(
-            self.id, parameters, direction, stretches, green_strains, tolerance, max_iterations, deadline
-        )
-        return run(self._transport, computation, timeout, progress)
-
-    def start_uniaxial(
-        self,
-        parameters: Sequence[float],
-        direction: float,
-        *,
-        stretches: Optional[Sequence[float]] = None,
-        green_strains: Optional[Sequence[float]] = None,
-        tolerance: Optional[float] = None,
-        max_iterations: Optional[int] = None,
-        deadline: Optional[float] = None,
-    ) -> Job[UniaxialCurve]:
-        """`uniaxial` as a job."""
-        computation = uniaxial(
-            self.id, parameters, direction, stretches, green_strains, tolerance, max_iterations, deadline
-        )
-        return submit(self._transport, computation)
-
-
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
-
-
-def _statistics(document: Mapping[str, Any]) -> ErrorStatistics:
-    return ErrorStatistics(
-        mean=float(document["mean"]),
-        root_mean_square=float(document["root_mean_square"]),
-        median=float(document["median"]),
-        percentile_99=float(document["percentile_99"]),
-    )
-
-
-def _split(document: Optional[Mapping[str, Any]]) -> Optional[SplitErrors]:
-    if document is None:
-        return None
-    return SplitErrors(
-        gradient=_statistics(document["gradient"]),
-        energy=_statistics(document["energy"]),
-        designs=int(document["designs"]),
-        samples=int(document["samples"]),
-    )
-
-
-def model_info_from_wire(document: Mapping[str, Any]) -> ModelInfo:
-    parameters, strains = document["parameters"], document["strain_range"]
-    return ModelInfo(
-        id=str(document["id"]),
-        family=str(document["family"]),
-        lower=_array(parameters["lower"]),
-        upper=_array(parameters["upper"]),
-        smallest_principal=float(strains["smallest_principal"]),
-        largest_principal=float(strains["largest_principal"]),
-        largest_relative_energy=float(strains["largest_relative_energy"]),
-        design_split=_split(document["errors"]["design_split"]),
-        row_split=_split(document["errors"]["row_split"]),
-        error_bars=None if document["error_bars"] is None else dict(document["error_bars"]),
-        network=dict(document["network"]),
-        provenance=dict(document["provenance"]),
-        youngs_modulus=float(document["material"]["youngs_modulus"]),
-        poisson_ratio=float(document["material"]["poisson_ratio"]),
-        sha256=str(document["sha256"]),
-    )
-
-
-def _optional_bars(values: Optional[Sequence[Optional[float]]]) -> Optional[Array]:
-    return None if values is None else _array([np.nan if bar is None else bar for bar in values])
-
-
-def evaluation_from_wire(document: Mapping[str, Any]) -> Evaluation:
-    return Evaluation(
-        energy_density=_array(document["energy_density"]),
-        stress=_array(document["stress"]).reshape(-1, 3) if "stress" in document else None,
-        tangent=_array(document["tangent"]).reshape(-1, 3, 3) if "tangent" in document else None,
-        stress_error_bar=_optional_bars(document.get("stress_error_bar")),
-        in_range=np.asarray(document["in_range"], dtype=np.bool_),
-        sha256=str(document["sha256"]),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def uniaxial_from_wire(document: Mapping[str, Any]) -> UniaxialCurve:
-    states: List[Mapping[str, Any]] = document["states"]
-
-    def column(name: str) -> List[Any]:
-        return [state[name] for state in states]
-
-    residuals = [np.nan if residual is None else residual for residual in column("residual")]
-    return UniaxialCurve(
-        direction=float(document["direction"]),
-        green_strain=_array(column("green_strain")).reshape(-1, 3),
-        stress=_array(column("stress")).reshape(-1, 3),
-        directional_stress=_array(column("directional_stress")),
-        error_bar=_array([np.nan if bar is None else bar for bar in column("error_bar")]),
-        energy_density=_array(column("energy_density")),
-        in_range=np.asarray(column("in_range"), dtype=np.bool_),
-        state_converged=np.asarray(column("converged"), dtype=np.bool_),
-        residual=_array(residuals),
-        iterations=np.asarray(column("iterations"), dtype=np.int64),
-        tolerance=float(document["accuracy"]["tolerance"]),
-        sha256=str(document["sha256"]),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def _rows(name: str, values: ArrayLike, columns: Optional[int]) -> Array:
-    """The values as an array of shape (n, columns). A single row may lack the first axis."""
-    array = np.atleast_2d(_array(values))
-    if array.ndim != 2 or 0 in array.shape or columns not in (None, array.shape[1]):
-        expected = "(n, p)" if columns is None else f"(n, {columns})"
-        raise ValueError(f"{name} has the shape {np.shape(values)}; expected {expected} or one row of it")
-    return array
-
-
-def evaluation(
-    model: str, parameters: ArrayLike, green_strain: ArrayLike, derivatives: int, deadline: Optional[float]
-) -> Computation[Evaluation]:
-    document: Dict[str, Any] = {
-        "parameters": _rows("parameters", parameters, None).tolist(),
-        "green_strain": _rows("green_strain", green_strain, 3).tolist(),
-        "derivatives": int(derivatives),
-    }
-    if deadline is not None:
-        document["deadline"] = deadline
-    return Computation(
-        f"/v1/models/{model}/evaluations", document, lambda answer: evaluation_from_wire(answer.json())
-    )
-
-
-def uniaxial(
-    model: str,
-    parameters: Sequence[float],
-    direction: float,
-    stretches: Optional[Sequence[float]],
-    green_strains: Optional[Sequence[float]],
-    tolerance: Optional[float],
-    max_iterations: Optional[int],
-    deadline: Optional[float],
-) -> Computation[UniaxialCurve]:
-    given: Tuple[Tuple[str, Optional[Sequence[float]]], ...] = (
-        ("stretches", stretches),
-        ("green_strains", green_strains),
-    )
-    load = {name: [float(value) for value in values] for name, values in given if values is not None}
-    if len(load) != 1:
-        raise ValueError("a uniaxial load is given by stretches or by green_strains, one of the two")
-    accuracy = {"tolerance": tolerance, "max_iterations": max_iterations}
-    document: Dict[str, Any] = {
-        "parameters": [float(parameter) for parameter in parameters],
-        "direction": radians(direction, "direction"),
-        **load,
-        "accuracy": {name: value for name, value in accuracy.items() if value is not None},
-    }
-    if deadline is not None:
-        document["deadline"] = deadline
-    return Computation(f"/v1/models/{model}/uniaxial", document, lambda answer: uniaxial_from_wire(answer.json()))
+    evaluate = runs_here(EvaluationRequest)
+    start_evaluation = submits_here(EvaluationRequest)
+    uniaxial = runs_here(UniaxialRequest)
+    start_uniaxial = submits_here(UniaxialRequest)

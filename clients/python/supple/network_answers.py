@@ -6,18 +6,14 @@ Lengths are in mesh units, energies in the unit of the springs' weights times sq
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Annotated, Any, Dict, Optional, Tuple
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .answers import Array, Cost, Effect, Path, cost_from_wire, effects_from_wire, path_from_wire
+from ._arrays import Array, Flags, Indices, Positions, Positions2
+from .answers import Cost, Effect, Path
 from .drawing import RED, Drawing, Line, joined
-from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
+from .points import PlacedPoint, SurfacePoint
 from .shown import Drawn, Shown
-
-Indices = NDArray[np.int64]
-Flags = NDArray[np.bool_]
+from .wire import ACCURACY, At, Shape, by_name, decode_all
 
 
 @dataclass(frozen=True, repr=False)
@@ -53,8 +49,8 @@ class PartialRelaxation(Shown):
     iteration: int
     energy: float
     gradient_norm: float
-    positions: Optional[Array]
-    vertices: Optional[Array] = None
+    positions: Optional[Positions]
+    vertices: Optional[Positions] = None
 
 
 @dataclass(frozen=True, repr=False)
@@ -94,12 +90,17 @@ class HostState(Shown):
         stops: the load increments of a moving surface or of moved vertices, one for each of their positions; None for others.
     """
 
-    vertices: Array
+    vertices: Positions
     largest_displacement: float
     volume_ratio: Optional[float]
     tetrahedra: Optional[int]
     nodes: Optional[int]
     stops: Optional[Tuple[FollowedStop, ...]]
+
+
+def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
+    paths = decode_all(Path, [spring["path"] for spring in springs if "path" in spring])
+    return tuple(paths) if springs and len(paths) == len(springs) else None
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,22 +138,22 @@ class RelaxedNetwork(Drawn):
     """
 
     points: Tuple[SurfacePoint, ...]
-    positions: Array
-    springs: Indices
-    lengths: Array
-    energies: Array
-    compressed: Flags
-    at_cut_locus: Flags
-    paths: Optional[Tuple[Path, ...]]
-    triangles: Optional[Indices]
-    stretches: Optional[Array]
-    triangle_energies: Optional[Array]
-    triangles_at_cut_locus: Optional[Flags]
+    positions: Positions
+    springs: Annotated[Indices, Shape(-1, 2), At("/springs/*/between")]
+    lengths: Annotated[Array, At("/springs/*/length")]
+    energies: Annotated[Array, At("/springs/*/energy")]
+    compressed: Annotated[Flags, At("/springs/*/compressed")]
+    at_cut_locus: Annotated[Flags, At("/springs/*/at_cut_locus")]
+    paths: Annotated[Optional[Tuple[Path, ...]], At("/springs", read=_paths)]
+    triangles: Optional[Annotated[Indices, Shape(-1, 3)]]
+    stretches: Annotated[Optional[Positions2], At("/membrane/*/stretches")]
+    triangle_energies: Annotated[Optional[Array], At("/membrane/*/energy")]
+    triangles_at_cut_locus: Annotated[Optional[Flags], At("/membrane/*/at_cut_locus")]
     host: Optional[HostState]
     energy: float
-    terms: Dict[str, float]
+    terms: Annotated[Dict[str, float], At(read=by_name("energy"))]
     gradient_norm: float
-    gradient_tolerance: float
+    gradient_tolerance: Annotated[float, ACCURACY]
     iterations: int
     history: Tuple[RelaxationStep, ...]
     stopped: str
@@ -174,75 +175,3 @@ class RelaxedNetwork(Drawn):
         points = Line(self.positions, color=RED, marks=True)
         title = f"{len(self.positions)} points, {len(self.springs)} springs, energy {self.energy:.6g}"
         return Drawing("map", (Line(joined(polylines)), points), title=title)
-
-
-def _paths(springs: Any) -> Optional[Tuple[Path, ...]]:
-    paths = tuple(path for path in (path_from_wire(spring.get("path")) for spring in springs) if path is not None)
-    return paths if len(paths) == len(springs) and springs else None
-
-
-def _host(host: Optional[Mapping[str, Any]]) -> Optional[HostState]:
-    if host is None:
-        return None
-    stops = host.get("stops")
-    return HostState(
-        vertices=np.asarray(host["vertices"], dtype=np.float64).reshape(-1, 3),
-        largest_displacement=float(host["largest_displacement"]),
-        volume_ratio=host.get("volume_ratio"),
-        tetrahedra=host.get("tetrahedra"),
-        nodes=host.get("nodes"),
-        stops=None if stops is None else tuple(
-            FollowedStop(s["energy"], s["gradient_norm"], s["iterations"], s["load_steps"], s["stopped"], s["reached"], s["jumps"])
-            for s in stops
-        ),
-    )
-
-
-def relaxed_network_from_wire(document: Mapping[str, Any]) -> RelaxedNetwork:
-    springs = document["springs"]
-    triangles = document.get("triangles")
-    membrane = document.get("membrane")
-    return RelaxedNetwork(
-        points=tuple(point_from_wire(point) for point in document["points"]),
-        positions=np.asarray(document["positions"], dtype=np.float64).reshape(-1, 3),
-        springs=np.array([spring["between"] for spring in springs], dtype=np.int64).reshape(-1, 2),
-        lengths=np.array([spring["length"] for spring in springs], dtype=np.float64),
-        energies=np.array([spring["energy"] for spring in springs], dtype=np.float64),
-        compressed=np.array([spring["compressed"] for spring in springs], dtype=np.bool_),
-        at_cut_locus=np.array([spring["at_cut_locus"] for spring in springs], dtype=np.bool_),
-        paths=_paths(springs),
-        triangles=None if triangles is None else np.array(triangles, dtype=np.int64).reshape(-1, 3),
-        stretches=None if membrane is None else np.array([t["stretches"] for t in membrane], dtype=np.float64).reshape(-1, 2),
-        triangle_energies=None if membrane is None else np.array([t["energy"] for t in membrane], dtype=np.float64),
-        triangles_at_cut_locus=None if membrane is None else np.array([t["at_cut_locus"] for t in membrane], dtype=np.bool_),
-        host=_host(document.get("host")),
-        energy=document["energy"],
-        terms={term["name"]: float(term["energy"]) for term in document["terms"]},
-        gradient_norm=document["gradient_norm"],
-        gradient_tolerance=document["accuracy"]["gradient_tolerance"],
-        iterations=document["iterations"],
-        history=tuple(
-            RelaxationStep(s["energy"], s["gradient_norm"], s["step_length"], s["regularization"])
-            for s in document["history"]
-        ),
-        stopped=document["stopped"],
-        mollified=document["mollified"],
-        at_vertices=tuple(document["at_vertices"]),
-        loose_points=tuple(document["loose_points"]),
-        warnings=tuple(document["warnings"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-        points_in_space=placed_points_from_wire(document),
-    )
-
-
-def partial_relaxation_from_wire(document: Mapping[str, Any]) -> PartialRelaxation:
-    positions = document.get("positions")
-    vertices = document.get("vertices")
-    return PartialRelaxation(
-        iteration=int(document["iteration"]),
-        energy=float(document["energy"]),
-        gradient_norm=float(document["gradient_norm"]),
-        positions=None if positions is None else np.asarray(positions, dtype=np.float64).reshape(-1, 3),
-        vertices=None if vertices is None else np.asarray(vertices, dtype=np.float64).reshape(-1, 3),
-    )

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, Optional, Sequence, Tuple, Union
 
+from ._arrays import IndexList
 from .hosts import Host
-from .jobs import Computation
-from .network_answers import RelaxedNetwork, relaxed_network_from_wire
-from .points import PointLike, point_to_wire
-from .transport import Answer
-from .weaves import given
-
-NETWORKS = "/v1/embedded-systems"
-FILE_TYPES = {"obj": "model/obj", "vtu": "application/x-vtu+xml", "svg": "image/svg+xml"}
+from .network_answers import RelaxedNetwork
+from .points import PointLike, points_to_wire
+from .request import FileRequest, Kind, OnMesh, Reported, Request, Timeout
+from .wire import ACCURACY, EFFECT, At, Sent
 
 
 @dataclass(frozen=True)
-class PointsInFaces:
+class PointsInFaces(Sent, kind="per_face"):
     """One point in each face, in the order of the faces.
 
     Attributes:
@@ -26,12 +23,9 @@ class PointsInFaces:
 
     barycentric: Tuple[float, float, float] = (0.25, 0.25, 0.5)
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "per_face", "barycentric": [float(b) for b in self.barycentric]}
-
 
 @dataclass(frozen=True)
-class PoissonDisk:
+class PoissonDisk(Sent, kind="poisson_disk"):
     """Random points of which no two are nearer than a radius.
 
     Attributes:
@@ -42,12 +36,9 @@ class PoissonDisk:
     radius: float
     seed: Optional[int] = None
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "poisson_disk", "radius": float(self.radius), **given(seed=self.seed)}
-
 
 @dataclass(frozen=True)
-class Spring:
+class Spring(Sent):
     """A spring between two points, with the energy weight (length - rest_length)^2.
 
     Attributes:
@@ -62,35 +53,28 @@ class Spring:
     weight: float = 1.0
 
     def to_wire(self) -> Dict[str, Any]:
-        return {"between": [int(self.start), int(self.end)], "rest_length": float(self.rest_length),
-                "weight": float(self.weight)}
+        return {"between": [int(self.start), int(self.end)], "rest_length": self.rest_length, "weight": self.weight}
 
 
 @dataclass(frozen=True)
-class AdjacentFaces:
+class AdjacentFaces(Sent, kind="adjacent_faces"):
     """Springs between points whose faces share an edge; `rest_length` and `weight` are those of each `Spring`."""
 
     rest_length: float = 0.0
     weight: float = 1.0
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "adjacent_faces", "rest_length": float(self.rest_length), "weight": float(self.weight)}
-
 
 @dataclass(frozen=True)
-class VoronoiDual:
+class VoronoiDual(Sent, kind="voronoi_dual"):
     """Springs between points whose geodesic Voronoi cells meet, which form a triangulation if the points are dense.
     `rest_length` and `weight` are those of each `Spring`."""
 
     rest_length: float = 0.0
     weight: float = 1.0
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"kind": "voronoi_dual", "rest_length": float(self.rest_length), "weight": float(self.weight)}
-
 
 @dataclass(frozen=True)
-class Membrane:
+class Membrane(Sent):
     """Compressible neo-Hookean triangles whose sides are shortest paths on the surface. They are at rest where the points start.
 
     Attributes:
@@ -103,18 +87,13 @@ class Membrane:
     """
 
     triangles: Optional[Sequence[Tuple[int, int, int]]] = None
-    youngs_modulus: Optional[float] = None
-    poisson_ratio: Optional[float] = None
-    thickness: Optional[float] = None
-    rest_scale: Optional[float] = None
+    youngs_modulus: Annotated[Optional[float], At("/membrane/youngs_modulus")] = None
+    poisson_ratio: Annotated[Optional[float], At("/membrane/poisson_ratio")] = None
+    thickness: Annotated[Optional[float], At("/membrane/thickness")] = None
+    rest_scale: Annotated[Optional[float], At("/membrane/rest_scale")] = None
 
     def to_wire(self) -> Dict[str, Any]:
-        material = given(youngs_modulus=self.youngs_modulus, poisson_ratio=self.poisson_ratio, thickness=self.thickness,
-                         rest_scale=self.rest_scale)
-        triangles: Any = {"kind": "voronoi_dual"}
-        if self.triangles is not None:
-            triangles = [[int(corner) for corner in corners] for corners in self.triangles]
-        return {"triangles": triangles, **({"membrane": material} if material else {})}
+        return {"triangles": {"kind": "voronoi_dual"}, **super().to_wire()}
 
 
 NetworkPoints = Union[Sequence[PointLike], PointsInFaces, PoissonDisk]
@@ -124,7 +103,7 @@ NetworkSprings = Union[Sequence[Union[Spring, Tuple[int, int]]], AdjacentFaces, 
 
 
 @dataclass(frozen=True)
-class RelaxationOptions:
+class RelaxationOptions(Sent):
     """How an equilibrium is found. None stands for the server's default.
 
     Attributes:
@@ -143,29 +122,19 @@ class RelaxationOptions:
 
     method: Optional[str] = None
     spring_length: Optional[str] = None
-    tolerance: Optional[float] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Optional[int] = None
-    mollifier: Optional[str] = None
-    mollifier_length: Optional[float] = None
-    kept_strips: Optional[str] = None
-    bending: Optional[str] = None
-
-    def to_wire(self) -> Dict[str, Any]:
-        groups = {
-            "accuracy": given(tolerance=self.tolerance, mollifier_length=self.mollifier_length),
-            "effects": given(mollifier=self.mollifier, kept_strips=self.kept_strips, bending=self.bending),
-        }
-        fields = given(method=self.method, spring_length=self.spring_length, max_iterations=self.max_iterations)
-        return {**fields, **{name: group for name, group in groups.items() if group}}
+    mollifier: Annotated[Optional[str], EFFECT] = None
+    mollifier_length: Annotated[Optional[float], ACCURACY] = None
+    kept_strips: Annotated[Optional[str], EFFECT] = None
+    bending: Annotated[Optional[str], EFFECT] = None
 
 
-def _points(points: NetworkPoints) -> Any:
-    if isinstance(points, (PointsInFaces, PoissonDisk)):
-        return points.to_wire()
-    return [point_to_wire(point) for point in points]
+def _points_to_wire(points: NetworkPoints, name: str) -> Any:
+    return points.to_wire() if isinstance(points, (PointsInFaces, PoissonDisk)) else points_to_wire(points)
 
 
-def _springs(springs: NetworkSprings) -> Any:
+def _springs_to_wire(springs: NetworkSprings, name: str) -> Any:
     if isinstance(springs, (AdjacentFaces, VoronoiDual)):
         return springs.to_wire()
     wire = []
@@ -178,37 +147,56 @@ def _springs(springs: NetworkSprings) -> Any:
     return wire
 
 
-def relaxation_document(
-    mesh: str,
-    points: NetworkPoints,
-    springs: NetworkSprings,
-    fixed_points: Sequence[int],
-    options: Optional[RelaxationOptions],
-    paths: bool,
-    deadline: Optional[float],
-    membrane: Optional[Membrane] = None,
-    host: Optional[Host] = None,
-) -> Dict[str, Any]:
-    return {
-        "mesh": mesh,
-        "points": _points(points),
-        "springs": _springs(springs),
-        "fixed_points": [int(point) for point in fixed_points],
-        **({} if membrane is None else membrane.to_wire()),
-        **({} if host is None else {"host": host.to_wire()}),
-        **({} if options is None else options.to_wire()),
-        **given(paths=paths or None, deadline=deadline),
-    }
+@dataclass(frozen=True)
+class _Relaxation:
+    """The fields of both requests."""
+
+    mesh: OnMesh
+    points: Annotated[NetworkPoints, At(write=_points_to_wire)]
+    springs: Annotated[NetworkSprings, At(write=_springs_to_wire)]
+    fixed_points: IndexList = ()
+    membrane: Annotated[Optional[Membrane], At("")] = None
+    host: Optional[Host] = None
+    options: Annotated[Optional[RelaxationOptions], At("")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def relaxation(document: Dict[str, Any]) -> Computation[RelaxedNetwork]:
-    return Computation(NETWORKS, document, lambda answer: relaxed_network_from_wire(answer.json()))
+@dataclass(frozen=True)
+class RelaxationRequest(_Relaxation, Request[RelaxedNetwork], path="/v1/embedded-systems"):
+    """The equilibrium of an elastic network whose points slide on the surface: a local minimum of the energy E near the start.
+    E is the sum of weight (length - rest_length)^2 over the springs, plus the energies of a membrane's triangles and of a
+    deformable host.
+
+    Attributes:
+        mesh: the mesh, or its id.
+        points: the points at the start, at least one: a list of points, `PointsInFaces` or `PoissonDisk`.
+        springs: a list of `Spring` or of pairs of indices of points, `AdjacentFaces` or `VoronoiDual`. A spring joins two
+            different points of one component.
+        fixed_points: indices of fixed points.
+        membrane: triangles between the points, besides the springs or instead of them.
+        host: a `Shell` or a `Solid` whose surface is the mesh and which deforms under the network, or a `Moving` surface; None
+            for a rigid surface. `RelaxedNetwork.host` is its state at the end.
+        options: options of the search.
+        paths: whether the paths of the springs are returned.
+
+    The `status().partial` of its job is the network after the latest iteration.
+
+    Raises `InvalidNetwork` if points and springs do not fit together, with the codes "network.spring",
+    "network.triangle", "network.collapsed" (a triangle without area), "network.fixed_point", "network.unreachable" and
+    "network.radius". Raises `InvalidHost` if the mesh is not suitable for the host ("host.open_surface",
+    "solid.not_filled", ...). `faults` names the entries.
+    """
+
+    paths: bool = False
 
 
-def network_file(document: Dict[str, Any], kind: str) -> Computation[bytes]:
-    def decode(answer: Answer) -> bytes:
-        return answer.content
+@dataclass(frozen=True)
+class NetworkFileRequest(_Relaxation, FileRequest, path="/v1/embedded-systems"):
+    """A relaxed network as a file. `kind` is "obj" or "vtu" (a polyline along each spring's path, and the host if it
+    deformed or moved, mesh units), or "svg" (energy and gradient norm over the iterations). The other fields are those
+    of `RelaxationRequest`."""
 
-    if kind not in FILE_TYPES:
-        raise ValueError(f"a network is written as {', '.join(sorted(FILE_TYPES))}, not {kind!r}")
-    return Computation(NETWORKS, document, decode, accept=FILE_TYPES[kind])
+    TYPES = {"obj": "model/obj", "vtu": "application/x-vtu+xml", "svg": "image/svg+xml"}
+    kind: Kind = "obj"

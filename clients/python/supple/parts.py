@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-import warnings
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple
+from dataclasses import dataclass
+from typing import Annotated, Any, Dict, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import checks
-from .answers import Cost, cost_from_wire
-from .jobs import Computation
+from ._arrays import Numbers
+from .answers import Cost
+from .checks import one_of, warn
+from .design_answers import Design
+from .request import FileRequest, Kind, Reported, Request, Timeout
 from .transport import Answer
-
-if TYPE_CHECKING:
-    from .design_answers import Design
-
-PART_FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "step": "model/step", "stl": "model/stl", "3mf": "model/3mf"}
+from .wire import At, Sent, given
 
 
 def coupon(width: float, length: float, grip_length: Optional[float] = None) -> Dict[str, Any]:
     """The outline of a tensile coupon: `length` of the structure along y between two solid grips (15 mm each)."""
-    return {"coupon": _given({"width": width, "length": length, "grip_length": grip_length})}
+    return {"coupon": given(width=width, length=length, grip_length=grip_length)}
 
 
 def block(width: float, height: float, plate: Optional[float] = None) -> Dict[str, Any]:
     """The outline of a compression block: `height` of the structure along y between two solid plates (1 mm each)."""
-    return {"block": _given({"width": width, "height": height, "plate": plate})}
+    return {"block": given(width=width, height=height, plate=plate)}
 
 
 def rectangle(width: float, height: float) -> Dict[str, Any]:
@@ -40,8 +37,15 @@ def polygons(outlines: Sequence[ArrayLike]) -> Dict[str, Any]:
     return {"polygons": [_polygon(outline) for outline in outlines]}
 
 
+def _polygon(outline: ArrayLike, name: str = "") -> Any:
+    array = np.asarray(outline, dtype=np.float64)
+    if array.ndim != 2 or array.shape[1] != 2 or len(array) < 3:
+        raise ValueError(f"an outline has the shape {array.shape}; expected (n, 2) with at least 3 corners")
+    return array.tolist()
+
+
 @dataclass(frozen=True)
-class PartRegion:
+class PartRegion(Sent):
     """A region of a part with its own structure.
 
     Attributes:
@@ -52,23 +56,16 @@ class PartRegion:
         name: name of the region.
     """
 
-    outline: ArrayLike
-    family: str
-    parameters: Optional[ArrayLike] = None
+    outline: Annotated[ArrayLike, At(write=_polygon)]
+    family: Annotated[str, At("/structure/")]
+    parameters: Annotated[Optional[Numbers], At("/structure/")] = None
     beam_width: Optional[float] = None
     orientation: Optional[float] = None
     name: Optional[str] = None
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {
-            "outline": _polygon(self.outline),
-            "structure": _structure(self.family, self.parameters),
-            **_given({"beam_width": self.beam_width, "orientation": self.orientation, "name": self.name}),
-        }
-
 
 @dataclass(frozen=True)
-class PartOptions:
+class PartOptions(Sent):
     """How a part is made. None stands for the server's default.
 
     Attributes:
@@ -89,16 +86,16 @@ class PartOptions:
     beam_width: Optional[float] = None
     orientation: Optional[float] = None
     direction: Optional[float] = None
-    regions: Sequence[PartRegion] = field(default_factory=tuple)
+    regions: Sequence[PartRegion] = ()
     frame: Optional[float] = None
     seam: Optional[float] = None
     rim: Optional[str] = None
     smallest_wall: Optional[float] = None
     thickness: Optional[float] = None
-    density: Optional[float] = None
+    density: Annotated[Optional[float], At("/material/")] = None
 
     @classmethod
-    def of_design(cls, design: "Design", **further: Any) -> "PartOptions":
+    def of_design(cls, design: Design, **further: Any) -> "PartOptions":
         """Options for a coupon or a block of a design: its beam width, density and orientation, and the direction of its load if
         there is only one. `further` are options that replace these."""
         directions = {profile.direction for profile in (design.profile, *design.also)}
@@ -110,22 +107,8 @@ class PartOptions:
         }
         return cls(**{**options, **further})
 
-    def to_wire(self) -> Dict[str, Any]:
-        checks.one_of(self.rim, "rim", ("clipped", "whole"))
-        return _given(
-            {
-                "beam_width": self.beam_width,
-                "orientation": self.orientation,
-                "direction": self.direction,
-                "regions": [region.to_wire() for region in self.regions] or None,
-                "frame": self.frame,
-                "seam": self.seam,
-                "rim": self.rim,
-                "smallest_wall": self.smallest_wall,
-                "thickness": self.thickness,
-                "material": None if self.density is None else {"density": self.density},
-            }
-        )
+    def __post_init__(self) -> None:
+        one_of(self.rim, "rim", ("clipped", "whole"))
 
 
 @dataclass(frozen=True)
@@ -160,101 +143,48 @@ class Part:
     holes: int
     orientation: float
     tested_direction: Optional[float]
-    smallest_wall: float
-    smallest_neck: Optional[float]
-    widened_necks: int
-    cut_necks: int
-    trimmed_area: float
-    crumbs: int
-    missing_solids: Tuple[str, ...]
+    smallest_wall: Annotated[float, At("/checks/")]
+    smallest_neck: Annotated[Optional[float], At("/checks/")]
+    widened_necks: Annotated[int, At("/checks/")]
+    cut_necks: Annotated[int, At("/checks/")]
+    trimmed_area: Annotated[float, At("/checks/")]
+    crumbs: Annotated[int, At("/checks/")]
+    missing_solids: Annotated[Tuple[str, ...], At("/checks/")]
     message: str
     cost: Cost
 
 
-def part_from_wire(answer: Mapping[str, Any]) -> Part:
-    width, height, thickness = answer["size"]
-    checked = answer["checks"]
-    return Part(
-        size=(width, height, thickness),
-        outline_area=answer["outline_area"],
-        solid_area=answer["solid_area"],
-        relative_density=answer["relative_density"],
-        volume=answer["volume"],
-        mass=answer["mass"],
-        holes=answer["holes"],
-        orientation=answer["orientation"],
-        tested_direction=answer["tested_direction"],
-        smallest_wall=checked["smallest_wall"],
-        smallest_neck=checked["smallest_neck"],
-        widened_necks=checked["widened_necks"],
-        cut_necks=checked["cut_necks"],
-        trimmed_area=checked["trimmed_area"],
-        crumbs=checked["crumbs"],
-        missing_solids=tuple(checked["missing_solids"]),
-        message=answer["message"],
-        cost=cost_from_wire(answer["cost"]),
-    )
+@dataclass(frozen=True)
+class _PartFields:
+    """The fields of both requests."""
+
+    outline: Mapping[str, Any]
+    family: Annotated[str, At("/structure/")]
+    parameters: Annotated[Optional[Numbers], At("/structure/")] = None
+    options: Annotated[Optional[PartOptions], At("")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def part(
-    outline: Mapping[str, Any],
-    family: str,
-    parameters: Optional[ArrayLike],
-    options: Optional[PartOptions],
-    deadline: Optional[float],
-) -> Computation[Part]:
-    document = _document(outline, family, parameters, options, deadline)
-    return Computation("/v1/parts", document, lambda answer: part_from_wire(answer.json()))
+@dataclass(frozen=True)
+class PartRequest(_PartFields, Request[Part], path="/v1/parts"):
+    """The properties of a part: an outline that a structure fills, for printing or cutting. `outline` comes from
+    `parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`."""
 
 
-def part_file(
-    outline: Mapping[str, Any],
-    family: str,
-    parameters: Optional[ArrayLike],
-    kind: str,
-    options: Optional[PartOptions],
-    deadline: Optional[float],
-) -> Computation[bytes]:
-    if kind not in PART_FILE_TYPES:
-        raise ValueError(f"kind must be one of {', '.join(PART_FILE_TYPES)}, got {kind!r}")
-    document = _document(outline, family, parameters, options, deadline)
-    return Computation("/v1/parts", document, _file_from_wire, PART_FILE_TYPES[kind])
+@dataclass(frozen=True)
+class PartFileRequest(_PartFields, FileRequest, path="/v1/parts"):
+    """The same part as a file: `kind` is "step", "stl", "3mf", "dxf" or "svg". Lengths are in mm.
 
+    Warns with the `message` of `Part` if a grip or a plate is missing.
+    """
 
-def _file_from_wire(answer: Answer) -> bytes:
-    message = answer.headers.get("Supple-Message")
-    if message:
-        warnings.warn(message, stacklevel=4)
-    return answer.content
+    TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "step": "model/step", "stl": "model/stl", "3mf": "model/3mf"}
+    kind: Kind = "stl"
 
-
-def _document(
-    outline: Mapping[str, Any],
-    family: str,
-    parameters: Optional[ArrayLike],
-    options: Optional[PartOptions],
-    deadline: Optional[float],
-) -> Dict[str, Any]:
-    return {
-        "outline": dict(outline),
-        "structure": _structure(family, parameters),
-        **({} if options is None else options.to_wire()),
-        **_given({"deadline": deadline}),
-    }
-
-
-def _structure(family: str, parameters: Optional[ArrayLike]) -> Dict[str, Any]:
-    if parameters is None:
-        return {"family": family}
-    return {"family": family, "parameters": [float(value) for value in np.asarray(parameters, dtype=np.float64).ravel()]}
-
-
-def _polygon(outline: ArrayLike) -> Any:
-    array = np.asarray(outline, dtype=np.float64)
-    if array.ndim != 2 or array.shape[1] != 2 or len(array) < 3:
-        raise ValueError(f"an outline has the shape {array.shape}; expected (n, 2) with at least 3 corners")
-    return array.tolist()
-
-
-def _given(values: Mapping[str, Any]) -> Dict[str, Any]:
-    return {name: value for name, value in values.items() if value is not None}
+    def decode(self, answer: Answer) -> bytes:
+        message = answer.headers.get("Supple-Message")
+        if message:
+            warn(message)
+        return answer.content

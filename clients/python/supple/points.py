@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, List, Sequence, Tuple, Union
+
+from .wire import At
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class PlacedPoint:
     """
 
     pointer: str
-    point: SurfacePoint
+    point: Annotated[SurfacePoint, At("")]
     position: Tuple[float, float, float]
     distance: float
 
@@ -69,7 +71,7 @@ PointLike = Union[SurfacePoint, Vertex, SpacePoint, int, Tuple[int, Sequence[flo
 """A point as an argument: a `SurfacePoint`, a `Vertex`, a `SpacePoint`, the index of a vertex, or `(face, (a, b, c))`."""
 
 
-def point_to_wire(point: PointLike) -> Dict[str, Any]:
+def point_to_wire(point: PointLike, name: str = "") -> Dict[str, Any]:
     """The JSON form of a point. Raises `TypeError` or `ValueError` if it is none."""
     if isinstance(point, (SurfacePoint, Vertex, SpacePoint)):
         return point.to_wire()
@@ -90,17 +92,10 @@ def point_to_wire(point: PointLike) -> Dict[str, Any]:
     raise TypeError(f"{point!r} is not a surface point")
 
 
-def point_from_wire(document: Dict[str, Any]) -> SurfacePoint:
-    """The point in an answer, which is always given by a face."""
-    a, b, c = document["barycentric"]
-    return SurfacePoint(int(document["face"]), (float(a), float(b), float(c)))
+def points_to_wire(points: Sequence[PointLike], name: str = "") -> List[Dict[str, Any]]:
+    return [point_to_wire(point) for point in points]
 
 
-def placed_points_from_wire(document: Mapping[str, Any]) -> Tuple[PlacedPoint, ...]:
-    """The points in space of a request, from its answer; empty if it has none."""
-    placed = []
-    for entry in document.get("points_in_space", ()):
-        x, y, z = entry["position"]
-        position = (float(x), float(y), float(z))
-        placed.append(PlacedPoint(entry["pointer"], point_from_wire(entry), position, float(entry["distance"])))
-    return tuple(placed)
+OnePoint = Annotated[PointLike, At(write=point_to_wire)]
+Points = Annotated[Sequence[PointLike], At(write=points_to_wire)]
+"""Points in a request."""

@@ -6,17 +6,19 @@ Stresses, tangents and energy densities are in MPa, per rest area of the whole c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Annotated, Any, Mapping, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from ._arrays import Array, Numbers, Positions2
+from .answers import Cost, Effect
 from .drawing import BLUE, GREY, RED, Area, Drawing, curve
-from .jobs import Computation
 from .loads import Load
+from .request import Reported, Request, Timeout
 from .shown import Drawn, Shown, short_text
-from .tilings import structure_to_wire
+from .transport import Answer
+from .wire import ACCURACY, EFFECT, At, Shape, decode, decode_all
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,8 +35,8 @@ class PatchMesh(Drawn):
 
     cells: int
     lattice: Array
-    points: Array
-    triangles: NDArray[np.int32]
+    points: Positions2
+    triangles: Annotated[NDArray[np.int32], Shape(-1, 6)]
 
     def _drawing(self) -> Drawing:
         return _drawn_patch(self, self.points)
@@ -44,9 +46,9 @@ class PatchMesh(Drawn):
 class DeformedPatch(Drawn):
     """A deformed patch: its mesh at rest, and the deformed translations (2, 2) and points (n, 2), mm."""
 
-    mesh: PatchMesh
+    mesh: Annotated[PatchMesh, At(read=lambda mesh: mesh)]
     lattice: Array
-    points: Array
+    points: Positions2
 
     def _drawing(self) -> Drawing:
         return _drawn_patch(self.mesh, self.points)
@@ -133,17 +135,17 @@ class Simulation(Drawn):
     parameters: Array
     states: Tuple[State, ...]
     message: str
-    tolerance: float
-    residual: Optional[float]
-    nodes: int
-    triangles: int
-    unknowns: int
+    tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[Optional[float], ACCURACY]
+    nodes: Annotated[int, ACCURACY]
+    triangles: Annotated[int, ACCURACY]
+    unknowns: Annotated[int, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
-    discretization_error: Optional[DiscretizationError]
-    error_accepted: Optional[bool]
-    extrapolated: bool
-    mesh_size: float
+    discretization_error: Annotated[Optional[DiscretizationError], ACCURACY]
+    error_accepted: Annotated[Optional[bool], ACCURACY]
+    extrapolated: Annotated[bool, ACCURACY]
+    mesh_size: Annotated[float, ACCURACY]
 
     @property
     def converged(self) -> bool:
@@ -153,29 +155,29 @@ class Simulation(Drawn):
     @property
     def green_strain(self) -> Array:
         """Green strain (E_xx, E_yy, E_xy) of each state, shape (n, 3)."""
-        return _array([state.green_strain for state in self.states]).reshape(-1, 3)
+        return np.array([state.green_strain for state in self.states]).reshape(-1, 3)
 
     @property
     def stress(self) -> Array:
         """Second Piola-Kirchhoff stress (S_xx, S_yy, S_xy) of each state, shape (n, 3), MPa."""
-        return _array([state.stress for state in self.states]).reshape(-1, 3)
+        return np.array([state.stress for state in self.states]).reshape(-1, 3)
 
     @property
     def energy_density(self) -> Array:
         """Energy density of each state, shape (n,), MPa."""
-        return _array([state.energy_density for state in self.states])
+        return np.array([state.energy_density for state in self.states])
 
     @property
     def tangent(self) -> Array:
         """Tangent stiffness of each state, shape (n, 3, 3), MPa; nan where a state has none."""
         nothing = np.full((3, 3), np.nan)
         tangents = [nothing if state.tangent is None else state.tangent for state in self.states]
-        return _array(tangents).reshape(-1, 3, 3)
+        return np.array(tangents).reshape(-1, 3, 3)
 
     @property
     def deformation_gradient(self) -> Array:
         """Macroscopic deformation gradient of each state, shape (n, 2, 2)."""
-        return _array([state.deformation_gradient for state in self.states]).reshape(-1, 2, 2)
+        return np.array([state.deformation_gradient for state in self.states]).reshape(-1, 2, 2)
 
     def _drawing(self) -> Optional[Drawing]:
         if not self.states:
@@ -194,95 +196,55 @@ def _drawn_patch(mesh: PatchMesh, points: Array) -> Drawing:
     return Drawing("map", (), tuple(Area((points[corners],)) for corners in mesh.triangles[:, :3]), title="patch")
 
 
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
+@dataclass(frozen=True)
+class SimulationRequest(Request[Simulation], path="/v1/simulations"):
+    """The homogenized response of a structure along a load path from rest.
 
+    Attributes:
+        family, parameters: the structure, as in `StructureRequest`.
+        load: `GreenStrain`, `Uniaxial` or `Biaxial`.
+        material: "law", "youngs_modulus" (MPa) and "poisson_ratio"; a neo-Hookean law with 26 MPa and 0.48 by default.
+        mesh_size, corner_size, mesh_region: as in `StructureRequest`. Without `mesh_size` the server chooses the mesh, and
+            reduces its discretization error by extrapolation.
+        discretization_error: permitted relative error of the stress due to the mesh; the server then chooses the mesh.
+            `mesh_size` has precedence if both are given.
+        tolerance: relative residual of an equilibrium. 1e-8 by default.
+        max_load_step: largest change of a component of F in one internal load step.
+        max_iterations: Newton iterations for one load step before it is halved.
+        contact, patch, buckling: "on", "off" or "automatic".
+        refinement: "on" extrapolates the states from the mesh and a finer one; "automatic" does so too, but only estimates
+            the error if `mesh_size` is given; "off" does neither, in about half of the time.
+        tangents: whether tangent stiffnesses are computed.
+        deformed: "json" for the deformed points and triangles of each state, "vtu" for VTK files, "none".
 
-def _patch_mesh(document: Mapping[str, Any]) -> PatchMesh:
-    return PatchMesh(
-        cells=int(document["cells"]),
-        lattice=_array(document["lattice"]),
-        points=_array(document["points"]).reshape(-1, 2),
-        triangles=np.asarray(document["triangles"], dtype=np.int32).reshape(-1, 6),
-    )
+    A path that cannot be followed to its end raises no exception: see `Simulation.message`.
+    """
 
+    family: str
+    parameters: Optional[Numbers]
+    load: Load
+    material: Optional[Mapping[str, Any]] = None
+    mesh_size: Annotated[Optional[float], ACCURACY] = None
+    corner_size: Annotated[Optional[float], ACCURACY] = None
+    mesh_region: Annotated[Optional[str], ACCURACY] = None
+    discretization_error: Annotated[Optional[float], ACCURACY] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
+    max_load_step: Annotated[Optional[float], ACCURACY] = None
+    max_iterations: Annotated[Optional[int], ACCURACY] = None
+    contact: Annotated[Optional[str], EFFECT] = None
+    patch: Annotated[Optional[str], EFFECT] = None
+    buckling: Annotated[Optional[str], EFFECT] = None
+    refinement: Annotated[Optional[str], EFFECT] = None
+    tangents: bool = True
+    deformed: str = "none"
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
-def _state(document: Mapping[str, Any], meshes: List[PatchMesh]) -> State:
-    deformed = document.get("deformed")
-    return State(
-        green_strain=_array(document["green_strain"]),
-        stress=_array(document["stress"]),
-        energy_density=float(document["energy_density"]),
-        tangent=None if document["tangent"] is None else _array(document["tangent"]),
-        deformation_gradient=_array(document["deformation_gradient"]),
-        stopped=str(document["stopped"]),
-        residual=document["residual"],
-        iterations=int(document["iterations"]),
-        load_steps=int(document["load_steps"]),
-        contacts=int(document["contacts"]),
-        smallest_gap=document["smallest_gap"],
-        smallest_jacobian=float(document["smallest_jacobian"]),
-        stable=bool(document["stable"]),
-        branch=int(document["branch"]),
-        cells=int(document["cells"]),
-        deformed=None
-        if deformed is None
-        else DeformedPatch(
-            mesh=meshes[deformed["mesh"]],
-            lattice=_array(deformed["lattice"]),
-            points=_array(deformed["points"]).reshape(-1, 2),
-        ),
-        vtu=document.get("vtu"),
-        stress_error=document["stress_error"],
-        energy_density_error=document["energy_density_error"],
-    )
-
-
-def simulation_from_wire(document: Mapping[str, Any]) -> Simulation:
-    meshes = [_patch_mesh(mesh) for mesh in document.get("meshes", [])]
-    accuracy = document["accuracy"]
-    return Simulation(
-        family=str(document["family"]),
-        parameters=_array(document["parameters"]),
-        states=tuple(_state(state, meshes) for state in document["states"]),
-        message=str(document["message"]),
-        tolerance=float(accuracy["tolerance"]),
-        residual=accuracy["residual"],
-        nodes=int(accuracy["nodes"]),
-        triangles=int(accuracy["triangles"]),
-        unknowns=int(accuracy["unknowns"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-        discretization_error=None
-        if accuracy["discretization_error"] is None
-        else DiscretizationError(**accuracy["discretization_error"]),
-        error_accepted=accuracy["error_accepted"],
-        extrapolated=bool(accuracy["extrapolated"]),
-        mesh_size=float(accuracy["mesh_size"]),
-    )
-
-
-def simulation(
-    family: str,
-    parameters: Optional[Sequence[float]],
-    load: Load,
-    material: Optional[Mapping[str, Any]],
-    accuracy: Mapping[str, Any],
-    effects: Mapping[str, Optional[str]],
-    tangents: bool,
-    deformed: str,
-    deadline: Optional[float],
-) -> Computation[Simulation]:
-    document: Dict[str, Any] = {
-        **structure_to_wire(family, parameters),
-        "load": load.to_wire(),
-        "accuracy": {name: value for name, value in accuracy.items() if value is not None},
-        "effects": {name: value for name, value in effects.items() if value is not None},
-        "tangents": tangents,
-        "deformed": deformed,
-    }
-    if material is not None:
-        document["material"] = dict(material)
-    if deadline is not None:
-        document["deadline"] = deadline
-    return Computation("/v1/simulations", document, lambda answer: simulation_from_wire(answer.json()))
+    def decode(self, answer: Answer) -> Simulation:
+        document = answer.json()
+        meshes = decode_all(PatchMesh, document.get("meshes", ()))
+        for state in document["states"]:
+            if "deformed" in state:  # refers to its mesh by the index
+                state["deformed"]["mesh"] = meshes[state["deformed"]["mesh"]]
+        return decode(Simulation, document)

@@ -6,17 +6,14 @@ A tiling's edges are beams of one width, which form the solid structure. Lengths
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Annotated, Optional, Tuple
 
-import numpy as np
-
-from .answers import Array, Cost, cost_from_wire
+from ._arrays import Array, Numbers
+from .answers import Cost
 from .drawing import Area, Drawing
-from .jobs import Computation
+from .request import FileRequest, Kind, Reported, Request, Timeout
 from .shown import Drawn, Shown, short_text
-from .transport import Answer
-
-FILE_TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "stl": "model/stl"}
+from .wire import At
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,16 +34,16 @@ class Family(Shown):
 
     id: str
     description: str
-    lower: Array
-    upper: Array
-    default: Array
+    lower: Annotated[Array, At("/parameters/lower")]
+    upper: Annotated[Array, At("/parameters/upper")]
+    default: Annotated[Array, At("/parameters/default")]
     beam_width: float
     printed_beam_width: float
     scale: float
-    tiles: int
-    lattice: Array
-    cell_area: float
-    relative_density: float
+    tiles: Annotated[int, At("/cell/tiles")]
+    lattice: Annotated[Array, At("/cell/lattice")]
+    cell_area: Annotated[float, At("/cell/area")]
+    relative_density: Annotated[float, At("/cell/relative_density")]
 
 
 @dataclass(frozen=True, repr=False)
@@ -104,104 +101,43 @@ class Structure(Drawn):
         return Drawing("map", (), areas, title)
 
 
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
+@dataclass(frozen=True)
+class StructureRequest(Request[Structure], path="/v1/structures"):
+    """The beam structure of a tiling: one periodic cell.
+
+    Attributes:
+        family: id of the family.
+        parameters: within the family's bounds; None takes its defaults. Raises `InvalidStructure` if they give no valid
+            structure.
+        beam_width: in mm; the whole structure scales with it. 0.3 by default.
+        mesh_size: side length of the triangles over beam width. With any mesh option the cell is meshed, and the result
+            has the mesh's statistics.
+        corner_size: side length at re-entrant corners over that elsewhere, in (0, 1].
+        mesh_region: whether single tiles or the whole cell are meshed at a time: "automatic", "tile" or "cell".
+    """
+
+    family: str
+    parameters: Optional[Numbers] = None
+    beam_width: Optional[float] = None
+    mesh_size: Annotated[Optional[float], At("/mesh/")] = None
+    corner_size: Annotated[Optional[float], At("/mesh/")] = None
+    mesh_region: Annotated[Optional[str], At("/mesh/")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def family_from_wire(document: Mapping[str, Any]) -> Family:
-    parameters, cell = document["parameters"], document["cell"]
-    return Family(
-        id=str(document["id"]),
-        description=str(document["description"]),
-        lower=_array(parameters["lower"]),
-        upper=_array(parameters["upper"]),
-        default=_array(parameters["default"]),
-        beam_width=float(document["beam_width"]),
-        printed_beam_width=float(document["printed_beam_width"]),
-        scale=float(document["scale"]),
-        tiles=int(cell["tiles"]),
-        lattice=_array(cell["lattice"]),
-        cell_area=float(cell["area"]),
-        relative_density=float(cell["relative_density"]),
-    )
+@dataclass(frozen=True)
+class StructureFileRequest(FileRequest, path="/v1/structures"):
+    """A structure as a file: `kind` is "svg", "dxf" or "stl" (binary, extruded by `height` mm). Lengths are in mm."""
 
-
-def structure_from_wire(document: Mapping[str, Any]) -> Structure:
-    mesh = document.get("mesh")
-    return Structure(
-        family=str(document["family"]),
-        parameters=_array(document["parameters"]),
-        beam_width=float(document["beam_width"]),
-        scale=float(document["scale"]),
-        lattice=_array(document["lattice"]),
-        tiles=tuple(
-            Tile(_array(tile["outline"]), tuple(_array(hole) for hole in tile["holes"])) for tile in document["tiles"]
-        ),
-        cell_area=float(document["cell_area"]),
-        solid_area=float(document["solid_area"]),
-        relative_density=float(document["relative_density"]),
-        mesh=None
-        if mesh is None
-        else CellMesh(
-            nodes=int(mesh["nodes"]),
-            triangles=int(mesh["triangles"]),
-            smallest_angle=float(mesh["smallest_angle"]),
-            shortest_side=float(mesh["shortest_side"]),
-            longest_side=float(mesh["longest_side"]),
-            relative_density=float(mesh["relative_density"]),
-        ),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def structure_to_wire(family: str, parameters: Optional[Sequence[float]]) -> Dict[str, Any]:
-    """The fields of a request that describe a structure."""
-    document: Dict[str, Any] = {"family": family}
-    if parameters is not None:
-        document["parameters"] = [float(parameter) for parameter in parameters]
-    return document
-
-
-def structure(
-    family: str,
-    parameters: Optional[Sequence[float]],
-    beam_width: Optional[float],
-    mesh_size: Optional[float],
-    corner_size: Optional[float],
-    mesh_region: Optional[str],
-    deadline: Optional[float],
-) -> Computation[Structure]:
-    document = structure_to_wire(family, parameters)
-    if beam_width is not None:
-        document["beam_width"] = float(beam_width)
-    mesh = {"mesh_size": mesh_size, "corner_size": corner_size, "mesh_region": mesh_region}
-    if any(value is not None for value in mesh.values()):
-        document["mesh"] = {name: value for name, value in mesh.items() if value is not None}
-    if deadline is not None:
-        document["deadline"] = deadline
-    return Computation("/v1/structures", document, lambda answer: structure_from_wire(answer.json()))
-
-
-def structure_file(
-    family: str,
-    parameters: Optional[Sequence[float]],
-    kind: str,
-    cells: Tuple[int, int],
-    height: float,
-    beam_width: Optional[float],
-) -> Computation[bytes]:
-    if kind not in FILE_TYPES:
-        raise ValueError(f"{kind!r} is no kind of file; there are {', '.join(FILE_TYPES)}")
-    first, second = cells
-    document = {**structure_to_wire(family, parameters), "cells": [int(first), int(second)], "height": float(height)}
-    if beam_width is not None:
-        document["beam_width"] = float(beam_width)
-
-    def decode(answer: Answer) -> bytes:
-        return answer.content
-
-    return Computation("/v1/structures", document, decode, accept=FILE_TYPES[kind])
-
-
-def families_from_wire(documents: List[Mapping[str, Any]]) -> List[Family]:
-    return [family_from_wire(document) for document in documents]
+    TYPES = {"svg": "image/svg+xml", "dxf": "image/vnd.dxf", "stl": "model/stl"}
+    family: str
+    parameters: Optional[Numbers] = None
+    kind: Kind = "svg"
+    cells: Tuple[int, int] = (2, 2)
+    height: float = 1.0
+    beam_width: Optional[float] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from typing import Any, Callable, Dict, Mapping, Optional
+from urllib.parse import urlencode
 
 import numpy as np
 import requests
@@ -67,16 +68,18 @@ class Transport:
         method: str,
         path: str,
         *,
+        query: Optional[Mapping[str, str]] = None,
         body: Optional[bytes] = None,
         document: Any = None,
         headers: Optional[Dict[str, str]] = None,
         timeout: Optional[float] = None,
         repeatable: Optional[bool] = None,
     ) -> Answer:
-        """Sends a request and returns its answer (status below 400).
+        """Sends a request and returns its answer (status below 400). The values of `query` are escaped.
 
         Raises `ProblemError` for any other status, and `ConnectionFailed` or `RequestTimeout` if there is no answer.
         """
+        url = self.url + path + ("?" + urlencode(query, safe=",") if query else "")
         sent = dict(headers or {})
         if document is not None:
             body = json.dumps(document, allow_nan=False, default=_plain).encode()
@@ -87,7 +90,7 @@ class Transport:
             try:
                 response = self._session.request(
                     method,
-                    self.url + path,
+                    url,
                     data=body,
                     headers=sent,
                     timeout=self._timeout if timeout is None else timeout,

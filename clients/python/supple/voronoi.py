@@ -3,26 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Sequence, Union
+from typing import Annotated, Any, Dict, Mapping, Optional, Sequence, Union
 
-from .jobs import Computation
-from .points import PointLike, point_to_wire
-from .transport import Answer
-from .voronoi_answers import (
-    OptimizedVoronoi,
-    VoronoiDiagram,
-    optimized_voronoi_from_wire,
-    voronoi_diagram_from_wire,
-)
-from .weaves import given
-
-DIAGRAMS = "/v1/voronoi-diagrams"
-OPTIMIZATIONS = "/v1/voronoi-optimizations"
-FILE_TYPES = {"obj": "model/obj", "vtu": "application/x-vtu+xml", "svg": "image/svg+xml", "csv": "text/csv"}
+from ._arrays import IndexList
+from .points import PointLike, points_to_wire
+from .request import FileRequest, Kind, OnMesh, Reported, Request, Timeout
+from .voronoi_answers import OptimizedVoronoi, VoronoiDiagram
+from .wire import ACCURACY, At, Sent
 
 
 @dataclass(frozen=True)
-class RandomSites:
+class RandomSites(Sent):
     """Random sites, uniform over the area.
 
     Attributes:
@@ -33,16 +24,13 @@ class RandomSites:
     count: int
     seed: Optional[int] = None
 
-    def to_wire(self) -> Dict[str, Any]:
-        return {"count": int(self.count), **given(seed=self.seed)}
-
 
 Sites = Union[Sequence[PointLike], RandomSites]
 """Sites as an argument: a list of points, or random ones."""
 
 
 @dataclass(frozen=True)
-class VoronoiOptions:
+class VoronoiOptions(Sent):
     """How sites are optimized. None stands for the server's default.
 
     Attributes:
@@ -51,79 +39,105 @@ class VoronoiOptions:
         method: "automatic", "gauss_newton" or "lbfgs".
         tolerance: the iteration stops once |grad E| <= tolerance * sqrt(number of sites) / (mean cell size). 1e-6 by default.
         max_iterations: 100 by default.
-        border_deviation: as in `Mesh.voronoi`.
+        border_deviation: as in `VoronoiRequest`.
     """
 
     target_length: Optional[float] = None
     method: Optional[str] = None
-    tolerance: Optional[float] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
     max_iterations: Optional[int] = None
-    border_deviation: Optional[float] = None
+    border_deviation: Annotated[Optional[float], ACCURACY] = None
+
+
+def _sites_to_wire(sites: Sites, name: str) -> Any:
+    return sites.to_wire() if isinstance(sites, RandomSites) else points_to_wire(sites)
+
+
+@dataclass(frozen=True)
+class _Diagram(Sent):
+    """The fields of both requests of a diagram."""
+
+    mesh: OnMesh
+    sites: Annotated[Sites, At(write=_sites_to_wire)]
+    method: Annotated[Optional[str], ACCURACY] = None
+    relative_error: Annotated[Optional[float], ACCURACY] = None
+    border_deviation: Annotated[Optional[float], ACCURACY] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
     def to_wire(self) -> Dict[str, Any]:
-        accuracy = given(tolerance=self.tolerance, border_deviation=self.border_deviation)
-        fields = given(target_length=self.target_length, method=self.method, max_iterations=self.max_iterations)
-        return {**fields, **({"accuracy": accuracy} if accuracy else {})}
+        document = super().to_wire()
+        if self.relative_error is not None:
+            document["accuracy"].setdefault("method", "bounded")
+        return document
 
 
-def _sites(sites: Sites) -> Any:
-    return sites.to_wire() if isinstance(sites, RandomSites) else [point_to_wire(site) for site in sites]
+@dataclass(frozen=True)
+class VoronoiRequest(_Diagram, Request[VoronoiDiagram], path="/v1/voronoi-diagrams"):
+    """The geodesic Voronoi diagram of sites: each cell has the points that are nearer to its site than to any other site.
+
+    Attributes:
+        mesh: the mesh, or its id.
+        sites: a list of points, or `RandomSites`.
+        method: "exact" (the default), "bounded" (each distance within `relative_error`, with less work) or "edges" (along
+            edges and across pairs of faces, without a bound).
+        relative_error: permitted error of every distance, in (0, 1]; implies "bounded". 0.01 by default.
+        border_deviation: largest distance of a border from the straight lines between its points, in units of the
+            diagonal of the mesh's bounding box, from 1e-7 to 1. 1e-5 by default. Areas and lengths are always those of the
+            exact curves.
+        points: whether `VoronoiDiagram.points` are returned, the surface points of its `positions`.
+        pieces: whether `VoronoiDiagram.pieces` are returned, with which cells can be coloured.
+        statistics: whether `VoronoiDiagram.statistics` are returned.
+
+    Raises `InvalidVoronoi` (codes "voronoi.no_sites", "voronoi.too_many_sites", "voronoi.invalid_option"), and
+    `InvalidRequest` (code "request.limit_exceeded") if there are more sites than the server permits.
+    """
+
+    points: bool = False
+    pieces: bool = False
+    statistics: bool = True
 
 
-def diagram_document(
-    mesh: str,
-    sites: Sites,
-    method: Optional[str],
-    relative_error: Optional[float],
-    points: bool,
-    pieces: bool,
-    statistics: bool,
-    deadline: Optional[float],
-    border_deviation: Optional[float] = None,
-) -> Dict[str, Any]:
-    accuracy = given(method=method, relative_error=relative_error, border_deviation=border_deviation)
-    if relative_error is not None and method is None:
-        accuracy["method"] = "bounded"
-    return {
-        "mesh": mesh,
-        "sites": _sites(sites),
-        **({"accuracy": accuracy} if accuracy else {}),
-        **given(points=points or None, pieces=pieces or None, statistics=None if statistics else False, deadline=deadline),
-    }
+@dataclass(frozen=True)
+class VoronoiFileRequest(_Diagram, FileRequest, path="/v1/voronoi-diagrams"):
+    """A Voronoi diagram as a file. `kind` is "obj" or "vtu" (borders and the surface cut along them, mesh units), "svg" (flat
+    panels with numbered edges, `panel_scale` millimetres for each mesh unit, 1 by default) or "csv" (lengths and angles of
+    the panels). For an optimized diagram, give its `sites`. The other fields are those of `VoronoiRequest`."""
+
+    TYPES = {"obj": "model/obj", "vtu": "application/x-vtu+xml", "svg": "image/svg+xml", "csv": "text/csv"}
+    kind: Kind = "obj"
+    panel_scale: Optional[float] = None
 
 
-def optimization_document(
-    mesh: str,
-    sites: Sites,
-    objectives: Mapping[str, float],
-    fixed_sites: Sequence[int],
-    options: Optional[VoronoiOptions],
-    points: bool,
-    pieces: bool,
-    deadline: Optional[float],
-) -> Dict[str, Any]:
-    return {
-        "mesh": mesh,
-        "sites": _sites(sites),
-        "objectives": {name: float(weight) for name, weight in objectives.items()},
-        "fixed_sites": [int(site) for site in fixed_sites],
-        **({} if options is None else options.to_wire()),
-        **given(points=points or None, pieces=pieces or None, deadline=deadline),
-    }
+@dataclass(frozen=True)
+class VoronoiOptimizationRequest(Request[OptimizedVoronoi], path="/v1/voronoi-optimizations"):
+    """Moves sites until their Voronoi diagram has a local minimum of the weighted sum of objectives.
 
+    Attributes:
+        mesh: the mesh, or its id.
+        sites: the sites at the start: a list of points, or `RandomSites`.
+        objectives: weights by name, at least 0, of "edge_length" (edges as long as `VoronoiOptions.target_length`),
+            "planarity" (cells whose vertices lie in a plane), "regularity" (vertices near their sites), "centroidal"
+            (sites at the centres of their cells) and "equal_area". Lengths are measured in units of the mean cell size, so that
+            all objectives are dimensionless.
+        fixed_sites: indices of fixed sites.
+        options: options of the search.
+        points, pieces: as in `VoronoiRequest`.
 
-def diagram(document: Dict[str, Any]) -> Computation[VoronoiDiagram]:
-    return Computation(DIAGRAMS, document, lambda answer: voronoi_diagram_from_wire(answer.json()))
+    The `status().partial` of its job is the diagram after the latest iteration (`PartialOptimization`).
 
+    Raises `InvalidVoronoi` with the codes of `VoronoiRequest`, "voronoi.no_objective" and "voronoi.fixed_site"; `faults` names
+    the entries.
+    """
 
-def optimization(document: Dict[str, Any]) -> Computation[OptimizedVoronoi]:
-    return Computation(OPTIMIZATIONS, document, lambda answer: optimized_voronoi_from_wire(answer.json()))
-
-
-def diagram_file(document: Dict[str, Any], kind: str, panel_scale: Optional[float]) -> Computation[bytes]:
-    def decode(answer: Answer) -> bytes:
-        return answer.content
-
-    if kind not in FILE_TYPES:
-        raise ValueError(f"a Voronoi diagram is written as {', '.join(sorted(FILE_TYPES))}, not {kind!r}")
-    return Computation(DIAGRAMS, {**document, **given(panel_scale=panel_scale)}, decode, accept=FILE_TYPES[kind])
+    mesh: OnMesh
+    sites: Annotated[Sites, At(write=_sites_to_wire)]
+    objectives: Mapping[str, float]
+    fixed_sites: IndexList = ()
+    options: Annotated[Optional[VoronoiOptions], At("")] = None
+    points: bool = False
+    pieces: bool = False
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None

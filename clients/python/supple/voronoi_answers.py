@@ -6,17 +6,16 @@ Lengths are in mesh units, areas in squared mesh units; energies have no unit.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Annotated, Any, Dict, Mapping, Optional, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from ._arrays import Array, Indices, Positions
+from .answers import Cost, Effect
 from .drawing import RED, Drawing, Line, joined
-from .points import PlacedPoint, SurfacePoint, placed_points_from_wire, point_from_wire
+from .points import PlacedPoint, SurfacePoint
 from .shown import Drawn, Shown
-
-Indices = NDArray[np.int64]
+from .wire import ACCURACY, At, Shape, by_name, decode
 
 
 @dataclass(frozen=True, repr=False)
@@ -115,7 +114,7 @@ class VoronoiPiece(Shown):
 
     site: int
     face: int
-    corners: Array
+    corners: Positions
     area: float
 
 
@@ -159,22 +158,22 @@ class VoronoiDiagram(Drawn):
     """
 
     sites: Tuple[SurfacePoint, ...]
-    site_positions: Array
+    site_positions: Positions
     cells: Tuple[VoronoiCell, ...]
     vertices: Tuple[VoronoiVertex, ...]
     edges: Tuple[VoronoiEdge, ...]
-    dual: Indices
-    positions: Array
+    dual: Annotated[Indices, Shape(-1, 3)]
+    positions: Positions
     points: Optional[Tuple[SurfacePoint, ...]]
     pieces: Optional[VoronoiPieces]
     unreached_area: float
     statistics: Optional[VoronoiStatistics]
     warnings: Tuple[str, ...]
-    relative_error_bound: Optional[float]
+    relative_error_bound: Annotated[Optional[float], ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
     points_in_space: Tuple[PlacedPoint, ...] = ()
-    border_deviation: float = 0.0
+    border_deviation: Annotated[float, ACCURACY] = 0.0
 
     def borders(self, site: int) -> Tuple[Array, ...]:
         """The closed borders of a cell as polylines in space, each of shape (points + 1, 3) with the first point at its end too."""
@@ -223,6 +222,11 @@ class SiteMoves(Shown):
     last_gain: float
 
 
+def _diagram_after(optimization: Mapping[str, Any]) -> VoronoiDiagram:
+    accuracy = {**optimization["accuracy"], "relative_error_bound": 0.0}
+    return decode(VoronoiDiagram, {**optimization, "statistics": optimization["statistics"]["after"], "accuracy": accuracy})
+
+
 @dataclass(frozen=True, repr=False)
 class OptimizedVoronoi(Drawn):
     """Sites at a local minimum of the objectives, and their diagram.
@@ -240,12 +244,12 @@ class OptimizedVoronoi(Drawn):
         site_moves: searches with single sites; None if steps of all sites sufficed.
     """
 
-    diagram: VoronoiDiagram
-    before: VoronoiStatistics
+    diagram: Annotated[VoronoiDiagram, At("", read=_diagram_after)]
+    before: Annotated[VoronoiStatistics, At("/statistics/before")]
     energy: float
-    terms: Dict[str, float]
+    terms: Annotated[Dict[str, float], At(read=by_name("energy"))]
     gradient_norm: float
-    gradient_tolerance: float
+    gradient_tolerance: Annotated[float, ACCURACY]
     iterations: int
     history: Tuple[OptimizationStep, ...]
     stopped: str
@@ -280,123 +284,7 @@ class PartialOptimization(Shown):
     gradient_norm: float
     step_length: float
     sites: Optional[Tuple[SurfacePoint, ...]]
-    site_positions: Optional[Array]
-    positions: Optional[Array]
+    site_positions: Optional[Positions]
+    positions: Optional[Positions]
     vertices: Optional[Indices]
     borders: Optional[Tuple[Indices, ...]]
-
-
-def _positions(document: Any) -> Array:
-    return np.asarray(document, dtype=np.float64).reshape(-1, 3)
-
-
-def _indices(document: Any) -> Indices:
-    return np.asarray(document, dtype=np.int64)
-
-
-def _indices_or_minus_one(document: Any) -> Indices:
-    return np.array([-1 if value is None else value for value in document], dtype=np.int64)
-
-
-def _statistics(document: Mapping[str, Any]) -> VoronoiStatistics:
-    spreads = {name: Spread(s["mean"], s["least"], s["greatest"], s["deviation"]) for name, s in document.items()}
-    return VoronoiStatistics(**spreads)
-
-
-def _pieces(document: Optional[Mapping[str, Any]]) -> Optional[VoronoiPieces]:
-    if document is None:
-        return None
-    return VoronoiPieces(
-        vertex_sites=_indices_or_minus_one(document["vertex_sites"]),
-        face_sites=_indices_or_minus_one(document["face_sites"]),
-        cut_faces=tuple(
-            VoronoiPiece(piece["site"], piece["face"], _positions(piece["corners"]), piece["area"]) for piece in document["cut_faces"]
-        ),
-    )
-
-
-def _diagram(document: Mapping[str, Any], statistics: Optional[Mapping[str, Any]], bound: Optional[float]) -> VoronoiDiagram:
-    points = document.get("points")
-    return VoronoiDiagram(
-        sites=tuple(point_from_wire(site) for site in document["sites"]),
-        site_positions=_positions(document["site_positions"]),
-        cells=tuple(
-            VoronoiCell(c["site"], c["area"], tuple(_indices(border) for border in c["boundary"]), tuple(c["neighbours"]))
-            for c in document["cells"]
-        ),
-        vertices=tuple(
-            VoronoiVertex(
-                point_from_wire(v["point"]),
-                np.asarray(v["position"], dtype=np.float64),
-                tuple(v["sites"]),
-                v["distance"],
-                v["index"],
-            )
-            for v in document["vertices"]
-        ),
-        edges=tuple(
-            VoronoiEdge(
-                (e["sites"][0], e["sites"][1]), (e["vertices"][0], e["vertices"][1]), e["length"], _indices(e["points"])
-            )
-            for e in document["edges"]
-        ),
-        dual=_indices(document["dual"]).reshape(-1, 3),
-        positions=_positions(document["positions"]),
-        points=None if points is None else tuple(point_from_wire(point) for point in points),
-        pieces=_pieces(document.get("pieces")),
-        unreached_area=document["unreached_area"],
-        statistics=None if statistics is None else _statistics(statistics),
-        warnings=tuple(document["warnings"]),
-        relative_error_bound=bound,
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-        points_in_space=placed_points_from_wire(document),
-        border_deviation=document["accuracy"]["border_deviation"],
-    )
-
-
-def voronoi_diagram_from_wire(document: Mapping[str, Any]) -> VoronoiDiagram:
-    return _diagram(document, document.get("statistics"), document["accuracy"]["relative_error_bound"])
-
-
-def _site_moves(document: Optional[Mapping[str, Any]]) -> Optional[SiteMoves]:
-    if document is None:
-        return None
-    names = ("held_searches", "passes", "tried", "taken", "energy_before", "last_gain")
-    return SiteMoves(**{name: document[name] for name in names})
-
-
-def optimized_voronoi_from_wire(document: Mapping[str, Any]) -> OptimizedVoronoi:
-    return OptimizedVoronoi(
-        diagram=_diagram(document, document["statistics"]["after"], 0.0),
-        before=_statistics(document["statistics"]["before"]),
-        energy=document["energy"],
-        terms={term["name"]: float(term["energy"]) for term in document["terms"]},
-        gradient_norm=document["gradient_norm"],
-        gradient_tolerance=document["accuracy"]["gradient_tolerance"],
-        iterations=document["iterations"],
-        history=tuple(
-            OptimizationStep(s["energy"], s["gradient_norm"], s["step_length"]) for s in document["history"]
-        ),
-        stopped=document["stopped"],
-        site_moves=_site_moves(document.get("site_moves")),
-    )
-
-
-def partial_optimization_from_wire(document: Mapping[str, Any]) -> PartialOptimization:
-    sites = document.get("sites")
-    site_positions = document.get("site_positions")
-    positions = document.get("positions")
-    vertices = document.get("vertices")
-    borders = document.get("borders")
-    return PartialOptimization(
-        iteration=int(document["iteration"]),
-        energy=float(document["energy"]),
-        gradient_norm=float(document["gradient_norm"]),
-        step_length=float(document["step_length"]),
-        sites=None if sites is None else tuple(point_from_wire(site) for site in sites),
-        site_positions=None if site_positions is None else _positions(site_positions),
-        positions=None if positions is None else _positions(positions),
-        vertices=None if vertices is None else _indices(vertices),
-        borders=None if borders is None else tuple(_indices(border) for border in borders),
-    )

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, List, Mapping, Optional, Tuple
+from typing import Annotated, Any, Mapping, Optional, Tuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from ._arrays import Array, Flags, Positions, Positions2
+from .answers import Cost, Effect
 from .drawing import GREY, RED, Drawing, Line, curve, joined
 from .shown import Drawn, Shown
+from .wire import ACCURACY, At, decode
 
 
 @dataclass(frozen=True, repr=False)
@@ -21,7 +22,7 @@ class LaidStrand(Shown):
     translation: Array
     length: float
     radius: float
-    polyline: Array
+    polyline: Positions2
 
 
 @dataclass(frozen=True, repr=False)
@@ -81,11 +82,15 @@ class DeformedCell(Drawn):
 
     direction: int
     lattice: Array
-    strands: Tuple[Array, ...]
+    strands: Tuple[Positions, ...]
     sliding: Array
 
     def _drawing(self) -> Drawing:
         return Drawing("map", (Line(joined(self.strands)),), title="deformed cell")
+
+
+def _cells_of_gradients(cells: Any) -> Mapping[int, DeformedCell]:
+    return {cell["state"]: decode(DeformedCell, {**cell, "direction": cell["state"]}) for cell in cells}
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,15 +116,15 @@ class WeaveDeformation(Shown):
     cauchy_stress: Array
     energy_density: Array
     stopped: Tuple[str, ...]
-    out_of_plane: NDArray[np.bool_]
-    stable: NDArray[np.bool_]
+    out_of_plane: Flags
+    stable: Flags
     message: str
-    cells: Mapping[int, DeformedCell]
-    tolerance: float
-    residual: Optional[float]
-    limit_tolerance: float
-    limit_error: Optional[float]
-    limit_errors: Array
+    cells: Annotated[Mapping[int, DeformedCell], At(read=_cells_of_gradients)]
+    tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[Optional[float], ACCURACY]
+    limit_tolerance: Annotated[float, ACCURACY]
+    limit_error: Annotated[Optional[float], ACCURACY]
+    limit_errors: Annotated[Array, At("/limit_error")]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -154,15 +159,15 @@ class WeaveHomogenization(Drawn):
     cauchy_stress: Array
     energy_density: Array
     stopped: Tuple[str, ...]
-    out_of_plane: NDArray[np.bool_]
-    stable: NDArray[np.bool_]
+    out_of_plane: Flags
+    stable: Flags
     message: str
     cells: Tuple[DeformedCell, ...]
-    tolerance: float
-    residual: Optional[float]
-    limit_tolerance: float
-    limit_error: Optional[float]
-    limit_errors: Array
+    tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[Optional[float], ACCURACY]
+    limit_tolerance: Annotated[float, ACCURACY]
+    limit_error: Annotated[Optional[float], ACCURACY]
+    limit_errors: Annotated[Array, At("/limit_error")]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -197,9 +202,9 @@ class SheetState(Drawn):
 
     share: float
     energy: float
-    crossings: Array
+    crossings: Positions
     sliding: Array
-    reactions: Array
+    reactions: Positions
     out_of_plane: bool
     stable: bool
     stopped: str
@@ -208,7 +213,7 @@ class SheetState(Drawn):
     iterations: int
     load_steps: int
     branches: int
-    strands: Optional[Tuple[Array, ...]]
+    strands: Optional[Tuple[Positions, ...]]
     obj: Optional[str]
     vtu: Optional[str]
 
@@ -233,6 +238,10 @@ class HeldPlace(Shown):
     position: Array
 
 
+def _sliders(sliders: Any) -> Tuple[Tuple[int, int], ...]:
+    return tuple((slider["crossing"], slider["member"]) for slider in sliders)
+
+
 @dataclass(frozen=True, repr=False)
 class WeaveSimulation(Drawn):
     """The states of a sheet along a load path.
@@ -247,14 +256,14 @@ class WeaveSimulation(Drawn):
     """
 
     supports: Tuple[HeldPlace, ...]
-    sliders: Tuple[Tuple[int, int], ...]
+    sliders: Annotated[Tuple[Tuple[int, int], ...], At(read=_sliders)]
     states: Tuple[SheetState, ...]
     message: str
-    tolerance: float
-    residual: Optional[float]
-    limit_tolerance: float
-    limit_error: Optional[float]
-    unknowns: int
+    tolerance: Annotated[float, ACCURACY]
+    residual: Annotated[Optional[float], ACCURACY]
+    limit_tolerance: Annotated[float, ACCURACY]
+    limit_error: Annotated[Optional[float], ACCURACY]
+    unknowns: Annotated[int, ACCURACY]
     effects: Tuple[Effect, ...]
     cost: Cost
 
@@ -270,145 +279,3 @@ class WeaveSimulation(Drawn):
 
     def _drawing(self) -> Optional[Drawing]:
         return self.states[-1]._drawing() if self.states else None
-
-
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
-
-
-def _polylines(documents: List[Any]) -> Tuple[Array, ...]:
-    return tuple(_array(points).reshape(-1, 3) for points in documents)
-
-
-def _member(document: Mapping[str, Any]) -> CrossingMember:
-    return CrossingMember(
-        strand=int(document["strand"]),
-        coordinate=float(document["coordinate"]),
-        shift=(int(document["shift"][0]), int(document["shift"][1])),
-        slides=bool(document["slides"]),
-        backward=document.get("backward"),
-        forward=document.get("forward"),
-    )
-
-
-def layout_from_wire(document: Mapping[str, Any]) -> WeaveLayout:
-    lattice = document["lattice"]
-    return WeaveLayout(
-        strands=tuple(
-            LaidStrand(
-                ends=str(strand["ends"]),
-                translation=_array(strand["translation"]),
-                length=float(strand["length"]),
-                radius=float(strand["radius"]),
-                polyline=_array(strand["polyline"]).reshape(-1, 2),
-            )
-            for strand in document["strands"]
-        ),
-        crossings=tuple(
-            Crossing(_array(crossing["position"]), tuple(_member(member) for member in crossing["members"]))
-            for crossing in document["crossings"]
-        ),
-        lattice=None if lattice is None else _array(lattice),
-        warnings=tuple(map(str, document["warnings"])),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def _cell(document: Mapping[str, Any], index: str) -> DeformedCell:
-    return DeformedCell(
-        direction=int(document[index]),
-        lattice=_array(document["lattice"]),
-        strands=_polylines(document["strands"]),
-        sliding=_array(document["sliding"]),
-    )
-
-
-def deformation_from_wire(document: Mapping[str, Any]) -> WeaveDeformation:
-    cells = [_cell(cell, "state") for cell in document["cells"]]
-    return WeaveDeformation(
-        deformation_gradient=_array(document["deformation_gradient"]),
-        nominal_stress=_array(document["nominal_stress"]),
-        cauchy_stress=_array(document["cauchy_stress"]),
-        energy_density=_array(document["energy_density"]),
-        stopped=tuple(map(str, document["stopped"])),
-        out_of_plane=np.asarray(document["out_of_plane"], dtype=np.bool_),
-        stable=np.asarray(document["stable"], dtype=np.bool_),
-        message=str(document["message"]),
-        cells={cell.direction: cell for cell in cells},
-        tolerance=float(document["accuracy"]["tolerance"]),
-        residual=document["accuracy"]["residual"],
-        limit_tolerance=float(document["accuracy"]["limit_tolerance"]),
-        limit_error=document["accuracy"]["limit_error"],
-        limit_errors=_array(document["limit_error"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def homogenization_from_wire(document: Mapping[str, Any]) -> WeaveHomogenization:
-    mpa = document.get("youngs_modulus_mpa")
-    return WeaveHomogenization(
-        strain=float(document["strain"]),
-        directions=_array(document["directions"]),
-        youngs_modulus=_array(document["youngs_modulus"]),
-        youngs_modulus_mpa=None if mpa is None else _array(mpa),
-        poisson_ratio=_array(document["poisson_ratio"]),
-        deformation_gradient=_array(document["deformation_gradient"]),
-        nominal_stress=_array(document["nominal_stress"]),
-        cauchy_stress=_array(document["cauchy_stress"]),
-        energy_density=_array(document["energy_density"]),
-        stopped=tuple(map(str, document["stopped"])),
-        out_of_plane=np.asarray(document["out_of_plane"], dtype=np.bool_),
-        stable=np.asarray(document["stable"], dtype=np.bool_),
-        message=str(document["message"]),
-        cells=tuple(_cell(cell, "direction") for cell in document["cells"]),
-        tolerance=float(document["accuracy"]["tolerance"]),
-        residual=document["accuracy"]["residual"],
-        limit_tolerance=float(document["accuracy"]["limit_tolerance"]),
-        limit_error=document["accuracy"]["limit_error"],
-        limit_errors=_array(document["limit_error"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def _state(document: Mapping[str, Any]) -> SheetState:
-    strands = document.get("strands")
-    return SheetState(
-        share=float(document["share"]),
-        energy=float(document["energy"]),
-        crossings=_array(document["crossings"]).reshape(-1, 3),
-        sliding=_array(document["sliding"]),
-        reactions=_array(document["reactions"]).reshape(-1, 3),
-        out_of_plane=bool(document["out_of_plane"]),
-        stable=bool(document["stable"]),
-        stopped=str(document["stopped"]),
-        residual=document["residual"],
-        limit_error=document["limit_error"],
-        iterations=int(document["iterations"]),
-        load_steps=int(document["load_steps"]),
-        branches=int(document["branches"]),
-        strands=None if strands is None else _polylines(strands),
-        obj=document.get("obj"),
-        vtu=document.get("vtu"),
-    )
-
-
-def weave_simulation_from_wire(document: Mapping[str, Any]) -> WeaveSimulation:
-    accuracy = document["accuracy"]
-    return WeaveSimulation(
-        supports=tuple(
-            HeldPlace(int(p["support"]), int(p["strand"]), float(p["coordinate"]), _array(p["position"]))
-            for p in document["supports"]
-        ),
-        sliders=tuple((int(slider["crossing"]), int(slider["member"])) for slider in document["sliders"]),
-        states=tuple(_state(state) for state in document["states"]),
-        message=str(document["message"]),
-        tolerance=float(accuracy["tolerance"]),
-        residual=accuracy["residual"],
-        limit_tolerance=float(accuracy["limit_tolerance"]),
-        limit_error=accuracy["limit_error"],
-        unknowns=int(accuracy["unknowns"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-    )

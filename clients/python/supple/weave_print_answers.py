@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Optional, Tuple
 
-import numpy as np
-
-from .answers import Array, Cost, Effect, cost_from_wire, effects_from_wire
+from ._arrays import Array, Positions
+from .answers import Cost, Effect
 from .drawing import GREY, Drawing, Line, joined
 from .shown import Drawn, Shown
 
@@ -18,7 +17,7 @@ class PrintMove(Shown):
     (n, 3); `strand` is None for supports and travels, `crossing` for all kinds except channels."""
 
     kind: str
-    points: Array
+    points: Positions
     area: float
     speed: float
     strand: Optional[int]
@@ -129,78 +128,3 @@ class WeaveToolpath(Drawn):
 
     def _repr_svg_(self) -> Optional[str]:
         return self.svg or super()._repr_svg_()
-
-
-def _array(values: Any) -> Array:
-    return np.asarray(values, dtype=np.float64)
-
-
-def _move(document: Mapping[str, Any]) -> PrintMove:
-    return PrintMove(
-        kind=str(document["kind"]),
-        points=_array(document["points"]).reshape(-1, 3),
-        area=float(document["area"]),
-        speed=float(document["speed"]),
-        strand=document["strand"],
-        crossing=document["crossing"],
-    )
-
-
-def _statistics(document: Mapping[str, Any]) -> PrintStatistics:
-    return PrintStatistics(
-        strand_length=float(document["strand_length"]),
-        lifted_length=float(document["lifted_length"]),
-        channel_length=float(document["channel_length"]),
-        support_length=float(document["support_length"]),
-        priming_length=float(document["priming_length"]),
-        travel_length=float(document["travel_length"]),
-        extruded_length=float(document["extruded_length"]),
-        filament=float(document["filament"]),
-        travels=int(document["travels"]),
-        channels=int(document["channels"]),
-        heights=_array(document["heights"]),
-        minutes=float(document["minutes"]),
-        lowest=_array(document["lowest"]),
-        highest=_array(document["highest"]),
-    )
-
-
-def _report(document: Mapping[str, Any]) -> GcodeReport:
-    return GcodeReport(
-        lines=int(document["lines"]),
-        extruded_length=float(document["extruded_length"]),
-        filament=float(document["filament"]),
-        travel_length=float(document["travel_length"]),
-        travels=int(document["travels"]),
-        retractions=int(document["retractions"]),
-        heights=_array(document["heights"]),
-        minutes=document["minutes"],
-        lowest=_array(document["lowest"]),
-        highest=_array(document["highest"]),
-        channel_length=float(document["channel_length"]),
-        channels=tuple(
-            FoundChannel(int(c["line"]), _array(c["start"]), _array(c["apex"]), _array(c["end"]), float(c["length"]))
-            for c in document["channels"]
-        ),
-        violations=tuple(Violation(str(v["kind"]), int(v["line"]), str(v["message"])) for v in document["violations"]),
-        violation_count=int(document["violation_count"]),
-        unchecked=tuple(UncheckedCommand(int(u["line"]), str(u["command"])) for u in document["unchecked"]),
-        unchecked_count=int(document["unchecked_count"]),
-    )
-
-
-def toolpath_from_wire(document: Mapping[str, Any]) -> WeaveToolpath:
-    moves = document.get("moves")
-    return WeaveToolpath(
-        gcode=document.get("gcode"),
-        svg=document.get("svg"),
-        moves=None if moves is None else tuple(_move(move) for move in moves),
-        statistics=_statistics(document["statistics"]),
-        check=_report(document["check"]),
-        effects=effects_from_wire(document["effects"]),
-        cost=cost_from_wire(document["cost"]),
-    )
-
-
-def gcode_report_from_wire(document: Mapping[str, Any]) -> GcodeReport:
-    return _report(document["report"])

@@ -3,30 +3,39 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from numpy.typing import ArrayLike
 
-from .jobs import Computation
-from .weave_print_answers import GcodeReport, WeaveToolpath, gcode_report_from_wire, toolpath_from_wire
-from .weaves import Weave, given, request_document, vector_of
+from ._arrays import IndexList, Vector2Like
+from .request import Reported, Request, Timeout
+from .transport import Answer
+from .weave_print_answers import GcodeReport, WeaveToolpath
+from .weaves import Weave
+from .wire import At, Sent, Shape, decode
+
+
+def _overruns_to_wire(overruns: Mapping[int, Tuple[float, float]], name: str) -> List[Dict[str, Any]]:
+    return [{"strand": int(strand), "start": start, "end": end} for strand, (start, end) in overruns.items()]
+
+
+def _pair(first: str, second: str) -> At:
+    """The place of a pair that is an object in JSON."""
+    return At(write=lambda pair, name: {first: pair[0], second: pair[1]})
 
 
 @dataclass(frozen=True)
-class Grip:
+class Grip(Sent):
     """A solid bar at which a printed sheet can be gripped. It consists of passes parallel to the line from `start` to `end`,
     which is the first pass; the others are to the right of it, over `width`. None takes 10 mm."""
 
-    start: ArrayLike
-    end: ArrayLike
+    start: Annotated[ArrayLike, Shape(2), At("/from")]
+    end: Annotated[ArrayLike, Shape(2), At("/to")]
     width: Optional[float] = None
-
-    def to_wire(self) -> Dict[str, Any]:
-        return given(**{"from": vector_of(self.start, 2, "start"), "to": vector_of(self.end, 2, "end"), "width": self.width})
 
 
 @dataclass(frozen=True)
-class PrintOptions:
+class PrintOptions(Sent):
     """How a weave is printed. None stands for the server's default.
 
     Attributes:
@@ -40,51 +49,54 @@ class PrintOptions:
         chord_error: largest distance of printed polylines from curved strands.
     """
 
-    origin: Optional[ArrayLike] = None
-    order: Sequence[int] = ()
-    overrun: Optional[Tuple[float, float]] = None
-    overruns: Mapping[int, Tuple[float, float]] = field(default_factory=dict)
+    origin: Optional[Vector2Like] = None
+    order: IndexList = ()
+    overrun: Annotated[Optional[Tuple[float, float]], _pair("start", "end")] = None
+    overruns: Annotated[Mapping[int, Tuple[float, float]], At(write=_overruns_to_wire)] = field(default_factory=dict)
     loop_overlap: Optional[float] = None
-    frame: Optional[Tuple[float, float]] = None
+    frame: Annotated[Optional[Tuple[float, float]], _pair("margin", "lead_in")] = None
     grips: Sequence[Grip] = ()
     chord_error: Optional[float] = None
 
-    def to_wire(self) -> Dict[str, Any]:
-        overruns = [{"strand": int(strand), "start": start, "end": end} for strand, (start, end) in self.overruns.items()]
-        return given(
-            origin=vector_of(self.origin, 2, "origin"),
-            order=[int(strand) for strand in self.order] or None,
-            overrun=None if self.overrun is None else {"start": self.overrun[0], "end": self.overrun[1]},
-            overruns=overruns or None,
-            loop_overlap=self.loop_overlap,
-            frame=None if self.frame is None else {"margin": self.frame[0], "lead_in": self.frame[1]},
-            grips=[grip.to_wire() for grip in self.grips] or None,
-            chord_error=self.chord_error,
-        )
+
+@dataclass(frozen=True)
+class WeaveToolpathRequest(Request[WeaveToolpath], path="/v1/weave-toolpaths"):
+    """G-code that prints a sheet, and the report of an independent checker on it. Raises `InvalidWeave`.
+
+    Attributes:
+        weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
+        options: supports, overruns, order and place.
+        printer: fields of the contract's PrinterProfile; None takes a Prusa i3 MK3S with PLA.
+        include: parts of the answer: "gcode", "svg", "moves". ["gcode"] by default.
+    """
+
+    weave: Weave
+    options: Annotated[Optional[PrintOptions], At("")] = None
+    printer: Optional[Mapping[str, Any]] = None
+    include: Optional[Sequence[str]] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def toolpath(
-    weave: Weave,
-    options: Optional[PrintOptions],
-    printer: Optional[Mapping[str, Any]],
-    include: Optional[Sequence[str]],
-    deadline: Optional[float],
-) -> Computation[WeaveToolpath]:
-    document = request_document(
-        weave,
-        None,
-        printer=None if printer is None else dict(printer),
-        include=None if include is None else list(include),
-        deadline=deadline,
-        **({} if options is None else options.to_wire()),
-    )
-    return Computation("/v1/weave-toolpaths", document, lambda answer: toolpath_from_wire(answer.json()))
-
-
-def report(
-    gcode: Union[str, bytes], limits: Optional[Mapping[str, Any]], deadline: Optional[float]
-) -> Computation[GcodeReport]:
+def _gcode_to_wire(gcode: Union[str, bytes], name: str) -> str:
     content = gcode if isinstance(gcode, bytes) else gcode.encode("ascii", errors="replace")
-    text = "".join(chr(byte) if byte < 0x7F else "?" for byte in content)
-    document = given(gcode=text, limits=None if limits is None else dict(limits), deadline=deadline)
-    return Computation("/v1/gcode-reports", document, lambda answer: gcode_report_from_wire(answer.json()))
+    return "".join(chr(byte) if byte < 0x7F else "?" for byte in content)
+
+
+@dataclass(frozen=True)
+class GcodeReportRequest(Request[GcodeReport], path="/v1/gcode-reports"):
+    """A check of G-code: what a printer would do with it, and its violations.
+
+    Violations raise no exception: see `GcodeReport.violations`. `limits` has fields of the contract's GcodeLimits. Bytes
+    that are not ASCII are read as question marks.
+    """
+
+    gcode: Annotated[Union[str, bytes], At(write=_gcode_to_wire)]
+    limits: Optional[Mapping[str, Any]] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
+
+    def decode(self, answer: Answer) -> GcodeReport:
+        return decode(GcodeReport, answer.json()["report"])

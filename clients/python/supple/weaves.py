@@ -6,40 +6,19 @@ Lengths are in millimetres, forces in newtons, moduli of strands in MPa, angles 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Annotated, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .jobs import Computation
-from .transport import Answer
-from .weave_answers import (
-    WeaveDeformation,
-    WeaveHomogenization,
-    WeaveLayout,
-    WeaveSimulation,
-    deformation_from_wire,
-    homogenization_from_wire,
-    layout_from_wire,
-    weave_simulation_from_wire,
-)
-
-
-def given(**fields: Any) -> Dict[str, Any]:
-    return {name: value for name, value in fields.items() if value is not None}
-
-
-def vector_of(value: Optional[ArrayLike], size: int, name: str) -> Optional[List[float]]:
-    if value is None:
-        return None
-    vector = np.asarray(value, dtype=np.float64)
-    if vector.shape != (size,):
-        raise ValueError(f"{name} has the shape {vector.shape}; expected ({size},)")
-    return [float(component) for component in vector]
+from ._arrays import IndexList, Vector2Like, Vector3Like
+from .request import FileRequest, Kind, Reported, Request, Timeout
+from .weave_answers import WeaveDeformation, WeaveHomogenization, WeaveLayout, WeaveSimulation
+from .wire import ACCURACY, EFFECT, At, Sent, Shape, given, numbers
 
 
 @dataclass(frozen=True)
-class Strand:
+class Strand(Sent):
     """A strand of a layout: a smooth curve through points.
 
     Attributes:
@@ -49,24 +28,14 @@ class Strand:
         radius: mm; None takes that of the weave.
     """
 
-    points: ArrayLike
+    points: Annotated[ArrayLike, Shape(-1, 2)]
     ends: str = "open"
-    translation: Optional[ArrayLike] = None
+    translation: Optional[Vector2Like] = None
     radius: Optional[float] = None
-
-    def to_wire(self) -> Dict[str, Any]:
-        points = np.asarray(self.points, dtype=np.float64)
-        if points.ndim != 2 or points.shape[1] != 2:
-            raise ValueError(f"points have the shape {points.shape}; expected (n, 2)")
-        return {
-            "points": points.tolist(),
-            "ends": self.ends,
-            **given(translation=vector_of(self.translation, 2, "translation"), radius=self.radius),
-        }
 
 
 @dataclass(frozen=True)
-class Weave:
+class Weave(Sent):
     """A weave in the JSON form of the contract. The functions below create it. None stands for the server's default.
 
     `radius` is that of the strands, and `material` has "youngs_modulus" (MPa) and "poisson_ratio". `sliding_share` is how far
@@ -74,7 +43,7 @@ class Weave:
     a pattern is a periodic cell.
     """
 
-    document: Mapping[str, Any]
+    document: Annotated[Mapping[str, Any], At("")]
 
     @staticmethod
     def regular(
@@ -90,8 +59,7 @@ class Weave:
         finite = _sheet(sheet)
         if finite is not None and fused_border is not None:
             finite["fused_border"] = fused_border
-        block = connections if connections is None or isinstance(connections, str) else [list(row) for row in connections]
-        return Weave(given(pattern="regular", connections=block, pitch=pitch, sheet=finite, **more))
+        return Weave(given(pattern="regular", connections=connections, pitch=pitch, sheet=finite, **more))
 
     @staticmethod
     def squares(
@@ -117,16 +85,8 @@ class Weave:
         **more: Any,
     ) -> "Weave":
         """Interlacing circles of type 1 (fused) or 2 (sliding)."""
-        return Weave(
-            given(
-                pattern="interlacing_circles",
-                type=kind,
-                circle_radius=circle_radius,
-                distance=distance,
-                sheet=_sheet(sheet),
-                **more,
-            )
-        )
+        size = {"circle_radius": circle_radius, "distance": distance}
+        return Weave(given(pattern="interlacing_circles", type=kind, sheet=_sheet(sheet), **size, **more))
 
     @staticmethod
     def rings(**more: Any) -> "Weave":
@@ -149,15 +109,7 @@ class Weave:
     ) -> "Weave":
         """A weave of the given strands. Crossings that are not given are found and fused. `lattice` has the cell's translations
         as rows, shape (2, 2)."""
-        rows = None if lattice is None else np.asarray(lattice, dtype=np.float64).tolist()
-        return Weave(
-            given(
-                strands=[strand.to_wire() for strand in strands],
-                crossings=None if crossings is None else [dict(crossing) for crossing in crossings],
-                lattice=rows,
-                **more,
-            )
-        )
+        return Weave(given(strands=strands, crossings=crossings, lattice=lattice, **more))
 
     def fuse(self, *crossings: int) -> "Weave":
         """The same weave with these crossings fused."""
@@ -178,10 +130,10 @@ def _sheet(size: Optional[Tuple[int, int]]) -> Optional[Dict[str, int]]:
 
 
 @dataclass(frozen=True)
-class Place:
+class Place(Sent):
     """The place of a support or a force. The functions below create it."""
 
-    document: Mapping[str, Any]
+    document: Annotated[Mapping[str, Any], At("")]
 
     @staticmethod
     def crossing(index: int) -> "Place":
@@ -197,11 +149,11 @@ class Place:
     @staticmethod
     def box(lower: ArrayLike, upper: ArrayLike) -> "Place":
         """All crossings and free ends of strands between two corners, mm."""
-        return Place({"box": [vector_of(lower, 2, "lower"), vector_of(upper, 2, "upper")]})
+        return Place({"box": [numbers(lower, "lower", Shape(2)), numbers(upper, "upper", Shape(2))]})
 
 
 @dataclass(frozen=True)
-class Support:
+class Support(Sent):
     """A support, which may move.
 
     Attributes:
@@ -213,34 +165,22 @@ class Support:
     """
 
     at: Place
-    displacement: Optional[ArrayLike] = None
+    displacement: Optional[Vector3Like] = None
     held: Optional[Sequence[bool]] = None
     clamped: bool = False
-    rotation: Optional[ArrayLike] = None
-
-    def to_wire(self) -> Dict[str, Any]:
-        return given(
-            at=dict(self.at.document),
-            displacement=vector_of(self.displacement, 3, "displacement"),
-            held=None if self.held is None else [bool(component) for component in self.held],
-            clamped=self.clamped or None,
-            rotation=vector_of(self.rotation, 3, "rotation"),
-        )
+    rotation: Optional[Vector3Like] = None
 
 
 @dataclass(frozen=True)
-class Force:
+class Force(Sent):
     """A dead load, shape (3,), N. It is distributed over the places of a box."""
 
     at: Place
-    force: ArrayLike
-
-    def to_wire(self) -> Dict[str, Any]:
-        return {"at": dict(self.at.document), "force": vector_of(self.force, 3, "force")}
+    force: Vector3Like
 
 
 @dataclass(frozen=True)
-class WeaveOptions:
+class WeaveOptions(Sent):
     """How equilibria are found. None stands for the server's default.
 
     Attributes:
@@ -257,116 +197,121 @@ class WeaveOptions:
         limit_tolerance: largest relative error of the energy because sliders do not quite reach their limits. 1e-6 by default.
     """
 
-    segments: Optional[int] = None
-    tolerance: Optional[float] = None
-    max_iterations: Optional[int] = None
-    load_steps: Optional[int] = None
-    least_distance: Optional[float] = None
-    barrier_range: Optional[float] = None
-    regularization: Optional[float] = None
-    out_of_plane: Optional[str] = None
-    buckling: Optional[str] = None
-    limit_tolerance: Optional[float] = None
-
-    def to_wire(self) -> Dict[str, Any]:
-        groups = {
-            "accuracy": given(
-                segments=self.segments,
-                tolerance=self.tolerance,
-                max_iterations=self.max_iterations,
-                load_steps=self.load_steps,
-                limit_tolerance=self.limit_tolerance,
-            ),
-            "sliding": given(
-                least_distance=self.least_distance,
-                barrier_range=self.barrier_range,
-                regularization=self.regularization,
-            ),
-            "effects": given(out_of_plane=self.out_of_plane, buckling=self.buckling),
-        }
-        return {name: group for name, group in groups.items() if group}
+    segments: Annotated[Optional[int], ACCURACY] = None
+    tolerance: Annotated[Optional[float], ACCURACY] = None
+    max_iterations: Annotated[Optional[int], ACCURACY] = None
+    load_steps: Annotated[Optional[int], ACCURACY] = None
+    least_distance: Annotated[Optional[float], At("/sliding/")] = None
+    barrier_range: Annotated[Optional[float], At("/sliding/")] = None
+    regularization: Annotated[Optional[float], At("/sliding/")] = None
+    out_of_plane: Annotated[Optional[str], EFFECT] = None
+    buckling: Annotated[Optional[str], EFFECT] = None
+    limit_tolerance: Annotated[Optional[float], ACCURACY] = None
 
 
-def request_document(weave: Weave, options: Optional[WeaveOptions], **fields: Any) -> Dict[str, Any]:
-    return {"weave": dict(weave.document), **given(**fields), **({} if options is None else options.to_wire())}
+@dataclass(frozen=True)
+class WeaveLayoutRequest(Request[WeaveLayout], path="/v1/weave-layouts"):
+    """Strands and crossings at rest, with warnings of likely mistakes. Raises `InvalidWeave`."""
+
+    weave: Weave
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def layout(weave: Weave, deadline: Optional[float]) -> Computation[WeaveLayout]:
-    document = request_document(weave, None, deadline=deadline)
-    return Computation("/v1/weave-layouts", document, lambda answer: layout_from_wire(answer.json()))
+@dataclass(frozen=True)
+class WeavePictureRequest(FileRequest, path="/v1/weave-layouts"):
+    """The weave at rest as an SVG file, lengths in mm."""
+
+    TYPES = {"svg": "image/svg+xml"}
+    weave: Weave
+    kind: Kind = "svg"
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def picture(weave: Weave) -> Computation[bytes]:
-    def decode(answer: Answer) -> bytes:
-        return answer.content
-
-    return Computation("/v1/weave-layouts", request_document(weave, None), decode, accept="image/svg+xml")
-
-
-def homogenization(
-    weave: Weave,
-    strain: Optional[float],
-    directions: Union[int, ArrayLike, None],
-    shear: Optional[str],
-    thickness: Optional[float],
-    deformed: Sequence[int],
-    options: Optional[WeaveOptions],
-    deadline: Optional[float],
-) -> Computation[WeaveHomogenization]:
-    wanted: Union[int, List[float], None]
-    if directions is None or isinstance(directions, (int, np.integer)):
-        wanted = None if directions is None else int(directions)
-    else:
-        wanted = [float(angle) for angle in np.atleast_1d(np.asarray(directions, dtype=np.float64))]
-    document = request_document(
-        weave,
-        options,
-        strain=strain,
-        directions=wanted,
-        shear=shear,
-        thickness=thickness,
-        deformed=[int(index) for index in deformed] or None,
-        deadline=deadline,
-    )
-    return Computation("/v1/weave-homogenizations", document, lambda answer: homogenization_from_wire(answer.json()))
+def _directions_to_wire(directions: Union[int, ArrayLike], name: str) -> Union[int, List[float]]:
+    if isinstance(directions, (int, np.integer)):
+        return int(directions)
+    return [float(angle) for angle in np.atleast_1d(np.asarray(directions, dtype=np.float64))]
 
 
-def deformation(
-    weave: Weave,
-    deformation_gradients: ArrayLike,
-    deformed: Sequence[int],
-    options: Optional[WeaveOptions],
-    deadline: Optional[float],
-) -> Computation[WeaveDeformation]:
-    gradients = np.asarray(deformation_gradients, dtype=np.float64)
-    if gradients.shape[-2:] != (2, 2) or gradients.ndim > 3:
-        raise ValueError(f"deformation_gradients must have the shape (n, 2, 2) or (2, 2), not {gradients.shape}")
-    document = request_document(
-        weave,
-        options,
-        deformation_gradients=gradients.reshape(-1, 2, 2).tolist(),
-        deformed=[int(index) for index in deformed] or None,
-        deadline=deadline,
-    )
-    return Computation("/v1/weave-deformations", document, lambda answer: deformation_from_wire(answer.json()))
+@dataclass(frozen=True)
+class WeaveHomogenizationRequest(Request[WeaveHomogenization], path="/v1/weave-homogenizations"):
+    """Young's modulus and Poisson's ratio of a periodic weave in every direction.
+
+    Attributes:
+        weave: a cell: a pattern without a sheet, or a layout with a lattice.
+        strain: stretch minus one, in [-0.5, 2], not 0. 0.1 by default.
+        directions: number of directions over half a turn, or angles in radians, shape (n,). 200 by default.
+        shear: "free", or "suppressed" relative to the direction. "free" by default.
+        thickness: mm; with it moduli in MPa are returned too.
+        deformed: indices of the directions for which deformed cells are returned.
+
+    A direction whose path does not reach the strain raises no exception: its numbers are nan.
+    """
+
+    weave: Weave
+    strain: Optional[float] = None
+    directions: Annotated[Union[int, ArrayLike, None], At(write=_directions_to_wire)] = None
+    shear: Optional[str] = None
+    thickness: Optional[float] = None
+    deformed: IndexList = ()
+    options: Annotated[Optional[WeaveOptions], At("")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
 
 
-def simulation(
-    weave: Weave,
-    supports: Sequence[Support],
-    forces: Sequence[Force],
-    states: Optional[int],
-    deformed: Optional[str],
-    options: Optional[WeaveOptions],
-    deadline: Optional[float],
-) -> Computation[WeaveSimulation]:
-    document = request_document(
-        weave,
-        options,
-        supports=[support.to_wire() for support in supports],
-        forces=[force.to_wire() for force in forces] or None,
-        states=states,
-        deformed=deformed,
-        deadline=deadline,
-    )
-    return Computation("/v1/weave-simulations", document, lambda answer: weave_simulation_from_wire(answer.json()))
+def _gradients_to_wire(gradients: ArrayLike, name: str) -> Any:
+    array = np.asarray(gradients, dtype=np.float64)
+    if array.shape[-2:] != (2, 2) or array.ndim > 3:
+        raise ValueError(f"{name} must have the shape (n, 2, 2) or (2, 2), not {array.shape}")
+    return array.reshape(-1, 2, 2).tolist()
+
+
+@dataclass(frozen=True)
+class WeaveDeformationRequest(Request[WeaveDeformation], path="/v1/weave-deformations"):
+    """Stress and energy of a periodic weave under given deformation gradients. The path to each one begins at rest.
+
+    Attributes:
+        weave: a cell: a pattern without a sheet, or a layout with a lattice.
+        deformation_gradients: F of positive determinant, shape (n, 2, 2), or (2, 2) for one.
+        deformed: indices of the gradients for which deformed cells are returned.
+
+    A gradient that is not reached raises no exception: see `WeaveDeformation.stopped`.
+    """
+
+    weave: Weave
+    deformation_gradients: Annotated[ArrayLike, At(write=_gradients_to_wire)]
+    deformed: IndexList = ()
+    options: Annotated[Optional[WeaveOptions], At("")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None
+
+
+@dataclass(frozen=True)
+class WeaveSimulationRequest(Request[WeaveSimulation], path="/v1/weave-simulations"):
+    """Equilibria of a sheet along a load path from rest.
+
+    Attributes:
+        weave: a sheet: a pattern with `sheet`, or a layout without a lattice.
+        supports: supports of the sheet, which may move.
+        forces: forces on the sheet.
+        states: number of states that are returned, evenly along the path. 1 by default.
+        deformed: "json" for polylines, "obj" or "vtu" for files, "none". "json" by default.
+
+    A path that cannot be followed to its end raises no exception: see `WeaveSimulation.message`.
+    """
+
+    weave: Weave
+    supports: Sequence[Support]
+    forces: Sequence[Force] = ()
+    states: Optional[int] = None
+    deformed: Optional[str] = None
+    options: Annotated[Optional[WeaveOptions], At("")] = None
+    deadline: Optional[float] = None
+    timeout: Timeout = None
+    progress: Reported = None

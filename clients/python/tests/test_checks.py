@@ -31,8 +31,8 @@ def test_x_and_y_one_after_the_other_are_no_direction() -> None:
     lambda angle: supple.Target("stress_strain", [(0, 0), (1, 1)], direction=angle),
     lambda angle: supple.Uniaxial(angle, [1.1]),
     lambda angle: supple.Biaxial(angle, [(1.1, 1.0)]),
-    lambda angle: supple.models.uniaxial("ih21", [0.1], angle, [1.1], None, None, None, None),
-    lambda angle: supple.designs.profile("stress_strain", [0.1], "IH21", None, angle, *[None] * 9),
+    lambda angle: supple.UniaxialRequest("ih21", [0.1], angle, [1.1]),
+    lambda angle: supple.ProfileRequest("stress_strain", [0.1], "IH21", direction=angle).to_wire(),
 ])
 def test_degrees_where_radians_are_meant_are_warned_of(make: Any) -> None:
     with pytest.warns(supple.LikelyDegrees, match=r"45 .*math.radians\(45\)"):

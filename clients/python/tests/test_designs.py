@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import supple
-from supple.design_answers import design_from_wire, partial_from_wire, profile_from_wire, regions_from_wire
-from supple.designs import DesignOptions, Limits, Material, Region, Target, design, design_regions, profile
-from supple.jobs import status_from_wire
+from supple import DesignOptions, DesignRequest, DesignResult, Limits, Material, ProfileRequest, Region, RegionsRequest, Target
+from supple.wire import decode
 
 BILL = {"accuracy": {"tolerance": 1e-6, "equilibrium_tolerance": 1e-10, "residual": 1e-12}, "effects": [],
         "cost": {"seconds": 0.1, "stages": [], "quantities": {}}}
@@ -35,15 +34,14 @@ def design_document(**more: Any) -> Dict[str, Any]:
 
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
-    request = design(Region(Target("poisson", np.array([[0, 0.1], [1, 0.3]]))), None, False, None, None)
-    assert request.path == "/v1/designs"
-    assert request.document == {"task": "poisson", "target": {"control_points": [[0.0, 0.1], [1.0, 0.3]]}}
+    request = DesignRequest(Target("poisson", np.array([[0, 0.1], [1, 0.3]])))
+    assert request.url() == "/v1/designs"
+    assert request.to_wire() == {"task": "poisson", "target": {"control_points": [[0.0, 0.1], [1.0, 0.3]]}}
 
 
 def test_materials_sizes_and_limits_are_sent() -> None:
     def sent(**more: Any) -> Dict[str, Any]:
-        region = Region(Target("poisson", [(0, 0.1), (1, 0.3)]), **more)
-        document = design(region, None, False, None, None).document
+        document = DesignRequest(Target("poisson", [(0, 0.1), (1, 0.3)]), **more).to_wire()
         return {name: value for name, value in document.items() if name not in ("task", "target")}
 
     assert sent(orientation=0.5) == {"orientation": 0.5}
@@ -64,7 +62,7 @@ def test_materials_sizes_and_limits_are_sent() -> None:
 
 
 def test_a_design_tells_its_material_and_its_size() -> None:
-    found = design_from_wire({**design_document(), **BILL})
+    found = decode(DesignResult, {**design_document(), **BILL})
     assert found.material.youngs_modulus == 26 and found.material.name == ""
     assert found.orientation == found.ranking[0].orientation == 0.25
     assert found.ranking[0].material == found.material
@@ -72,7 +70,7 @@ def test_a_design_tells_its_material_and_its_size() -> None:
     assert found.structure == {"svg": "/s", "dxf": "/d", "stl": "/t"}
     nothing = {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": None, "relative_density": None,
                "density": None}
-    lost = design_from_wire({**design_document(structure=nothing, material={**MATERIAL, "name": "PLA"}), **BILL})
+    lost = decode(DesignResult, {**design_document(structure=nothing, material={**MATERIAL, "name": "PLA"}), **BILL})
     assert lost.size.density is None and lost.material.name == "PLA"
 
 
@@ -80,9 +78,10 @@ def test_everything_that_is_given_is_sent() -> None:
     target = Target("stress_strain", [(0, 0), (0.1, 1)], direction=0.5, strain_measure="engineering", interpolation="linear",
                     weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
     also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
-    region = Region(target, "heel", "IH21", None, [also], np.array([0.15, 0.65]).tolist(), [None, 0.65])
+    problem: Dict[str, Any] = {"target": target, "name": "heel", "family": "IH21", "also": [also], "initial": np.array([0.15, 0.65]),
+                               "fixed": [None, 0.65]}
     options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off")
-    document = design(region, options, True, "s", 7.0).document
+    document = DesignRequest(**problem, options=options, verify=True, session="s", deadline=7.0).to_wire()
     assert document == {
         "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
         "target": {"control_points": [[0, 0], [0.1, 1]], "interpolation": "linear", "weights": [1, 2], "bands": [0, 0.1]},
@@ -92,7 +91,7 @@ def test_everything_that_is_given_is_sent() -> None:
                                       "candidates": 32, "verified_samples": 4, "polish_tolerance": 0.01, "polish_rounds": 7,
                                       "polish_seconds": 50},
         "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on"}}
-    assert design_regions([region] * 2, None, False, None, None).document["regions"][1]["name"] == "heel"
+    assert RegionsRequest([Region(**problem)] * 2).to_wire()["regions"][1]["name"] == "heel"
 
 
 @pytest.mark.parametrize("points", [[0.1, 0.2], [[0, 0, 0]], [[[0, 0]]]])
@@ -102,18 +101,18 @@ def test_control_points_of_another_shape_are_refused(points: Any) -> None:
 
 
 def test_profiles_are_asked_for_at_places_or_in_a_range() -> None:
-    nothing = (None,) * 11
-    plain = profile("poisson", [0.1], "IH29", *nothing[:11])
-    assert plain.path == "/v1/profiles" and plain.document == {"task": "poisson", "parameters": [0.1], "family": "IH29"}
-    full = profile("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, 0.2, Material(5.0), 2.0)
-    assert full.document == {"task": "stress_strain", "parameters": [0.1], "model": "ih29", "direction": 0.5,
+    plain = ProfileRequest("poisson", [0.1], "IH29")
+    assert plain.url() == "/v1/profiles" and plain.to_wire() == {"task": "poisson", "parameters": [0.1], "family": "IH29"}
+    full = ProfileRequest("stress_strain", [0.1], None, "ih29", 0.5, None, "green", np.array([0.1]), (0, 1), 3, 1e-9, 0.2,
+                          Material(5.0), 2.0)
+    assert full.to_wire() == {"task": "stress_strain", "parameters": [0.1], "model": "ih29", "direction": 0.5,
                              "strain_measure": "green", "x": [0.1], "range": [0, 1], "samples": 3,
                              "accuracy": {"equilibrium_tolerance": 1e-9}, "orientation": 0.2, "material": {"youngs_modulus": 5},
                              "deadline": 2.0}
 
 
 def test_missing_values_are_nan_and_missing_curves_none() -> None:
-    result = design_from_wire({**design_document(), **BILL})
+    result = decode(DesignResult, {**design_document(), **BILL})
     assert isinstance(result, supple.Design) and result.name == "" and result.residual == 1e-12
     assert np.isnan(result.profile.initial[0]) and result.profile.initial[1] == 2
     assert result.profile.lower is None and result.profile.verified is None and result.profile.strain is None
@@ -122,7 +121,7 @@ def test_missing_values_are_nan_and_missing_curves_none() -> None:
     assert result.profile.error_bar is None
     verified = {"x": [0.1], "target": [1], "y": [None], "model": [1.02], "target_error": None, "discretization_error": 0.004}
     document = profile_document(envelope={"lower": [0, 0.5], "upper": [0, 3]}, verified=verified, error_bar=[0.02, None])
-    full = design_from_wire({**design_document(profile=document, also=[profile_document()]), **BILL})
+    full = decode(DesignResult, {**design_document(profile=document, also=[profile_document()]), **BILL})
     assert full.profile.error_bar is not None and full.profile.error_bar[0] == 0.02 and np.isnan(full.profile.error_bar[1])
     assert full.profile.upper is not None and full.profile.upper.tolist() == [0, 3] and len(full.also) == 1
     assert full.profile.verified is not None and full.profile.verified.relative_rms is None
@@ -137,18 +136,18 @@ def test_a_polished_design_tells_its_rounds() -> None:
               {"proposal": "step", "parameters": [0.16, 0.65], "target_error": None, "accepted": False, "reason": "r", "seconds": 1.0,
                "orientation": 0}]
     polish = {"target_error": 0.02, "stopped": "time_limit", "rounds": rounds}
-    result = design_from_wire({**design_document(polish=polish), **BILL})
-    assert design_from_wire({**design_document(), **BILL}).polish is None
+    result = decode(DesignResult, {**design_document(polish=polish), **BILL})
+    assert decode(DesignResult, {**design_document(), **BILL}).polish is None
     assert result.polish is not None and (result.polish.target_error, result.polish.stopped) == (0.02, "time_limit")
     first, second = result.polish.rounds
     assert (first.proposal, first.target_error, first.accepted, first.seconds) == ("search", 0.02, True, 2.0)
     assert second.target_error is None and second.reason == "r" and second.parameters.tolist() == [0.16, 0.65]
-    running = partial_from_wire({"family": "IH21", "model": "ih21", "name": "heel", "round": rounds[1]})
+    running = decode(supple.PartialRound, {"family": "IH21", "model": "ih21", "name": "heel", "round": rounds[1]})
     assert isinstance(running, supple.PartialRound) and running.name == "heel" and running.round.reason == "r"
 
 
 def test_regions_keep_their_order_and_names() -> None:
-    found = regions_from_wire({"regions": [design_document(name="heel"), design_document()], **BILL})
+    found = decode(supple.RegionDesigns, {"regions": [design_document(name="heel"), design_document()], **BILL})
     assert [region.name for region in found.regions] == ["heel", ""] and found.tolerance == 1e-6
 
 
@@ -156,14 +155,14 @@ def test_a_running_job_may_show_a_design() -> None:
     document = {"id": "0", "kind": "designs", "state": "running", "progress": 0.5, "stage": "optimization", "created": "t"}
     partial = {"name": "heel", "family": "IH21", "model": "ih21", "parameters": [0.1], "x": [0, 1], "achieved": [2, 3],
                "error": ERROR, "iteration": 4, "orientation": 0.5}
-    assert status_from_wire(document).partial is None
-    assert status_from_wire({**document, "partial": partial}).partial is not None
-    best = partial_from_wire(partial)
+    assert decode(supple.JobStatus, document).partial is None
+    assert decode(supple.JobStatus, {**document, "partial": partial}).partial is not None
+    best = decode(supple.PartialDesign, partial)
     assert (best.name, best.iteration, best.achieved.tolist()) == ("heel", 4, [2, 3])
 
 
 def test_a_profile_has_nan_where_there_is_no_equilibrium() -> None:
-    curve = profile_from_wire({"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
+    curve = decode(supple.ProfileCurve, {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "task": "poisson",
                                "strain": 0.05, "strain_measure": "green", "x": [0, 1], "y": [None, 0.3],
                                "error_bar": [None, 0.02], "in_range": [False, True], "orientation": 0, "material": MATERIAL, **BILL})
     assert curve.error_bar is not None and np.isnan(curve.error_bar[0]) and curve.error_bar[1] == 0.02

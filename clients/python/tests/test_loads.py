@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any, Dict
 
 import numpy as np
 import pytest
 
 import supple
-from supple.simulations import simulation, simulation_from_wire
+from supple.simulations import SimulationRequest
+from supple.transport import Answer
 
 
 def test_loads_become_what_the_contract_says() -> None:
@@ -25,11 +27,11 @@ def test_strains_of_another_shape_are_refused(strains: Any) -> None:
 
 
 def test_options_that_are_not_given_are_left_to_the_server() -> None:
-    request = simulation("IH01", None, supple.Uniaxial(0, [1.1]), None, {"mesh_size": None, "tolerance": 1e-6},
-                         {"contact": None, "patch": "off"}, True, "none", None)
-    assert request.document == {"family": "IH01", "load": {"uniaxial": {"direction": 0.0, "stretches": [1.1]}},
-                                "accuracy": {"tolerance": 1e-6}, "effects": {"patch": "off"}, "tangents": True,
-                                "deformed": "none"}
+    request = SimulationRequest("IH01", None, supple.Uniaxial(0, [1.1]), tolerance=1e-6, patch="off")
+    assert request.to_wire() == {"family": "IH01", "load": {"uniaxial": {"direction": 0.0, "stretches": [1.1]}},
+                                 "accuracy": {"tolerance": 1e-6}, "effects": {"patch": "off"},
+                                 "deformed": "none"}
+    assert SimulationRequest("IH01", [0.1], supple.Uniaxial(0, [1.1]), tangents=False).to_wire()["tangents"] is False
 
 
 def state(**more: Any) -> Dict[str, Any]:
@@ -47,32 +49,37 @@ def answer(**more: Any) -> Dict[str, Any]:
             "cost": {"seconds": 1, "stages": [], "quantities": {}}, **more}
 
 
+def read(document: Dict[str, Any]) -> supple.Simulation:
+    request = SimulationRequest("IH01", None, supple.Uniaxial(0, [1.1]))
+    return request.decode(Answer(200, {}, json.dumps(document).encode()))
+
+
 def test_the_states_are_arrays_with_nan_where_there_is_no_tangent() -> None:
-    result = simulation_from_wire(answer())
+    result = read(answer())
     assert result.stress.shape == (2, 3) and result.energy_density.shape == (2,)
     assert np.isnan(result.tangent[0]).all() and (result.tangent[1] == np.eye(3)).all()
     assert result.converged and result.states[0].smallest_gap is None
 
 
 def test_what_is_known_of_the_meshs_error_is_told() -> None:
-    result = simulation_from_wire(answer())
+    result = read(answer())
     assert result.discretization_error == supple.DiscretizationError(0.003, 0.002)
     assert result.error_accepted and result.extrapolated and result.mesh_size == 1.0
     assert (result.states[0].stress_error, result.states[0].energy_density_error) == (0.01, 0.002)
     unknown = {**answer()["accuracy"], "discretization_error": None, "error_accepted": None}
-    assert simulation_from_wire(answer(accuracy=unknown)).discretization_error is None
+    assert read(answer(accuracy=unknown)).discretization_error is None
 
 
 def test_a_path_that_ended_early_has_not_converged() -> None:
-    assert not simulation_from_wire(answer(message="stuck")).converged
-    assert not simulation_from_wire(answer(states=[state(stopped="iteration_limit")])).converged
-    assert simulation_from_wire(answer(states=[])).stress.shape == (0, 3)
+    assert not read(answer(message="stuck")).converged
+    assert not read(answer(states=[state(stopped="iteration_limit")])).converged
+    assert read(answer(states=[])).stress.shape == (0, 3)
 
 
 def test_deformed_points_refer_to_their_mesh() -> None:
     mesh = {"cells": 1, "lattice": [[1, 0], [0, 1]], "points": [[0, 0]] * 6, "triangles": [[0, 1, 2, 3, 4, 5]]}
     deformed = {"mesh": 0, "lattice": [[2, 0], [0, 1]], "points": [[1, 1]] * 6}
-    patch = simulation_from_wire(answer(meshes=[mesh], states=[state(deformed=deformed)])).states[0].deformed
+    patch = read(answer(meshes=[mesh], states=[state(deformed=deformed)])).states[0].deformed
     assert patch is not None and patch.mesh.triangles.shape == (1, 6) and patch.points.shape == (6, 2)
 
 

@@ -7,7 +7,8 @@ from typing import Any, Dict
 import numpy as np
 import pytest
 
-from supple.models import evaluation, evaluation_from_wire, model_info_from_wire, uniaxial, uniaxial_from_wire
+from supple.models import Evaluation, EvaluationRequest, ModelInfo, UniaxialCurve, UniaxialRequest
+from supple.wire import decode
 
 COST = {"seconds": 0.1, "stages": [], "quantities": {}}
 
@@ -16,9 +17,9 @@ COST = {"seconds": 0.1, "stages": [], "quantities": {}}
     ([0.15, 0.65], [0.1, 0, 0.05]), ([[0.15, 0.65]], [[0.1, 0, 0.05]]), (np.array([0.15, 0.65]), np.array([[0.1, 0, 0.05]])),
 ])
 def test_one_design_and_one_strain_may_come_without_their_first_axis(parameters: Any, strains: Any) -> None:
-    request = evaluation("ih21", parameters, strains, 2, None)
-    assert request.path == "/v1/models/ih21/evaluations"
-    assert request.document == {"parameters": [[0.15, 0.65]], "green_strain": [[0.1, 0.0, 0.05]], "derivatives": 2}
+    request = EvaluationRequest("ih21", parameters, strains, 2)
+    assert request.url() == "/v1/models/ih21/evaluations"
+    assert request.to_wire() == {"parameters": [[0.15, 0.65]], "green_strain": [[0.1, 0.0, 0.05]], "derivatives": 2}
 
 
 @pytest.mark.parametrize("parameters, strains", [
@@ -27,29 +28,29 @@ def test_one_design_and_one_strain_may_come_without_their_first_axis(parameters:
 ])
 def test_arrays_of_another_shape_are_refused(parameters: Any, strains: Any) -> None:
     with pytest.raises(ValueError, match="shape"):
-        evaluation("ih21", parameters, strains, 1, None)
+        EvaluationRequest("ih21", parameters, strains).to_wire()
 
 
 def test_a_uniaxial_load_is_given_in_one_of_two_ways() -> None:
-    request = uniaxial("ih21", (0.15, 0.65), 1, [1.1], None, 1e-6, None, 3.0)
-    assert request.path == "/v1/models/ih21/uniaxial"
-    assert request.document == {"parameters": [0.15, 0.65], "direction": 1.0, "stretches": [1.1],
-                                "accuracy": {"tolerance": 1e-6}, "deadline": 3.0}
-    assert uniaxial("ih21", [0.1], 0, None, np.array([0.1]), None, None, None).document["green_strains"] == [0.1]
+    request = UniaxialRequest("ih/21", (0.15, 0.65), 1, [1.1], tolerance=1e-6, deadline=3.0)
+    assert request.url() == "/v1/models/ih%2F21/uniaxial"
+    assert request.to_wire() == {"parameters": [0.15, 0.65], "direction": 1.0, "stretches": [1.1],
+                                 "accuracy": {"tolerance": 1e-6}, "deadline": 3.0}
+    assert UniaxialRequest("ih21", [0.1], 0, green_strains=np.array([0.1])).to_wire()["green_strains"] == [0.1]
     for stretches, strains in (([1.1], [0.1]), (None, None)):
         with pytest.raises(ValueError):
-            uniaxial("ih21", [0.1], 0, stretches, strains, None, None, None)
+            UniaxialRequest("ih21", [0.1], 0, stretches, strains)
 
 
 def test_what_was_not_asked_for_is_none() -> None:
     document: Dict[str, Any] = {"model": "ih21", "sha256": "0", "energy_density": [1, 2], "in_range": [True, False],
                                 "effects": [], "cost": COST}
-    energies = evaluation_from_wire(document)
+    energies = decode(Evaluation, document)
     assert energies.stress is None and energies.tangent is None
     np.testing.assert_array_equal(energies.energy_density, [1.0, 2.0])
     assert energies.in_range.dtype == np.bool_ and energies.in_range.tolist() == [True, False]
     tangent = np.arange(18.0).reshape(2, 3, 3)
-    everything = evaluation_from_wire({**document, "stress": [[1, 2, 3], [4, 5, 6]], "tangent": tangent.tolist(),
+    everything = decode(Evaluation, {**document, "stress": [[1, 2, 3], [4, 5, 6]], "tangent": tangent.tolist(),
                                        "stress_error_bar": [0.5, None]})
     assert energies.stress_error_bar is None and everything.stress_error_bar is not None
     assert everything.stress_error_bar[0] == 0.5 and np.isnan(everything.stress_error_bar[1])
@@ -61,7 +62,7 @@ def test_states_become_columns_and_a_missing_residual_is_nan() -> None:
     state = {"green_strain": [0.1, 0, 0], "stress": [1, 0, 0], "directional_stress": 1, "error_bar": 0.02,
              "energy_density": 0.05, "in_range": True, "converged": True, "residual": 1e-12, "iterations": 3}
     lost = {**state, "converged": False, "in_range": False, "residual": None, "error_bar": None}
-    curve = uniaxial_from_wire({"direction": 0.5, "states": [state, lost], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
+    curve = decode(UniaxialCurve, {"direction": 0.5, "states": [state, lost], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
                                 "cost": COST})
     assert curve.green_strain.shape == curve.stress.shape == (2, 3) and curve.iterations.tolist() == [3, 3]
     assert not curve.converged and curve.state_converged.tolist() == [True, False]
@@ -71,7 +72,7 @@ def test_states_become_columns_and_a_missing_residual_is_nan() -> None:
 
 def test_errors_that_are_not_known_are_none() -> None:
     statistics = {"mean": 0.01, "root_mean_square": 0.02, "median": 0.005, "percentile_99": 0.1}
-    info = model_info_from_wire({
+    info = decode(ModelInfo, {
         "id": "ih21", "family": "IH21", "parameters": {"lower": [0.1, 0.5], "upper": [0.2, 0.8]}, "sha256": "0",
         "strain_range": {"smallest_principal": -0.2, "largest_principal": 0.3, "largest_relative_energy": 0.05},
         "errors": {"design_split": {"gradient": statistics, "energy": {**statistics, "mean": 0.02}, "designs": 3,

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from supple import SurfacePoint, Vertex
-from supple.points import point_from_wire, point_to_wire
+from supple.points import point_to_wire
+from supple.wire import decode
 
 
 def test_each_way_of_writing_a_point_has_one_form_on_the_wire() -> None:
@@ -29,4 +30,4 @@ def test_what_is_no_point_at_all_is_a_type_error(wrong: object) -> None:
 
 def test_an_answered_point_can_be_sent_again() -> None:
     wire = {"face": 5, "barycentric": [0.1, 0.2, 0.7]}
-    assert point_to_wire(point_from_wire(wire)) == wire
+    assert point_to_wire(decode(SurfacePoint, wire)) == wire

@@ -11,12 +11,9 @@ import numpy as np
 import pytest
 
 import supple
-from supple.answers import exponential_map_from_wire, geodesic_from_wire, mesh_info_from_wire
-from supple.design_answers import design_from_wire, profile_from_wire
 from supple.drawing import Drawing, Line, curve, to_svg
-from supple.models import uniaxial_from_wire
 from supple.shown import MAX_LINE_LENGTH, short_text
-from supple.weave_answers import layout_from_wire
+from supple.wire import decode
 
 from test_designs import BILL, MATERIAL, design_document, profile_document
 
@@ -43,7 +40,7 @@ def test_values_are_shown_in_a_few_characters() -> None:
 
 
 def test_a_result_is_one_short_line() -> None:
-    result = design_from_wire({**design_document(), **BILL})
+    result = decode(supple.DesignResult, {**design_document(), **BILL})
     line = repr(result)
     assert line.startswith("DesignResult(name='', family='IH21'") and line.endswith("…)")
     assert "\n" not in line and len(line) <= MAX_LINE_LENGTH + 4
@@ -51,13 +48,13 @@ def test_a_result_is_one_short_line() -> None:
 
 
 def test_text_of_the_server_is_no_markup() -> None:
-    result = design_from_wire({**design_document(family="<script>alert(1)</script>"), **BILL})
+    result = decode(supple.DesignResult, {**design_document(family="<script>alert(1)</script>"), **BILL})
     assert "<script>" not in result._repr_html_() and "&lt;script&gt;" in result._repr_html_()
     parsed(result._repr_svg_())
 
 
 def test_a_notebook_shows_a_table_and_a_picture_of_a_design() -> None:
-    result = design_from_wire({**design_document(), **BILL})
+    result = decode(supple.DesignResult, {**design_document(), **BILL})
     html = result._repr_html_()
     assert html.startswith("<svg") and "<th style" in html and "IH21" in html and "<table>" in html
     assert len(drawn_paths(result._repr_svg_())) == 2  # the target and the achieved profile
@@ -76,20 +73,20 @@ def test_a_curve_without_values_and_a_single_point_are_drawn_without_fail() -> N
 
 def test_a_path_is_seen_from_a_corner_and_plotted_in_space() -> None:
     climbing = [PATH[0], {**PATH[1], "position": [3, 4, 12]}]
-    geodesic = geodesic_from_wire({"unreachable": False, "distance": 13.0, "path": climbing})
+    geodesic = decode(supple.Geodesic, {"unreachable": False, "distance": 13.0, "path": climbing})
     assert len(drawn_paths(geodesic._repr_svg_())) == 1
     axes = geodesic.plot()
     assert axes.name == "3d"
     x, y, z = axes.lines[0].get_data_3d()
     assert (x[-1], y[-1], z[-1]) == (3, 4, 12)
-    without = geodesic_from_wire({"unreachable": False, "distance": 5.0})
+    without = decode(supple.Geodesic, {"unreachable": False, "distance": 5.0})
     assert without._repr_svg_() is None and without._repr_html_().startswith("<table>")
     with pytest.raises(ValueError, match="was not asked for"):
         without.plot()
 
 
 def test_what_is_flat_is_seen_from_above() -> None:
-    geodesic = geodesic_from_wire({"unreachable": False, "distance": 5.0, "path": PATH})
+    geodesic = decode(supple.Geodesic, {"unreachable": False, "distance": 5.0, "path": PATH})
     axes = geodesic.plot()
     assert axes.name == "rectilinear"
     np.testing.assert_array_equal(axes.lines[0].get_xydata(), [[0, 0], [3, 4]])
@@ -98,13 +95,13 @@ def test_what_is_flat_is_seen_from_above() -> None:
 
 
 def test_a_profile_is_plotted_over_strains_or_directions() -> None:
-    axes = design_from_wire({**design_document(), **BILL}).plot()
+    axes = decode(supple.DesignResult, {**design_document(), **BILL}).plot()
     assert axes.get_xlabel() == "strain along the load" and [line.get_label() for line in axes.lines] == ["target", "achieved"]
     np.testing.assert_allclose(axes.lines[1].get_xydata(), [[0, 0], [0.1, 1.02]])
     document = {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "strain": 0.05, "strain_measure": "green",
                 "x": [0, np.pi / 2], "y": [1.0, 2.0], "error_bar": None, "in_range": [True, True], "orientation": 0, "material": MATERIAL, **BILL}
-    assert profile_from_wire({**document, "task": "stiffness"}).plot().name == "polar"
-    over_degrees = profile_from_wire({**document, "task": "poisson", "y": [-0.2, 0.3]}).plot()
+    assert decode(supple.ProfileCurve, {**document, "task": "stiffness"}).plot().name == "polar"
+    over_degrees = decode(supple.ProfileCurve, {**document, "task": "poisson", "y": [-0.2, 0.3]}).plot()
     np.testing.assert_allclose(over_degrees.lines[0].get_xydata(), [[0, -0.2], [90, 0.3]])
 
 
@@ -112,7 +109,7 @@ def test_a_plot_goes_into_axes_that_are_given() -> None:
     from matplotlib import pyplot
 
     axes = pyplot.figure().add_subplot()
-    assert design_from_wire({**design_document(), **BILL}).profile.plot(axes) is axes and len(axes.lines) == 2
+    assert decode(supple.DesignResult, {**design_document(), **BILL}).profile.plot(axes) is axes and len(axes.lines) == 2
 
 
 def test_without_matplotlib_plot_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -124,7 +121,7 @@ def test_without_matplotlib_plot_says_what_is_missing(monkeypatch: pytest.Monkey
         return real(name, *arguments, **more)
 
     monkeypatch.setattr(builtins, "__import__", without)
-    result = design_from_wire({**design_document(), **BILL})
+    result = decode(supple.DesignResult, {**design_document(), **BILL})
     with pytest.raises(ImportError, match="plot.. needs matplotlib, which is not installed"):
         result.plot()
     assert result._repr_html_()
@@ -134,7 +131,7 @@ def test_sliding_and_fused_crossings_have_colours_of_their_own() -> None:
     def member(slides: bool) -> Dict[str, Any]:
         return {"strand": 0, "coordinate": 0.0, "shift": [0, 0], "slides": slides}
 
-    layout = layout_from_wire({
+    layout = decode(supple.WeaveLayout, {
         "strands": [{"ends": "open", "translation": [0, 0], "length": 1.0, "radius": 0.1, "polyline": [[0, 0], [1, 1]]}],
         "crossings": [{"position": [0, 0], "members": [member(False)]}, {"position": [1, 1], "members": [member(True)]}],
         "lattice": None, "warnings": [], "cost": BILL["cost"]})
@@ -145,7 +142,7 @@ def test_sliding_and_fused_crossings_have_colours_of_their_own() -> None:
 def test_stress_along_the_load_is_drawn_over_the_strain_along_it() -> None:
     state = {"green_strain": [0.1, 0.3, 0.05], "stress": [1, 2, 0], "directional_stress": 2, "error_bar": None,
              "energy_density": 0.05, "in_range": True, "converged": True, "residual": 1e-12, "iterations": 3}
-    line = uniaxial_from_wire({"direction": np.pi / 4, "states": [state], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
+    line = decode(supple.UniaxialCurve, {"direction": np.pi / 4, "states": [state], "accuracy": {"tolerance": 1e-10}, "sha256": "0",
                                "cost": BILL["cost"]}).plot().lines[0]
     np.testing.assert_allclose(line.get_xydata(), [[0.25, 2]])
 
@@ -156,4 +153,4 @@ def test_every_result_of_the_package_is_shown_in_its_own_way() -> None:
     results = [getattr(supple, name) for name in supple.__all__]
     answers = [one for one in results if isinstance(one, type) and one.__module__.endswith(("answers", "simulations", "tilings"))]
     assert len(answers) > 50
-    assert [one.__name__ for one in answers if not issubclass(one, Shown)] == []
+    assert [one.__name__ for one in answers if not issubclass(one, (Shown, supple.Request))] == []

@@ -4,54 +4,17 @@ from __future__ import annotations
 
 import re
 import socket
-import threading
 import time
-from typing import Callable, Iterator, List
+from typing import Callable, List
 
 import pytest
 
 from supple.errors import ConnectionFailed, RequestTimeout
-from supple.jobs import Computation, submit
+from supple.jobs import submit
 from supple.transport import RETRIES, Transport
+from supple.weaves import Weave, WeaveLayoutRequest
 
-OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"
-
-
-class Listener:
-    """Accepts connections, reads one request from each and answers with the next of `answers` (b"" closes the connection)."""
-
-    def __init__(self, answers: List[bytes], delay: float = 0.0) -> None:
-        self.requests: List[bytes] = []
-        self._answers = list(answers)
-        self._delay = delay
-        self._socket = socket.create_server(("127.0.0.1", 0))
-        self.url = "http://127.0.0.1:%d" % self._socket.getsockname()[1]
-        self._thread = threading.Thread(target=self._serve, daemon=True)
-        self._thread.start()
-
-    def _serve(self) -> None:
-        while self._answers:
-            connection, _ = self._socket.accept()
-            with connection:
-                self.requests.append(connection.recv(65536))
-                time.sleep(self._delay)
-                connection.sendall(self._answers.pop(0))
-
-    def close(self) -> None:
-        self._socket.close()
-
-
-@pytest.fixture
-def listen() -> Iterator[Callable[..., Listener]]:
-    opened: List[Listener] = []
-
-    def open_one(answers: List[bytes], delay: float = 0.0) -> Listener:
-        opened.append(Listener(answers, delay))
-        return opened[-1]
-
-    yield open_one
-    for listener in opened:
-        listener.close()
+from listener import OK, Listener
 
 
 def test_a_broken_connection_is_tried_again_where_that_is_safe(listen: Callable[..., Listener]) -> None:
@@ -76,9 +39,9 @@ def test_a_job_is_handed_in_again_under_the_same_key(listen: Callable[..., Liste
     accepted = b"HTTP/1.1 202 Accepted\r\nLocation: /v1/jobs/7\r\nContent-Length: 2\r\n\r\n{}"
     listener = listen([b"", accepted, accepted])
     transport = Transport(listener.url, 5, sleep=lambda _: None)
-    computation = Computation("/v1/x", {}, lambda answer: answer, "application/json")
-    assert submit(transport, computation).id == "7"
-    submit(transport, computation)
+    request = WeaveLayoutRequest(Weave.rings())
+    assert submit(transport, request).id == "7"
+    submit(transport, request)
     keys = [re.findall(rb"(?i)idempotency-key: (\S+)", request)[0] for request in listener.requests]
     assert len(keys) == 3
     assert keys[0] == keys[1], "the same request has the same key"

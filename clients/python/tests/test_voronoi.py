@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import supple
-from supple.jobs import status_from_wire
-from supple.voronoi import diagram, diagram_document, diagram_file, optimization, optimization_document
-from supple.voronoi_answers import optimized_voronoi_from_wire, voronoi_diagram_from_wire
+from supple.voronoi import VoronoiFileRequest, VoronoiOptimizationRequest, VoronoiRequest
+from supple.wire import decode
 
 MESH = "a" * 64
 SPREAD = {"mean": 1, "least": 0.5, "greatest": 2, "deviation": 0.1}
@@ -35,39 +34,38 @@ OPTIMIZED = {**DIAGRAM, "statistics": {"before": {**STATISTICS, "area": {**SPREA
 
 
 def test_a_diagram_is_asked_for_as_the_contract_says() -> None:
-    plain = diagram_document(MESH, [0, (3, (0.2, 0.3, 0.5))], None, None, False, False, True, None)
-    assert plain == {"mesh": MESH, "sites": [{"vertex": 0}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}]}
-    full = diagram_document(MESH, supple.RandomSites(5, seed=2), None, 0.05, True, True, False, 9.0, 1e-3)
-    assert full == {"mesh": MESH, "sites": {"count": 5, "seed": 2}, "accuracy": {"method": "bounded", "relative_error": 0.05, "border_deviation": 1e-3},
+    plain = VoronoiRequest(MESH, [0, (3, (0.2, 0.3, 0.5))])
+    assert plain.to_wire() == {"mesh": MESH, "sites": [{"vertex": 0}, {"face": 3, "barycentric": [0.2, 0.3, 0.5]}]}
+    full = VoronoiRequest(MESH, supple.RandomSites(5, seed=2), None, 0.05, 1e-3, 9.0, points=True, pieces=True, statistics=False)
+    assert full.to_wire() == {"mesh": MESH, "sites": {"count": 5, "seed": 2}, "accuracy": {"method": "bounded", "relative_error": 0.05, "border_deviation": 1e-3},
                     "points": True, "pieces": True, "statistics": False, "deadline": 9.0}
-    assert diagram(plain).path == "/v1/voronoi-diagrams"
+    assert plain.url() == "/v1/voronoi-diagrams"
 
 
 def test_an_optimization_is_asked_for_as_the_contract_says() -> None:
     options = supple.VoronoiOptions(target_length=0.5, method="lbfgs", tolerance=1e-4, max_iterations=7, border_deviation=1e-2)
-    document = optimization_document(MESH, supple.RandomSites(5), {"planarity": 2}, [np.int64(1)], options, False, False, None)
-    assert document == {"mesh": MESH, "sites": {"count": 5}, "objectives": {"planarity": 2.0}, "fixed_sites": [1],
+    request = VoronoiOptimizationRequest(MESH, supple.RandomSites(5), {"planarity": 2}, [np.int64(1)], options)
+    assert request.to_wire() == {"mesh": MESH, "sites": {"count": 5}, "objectives": {"planarity": 2.0}, "fixed_sites": [1],
                         "target_length": 0.5, "method": "lbfgs", "max_iterations": 7, "accuracy": {"tolerance": 1e-4, "border_deviation": 1e-2}}
-    assert optimization(document).path == "/v1/voronoi-optimizations"
+    assert request.url() == "/v1/voronoi-optimizations"
 
 
 def test_moves_of_single_sites_are_read_where_there_were_any() -> None:
-    assert optimized_voronoi_from_wire(OPTIMIZED).site_moves is None
+    assert decode(supple.OptimizedVoronoi, OPTIMIZED).site_moves is None
     moves = {"held_searches": 4, "passes": 2, "tried": 1600, "taken": 3, "energy_before": 5.0, "last_gain": 0.0004}
-    assert optimized_voronoi_from_wire({**OPTIMIZED, "site_moves": moves}).site_moves == supple.SiteMoves(4, 2, 1600, 3, 5.0, 0.0004)
+    assert decode(supple.OptimizedVoronoi, {**OPTIMIZED, "site_moves": moves}).site_moves == supple.SiteMoves(4, 2, 1600, 3, 5.0, 0.0004)
 
 
 def test_files_are_asked_for_by_their_media_types() -> None:
-    document = diagram_document(MESH, [0], None, None, False, False, True, None)
-    panels = diagram_file(document, "svg", 250)
-    assert panels.accept == "image/svg+xml" and panels.document["panel_scale"] == 250
-    assert diagram_file(document, "csv", None).accept == "text/csv"
-    with pytest.raises(ValueError, match="csv, obj, svg, vtu"):
-        diagram_file(document, "pdf", None)
+    panels = VoronoiFileRequest(MESH, [0], kind="svg", panel_scale=250)
+    assert panels.accept == "image/svg+xml" and panels.to_wire()["panel_scale"] == 250
+    assert VoronoiFileRequest(MESH, [0], kind="csv").accept == "text/csv"
+    with pytest.raises(ValueError, match="'obj', 'vtu', 'svg', 'csv'"):
+        VoronoiFileRequest(MESH, [0], kind="pdf")
 
 
 def test_a_diagram_is_read_with_its_borders_as_polylines() -> None:
-    found = voronoi_diagram_from_wire(ANSWER)
+    found = decode(supple.VoronoiDiagram, ANSWER)
     assert found.site_positions.shape == (2, 3) and found.positions.shape == (6, 3) and found.dual.tolist() == [[0, 1, 1]]
     assert [border.tolist() for border in found.cells[0].boundary] == [[0, 1, 2], [3, 4, 5]]
     outer, inner = found.borders(0)
@@ -77,13 +75,13 @@ def test_a_diagram_is_read_with_its_borders_as_polylines() -> None:
     assert found.points is None and found.pieces is None and found.unreached_area == 0.25
     assert found.statistics is not None and found.statistics.area.greatest == 2 and found.relative_error_bound == 0.01
     bare = {name: value for name, value in ANSWER.items() if name != "statistics"}
-    assert voronoi_diagram_from_wire(bare).statistics is None
+    assert decode(supple.VoronoiDiagram, bare).statistics is None
 
 
 def test_points_and_pieces_are_read_where_there_are_any() -> None:
     pieces = {"vertex_sites": [0, None], "face_sites": [None, 1],
               "cut_faces": [{"site": 1, "face": 0, "area": 0.5, "corners": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]}
-    found = voronoi_diagram_from_wire({**ANSWER, "points": [CORNER], "pieces": pieces})
+    found = decode(supple.VoronoiDiagram, {**ANSWER, "points": [CORNER], "pieces": pieces})
     assert found.points == (supple.SurfacePoint(0, (1.0, 0.0, 0.0)),) and found.pieces is not None
     assert found.pieces.vertex_sites.tolist() == [0, -1] and found.pieces.face_sites.tolist() == [-1, 1]
     assert found.pieces.cut_faces[0].site == 1 and found.pieces.cut_faces[0].corners.shape == (3, 3)
@@ -91,7 +89,7 @@ def test_points_and_pieces_are_read_where_there_are_any() -> None:
 
 
 def test_an_optimized_diagram_is_read_with_both_statistics() -> None:
-    found = optimized_voronoi_from_wire(OPTIMIZED)
+    found = decode(supple.OptimizedVoronoi, OPTIMIZED)
     assert found.before.area.mean == 7 and found.diagram.statistics is not None and found.diagram.statistics.area.mean == 1
     assert found.terms == {"centroidal": 3.0} and not found.converged and len(found.history) == 2
     assert found.gradient_tolerance == 0.4 and found.history[1].step_length == 1
@@ -102,9 +100,9 @@ def test_a_diagram_on_its_way_is_read() -> None:
               "partial": {"iteration": 3, "energy": 2, "gradient_norm": 1, "step_length": 0.1,
                           "sites": [CORNER], "site_positions": [[0, 0, 0]], "positions": [[0, 0, 0], [1, 0, 0]], "vertices": [1],
                           "borders": [[0, 1]]}}
-    partial = status_from_wire(status).partial
+    partial = decode(supple.JobStatus, status).partial
     assert isinstance(partial, supple.PartialOptimization) and partial.borders is not None
     assert partial.iteration == 3 and partial.step_length == 0.1 and partial.borders[0].tolist() == [0, 1]
     assert partial.sites is not None and len(partial.sites) == 1
-    large = status_from_wire({**status, "partial": {"iteration": 3, "energy": 2, "gradient_norm": 1, "step_length": 0.1}}).partial
+    large = decode(supple.JobStatus, {**status, "partial": {"iteration": 3, "energy": 2, "gradient_norm": 1, "step_length": 0.1}}).partial
     assert isinstance(large, supple.PartialOptimization) and large.positions is None and large.borders is None

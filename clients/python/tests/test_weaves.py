@@ -9,9 +9,9 @@ import pytest
 
 import supple
 from supple.errors import problem_from
-from supple.weave_answers import homogenization_from_wire, layout_from_wire, weave_simulation_from_wire
-from supple.weave_printing import report, toolpath
-from supple.weaves import homogenization, layout, picture, simulation
+from supple.weave_printing import GcodeReportRequest, WeaveToolpathRequest
+from supple.weaves import WeaveHomogenizationRequest, WeaveLayoutRequest, WeavePictureRequest, WeaveSimulationRequest
+from supple.wire import decode
 
 BILL: Dict[str, Any] = {"effects": [], "cost": {"seconds": 0.1, "stages": [], "quantities": {}}}
 
@@ -47,11 +47,11 @@ def test_overrides_add_up_and_leave_the_weave_as_it_was() -> None:
 
 def test_what_is_not_given_is_left_to_the_server() -> None:
     weave = supple.Weave.regular()
-    assert layout(weave, None).document == {"weave": {"pattern": "regular"}}
-    assert picture(weave).accept == "image/svg+xml"
-    assert homogenization(weave, None, None, None, None, (), None, None).document == {"weave": {"pattern": "regular"}}
+    assert WeaveLayoutRequest(weave).to_wire() == {"weave": {"pattern": "regular"}}
+    assert WeavePictureRequest(weave).accept == "image/svg+xml"
+    assert WeaveHomogenizationRequest(weave).to_wire() == {"weave": {"pattern": "regular"}}
     supports = [supple.Support(supple.Place.crossing(3))]
-    assert simulation(weave, supports, (), None, None, supple.WeaveOptions(), None).document == {
+    assert WeaveSimulationRequest(weave, supports, options=supple.WeaveOptions()).to_wire() == {
         "weave": {"pattern": "regular"}, "supports": [{"at": {"crossing": 3}}]}
 
 
@@ -60,13 +60,13 @@ def test_everything_that_is_given_is_sent() -> None:
     groups = {"accuracy": {"segments": 8, "tolerance": 1e-8, "max_iterations": 9, "load_steps": 2, "limit_tolerance": 1e-4},
               "sliding": {"least_distance": 0.2, "barrier_range": 0.05, "regularization": 1e-5},
               "effects": {"out_of_plane": "off", "buckling": "on"}}
-    document = homogenization(supple.Weave.rings(), 0.2, np.array([0, 1]), "suppressed", 0.5, [1], options, 7.0).document
-    assert document == {"weave": {"pattern": "actuated_rings"}, "strain": 0.2, "directions": [0.0, 1.0], "shear": "suppressed",
+    request = WeaveHomogenizationRequest(supple.Weave.rings(), 0.2, np.array([0, 1]), "suppressed", 0.5, [1], options, 7.0)
+    assert request.to_wire() == {"weave": {"pattern": "actuated_rings"}, "strain": 0.2, "directions": [0.0, 1.0], "shear": "suppressed",
                         "thickness": 0.5, "deformed": [1], "deadline": 7.0, **groups}
-    assert homogenization(supple.Weave.rings(), None, 12, None, None, (), None, None).document["directions"] == 12
+    assert WeaveHomogenizationRequest(supple.Weave.rings(), directions=12).to_wire()["directions"] == 12
     support = supple.Support(supple.Place.box((0, 1), (2, 3)), (1, 2, 3), (True, False, True), True, (0, 0, 0.5))
     force = supple.Force(supple.Place.strand(2, share=0.5), (0, -1, 0))
-    document = simulation(supple.Weave.rings(), [support], [force], 4, "vtu", options, 7.0).document
+    document = WeaveSimulationRequest(supple.Weave.rings(), [support], [force], 4, "vtu", options, 7.0).to_wire()
     assert document == {"weave": {"pattern": "actuated_rings"}, "states": 4, "deformed": "vtu", "deadline": 7.0, **groups,
                         "supports": [{"at": {"box": [[0.0, 1.0], [2.0, 3.0]]}, "displacement": [1.0, 2.0, 3.0],
                                       "held": [True, False, True], "clamped": True, "rotation": [0.0, 0.0, 0.5]}],
@@ -84,7 +84,7 @@ def test_a_place_of_a_strand_is_given_in_one_way() -> None:
 
 def test_a_layout_is_read() -> None:
     member = {"strand": 1, "coordinate": 2.0, "shift": [1, 0], "slides": True, "backward": None, "forward": 0.5}
-    laid = layout_from_wire({
+    laid = decode(supple.WeaveLayout, {
         "strands": [{"ends": "open", "translation": [0, 0], "length": 4, "radius": 0.25, "polyline": [[0, 0], [4, 0]]}],
         "crossings": [{"position": [2, 0], "members": [{**member, "slides": False}, member]}], "lattice": None,
         "material": {}, "warnings": ["w"], **BILL})
@@ -95,7 +95,7 @@ def test_a_layout_is_read() -> None:
 
 def test_missing_moduli_are_no_numbers() -> None:
     matrices = [np.eye(2).tolist()] * 2
-    result = homogenization_from_wire({
+    result = decode(supple.WeaveHomogenization, {
         "strain": 0.1, "directions": [0, 1], "youngs_modulus": [5, None], "poisson_ratio": [0.3, None],
         "deformation_gradient": matrices, "nominal_stress": matrices, "cauchy_stress": matrices, "energy_density": [1, 2],
         "stopped": ["converged", "step_too_small"], "residual": [0, None], "out_of_plane": [False, True],
@@ -116,7 +116,7 @@ def test_reactions_of_a_box_add_up() -> None:
              "out_of_plane": False, "stable": True, "stopped": "converged", "residual": 1e-9, "limit_error": 2e-8, "iterations": 3,
              "load_steps": 1, "branches": 0, "obj": "v"}
     places = [{"support": support, "strand": 0, "coordinate": 0, "position": [0, 0]} for support in (0, 0, 1)]
-    result = weave_simulation_from_wire({
+    result = decode(supple.WeaveSimulation, {
         "supports": places, "sliders": [{"crossing": 2, "member": 1}], "states": [state], "message": "",
         "accuracy": {"segments": 4, "tolerance": 1e-6, "residual": 0.1, "limit_tolerance": 1e-6, "limit_error": 2e-8,
                      "unknowns": 9}, **BILL})
@@ -133,16 +133,16 @@ def test_faults_of_weaves_have_their_exception() -> None:
 def test_printing_becomes_the_contracts_request() -> None:
     options = supple.PrintOptions(origin=(1, 2), order=[1, 0], overrun=(3, 4), overruns={1: (5, 6)}, loop_overlap=0.5, frame=(2, 16),
                                   grips=[supple.Grip((0, 1), (2, 3), 4), supple.Grip((0, 0), (9, 0))], chord_error=0.01)
-    document = toolpath(supple.Weave.rings(), options, {"bed": [1, 2, 3]}, ("svg",), 7.0).document
+    document = WeaveToolpathRequest(supple.Weave.rings(), options, {"bed": [1, 2, 3]}, ("svg",), 7.0).to_wire()
     assert document == {
         "weave": {"pattern": "actuated_rings"}, "printer": {"bed": [1, 2, 3]}, "include": ["svg"], "deadline": 7.0,
         "origin": [1.0, 2.0], "order": [1, 0], "overrun": {"start": 3, "end": 4}, "overruns": [{"strand": 1, "start": 5, "end": 6}],
         "loop_overlap": 0.5, "frame": {"margin": 2, "lead_in": 16}, "chord_error": 0.01,
         "grips": [{"from": [0.0, 1.0], "to": [2.0, 3.0], "width": 4}, {"from": [0.0, 0.0], "to": [9.0, 0.0]}]}
-    assert toolpath(supple.Weave.rings(), None, None, None, None).document == {"weave": {"pattern": "actuated_rings"}}
-    assert toolpath(supple.Weave.rings(), None, None, (), None).document["include"] == []
+    assert WeaveToolpathRequest(supple.Weave.rings()).to_wire() == {"weave": {"pattern": "actuated_rings"}}
+    assert WeaveToolpathRequest(supple.Weave.rings(), include=()).to_wire()["include"] == []
 
 
 def test_gcode_is_sent_as_text() -> None:
-    assert report(b"G28 ; \xe9\n", None, None).document == {"gcode": "G28 ; ?\n"}
-    assert report("G28 ; \u00e9\n", {"cold": 1}, 2.0).document == {"gcode": "G28 ; ?\n", "limits": {"cold": 1}, "deadline": 2.0}
+    assert GcodeReportRequest(b"G28 ; \xe9\n").to_wire() == {"gcode": "G28 ; ?\n"}
+    assert GcodeReportRequest("G28 ; \u00e9\n", {"cold": 1}, 2.0).to_wire() == {"gcode": "G28 ; ?\n", "limits": {"cold": 1}, "deadline": 2.0}
