@@ -4,8 +4,8 @@
 
 #include <cerrno>
 #include <cstring>
-#include <exception>
 #include <filesystem>
+#include <stdexcept>
 
 #include "supple/access/gate.h"
 
@@ -48,7 +48,7 @@ std::vector<std::string> configuration_faults(const ServerOptions& options) {
     faults.push_back("--helper: " + options.helper.program + " cannot be run: " + std::strerror(errno));
   try {
     const access::Gate gate(options.key_file(), options.rule_of_keys());
-  } catch (const std::exception& problem) {
+  } catch (const std::runtime_error& problem) {
     faults.push_back(std::string("--keys: ") + problem.what());
   }
   return faults;

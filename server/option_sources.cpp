@@ -121,7 +121,7 @@ void OptionSources::set(Entry& entry, const std::vector<std::string>& values, co
     if (!entry.is_list || !values.empty()) entry.option->default_val(text);
     entry.source = source;
     entry.values = values;
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     faults_.push_back(source + ": " + error.what());
   }
 }

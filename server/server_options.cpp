@@ -31,6 +31,84 @@ std::string installed_folder(const std::string& name) {
   return std::filesystem::is_directory(folder, error) ? folder.string() : std::string();
 }
 
+/// Sets the defaults that depend on the machine.
+void set_computed_defaults(ServerOptions& options, const budget::MemoryDefaults& memory) {
+  options.memory = memory.requests;
+  options.request_memory = memory.request;
+  options.mesh_memory = memory.meshes;
+  options.helper.memory = static_cast<std::uint64_t>(memory.helper);
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.jobs.workers = cores;
+  options.jobs.immediate = 2 * cores;
+  options.models = installed_folder("models");
+  options.web = installed_folder("web");
+  options.helper.program = program_beside_this_one("supple-helper");
+}
+
+void add_place_options(CLI::App& app, ServerOptions& options) {
+  app.add_option("--host", options.http.host, "Address to listen on");
+  app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
+      ->check(CLI::Range(0, 65535));
+  app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
+  app.add_option("--database", options.database,
+                 "PostgreSQL database that several servers share, with the folder --data: postgresql://user@host/name; "
+                 "without it the server has a database of its own in that folder");
+  app.add_option("--lease", options.lease,
+                 "Seconds after which other servers of the same database take the jobs of one that is not heard of")
+      ->check(CLI::Range(2.0, 3600.0));
+  app.add_option("--models", options.models, "Folder of neural models (*.h5); it is looked at every two seconds")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--web", options.web, "Folder of the built web editor, which is read once and served at /")
+      ->check(CLI::ExistingDirectory);
+}
+
+void add_work_options(CLI::App& app, ServerOptions& options) {
+  app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time")->check(CLI::Range(1, 1024));
+  app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")
+      ->check(CLI::Range(1, 1024));
+  app.add_option("--threads", options.threads, "Threads that parallel computations share; 0: one for each core")
+      ->check(CLI::Range(0, 1024));
+  app.add_option("--idle-timeout", options.http.idle_seconds, "Seconds until a connection without requests is closed")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--request-timeout", options.http.request_seconds, "Seconds that a request may take to arrive")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--head-timeout", options.http.head_seconds, "Seconds that a request's head may take to arrive")
+      ->check(CLI::PositiveNumber);
+}
+
+void add_access_options(CLI::App& app, ServerOptions& options) {
+  app.add_option("--allowed-host", options.allowed_hosts,
+                 "A name that clients may call the server by, besides those of loopback and --host; * for every name");
+  app.add_option("--allowed-origin", options.allowed_origins,
+                 "Origin of pages, besides the server's own, that may send requests: https://supple.example");
+  app.add_option(
+      "--keys", options.keys,
+      "File of the keys that requests need; without it the file keys in the data folder. Keys are needed where "
+      "the file exists, and always where --host is not of loopback");
+  app.add_flag("--open", options.open,
+               "Answer everybody who reaches the server, without a key: they read, compute and delete what they like");
+  app.add_flag("--access-log", options.access_log, "Log a line for each answered request");
+}
+
+void add_ending_and_helper_options(CLI::App& app, ServerOptions& options) {
+  app.add_option(
+         "--drain", options.drain,
+         "Seconds after SIGTERM in which the server answers all requests but /readyz, which tells load balancers "
+         "to ask others")
+      ->check(CLI::Range(0.0, 3600.0));
+  app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option(
+         "--helper", options.helper.program,
+         "Program that meshes, clips and reads models in processes of its own, which can be stopped and may fail; "
+         "'' does it here")
+      ->check(CLI::ExistingFile | CLI::IsMember({""}));
+  app.add_option("--helper-memory", options.helper.memory, "Bytes of address space of a helper process; 0: no limit")
+      ->transform(CLI::AsSizeValue(false));
+  app.add_option("--log-level", options.log_level, "What is logged")
+      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+}
+
 void add_limits(CLI::App& app, ServerOptions& options) {
   auto* const group = app.add_option_group("Limits", "A problem about a limit names the option that sets it");
   auto& limits = options.limits;
@@ -151,6 +229,19 @@ void print_faults(const std::vector<std::string>& faults) {
   for (const auto& fault : faults) std::cerr << "supple-server: " << fault << '\n';
 }
 
+/// Reads the configuration file and the environment, and prints what is wrong with them. Returns false if the server
+/// cannot start with them.
+bool read_file_and_environment(int argc, char** argv, OptionSources& sources) {
+  // Help and version are printed even if the configuration file is invalid.
+  if (!asks_for(argc, argv, "--help") && !asks_for(argc, argv, "-h") && !asks_for(argc, argv, "--version")) {
+    if (const auto path = config_path(argc, argv); !path.empty()) sources.read_file(path);
+    sources.read_environment(environ);
+  }
+  for (const auto& warning : sources.warnings()) std::cerr << "supple-server: warning: " << warning << '\n';
+  print_faults(sources.faults());
+  return sources.faults().empty();
+}
+
 /// Prints the configuration and its faults. Returns the exit status.
 int check_configuration(const OptionSources& sources, const ServerOptions& options) {
   sources.print_effective(std::cout);
@@ -169,19 +260,8 @@ access::Rule ServerOptions::rule_of_keys() const {
 }
 
 std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
-  const auto defaults = budget::memory_defaults(budget::memory_limits());
-  options.memory = defaults.requests;
-  options.request_memory = defaults.request;
-  options.mesh_memory = defaults.meshes;
-  options.helper.memory = static_cast<std::uint64_t>(defaults.helper);
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  options.jobs.workers = cores;
-  options.jobs.immediate = 2 * cores;
-
-  options.models = installed_folder("models");
-  options.web = installed_folder("web");
-  options.helper.program = program_beside_this_one("supple-helper");
-
+  const auto memory = budget::memory_defaults(budget::memory_limits());
+  set_computed_defaults(options, memory);
   CLI::App app(
       "Answers requests for geodesics on triangle meshes, for simulations of periodic structures and for what neural "
       "models know of them.",
@@ -189,58 +269,10 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   app.option_defaults()->always_capture_default();
   app.footer(command_list());
   app.set_version_flag("--version", std::string("supple-server ") + server_version());
-  app.add_option("--host", options.http.host, "Address to listen on");
-  app.add_option("--port", options.http.port, "Port to listen on; 0 takes any free one, which is printed")
-      ->check(CLI::Range(0, 65535));
-  app.add_option("--data", options.data, "Folder of meshes, jobs and results; made if it does not exist");
-  app.add_option("--database", options.database,
-                 "PostgreSQL database that several servers share, with the folder --data: postgresql://user@host/name; "
-                 "without it the server has a database of its own in that folder");
-  app.add_option("--lease", options.lease,
-                 "Seconds after which other servers of the same database take the jobs of one that is not heard of")
-      ->check(CLI::Range(2.0, 3600.0));
-  app.add_option("--models", options.models, "Folder of neural models (*.h5); it is looked at every two seconds")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--web", options.web, "Folder of the built web editor, which is read once and served at /")
-      ->check(CLI::ExistingDirectory);
-  app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time")->check(CLI::Range(1, 1024));
-  app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")
-      ->check(CLI::Range(1, 1024));
-  app.add_option("--threads", options.threads, "Threads that parallel computations share; 0: one for each core")
-      ->check(CLI::Range(0, 1024));
-  app.add_option("--idle-timeout", options.http.idle_seconds, "Seconds until a connection without requests is closed")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--request-timeout", options.http.request_seconds, "Seconds that a request may take to arrive")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--head-timeout", options.http.head_seconds, "Seconds that a request's head may take to arrive")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--allowed-host", options.allowed_hosts,
-                 "A name that clients may call the server by, besides those of loopback and --host; * for every name");
-  app.add_option("--allowed-origin", options.allowed_origins,
-                 "Origin of pages, besides the server's own, that may send requests: https://supple.example");
-  app.add_option(
-      "--keys", options.keys,
-      "File of the keys that requests need; without it the file keys in the data folder. Keys are needed where "
-      "the file exists, and always where --host is not of loopback");
-  app.add_flag("--open", options.open,
-               "Answer everybody who reaches the server, without a key: they read, compute and delete what they like");
-  app.add_flag("--access-log", options.access_log, "Log a line for each answered request");
-  app.add_option(
-         "--drain", options.drain,
-         "Seconds after SIGTERM in which the server answers all requests but /readyz, which tells load balancers "
-         "to ask others")
-      ->check(CLI::Range(0.0, 3600.0));
-  app.add_option("--grace", options.grace, "Seconds that running computations get to finish at SIGTERM")
-      ->check(CLI::NonNegativeNumber);
-  app.add_option(
-         "--helper", options.helper.program,
-         "Program that meshes, clips and reads models in processes of its own, which can be stopped and may fail; "
-         "'' does it here")
-      ->check(CLI::ExistingFile | CLI::IsMember({""}));
-  app.add_option("--helper-memory", options.helper.memory, "Bytes of address space of a helper process; 0: no limit")
-      ->transform(CLI::AsSizeValue(false));
-  app.add_option("--log-level", options.log_level, "What is logged")
-      ->check(CLI::IsMember({"debug", "info", "warn", "error", "off"}));
+  add_place_options(app, options);
+  add_work_options(app, options);
+  add_access_options(app, options);
+  add_ending_and_helper_options(app, options);
   add_limits(app, options);
   ProcessOptions process_options;
   add_process_options(app, process_options);
@@ -249,14 +281,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
     sources.print_table(std::cout);
     return 0;
   }
-  // Help and version are printed even if the configuration file is invalid.
-  if (!asks_for(argc, argv, "--help") && !asks_for(argc, argv, "-h") && !asks_for(argc, argv, "--version")) {
-    if (const auto path = config_path(argc, argv); !path.empty()) sources.read_file(path);
-    sources.read_environment(environ);
-  }
-  for (const auto& warning : sources.warnings()) std::cerr << "supple-server: warning: " << warning << '\n';
-  print_faults(sources.faults());
-  if (!sources.faults().empty()) return unusable_status;
+  if (!read_file_and_environment(argc, argv, sources)) return unusable_status;
   add_keys_commands(app, options);
   try {
     app.parse(argc, argv);
@@ -267,7 +292,7 @@ std::optional<int> read_options(int argc, char** argv, ServerOptions& options) {
   if (!app.get_subcommands().empty()) return 0;
   if (process_options.check) return check_configuration(sources, options);
   // The limit of the process is at least what the options allow for requests and loaded meshes together.
-  options.process_memory = std::max(defaults.process, options.memory + options.mesh_memory);
+  options.process_memory = std::max(memory.process, options.memory + options.mesh_memory);
   return std::nullopt;
 }
 

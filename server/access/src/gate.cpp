@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <ctime>
+#include <stdexcept>
 
 #include "supple/access/duration.h"
 #include "supple/problem/problem.h"
@@ -80,7 +81,7 @@ void Gate::reload_if_changed(const Time& now) {
     last_fault_.clear();
     std::erase_if(buckets_, [this](const auto& entry) { return find(entry.first) == nullptr; });
     if (log_) log_("keys: " + std::to_string(keys_.size()) + " are in " + file_.path().string() + " now");
-  } catch (const std::exception& error) {
+  } catch (const std::runtime_error& error) {
     // Each fault is logged once. The file is read again at each check until it is valid.
     if (log_ && last_fault_ != error.what())
       log_(std::string(error.what()) + "; the keys that were read before go on counting");

@@ -125,28 +125,45 @@ Connection::Arrival Connection::expire() {
 
 Connection::Arrival Connection::advance(const Admit& admit, std::size_t max_bytes) {
   remaining_turn_bytes_ = max_bytes;
-  if (state_ == State::idle || state_ == State::head) {
-    const auto arrival = read_request_head(admit);
-    if (arrival != Arrival::complete || state_ != State::body) return arrival;
+  try {
+    if (state_ == State::idle || state_ == State::head) {
+      const auto arrival = read_request_head(admit);
+      if (arrival != Arrival::complete || state_ != State::body) return arrival;
+    }
+    return read_body();
+  } catch (...) {
+    unread_ = unread_ || !head_;
+    return refuse_arriving(std::current_exception());
   }
-  return read_body();
 }
 
-bool Connection::skip_empty_lines() {
+void Connection::skip_empty_lines() {
   while (state_ == State::idle && input_.view().starts_with("\r\n")) {
-    if (++empty_lines_ > max_empty_lines) return false;
+    if (++empty_lines_ > max_empty_lines)
+      throw Error("http.bad_request", "There are too many empty lines before the request.");
     input_.drop(2);
   }
-  return true;
+}
+
+void Connection::begin_body() {
+  memory_ = budget_ ? budget::MemoryBudget::Reservation(*budget_) : budget::MemoryBudget::Reservation();
+  arriving_.emplace(bodies_, client_);
+  const auto& limit = route->body;
+  if (limit.bytes == 0) throw Error("http.bad_request", "This request takes no body.");
+  const auto length = head_->content_length.value_or(0);
+  if (length > limit.bytes) throw_too_large(limit, static_cast<double>(length));
+  if (budget_) budget_->check_one(static_cast<std::int64_t>(length), "the body");
+  state_ = State::body;
+  deadline_ = waiting_since_ + timeouts_.request;
+  if (head_->expects_continue && input_.empty()) {
+    constexpr std::string_view continue_line = "HTTP/1.1 100 Continue\r\n\r\n";
+    ::send(socket_, continue_line.data(), continue_line.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  }
 }
 
 Connection::Arrival Connection::read_request_head(const Admit& admit) {
-  const auto refuse = [&](const std::string& code, const std::string& why) {
-    unread_ = true;
-    return refuse_arriving(std::make_exception_ptr(Error(code, why)));
-  };
   while (true) {
-    if (!skip_empty_lines()) return refuse("http.bad_request", "There are too many empty lines before the request.");
+    skip_empty_lines();
     if (!input_.empty() && state_ == State::idle) {
       state_ = State::head;
       waiting_since_ = Clock::now();
@@ -154,44 +171,27 @@ Connection::Arrival Connection::read_request_head(const Admit& admit) {
     }
     const auto end = end_of_head(input_.view(), searched_);
     if (end != std::string::npos && end <= max_head_bytes) {
-      try {
-        head_ = read_head(input_.view().substr(0, end));
-        input_.drop(end);
-        unread_ = head_->has_body();
-        admit(*this);
-        if (!head_->has_body()) {
-          state_ = State::arrived;
-          return Arrival::complete;
-        }
-        memory_ = budget_ ? budget::MemoryBudget::Reservation(*budget_) : budget::MemoryBudget::Reservation();
-        arriving_.emplace(bodies_, client_);
-        const auto& limit = route->body;
-        if (limit.bytes == 0) throw Error("http.bad_request", "This request takes no body.");
-        const auto length = head_->content_length.value_or(0);
-        if (length > limit.bytes) throw_too_large(limit, static_cast<double>(length));
-        if (budget_) budget_->check_one(static_cast<std::int64_t>(length), "the body");
-      } catch (...) {
-        unread_ = unread_ || !head_;
-        return refuse_arriving(std::current_exception());
+      head_ = read_head(input_.view().substr(0, end));
+      input_.drop(end);
+      unread_ = head_->has_body();
+      admit(*this);
+      if (head_->has_body()) {
+        begin_body();
+      } else {
+        state_ = State::arrived;
       }
-      state_ = State::body;
-      deadline_ = waiting_since_ + timeouts_.request;
-      if (head_->expects_continue && input_.empty()) {
-        constexpr std::string_view continue_line = "HTTP/1.1 100 Continue\r\n\r\n";
-        ::send(socket_, continue_line.data(), continue_line.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-      }
-      return Arrival::complete;  // only the head is complete; `advance` goes on with the body
+      return Arrival::complete;  // with a body, only the head is complete; `advance` goes on with the body
     }
     if (end != std::string::npos || input_.size() > max_head_bytes)
-      return refuse("http.head_too_large",
-                    "The request's head has more than " + std::to_string(max_head_bytes) + " bytes, its limit.");
+      throw Error("http.head_too_large",
+                  "The request's head has more than " + std::to_string(max_head_bytes) + " bytes, its limit.");
     searched_ = input_.size();
     if (remaining_turn_bytes_ == 0) return Arrival::waiting;
     std::array<char, receive_bytes> buffer;
     const auto count = receive(buffer.data(), buffer.size());
     if (count < 0) {
       if (state_ == State::idle) return Arrival::closed;
-      return refuse("http.bad_request", "The request's head ended early.");
+      throw Error("http.bad_request", "The request's head ended early.");
     }
     if (count == 0) return Arrival::waiting;
     input_.append(buffer.data(), static_cast<std::size_t>(count));
@@ -222,37 +222,32 @@ void Connection::take_from_input(std::size_t length) {
 }
 
 Connection::Arrival Connection::read_body() {
-  try {
-    const auto& limit = route->body;
-    auto& body = request.body;
-    while (true) {
-      long count = 0;
-      if (head_->chunked) {
-        reserve_body(body.size() + input_.size());
-        const bool done = chunks_.take(input_, body);
-        if (body.size() > limit.bytes) throw_too_large(limit, static_cast<double>(body.size()));
-        if (done) break;
-        if (remaining_turn_bytes_ == 0) return Arrival::waiting;
-        std::array<char, receive_bytes> buffer;
-        count = receive(buffer.data(), buffer.size());
-        if (count > 0) input_.append(buffer.data(), static_cast<std::size_t>(count));
-      } else {
-        const auto length = static_cast<std::size_t>(*head_->content_length);
-        take_from_input(length);
-        const auto received = body.size();
-        if (received == length) break;
-        if (remaining_turn_bytes_ == 0) return Arrival::waiting;
-        reserve_body(buffer_size(length, received + 1));
-        body.resize(
-            std::min({length, body.capacity(), received + std::min(body_receive_bytes, remaining_turn_bytes_)}));
-        count = receive(body.data() + received, body.size() - received);
-        body.resize(received + static_cast<std::size_t>(std::max(count, 0L)));
-      }
-      if (count < 0) throw Error("http.bad_request", "The body ended early.");
-      if (count == 0) return Arrival::waiting;
+  const auto& limit = route->body;
+  auto& body = request.body;
+  while (true) {
+    long count = 0;
+    if (head_->chunked) {
+      reserve_body(body.size() + input_.size());
+      const bool done = chunks_.take(input_, body);
+      if (body.size() > limit.bytes) throw_too_large(limit, static_cast<double>(body.size()));
+      if (done) break;
+      if (remaining_turn_bytes_ == 0) return Arrival::waiting;
+      std::array<char, receive_bytes> buffer;
+      count = receive(buffer.data(), buffer.size());
+      if (count > 0) input_.append(buffer.data(), static_cast<std::size_t>(count));
+    } else {
+      const auto length = static_cast<std::size_t>(*head_->content_length);
+      take_from_input(length);
+      const auto received = body.size();
+      if (received == length) break;
+      if (remaining_turn_bytes_ == 0) return Arrival::waiting;
+      reserve_body(buffer_size(length, received + 1));
+      body.resize(std::min({length, body.capacity(), received + std::min(body_receive_bytes, remaining_turn_bytes_)}));
+      count = receive(body.data() + received, body.size() - received);
+      body.resize(received + static_cast<std::size_t>(std::max(count, 0L)));
     }
-  } catch (...) {
-    return refuse_arriving(std::current_exception());
+    if (count < 0) throw Error("http.bad_request", "The body ended early.");
+    if (count == 0) return Arrival::waiting;
   }
   arriving_.reset();
   unread_ = false;

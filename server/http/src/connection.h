@@ -101,19 +101,22 @@ class Connection {
 
  private:
   enum class State { idle, head, body, arrived, sending, lingering };
+  // The following functions throw the error with which the request is refused.
   Arrival read_request_head(const Admit& admit);
   Arrival read_body();
   /// Returns the number of bytes received, within `remaining_turn_bytes_`: 0 if none has arrived, -1 if the connection
   /// has ended.
   long receive(char* data, std::size_t capacity);
-  /// Refuses a request that has not arrived completely.
-  Arrival refuse_arriving(std::exception_ptr reason);
-  /// Drops the empty lines before a request. Returns false if there are too many.
-  bool skip_empty_lines();
+  /// Drops the empty lines before a request.
+  void skip_empty_lines();
+  /// Prepares for the body, once the head has been read and admitted.
+  void begin_body();
   /// Reserves and allocates memory for `bytes` of the body.
   void reserve_body(std::size_t bytes);
   /// Moves the bytes that were received with the head to a body of known length.
   void take_from_input(std::size_t length);
+  /// Refuses a request that has not arrived completely.
+  Arrival refuse_arriving(std::exception_ptr reason);
 
   const int socket_;
   const std::string client_;

@@ -8,14 +8,15 @@
 #include <chrono>
 #include <cstring>
 
+#include "durations.h"
+
 namespace supple::http {
 namespace {
 
 using Clock = std::chrono::steady_clock;
 
 bool wait_until_writable(int socket, double seconds) {
-  const auto deadline =
-      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  const auto deadline = Clock::now() + duration_of(seconds);
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
     pollfd entry{socket, POLLOUT, 0};

@@ -160,7 +160,7 @@ void Lobby::hand_over(int socket, Connection::Arrival arrival) {
   const auto found = waiting_.find(socket);
   auto connection = std::move(found->second);
   waiting_.erase(found);
-  if (arrival != Connection::Arrival::closed) deliver_(std::move(connection), arrival);
+  if (arrival != Connection::Arrival::closed) deliver_(std::move(connection));
 }
 
 void Lobby::close_expired() {

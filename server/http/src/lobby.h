@@ -20,7 +20,7 @@ namespace supple::http {
 class Lobby {
  public:
   /// Called on the lobby's thread with each connection whose request has arrived or is refused.
-  using Deliver = std::function<void(std::shared_ptr<Connection>, Connection::Arrival)>;
+  using Deliver = std::function<void(std::shared_ptr<Connection>)>;
 
   Lobby(Connection::Admit admit, Deliver deliver);
   ~Lobby();

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "supple/problem/problem.h"
 
@@ -253,6 +255,23 @@ TEST_F(GateTest, ASessionStandsForItsKeyUntilTheSecretThatOpenedItEnds) {
   EXPECT_EQ(answer(*guarded, "", session.token), token.id);
   pass(seconds(60));
   EXPECT_EQ(answer(*guarded, "", session.token), "access.key_invalid");
+}
+
+TEST_F(GateTest, ALackOfMemoryIsNoFaultOfTheFile) {
+  const auto token = add("read");
+  bool lacks_memory = true;
+  Gate guarded(
+      file_, Rule::always,
+      [&](const std::string& text) {
+        if (std::exchange(lacks_memory, false)) throw std::bad_alloc();
+        log_.push_back(text);
+      },
+      [this] { return now_; });
+  add("read");
+  pass(seconds(1));
+  EXPECT_THROW(guarded.required(), std::bad_alloc);
+  EXPECT_TRUE(log_.empty()) << log_.front();
+  EXPECT_EQ(answer(guarded, bearer(token)), token.id);
 }
 
 TEST_F(GateTest, ASessionEndsWhenItIsClosedOrItsKeyRevoked) {

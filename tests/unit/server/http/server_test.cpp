@@ -11,6 +11,7 @@
 #include <atomic>
 #include <chrono>
 #include <mutex>
+#include <new>
 #include <thread>
 
 namespace supple::http {
@@ -128,6 +129,7 @@ class HttpServerTest : public testing::Test {
     router.add(
         {"POST", "/size", [](const Request& r) { return text(std::to_string(r.body.size()) + "!"); }, {1'000'000, ""}});
     router.add({"GET", "/broken", [](const Request&) -> Response { throw std::runtime_error("secret"); }, {}});
+    router.add({"GET", "/unmakeable", [](const Request&) -> Response { throw Error("mesh.not_found", "large"); }, {}});
     router.add({"GET",
                 "/slow",
                 [this](const Request& r) {
@@ -178,6 +180,18 @@ class HttpServerTest : public testing::Test {
                   return response;
                 },
                 {}});
+    router.add({"GET",
+                "/broken-stream",
+                [](const Request&) {
+                  Response response;
+                  response.content_type = "text/event-stream";
+                  response.stream = [](StreamWriter& out) {
+                    out.write("data: 0\n\n");
+                    throw std::runtime_error("the store");
+                  };
+                  return response;
+                },
+                {}});
     for (const bool broken : {false, true}) {
       const auto read = [this, broken](std::uint64_t offset, char* to, std::size_t count) {
         if (broken && offset > length_of_pieces / 2) throw std::runtime_error("the disk");
@@ -201,6 +215,7 @@ class HttpServerTest : public testing::Test {
     server_ = std::make_unique<Server>(
         options_, std::move(router),
         [](const problem::Problem& problem) {
+          if (problem.detail == "large") throw std::bad_alloc();
           auto response = text("problem " + problem.code + (problem.detail.size() > 1000 ? problem.detail : "") + "!");
           response.status = problem::status_of(problem);
           return response;
@@ -312,6 +327,15 @@ TEST_F(HttpServerTest, KeepsTheTextOfAnUnexpectedExceptionFromTheClient) {
   EXPECT_EQ(reported_, "GET /broken: secret");
 }
 
+TEST_F(HttpServerTest, SaysByItsStatusThatThereIsNoMemoryForAProblem) {
+  start();
+  Client client(port_);
+  client.send(get("/unmakeable"));
+  const auto text = client.read_until("\r\n\r\n");
+  EXPECT_TRUE(text.starts_with("HTTP/1.1 503 ")) << text;
+  EXPECT_EQ(text.find("bad_alloc"), std::string::npos) << text;
+}
+
 TEST_F(HttpServerTest, RefusesABodyBeyondTheRoutesLimitWhicheverWayItIsSent) {
   start();
   EXPECT_TRUE(answer(post("/echo", std::string(1000, 'x'))).ends_with("xx!"));
@@ -391,6 +415,20 @@ TEST_F(HttpServerTest, CutsAnAnswerOffWhosePiecesCannotBeRead) {
   const auto text = client.read_all();
   EXPECT_TRUE(text.starts_with("HTTP/1.1 200"));
   EXPECT_LT(text.size(), length_of_pieces);
+  const std::lock_guard lock(report_mutex_);
+  EXPECT_EQ(reported_, "GET /broken-pieces: the disk");
+}
+
+TEST_F(HttpServerTest, CutsAStreamOffThatThrowsAndGoesOnServing) {
+  start();
+  Client client(port_);
+  client.send(get("/broken-stream"));
+  const auto text = client.read_all();
+  EXPECT_NE(text.find("data: 0"), std::string::npos) << text;
+  EXPECT_FALSE(text.ends_with("0\r\n\r\n")) << "the client sees that the end is missing";
+  EXPECT_TRUE(answer(get("/hello/a")).ends_with("hello a!"));
+  const std::lock_guard lock(report_mutex_);
+  EXPECT_EQ(reported_, "GET /broken-stream: the store");
 }
 
 TEST_F(HttpServerTest, ServesSixtyFourConnectionsAtTheSameTime) {
@@ -699,7 +737,8 @@ TEST_F(HttpServerTest, SaysWhichOfTheThreadsOnWhichAllDependIsHeldAndForHowLongI
     ADD_FAILURE() << line << " is not told: " << told;
   };
   start();
-  for (int i = 0; i < 200 && (i < 15 || server_->load().accept_silence_seconds > 0.9); ++i) std::this_thread::sleep_for(100ms);
+  for (int i = 0; i < 200 && (i < 15 || server_->load().accept_silence_seconds > 0.9); ++i)
+    std::this_thread::sleep_for(100ms);
   EXPECT_LE(server_->load().accept_silence_seconds, 1) << "also where nobody comes";
   Client held(port_);
   held.send(

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <exception>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "connection.h"
+#include "supple/http/server.h"
+
+namespace supple::http {
+
+/// Makes the responses of a server: those of handlers, and those that tell a problem. Any thread may call.
+class ResponseMaker {
+ public:
+  /// `headers` are added to every response that does not set them itself. The router must outlive this object.
+  ResponseMaker(const Router& router, Server::Render render, Server::Report report,
+                std::vector<std::pair<std::string, std::string>> headers)
+      : router_(router), render_(std::move(render)), report_(std::move(report)), headers_(std::move(headers)) {}
+
+  /// The response of the request's handler. If the request is refused, or the handler throws, that of the problem.
+  Response answer(Connection& connection) const;
+  /// The response that tells of an exception, which is reported if nobody expects it.
+  Response of_exception(const std::exception_ptr& exception, const Request& request) const;
+  Response of_problem(const problem::Problem& problem, const Request& request) const;
+  /// Reports an exception that the client is not told.
+  void report(const std::exception_ptr& exception, const Request& request) const;
+
+ private:
+  void add_headers(Response& response, const Request& request) const;
+
+  const Router& router_;
+  const Server::Render render_;
+  const Server::Report report_;
+  const std::vector<std::pair<std::string, std::string>> headers_;
+};
+
+}  // namespace supple::http
