@@ -37,7 +37,7 @@ declare -A about=(
   [reproducible]="two builds of the packages from nothing, which have the same bytes"
   [hostile]="hostile requests: deadlines, hang-ups, budgets"
   [bench]="the benchmarks' short runs: that they work, not what they measure"
-  [web]="the web editor: types, unit tests, build"
+  [web]="the web editor: layout of its sources, linter, types, unit tests, build"
   [browser]="the web editor in headless Chromium against a real server"
   [tidy]="clang-tidy, beside the parts from api on"
   [asan]="unit tests under the address and undefined-behaviour sanitizers"
@@ -147,7 +147,7 @@ build_web() {
   [ -z "${done_already[web]:-}" ] || return 0
   install_modules clients/web && (cd clients/web && npm run build) && done_already[web]=1
 }
-part_web() { build_web && (cd clients/web && npm test); }
+part_web() { build_web && (cd clients/web && npm run lint && npm test); }
 part_browser() {
   build_preset release --target supple-server && build_web && install_modules tests/browser || return 1
   # shellcheck disable=SC2086  # names of files

@@ -43,7 +43,7 @@ TABLE: List[Tuple[str, Set[str]]] = [
     (r"clients/python/notebooks/.*", {"python", "api:test_notebooks.py"}),
     (r"clients/python/tests/.*", {"python"}),
     (r"clients/python/.*", {"python", "api", "docs", SCRIPTS}),
-    (r"clients/web/test/.*", {"web"}),
+    (r"clients/web/(test/.*|(biome|dprint)\.json)", {"web"}),
     (r"clients/web/.*", {"web", "browser", "api:test_web_files.py", SCRIPTS}),
 
     # How it is run.

@@ -5,7 +5,6 @@ import { h, uniqueId } from "./base/dom";
 import { Client, explain, isUnauthorized } from "./contract/client";
 import type { KeySession } from "./contract/types";
 
-
 export class Account {
   /** Part of the header: the name of the key that is signed in, and a button to sign out. */
   readonly element = h("div", { class: "account", hidden: true });
@@ -23,13 +22,8 @@ export class Account {
         event.preventDefault();
         void this.signIn();
       },
-    },
-      heading,
-      h("p", {}, "This server answers holders of a key. Whoever runs it makes one with supple-server keys add."),
-      h("label", { for: this.input.id }, "Key"),
-      this.input,
-      this.problem,
-      this.submit);
+    }, heading, h("p", {}, "This server answers holders of a key. Whoever runs it makes one with supple-server keys add."), h("label", { for: this.input.id }, "Key"), this.input,
+      this.problem, this.submit);
     this.dialog = h("dialog", { class: "sign-in", "aria-labelledby": heading.id, oncancel: (event: Event) => event.preventDefault() }, form);
   }
 

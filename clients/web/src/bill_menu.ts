@@ -61,9 +61,7 @@ export class BillMenu {
     if (!this.element.open) return;
     if (this.bills.length === 0) return replace(this.body, h("p", { class: "muted" }, "Nothing was computed on this page yet."));
     const openPaths = new Set([...this.body.querySelectorAll<HTMLDetailsElement>("details[open]")].map((one) => one.dataset.path));
-    replace(this.body,
-      h("h2", {}, "Bill of this page"),
-      h("p", { class: "muted" }, "What the last answers took on the server: stages, optional parts, accuracy."),
+    replace(this.body, h("h2", {}, "Bill of this page"), h("p", { class: "muted" }, "What the last answers took on the server: stages, optional parts, accuracy."),
       ...this.bills.map((bill, k) => section(bill, openPaths.size > 0 ? openPaths.has(bill.path) : k === 0)));
   }
 }
@@ -76,10 +74,9 @@ function section(bill: Bill, open: boolean): HTMLElement {
   const costPanel = h("div", { class: "accuracy-cost" });
   void showAccuracyCost(costPanel, bill);
   const details = h("details", { class: "bill", "data-path": bill.path },
-    h("summary", {}, h("strong", {}, nameOf(bill)), h("span", { class: "muted" }, seconds(bill.cost.seconds))),
-    ...costTables(bill.cost),
-    bill.effects.length > 0 ? effectTable(bill.effects) : h("p", { class: "muted" }, "This answer has no optional parts."),
-    accuracyTable(bill.accuracy), costPanel, bill.request !== null && copyButton(bill));
+    h("summary", {}, h("strong", {}, nameOf(bill)), h("span", { class: "muted" }, seconds(bill.cost.seconds))), ...costTables(bill.cost),
+    bill.effects.length > 0 ? effectTable(bill.effects) : h("p", { class: "muted" }, "This answer has no optional parts."), accuracyTable(bill.accuracy), costPanel,
+    bill.request !== null && copyButton(bill));
   details.open = open;
   return details;
 }

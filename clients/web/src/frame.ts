@@ -37,17 +37,20 @@ export function frame(connection: Connection, account: HTMLElement, bill: HTMLEl
     lost.hidden = !isLost;
     lost.textContent = isLost ? "The server does not answer. Trying again; nothing of yours is lost." : "";
   });
-  const skip = h("a", { class: "skip", href: "#main", onclick: (event: Event) => { event.preventDefault(); main.focus(); } }, "Skip to the content");
+  const skip = h("a", {
+    class: "skip",
+    href: "#main",
+    onclick: (event: Event) => {
+      event.preventDefault();
+      main.focus();
+    },
+  }, "Skip to the content");
   const element = h(
     "div",
     { class: "frame" },
     skip,
-    h("header", {},
-      h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), h("span", { class: "brand-name" }, "Supple")),
-      h("nav", { "aria-label": "Pages" }, ...links),
-      bill,
-      account,
-      switcher),
+    h("header", {}, h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), h("span", { class: "brand-name" }, "Supple")),
+      h("nav", { "aria-label": "Pages" }, ...links), bill, account, switcher),
     lost,
     main,
   );

@@ -71,6 +71,6 @@ async function show(): Promise<void> {
 
 addEventListener("hashchange", () => void show());
 connection.lost.watch((lost) => {
-  if (!lost) for (const { page } of openedPages.values()) page.reconnected();
+  if (!lost) { for (const { page } of openedPages.values()) page.reconnected(); }
 });
 void show();

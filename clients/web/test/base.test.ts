@@ -86,9 +86,18 @@ describe("the newest of many wishes", () => {
   it("stops what runs where it is urgent", async () => {
     const latest = new Latest();
     let stopped = false;
-    latest.submit((signal) => new Promise((resolve) => signal.addEventListener("abort", () => ((stopped = true), resolve()))));
+    latest.submit((signal) =>
+      new Promise((resolve) =>
+        signal.addEventListener("abort", () => {
+          stopped = true;
+          resolve();
+        })
+      )
+    );
     let second = false;
-    latest.submit(async () => void (second = true), true);
+    latest.submit(async () => {
+      second = true;
+    }, true);
     await tick();
     expect([stopped, second]).toEqual([true, true]);
   });

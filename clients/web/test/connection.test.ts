@@ -2,7 +2,8 @@ import { afterEach, expect, test, vi } from "vitest";
 import { Client, ConnectionLost, isServing, Problem } from "../src/contract/client";
 
 function refuses(code: string) {
-  vi.stubGlobal("fetch", vi.fn(async () => new Response(JSON.stringify({ status: 503, code, title: "t", detail: "d" }), { status: 503, headers: { "Content-Type": "application/problem+json" } })));
+  vi.stubGlobal("fetch",
+    vi.fn(async () => new Response(JSON.stringify({ status: 503, code, title: "t", detail: "d" }), { status: 503, headers: { "Content-Type": "application/problem+json" } })));
 }
 
 afterEach(() => vi.unstubAllGlobals());
@@ -23,6 +24,8 @@ test("a server that serves is there, whatever troubles it", async () => {
   expect(await isServing()).toBe(true);
   vi.stubGlobal("fetch", vi.fn(async () => new Response("{}", { status: 200 })));
   expect(await isServing()).toBe(true);
-  vi.stubGlobal("fetch", vi.fn(async () => { throw new TypeError("no connection"); }));
+  vi.stubGlobal("fetch", vi.fn(async () => {
+    throw new TypeError("no connection");
+  }));
   expect(await isServing()).toBe(false);
 });

@@ -68,7 +68,8 @@ describe("a product", () => {
     const product = productOf(sole, layout, [filling("a"), filling("b", 0.3), filling("c")]);
     const request = partRequest({ family: "IH22", parameters: [] }, { ...INITIAL_PART, kind: "drawing", orientation: 90 }, product);
     expect(request).toMatchObject({
-      outline: { polygons: [square(9)] }, structure: { family: "of a", parameters: [0.5] },
+      outline: { polygons: [square(9)] },
+      structure: { family: "of a", parameters: [0.5] },
       regions: [{ name: "b", outline: square(3, 1, 1), structure: { family: "of b" }, orientation: 0.3 }, { name: "c", outline: square(4, 4, 4) }],
     });
     expect(request).not.toHaveProperty("orientation");

@@ -77,7 +77,8 @@ describe("a host", () => {
     expect(further.moves).toEqual([{ vertex: 0, to: [0, 1, 2] }, { vertex: 1, to: [1, 0, 2] }]);
     expect(withToggledSupport(further, 0).moves).toEqual([{ vertex: 1, to: [1, 0, 2] }]);
     expect(relaxationRequest(MESH, on(further), network).host).toMatchObject({
-      fixed_vertices: [3, 4], moved_vertices: [{ vertex: 0, positions: [[0, 1, 2]] }, { vertex: 1, positions: [[1, 0, 2]] }],
+      fixed_vertices: [3, 4],
+      moved_vertices: [{ vertex: 0, positions: [[0, 1, 2]] }, { vertex: 1, positions: [[1, 0, 2]] }],
     });
     expect(relaxationRequest(MESH, on(supported), network).host).not.toHaveProperty("moved_vertices");
     expect(hostFault({ ...further, supports: [0, 1] }, { boundary_loops: 0 })).toMatch(/needs three/);
@@ -157,7 +158,11 @@ describe("a surface that gave way", () => {
     const terms = [{ name: "geodesic_springs", energy: 2 }, { name: "shell_bending", energy: 0.5 }, { name: "new_term", energy: -1 }];
     expect(hostFacts({ terms })).toEqual([]);
     expect(hostFacts({ terms, host: { vertices: [], largest_displacement: 0.25, volume_ratio: 0.9 } })).toEqual([
-      ["Energy of springs", "2"], ["Energy of bending the shell", "0.5"], ["new term", "−1"], ["Largest displacement", "0.25"], ["Volume over that at rest", "0.9"],
+      ["Energy of springs", "2"],
+      ["Energy of bending the shell", "0.5"],
+      ["new term", "−1"],
+      ["Largest displacement", "0.25"],
+      ["Volume over that at rest", "0.9"],
     ]);
   });
 });

@@ -22,10 +22,18 @@ describe("a link", () => {
   });
 
   it.each([
-    "", "task=juggling", "task=stress_strain&points=0,0", "task=stress_strain&points=0,0;0,1", "task=stress_strain&points=0,0;x,1",
-    "task=stress_strain&points=0,0;1,NaN", "task=stress_strain&points=0,0;1,1e9", "task=stiffness&points=0,1;1,1;3.2,1",
-    "task=stress_strain&points=0,0;1,1&family=%3Cscript%3E", "task=stress_strain&points=0,0;1,1&design=IH21&parameters=",
-    `task=stress_strain&points=${Array.from({ length: 65 }, (_, k) => `${k},0`).join(";")}`, "task=%E0%A4%A&points=0,0;1,1",
+    "",
+    "task=juggling",
+    "task=stress_strain&points=0,0",
+    "task=stress_strain&points=0,0;0,1",
+    "task=stress_strain&points=0,0;x,1",
+    "task=stress_strain&points=0,0;1,NaN",
+    "task=stress_strain&points=0,0;1,1e9",
+    "task=stiffness&points=0,1;1,1;3.2,1",
+    "task=stress_strain&points=0,0;1,1&family=%3Cscript%3E",
+    "task=stress_strain&points=0,0;1,1&design=IH21&parameters=",
+    `task=stress_strain&points=${Array.from({ length: 65 }, (_, k) => `${k},0`).join(";")}`,
+    "task=%E0%A4%A&points=0,0;1,1",
   ])("that is none is refused: %s", (text) => {
     expect(readLink(text)).toBeNull();
   });

@@ -13,7 +13,15 @@ const origin = "http://127.0.0.1:8080";
 const found = { family: "IH22", parameters: [0.3, 0.4] };
 const plain: DesignState = { ...DEFAULT_STATE, points: [[-0.1, -0.5], [0, 0], [0.2, 1]], found, fixed: [false, false] };
 const given: Specification = { ...DEFAULT_SPECIFICATION, youngsModulus: 2500, density: 1.24, orientation: 30, size: { kind: "beam_width", value: 0.5 } };
-const open: Specification = { ...DEFAULT_SPECIFICATION, youngsModulus: [20, 60], density: 1.21, orientation: [0, 180], size: { kind: "cell_size", value: 5 }, relativeDensity: [0.1, 0.35], leastBeamWidth: 0.4 };
+const open: Specification = {
+  ...DEFAULT_SPECIFICATION,
+  youngsModulus: [20, 60],
+  density: 1.21,
+  orientation: [0, 180],
+  size: { kind: "cell_size", value: 5 },
+  relativeDensity: [0.1, 0.35],
+  leastBeamWidth: 0.4,
+};
 /** The state after a search that has chosen the modulus and the orientation. */
 const searched: DesignState = { ...plain, made: open, family: "IH22", found: { ...found, youngsModulus: 41, orientation: 1.25 } };
 
@@ -34,7 +42,11 @@ describe("a request", () => {
   it("leaves ranges to the search, which begins where the last one ended", () => {
     const request = designRequest(searched, "search", "s");
     expect(request).toMatchObject({
-      material: { youngs_modulus: [20, 60], density: 1.21 }, orientation: [0, Math.PI], initial: [0.3, 0.4], initial_orientation: 1.25, cell_size: 5,
+      material: { youngs_modulus: [20, 60], density: 1.21 },
+      orientation: [0, Math.PI],
+      initial: [0.3, 0.4],
+      initial_orientation: 1.25,
+      cell_size: 5,
       limits: { relative_density: [0.1, 0.35], beam_width: [0.4, 100] },
     });
     expect(request).not.toHaveProperty("beam_width");
@@ -64,12 +76,17 @@ describe("a request", () => {
 });
 
 describe("several materials", () => {
-  const list: Specification = { ...DEFAULT_SPECIFICATION, materials: [{ name: "TPU & co: soft", youngsModulus: [20, 60], density: 1.21 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }], cellSizes: [2, 8] };
+  const list: Specification = {
+    ...DEFAULT_SPECIFICATION,
+    materials: [{ name: "TPU & co: soft", youngsModulus: [20, 60], density: 1.21 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }],
+    cellSizes: [2, 8],
+  };
   const chosen: DesignState = { ...plain, made: list, family: "IH22", found: { ...found, material: "PLA", youngsModulus: 2500 } };
 
   it("are in a request, and one of them is that of a design", () => {
     expect(designRequest(chosen, "search", "s")).toMatchObject({
-      material: [{ name: "TPU & co: soft", youngs_modulus: [20, 60], density: 1.21 }, { name: "PLA", youngs_modulus: 2500, density: 1.24 }], limits: { cell_size: [2, 8] },
+      material: [{ name: "TPU & co: soft", youngs_modulus: [20, 60], density: 1.21 }, { name: "PLA", youngs_modulus: 2500, density: 1.24 }],
+      limits: { cell_size: [2, 8] },
     });
     expect(profileRequest(chosen, chosen.found ?? found, list)).toMatchObject({ material: { youngs_modulus: 2500, density: 1.24 } });
     expect(verificationRequest(chosen, chosen.found ?? found)).not.toHaveProperty("limits");
@@ -83,17 +100,28 @@ describe("several materials", () => {
     expect(readLink(writeLink(chosen))).toEqual(chosen);
     const two = withRegions([regionOf(chosen), { ...regionOf(plain), region: "Heel" }], 0);
     expect(readLink(writeLink(two))).toEqual(two);
-    expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3A"))?.made).toEqual(DEFAULT_SPECIFICATION);
+    expect(readLink(writeLink(chosen).replace("materials=", "materials=x%3B"))?.made).toEqual(DEFAULT_SPECIFICATION);
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(commandOf(chosen, origin))?.[1] ?? "").material).toHaveLength(2);
     expect(commandOf({ ...plain, made: { ...DEFAULT_SPECIFICATION, cellSizes: [2, 8] } }, origin)).toContain('--cell-size-limits="2,8"');
-    expect(pythonOf(chosen, origin)).toContain('material=[supple.Material(name="TPU & co: soft", youngs_modulus=[20, 60], density=1.21), supple.Material(name="PLA", youngs_modulus=2500, density=1.24)]');
+    expect(pythonOf(chosen, origin)).toContain(
+      'material=[supple.Material(name="TPU & co: soft", youngs_modulus=[20, 60], density=1.21), supple.Material(name="PLA", youngs_modulus=2500, density=1.24)]',
+    );
   });
 
   it("have names of their own, moduli and densities", () => {
     const fault = (change: object) => faultOf({ ...list, materials: [list.materials[0], { ...list.materials[1], ...change }] });
     expect(fault({})).toBeNull();
-    expect(fault({ name: "TPU & co: soft" })).toMatchObject({ field: "materials", at: 1, part: "name", sentence: "Each material has a name of its own, of at most 40 characters." });
-    expect(fault({ youngsModulus: [60, 20] })).toMatchObject({ at: 1, part: "youngsModulus", sentence: "Young’s modulus of PLA: the greatest value is at least the least one, 60 MPa." });
+    expect(fault({ name: "TPU & co: soft" })).toMatchObject({
+      field: "materials",
+      at: 1,
+      part: "name",
+      sentence: "Each material has a name of its own, of at most 40 characters.",
+    });
+    expect(fault({ youngsModulus: [60, 20] })).toMatchObject({
+      at: 1,
+      part: "youngsModulus",
+      sentence: "Young’s modulus of PLA: the greatest value is at least the least one, 60 MPa.",
+    });
     expect(fault({ density: 30 })).toMatchObject({ at: 1, part: "density" });
     expect(faultOf({ ...list, cellSizes: [8, 2] })?.field).toBe("cellSizes");
   });
@@ -115,17 +143,22 @@ describe("a link", () => {
     expect(regionsOf(readLink(writeLink(two)) ?? DEFAULT_STATE).map(({ made }) => made)).toEqual([given, open]);
   });
 
-  it.each(["modulus=-3", "modulus=60,20", "modulus=x", "density=1,2", "orientation=0,270", "orientation=9e9", "beam-width=0", "cell-size=nan", "relative-density=0.3", "relative-density=0.1,7", "least-beam-width=0"])(
-    "has the defaults for what no server would take: %s", (field) => {
-      expect(readLink(`task=stress_strain&points=0,0;1,1&${field}`)?.made).toEqual(DEFAULT_SPECIFICATION);
-    });
+  it.each(["modulus=-3", "modulus=60,20", "modulus=x", "density=1,2", "orientation=0,270", "orientation=9e9", "beam-width=0", "cell-size=nan", "relative-density=0.3",
+    "relative-density=0.1,7", "least-beam-width=0"])(
+      "has the defaults for what no server would take: %s",
+      (field) => {
+        expect(readLink(`task=stress_strain&points=0,0;1,1&${field}`)?.made).toEqual(DEFAULT_SPECIFICATION);
+      },
+    );
 });
 
 describe("a search as text", () => {
   it("is a command with ranges as pairs and angles in degrees", () => {
     const state = { ...searched, family: "any" };
     const text = commandOf(state, origin);
-    for (const option of ['youngs-modulus="20,60"', 'density="1.21"', 'orientation="0deg,180deg"', 'cell-size="5"', 'relative-density="0.1,0.35"', 'beam-width-limits="0.4,100"']) expect(text).toContain(`--${option}`);
+    for (const option of ['youngs-modulus="20,60"', 'density="1.21"', 'orientation="0deg,180deg"', 'cell-size="5"', 'relative-density="0.1,0.35"', 'beam-width-limits="0.4,100"']) {
+      expect(text).toContain(`--${option}`);
+    }
     expect(commandOf({ ...plain, made: given }, origin)).toMatch(/--youngs-modulus="2500" \\\n {2}--density="1.24" \\\n {2}--orientation="30deg" \\\n {2}--beam-width="0.5"/);
     expect(commandOf(plain, origin)).not.toMatch(/--(youngs|density|orientation|beam|cell|relative)/);
     // The command line has no option for the initial orientation.
@@ -140,21 +173,53 @@ describe("a search as text", () => {
     expect(program).toContain("material=supple.Material(youngs_modulus=[20, 60], density=1.21), orientation=[0, 3.141592653589793], initial_orientation=1.25, cell_size=5");
     expect(program).toContain("limits=supple.Limits(relative_density=[0.1, 0.35], beam_width=[0.4, 100]), options=options");
     expect(pythonOf(plain, origin)).not.toMatch(/material|orientation|limits/);
-    expect(pythonOf(withRegions([{ ...plain, made: given }, plain], 0), origin)).toMatch(/supple\.Region\(.*material=supple\.Material\(youngs_modulus=2500, density=1\.24\), orientation=0\.52.*, beam_width=0\.5\)/);
+    expect(pythonOf(withRegions([{ ...plain, made: given }, plain], 0), origin)).toMatch(
+      /supple\.Region\(.*material=supple\.Material\(youngs_modulus=2500, density=1\.24\), orientation=0\.52.*, beam_width=0\.5\)/,
+    );
   });
 });
 
 describe("what a design is made of", () => {
-  const profile = { x: [-0.1, 0, 0.2], target: [-0.5, 0, 1], achieved: [-0.5, 0, 1], initial: [0, 0, 0], error_bar: null, in_range: [true, true, true], reached: [true, true, true], verified: null, envelope: null };
+  const profile = {
+    x: [-0.1, 0, 0.2],
+    target: [-0.5, 0, 1],
+    achieved: [-0.5, 0, 1],
+    initial: [0, 0, 0],
+    error_bar: null,
+    in_range: [true, true, true],
+    reached: [true, true, true],
+    verified: null,
+    envelope: null,
+  };
   const answer = {
-    ...found, model: "m", orientation: 1.25, material: { youngs_modulus: 41, density: 1.21, law: "neo_hookean", poisson_ratio: 0.48 }, error: { relative_rms: 0, max: 0 }, message: "", stopped: "converged",
-    iterations: 3, ranking: [], cost: { seconds: 1 }, profile, also: [], structure: { svg: "", dxf: "", stl: "", beam_width: 0.45, cell_size: 5, relative_density: 0.2, density: 0.242 },
+    ...found,
+    model: "m",
+    orientation: 1.25,
+    material: { youngs_modulus: 41, density: 1.21, law: "neo_hookean", poisson_ratio: 0.48 },
+    error: { relative_rms: 0, max: 0 },
+    message: "",
+    stopped: "converged",
+    iterations: 3,
+    ranking: [],
+    cost: { seconds: 1 },
+    profile,
+    also: [],
+    structure: { svg: "", dxf: "", stl: "", beam_width: 0.45, cell_size: 5, relative_density: 0.2, density: 0.242 },
   } as unknown as DesignAnswer;
 
   it("is that of the answer, and of an earlier decision once another is wanted", () => {
     const [shown] = designResponses(answer, searched);
     expect(shown.found).toEqual(searched.found);
-    expect(shown.measures).toEqual({ material: "", youngsModulus: 41, materialDensity: 1.21, orientation: 1.25, beamWidth: 0.45, cellSize: 5, relativeDensity: 0.2, density: 0.242 });
+    expect(shown.measures).toEqual({
+      material: "",
+      youngsModulus: 41,
+      materialDensity: 1.21,
+      orientation: 1.25,
+      beamWidth: 0.45,
+      cellSize: 5,
+      relativeDensity: 0.2,
+      density: 0.242,
+    });
     expect(freshness(shown, searched)).toBe("current");
     expect(freshness(shown, { ...searched, made: { ...open, density: 1.3 } })).toBe("outdated");
     expect(freshness(shown, { ...searched, made: { ...open } })).toBe("current");
@@ -163,7 +228,8 @@ describe("what a design is made of", () => {
 
   it("is known of parameters set by hand as far as it was given", () => {
     const byHand = { ...searched, made: { ...open, size: given.size, leastBeamWidth: null }, byHand: true };
-    const [shown] = profileResponses([{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], byHand);
+    const [shown] = profileResponses([{ ...found, model: "m", x: [-0.1, 0, 0.2], y: [-0.5, 0, 1], error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile],
+      byHand);
     expect(freshness(shown, byHand)).toBe("current");
     expect(shown.measures).toMatchObject({ youngsModulus: 41, orientation: 1.25, beamWidth: 0.5, cellSize: null, density: null });
   });
@@ -182,7 +248,12 @@ describe("what a design is made of", () => {
     const [shown] = designResponses(answer, searched);
     expect(settingsOf(shown)).toEqual({ beamWidth: 0.45, density: 1.21, orientation: 71.62, direction: 0 });
     expect(settingsOf({ ...shown, made: DEFAULT_SPECIFICATION }).beamWidth).toBe(INITIAL_PART.beamWidth);
-    expect(partRequest(found, { ...INITIAL_PART, ...settingsOf(shown) })).toMatchObject({ beam_width: 0.45, material: { density: 1.21 }, orientation: expect.closeTo(1.25, 4), direction: 0 });
+    expect(partRequest(found, { ...INITIAL_PART, ...settingsOf(shown) })).toMatchObject({
+      beam_width: 0.45,
+      material: { density: 1.21 },
+      orientation: expect.closeTo(1.25, 4),
+      direction: 0,
+    });
     expect(partRequest(found, INITIAL_PART)).not.toHaveProperty("orientation");
   });
 

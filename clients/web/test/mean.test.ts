@@ -15,9 +15,18 @@ function ply(): string {
 
 function meanOf(starts: number): KarcherMean {
   return {
-    mesh: MESH, mean: { face: 0, barycentric: [1, 0, 0] }, position: VERTICES[0], objective: 1, gradient_norm: 0, iterations: 3, start: starts - 1, history: [], stopped: "converged",
+    mesh: MESH,
+    mean: { face: 0, barycentric: [1, 0, 0] },
+    position: VERTICES[0],
+    objective: 1,
+    gradient_norm: 0,
+    iterations: 3,
+    start: starts - 1,
+    history: [],
+    stopped: "converged",
     accuracy: { tolerance: 1e-9, gradient_tolerance: 1e-9, gradient_norm: 0 },
-    effects: [{ name: "multi_start", ran: starts > 1, why: "", count: starts - 1, seconds: 0 }], cost: { seconds: 0.1, stages: [], quantities: {} },
+    effects: [{ name: "multi_start", ran: starts > 1, why: "", count: starts - 1, seconds: 0 }],
+    cost: { seconds: 0.1, stages: [], quantities: {} },
   } as unknown as KarcherMean;
 }
 

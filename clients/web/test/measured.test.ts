@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
-import { Client } from "../src/contract/client";
+import type { Client } from "../src/contract/client";
 import { askedPointers, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
@@ -11,14 +11,29 @@ const CURVE: MeasuredCurve = {
   units: { x: "%", y: "kPa" },
   target: { control_points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone" },
   points: [[0, 0], [0.1, 0.21], [0.2, 0.6]],
-  point_count: 500, set_aside: 0,
+  point_count: 500,
+  set_aside: 0,
   error: { relative_rms: 0.004, max: 0.01, max_at: 0.1, noise: 0 },
-  set_aside_reasons: [], notes: [], offset: 0, message: "", accuracy: { tolerance: 0.005, max_control_points: 12 },
-  effects: [], cost: { seconds: 0.01, stages: [], quantities: {} },
+  set_aside_reasons: [],
+  notes: [],
+  offset: 0,
+  message: "",
+  accuracy: { tolerance: 0.005, max_control_points: 12 },
+  effects: [],
+  cost: { seconds: 0.01, stages: [], quantities: {} },
 } as unknown as MeasuredCurve;
 
 function data(change: Partial<MeasuredData> = {}): MeasuredData {
-  return { name: "a.csv", table: { text: "1,2" }, settings: INITIAL_SETTINGS, curve: CURVE, problem: "", pointers: [], kind: { task: "stress_strain", measure: "engineering" }, ...change };
+  return {
+    name: "a.csv",
+    table: { text: "1,2" },
+    settings: INITIAL_SETTINGS,
+    curve: CURVE,
+    problem: "",
+    pointers: [],
+    kind: { task: "stress_strain", measure: "engineering" },
+    ...change,
+  };
 }
 
 describe("measured data", () => {
@@ -61,13 +76,25 @@ describe("measured data", () => {
     const assumed = { ...CURVE, notes: [{ level: "note", text: "Tension was assumed.", pointer: "/sense" }] } as MeasuredCurve;
     expect([...askedPointers(data({ curve: assumed }))]).toEqual(["/sense"]);
     const answers = { ...INITIAL_SETTINGS, sense: "compression", decimalSeparator: "comma", zero: "first", block: 1 } as const;
-    expect(measuredRequest({ content: "MQA=" }, "stress_strain", answers)).toMatchObject({ content: "MQA=", sense: "compression", decimal_separator: "comma", zero: "first", block: 1 });
+    expect(measuredRequest({ content: "MQA=" }, "stress_strain", answers)).toMatchObject({
+      content: "MQA=",
+      sense: "compression",
+      decimal_separator: "comma",
+      zero: "first",
+      block: 1,
+    });
     expect(measuredRequest({ text: "1" }, "poisson", answers)).not.toHaveProperty("sense");
   });
 
   it("keeps every change, also those that come before the answer to earlier ones", async () => {
     const requests: any[] = [];
-    const client = { post: async (path: string, body: unknown) => (path === "/v1/measured-curves" && requests.push(body), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const client = {
+      post: async (path: string, body: unknown) => {
+        if (path !== "/v1/measured-curves") return new Promise(() => {});
+        requests.push(body);
+        return CURVE;
+      },
+    } as unknown as Client;
     const measured = new Measured(new DesignSession(client), client);
     await measured.read({ text: "0;0" }, "test.csv");
     measured.change({ units: { x: "mm" } });
@@ -83,11 +110,15 @@ describe("measured data", () => {
 
   it("becomes the target, of engineering strain", async () => {
     const requests: unknown[] = [];
-    const client = { post: async (path: string, body: unknown) => (requests.push([path, body]), path === "/v1/measured-curves" ? CURVE : new Promise(() => {})) } as unknown as Client;
+    const client = {
+      post: async (path: string, body: unknown) => {
+        requests.push([path, body]);
+        return path === "/v1/measured-curves" ? CURVE : new Promise(() => {});
+      },
+    } as unknown as Client;
     const session = new DesignSession(client);
     const measured = new Measured(session, client);
-    measured.read({ text: "0;0" }, "test.csv");
-    await new Promise((resolve) => setTimeout(resolve, 0));
+    await measured.read({ text: "0;0" }, "test.csv");
     expect(measured.data.get()?.curve).toBe(CURVE);
     expect(session.state.get()).toMatchObject({ points: [[0, 0], [0.1, 0.2], [0.2, 0.6]], interpolation: "monotone", measure: "engineering" });
     measured.change({ controlPoints: 5 });

@@ -67,14 +67,25 @@ describe("a triangle of a membrane", () => {
 
 describe("requests of a membrane", () => {
   it("make it of the points’ Voronoi dual, with springs only where they are wanted", () => {
-    expect(constructionRequest(MESH, membrane, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: [], triangles: { kind: "voronoi_dual" }, max_iterations: 1 });
+    expect(constructionRequest(MESH, membrane, [])).toEqual({
+      mesh: MESH,
+      points: { kind: "poisson_disk", radius: 1, seed: 1 },
+      springs: [],
+      triangles: { kind: "voronoi_dual" },
+      max_iterations: 1,
+    });
     expect(constructionRequest(MESH, { ...membrane, elements: "both" }, [])).toMatchObject({ springs: { kind: "voronoi_dual", weight: 0 }, triangles: { kind: "voronoi_dual" } });
     expect(constructionRequest(MESH, DEFAULT_NETWORK, [])).not.toHaveProperty("triangles");
   });
 
   it("relax it with its material, from where it is at rest", () => {
     const request = relaxationRequest(MESH, membrane, network);
-    expect(request).toMatchObject({ springs: [], triangles: [[0, 1, 2], [1, 3, 2]], fixed_points: [1], membrane: { youngs_modulus: 2, poisson_ratio: 0.25, thickness: 0.5, rest_scale: 0.8 } });
+    expect(request).toMatchObject({
+      springs: [],
+      triangles: [[0, 1, 2], [1, 3, 2]],
+      fixed_points: [1],
+      membrane: { youngs_modulus: 2, poisson_ratio: 0.25, thickness: 0.5, rest_scale: 0.8 },
+    });
     expect(materialOf(request).rest_scale).toBe(0.8);
     expect(relaxationRequest(MESH, DEFAULT_NETWORK, network)).not.toHaveProperty("triangles");
   });
@@ -131,7 +142,9 @@ describe("the nearest point of a surface", () => {
       const place = direction.map((value) => (far * value) / Math.hypot(...direction)) as unknown as Vector;
       const { face, barycentric, position } = grid.nearest(place);
       const distance = Math.hypot(...[0, 1, 2].map((axis) => position[axis] - place[axis]));
-      expect([0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, k) => sum + barycentric[k] * corner(face, k)[axis], 0)).every((value, axis) => Math.abs(value - position[axis]) < 1e-12)).toBe(true);
+      expect(
+        [0, 1, 2].map((axis) => [0, 1, 2].reduce((sum, k) => sum + barycentric[k] * corner(face, k)[axis], 0)).every((value, axis) => Math.abs(value - position[axis]) < 1e-12),
+      ).toBe(true);
       let minDistance = Infinity;
       for (let other = 0; other < ball.faces.length / 3; ++other) {
         for (const [u, v] of [[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0.5, 0], [0, 0.5], [1 / 3, 1 / 3]]) {

@@ -4,8 +4,15 @@ import { afterChoice, repairsAgainst, mayBeRepaired, ordered, repairSentence, up
 
 const NONE: MeshRepair = {
   made: [],
-  welded_vertices: 0, weld_distance: 0, dropped_degenerate_faces: 0, dropped_duplicate_faces: 0, split_edges: 0, split_vertices: 0, removed_vertices: 0,
-  vertices: [0, 1, 2, 3], faces: [0, null],
+  welded_vertices: 0,
+  weld_distance: 0,
+  dropped_degenerate_faces: 0,
+  dropped_duplicate_faces: 0,
+  split_edges: 0,
+  split_vertices: 0,
+  removed_vertices: 0,
+  vertices: [0, 1, 2, 3],
+  faces: [0, null],
 };
 
 describe("repairs at upload", () => {
@@ -42,6 +49,8 @@ describe("repairs at upload", () => {
 
   it("say what became of the mesh, or that it was sound", () => {
     expect(repairSentence({ vertices: 4, faces: 2 }, NONE)).toBe("Nothing had to be repaired.");
-    expect(repairSentence({ vertices: 3, faces: 1 }, { ...NONE, dropped_degenerate_faces: 1, removed_vertices: 1 })).toBe("Repaired: 4 vertices and 2 faces became 3 vertices and 1 face.");
+    expect(repairSentence({ vertices: 3, faces: 1 }, { ...NONE, dropped_degenerate_faces: 1, removed_vertices: 1 })).toBe(
+      "Repaired: 4 vertices and 2 faces became 3 vertices and 1 face.",
+    );
   });
 });

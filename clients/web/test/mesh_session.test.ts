@@ -5,7 +5,8 @@ import { findings } from "../src/mesh/findings";
 import { MeshSession } from "../src/mesh/session";
 
 const [FIRST, SECOND] = ["ab".repeat(32), "cd".repeat(32)];
-const PLY = "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty double x\nproperty double y\nproperty double z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
+const PLY =
+  "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty double x\nproperty double y\nproperty double z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n";
 
 /** Functions that release the pending answers, by method and path. */
 const answers = new Map<string, () => void>();

@@ -9,7 +9,15 @@ import { readFixed, readSprings, writeSprings } from "../src/mesh/network_text";
 import { rampColour, rangeOf, fractionOf, SPRING_RAMP } from "../src/mesh/spring_colours";
 
 const MESH = "ab".repeat(32);
-const picked: NetworkState = { ...DEFAULT_NETWORK, points: "picked", springs: "drawn", drawn: [{ between: [0, 1] }, { between: [1, 2], restLength: 0.5, weight: 3 }], restLength: 0.25, weight: 2, fixed: [0, 2] };
+const picked: NetworkState = {
+  ...DEFAULT_NETWORK,
+  points: "picked",
+  springs: "drawn",
+  drawn: [{ between: [0, 1] }, { between: [1, 2], restLength: 0.5, weight: 3 }],
+  restLength: 0.25,
+  weight: 2,
+  fixed: [0, 2],
+};
 const network: Network = {
   points: [{ vertex: 0 }, { vertex: 1 }, { face: 0, barycentric: [0.2, 0.3, 0.5] }],
   positions: [[0, 0, 0], [3, 4, 0], [3, 4, 2]],
@@ -54,19 +62,35 @@ describe("a network’s state", () => {
 
 describe("requests of a network", () => {
   it("make it without moving it", () => {
-    expect(constructionRequest(MESH, DEFAULT_NETWORK, [])).toEqual({ mesh: MESH, points: { kind: "poisson_disk", radius: 1, seed: 1 }, springs: { kind: "voronoi_dual", weight: 0 }, max_iterations: 1 });
+    expect(constructionRequest(MESH, DEFAULT_NETWORK, [])).toEqual({
+      mesh: MESH,
+      points: { kind: "poisson_disk", radius: 1, seed: 1 },
+      springs: { kind: "voronoi_dual", weight: 0 },
+      max_iterations: 1,
+    });
     expect(constructionRequest(MESH, picked, network.points)).toMatchObject({ points: network.points, springs: [{ between: [0, 1], weight: 0 }, { between: [1, 2], weight: 0 }] });
   });
 
   it("relax it with the values that each spring has", () => {
     const request = relaxationRequest(MESH, picked, network);
     expect(request.springs).toEqual([{ between: [0, 1], rest_length: 0.25, weight: 2 }, { between: [1, 2], rest_length: 0.5, weight: 3 }]);
-    expect(request).toMatchObject({ points: network.points, fixed_points: [0, 2], method: "newton", paths: true, accuracy: { tolerance: 1e-9, mollifier_length: 1e-6 }, effects: { mollifier: "automatic", kept_strips: "automatic" } });
+    expect(request).toMatchObject({
+      points: network.points,
+      fixed_points: [0, 2],
+      method: "newton",
+      paths: true,
+      accuracy: { tolerance: 1e-9, mollifier_length: 1e-6 },
+      effects: { mollifier: "automatic", kept_strips: "automatic" },
+    });
     expect(springsOf({ ...picked, springs: "voronoi_dual" }, network.pairs)[1]).toEqual({ between: [1, 2], rest_length: 0.25, weight: 2 });
   });
 
   it("save it as it is, with every point held", () => {
-    expect(fileRequest(relaxationRequest(MESH, picked, network), [{ vertex: 7 }, { vertex: 8 }, { vertex: 9 }])).toMatchObject({ points: [{ vertex: 7 }, { vertex: 8 }, { vertex: 9 }], fixed_points: [0, 1, 2], max_iterations: 1 });
+    expect(fileRequest(relaxationRequest(MESH, picked, network), [{ vertex: 7 }, { vertex: 8 }, { vertex: 9 }])).toMatchObject({
+      points: [{ vertex: 7 }, { vertex: 8 }, { vertex: 9 }],
+      fixed_points: [0, 1, 2],
+      max_iterations: 1,
+    });
   });
 
   it("are the same network for another rest length, another one for another seed", () => {
@@ -147,8 +171,19 @@ describe("a link with a network", () => {
 
   it("leaves out what is no value and what has no point", () => {
     const read = readMeshLink(`mesh=${MESH}&tool=network&points=v0;v1&network=picked,-1,x,drawn,2,1,simplex,euclidean,5,9e9,on,0.1,off&fixed=0,9&springs=0-1,0-7`);
-    expect(read?.network).toEqual({ ...DEFAULT_NETWORK, points: "picked", springs: "drawn", restLength: 2, weight: 1, springLength: "euclidean", mollifier: "on", mollifierLength: 0.1, keptStrips: "off", fixed: [0], drawn: [{ between: [0, 1] }] });
+    expect(read?.network).toEqual({
+      ...DEFAULT_NETWORK,
+      points: "picked",
+      springs: "drawn",
+      restLength: 2,
+      weight: 1,
+      springLength: "euclidean",
+      mollifier: "on",
+      mollifierLength: 0.1,
+      keptStrips: "off",
+      fixed: [0],
+      drawn: [{ between: [0, 1] }],
+    });
     expect(readMeshLink(`mesh=${MESH}`)?.network).toBeNull();
   });
 });
-

@@ -17,19 +17,39 @@ function answerTo(request: EmbeddedSystemRequest): EmbeddedSystem {
   const springs = Array.isArray(request.springs) ? request.springs : [{ between: [0, 1], weight: 0 }, { between: [0, 2], weight: 0 }];
   const weight = request.paths ? 0.9 : 1;
   return {
-    mesh: ID, points: PLACES.map((_, vertex) => ({ face: 0, barycentric: [0, 1, 2].map((corner) => (corner === vertex ? weight : (1 - weight) / 2)) })), positions: PLACES,
-    springs: springs.map(({ between }) => ({ between, length: 1, energy: 0.25, compressed: false, at_cut_locus: false, path: [[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]].map((position) => ({ face: 0, barycentric: [1, 0, 0], position })) })),
-    energy: 0.5, terms: [], gradient_norm: 1e-12, iterations: 2,
+    mesh: ID,
+    points: PLACES.map((_, vertex) => ({ face: 0, barycentric: [0, 1, 2].map((corner) => (corner === vertex ? weight : (1 - weight) / 2)) })),
+    positions: PLACES,
+    springs: springs.map(({ between }) => ({
+      between,
+      length: 1,
+      energy: 0.25,
+      compressed: false,
+      at_cut_locus: false,
+      path: [[0, 0, 0], [0.5, 0.1, 0], [1, 0, 0]].map((position) => ({ face: 0, barycentric: [1, 0, 0], position })),
+    })),
+    energy: 0.5,
+    terms: [],
+    gradient_norm: 1e-12,
+    iterations: 2,
     history: [3, 1e-3, 1e-12].map((gradient_norm, k) => ({ energy: 2 - k, gradient_norm, step_length: 0, regularization: 0 })),
     ...(request.triangles && { triangles: [[0, 1, 2]], membrane: [{ energy: 0.5, stretches: [1.5, 0.75], at_cut_locus: false }] }),
     ...(request.host && { host: { vertices: PLACES.map(([x, y, z]) => [2 * x, y, z]), largest_displacement: 1 } }),
-    stopped: "converged", mollified: false, at_vertices: [], loose_points: [], warnings: [],
-    accuracy: { tolerance: 1e-9, gradient_tolerance: 2e-9, gradient_norm: 1e-12, mollifier_length: 1e-6 }, effects: [], cost: { seconds: 0.1, stages: [], quantities: {} },
+    stopped: "converged",
+    mollified: false,
+    at_vertices: [],
+    loose_points: [],
+    warnings: [],
+    accuracy: { tolerance: 1e-9, gradient_tolerance: 2e-9, gradient_norm: 1e-12, mollifier_length: 1e-6 },
+    effects: [],
+    cost: { seconds: 0.1, stages: [], quantities: {} },
   } as unknown as EmbeddedSystem;
 }
 
 function ply(): ArrayBuffer {
-  const header = new TextEncoder().encode("ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n");
+  const header = new TextEncoder().encode(
+    "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n",
+  );
   const buffer = new ArrayBuffer(header.length + 72 + 13);
   new Uint8Array(buffer).set(header);
   const view = new DataView(buffer, header.length);
@@ -92,7 +112,12 @@ function forgetJob(): void {
 }
 
 const jobStarted = () => vi.waitFor(() => expect(sendEvent).toBeDefined());
-const moved = (iteration: number) => ({ iteration, energy: 2 - iteration, gradient_norm: 10 ** (-3 * iteration), positions: PLACES.map(([x, y, z]) => [x + 0.1 * iteration, y, z]) });
+const moved = (iteration: number) => ({
+  iteration,
+  energy: 2 - iteration,
+  gradient_norm: 10 ** (-3 * iteration),
+  positions: PLACES.map(([x, y, z]) => [x + 0.1 * iteration, y, z]),
+});
 
 describe("a network session", () => {
   it("makes the network, shows where its points are while it relaxes, and its paths in the end", async () => {

@@ -18,7 +18,10 @@ function profile(ratio: number | null, { size = 1, outside = 0, gaps = 0 } = {})
 /** A pseudorandom generator of numbers in [0, 1), the same in each run. */
 function random(seed: number): () => number {
   let state = seed;
-  return () => (state = (state * 16807) % 2147483647) / 2147483647;
+  return () => {
+    state = (state * 16807) % 2147483647;
+    return state / 2147483647;
+  };
 }
 
 describe("the profile of which a model is surest", () => {
@@ -47,7 +50,8 @@ describe("the profile of which a model is surest", () => {
 });
 
 describe("the families that a first target is looked for in", () => {
-  const described = (...bars: readonly (number | null)[]) => bars.map((median, k) => ({ id: `m${k}`, error_bars: median === null ? null : { stress: { median } } }) as unknown as Model);
+  const described = (...bars: readonly (number | null)[]) =>
+    bars.map((median, k) => ({ id: `m${k}`, error_bars: median === null ? null : { stress: { median } } }) as unknown as Model);
 
   it("are the first and the one whose model describes the shortest bars of all others", () => {
     const next = random(2);
@@ -71,7 +75,9 @@ describe("the families that a first target is looked for in", () => {
 describe("a session without a link", () => {
   const described = { IH01: 0.001, IH21: 0.02, IH22: 0.01, IH28: 0.03 };
   const families = Object.keys(described);
-  const models = Object.entries(described).map(([family, median], k) => ({ family, parameters: { lower: [0.1, k], upper: [1.1, k + 1] }, error_bars: { stress: { median } } }) as unknown as Model);
+  const models = Object.entries(described).map(([family, median], k) =>
+    ({ family, parameters: { lower: [0.1, k], upper: [1.1, k + 1] }, error_bars: { stress: { median } } }) as unknown as Model
+  );
 
   /** Opens a session with a mock of the server that answers with the profile of each family, or with a fault if there is none. */
   async function opened(of: Record<string, OfferedProfile>) {

@@ -7,8 +7,13 @@ const FOUND = { family: "IH21", parameters: [0.1, 0.6] };
 describe("a part", () => {
   it("is asked for in each of its shapes", () => {
     expect(partRequest(FOUND, INITIAL_PART)).toEqual({
-      outline: { coupon: { width: 30, length: 60, grip_length: 15 } }, structure: { family: "IH21", parameters: [0.1, 0.6] },
-      beam_width: 0.4, thickness: 4, frame: 0, rim: "clipped", material: { density: 1.2 },
+      outline: { coupon: { width: 30, length: 60, grip_length: 15 } },
+      structure: { family: "IH21", parameters: [0.1, 0.6] },
+      beam_width: 0.4,
+      thickness: 4,
+      frame: 0,
+      rim: "clipped",
+      material: { density: 1.2 },
     });
     expect(partRequest(FOUND, { ...INITIAL_PART, kind: "block", end: 2, whole: true })).toMatchObject({ outline: { block: { width: 30, height: 60, plate: 2 } }, rim: "whole" });
     expect(partRequest(FOUND, { ...INITIAL_PART, kind: "rectangle" }).outline).toEqual({ rectangle: [30, 60] });
@@ -21,7 +26,12 @@ describe("a part", () => {
 
   it("reads its drawing in a width and a resolution that were chosen one right after the other", async () => {
     const requests: any[] = [];
-    const client = { post: async (_path: string, body: unknown) => { requests.push(body); return { format: "svg", unit_is_known: false, shapes: [] }; } } as unknown as Client;
+    const client = {
+      post: async (_path: string, body: unknown) => {
+        requests.push(body);
+        return { format: "svg", unit_is_known: false, shapes: [] };
+      },
+    } as unknown as Client;
     const part = new Part(client);
     await part.open("<svg/>", "sole.svg");
     part.scale(80);
@@ -37,7 +47,13 @@ describe("a part", () => {
   it("is described with a picture, and says why it cannot be made", async () => {
     const requests: any[] = [];
     let answer: unknown = { size: [20, 90, 4] };
-    const client = { post: async (path: string, body: unknown) => { requests.push([path, body]); if (answer instanceof Error) throw answer; return answer; } } as unknown as Client;
+    const client = {
+      post: async (path: string, body: unknown) => {
+        requests.push([path, body]);
+        if (answer instanceof Error) throw answer;
+        return answer;
+      },
+    } as unknown as Client;
     const part = new Part(client);
     part.describe(FOUND);
     await new Promise((resolve) => setTimeout(resolve, 0));

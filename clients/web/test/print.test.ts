@@ -42,31 +42,56 @@ describe("the settings of a print", () => {
     const changed = { ...DEFAULT_SETTINGS, "/printer/bed/1": 300, "/printer/name": "Mine", "/printer/channel/shape": "arc", "/overrun/start": 5 };
     expect(withProfile({ ...DEFAULT_SETTINGS, "/overrun/start": 5, "/printer/retraction": 9 }, profileText(changed))).toEqual(changed);
     expect(withProfile({ ...DEFAULT_SETTINGS, "/printer/retraction": 9 }, '{"nozzle_temperature": 210}')).toEqual({ ...DEFAULT_SETTINGS, "/printer/nozzle_temperature": 210 });
-    for (const [text, words] of [["{", "no JSON"], ["[]", "no printer"], ['{"colour": "red"}', "/printer/colour"], ['{"lift": {"run": "far"}}', "/printer/lift/run"], ['{"channel": {"shape": "loop"}}', "/printer/channel/shape"], ['{"lift": 3}', "/printer/lift"]]) {
+    for (
+      const [text, words] of [["{", "no JSON"], ["[]", "no printer"], ['{"colour": "red"}', "/printer/colour"], ['{"lift": {"run": "far"}}', "/printer/lift/run"], [
+        '{"channel": {"shape": "loop"}}',
+        "/printer/channel/shape",
+      ], ['{"lift": 3}', "/printer/lift"]]
+    ) {
       expect(() => withProfile(DEFAULT_SETTINGS, text), text).toThrow(words);
     }
   });
 
   it("that a browser has kept are taken where they are sound", () => {
-    expect(storedSettings(JSON.stringify({ "/printer/bed_temperature": 70, "/printer/nozzle_temperature": "hot", "/frame": true, "/unknown": 1 }))).toEqual({ ...DEFAULT_SETTINGS, "/printer/bed_temperature": 70, "/frame": true });
+    expect(storedSettings(JSON.stringify({ "/printer/bed_temperature": 70, "/printer/nozzle_temperature": "hot", "/frame": true, "/unknown": 1 }))).toEqual({
+      ...DEFAULT_SETTINGS,
+      "/printer/bed_temperature": 70,
+      "/frame": true,
+    });
     for (const text of [null, "", "{", "3", "null", "[1]"]) expect(storedSettings(text)).toEqual(DEFAULT_SETTINGS);
   });
 
   it("are found at the place that a problem names", () => {
     expect(fieldsAt("/printer/bed").map((field) => field.pointer)).toEqual(["/printer/bed/0", "/printer/bed/1", "/printer/bed/2"]);
     expect(fieldsAt("/printer/lift/run").map((field) => field.words)).toEqual(["Begins to rise at"]);
-    for (const pointer of ["", "/", "/weave/strands/3", "/printer/colour", "/frame"]) expect(fieldsAt(pointer).map((field) => field.pointer), pointer).toEqual(pointer === "/frame" ? ["/frame/margin", "/frame/lead_in"] : []);
+    for (const pointer of ["", "/", "/weave/strands/3", "/printer/colour", "/frame"]) {
+      expect(fieldsAt(pointer).map((field) => field.pointer), pointer).toEqual(pointer === "/frame" ? ["/frame/margin", "/frame/lead_in"] : []);
+    }
   });
 });
 
-const move = (kind: PrintMove["kind"], strand: number | null, points: number[][], speed = 600): PrintMove => ({ kind, strand, points, speed, area: kind === "travel" ? 0 : Math.PI / 16, crossing: null });
+const move = (kind: PrintMove["kind"], strand: number | null, points: number[][], speed = 600): PrintMove => ({
+  kind,
+  strand,
+  points,
+  speed,
+  area: kind === "travel" ? 0 : Math.PI / 16,
+  crossing: null,
+});
 
 describe("layers of a toolpath", () => {
   const moves = [
-    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]], 3000), move("support", null, [[0, 0, 0.5], [30, 0, 0.5]]),
-    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]]), move("strand", 0, [[0, 0, 0.5], [0, 40, 0.5]]),
-    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]]), move("strand", 1, [[0, 0, 0.5], [10, 0, 0.5]]), move("lifted", 1, [[10, 0, 0.5], [13, 0, 1.25]]), move("strand", 1, [[13, 0, 0.5], [20, 0, 0.5]]),
-    move("travel", null, [[0, 0, 2], [1, 0, 0.5]]), move("channel", 0, [[0, 0, 0.5], [0, 1, 2.25], [0, 2, 0.5]]), move("travel", null, [[0, 2, 0.5], [0, 2, 50]]),
+    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]], 3000),
+    move("support", null, [[0, 0, 0.5], [30, 0, 0.5]]),
+    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]]),
+    move("strand", 0, [[0, 0, 0.5], [0, 40, 0.5]]),
+    move("travel", null, [[0, 0, 1.5], [1, 0, 0.5]]),
+    move("strand", 1, [[0, 0, 0.5], [10, 0, 0.5]]),
+    move("lifted", 1, [[10, 0, 0.5], [13, 0, 1.25]]),
+    move("strand", 1, [[13, 0, 0.5], [20, 0, 0.5]]),
+    move("travel", null, [[0, 0, 2], [1, 0, 0.5]]),
+    move("channel", 0, [[0, 0, 0.5], [0, 1, 2.25], [0, 2, 0.5]]),
+    move("travel", null, [[0, 2, 0.5], [0, 2, 50]]),
   ];
 
   it("are what lies on the bed, what rises over it, and what is bridged, with the travels that lead there", () => {
@@ -89,7 +114,17 @@ describe("what a print takes", () => {
   it("is said in units that one can read", () => {
     expect([0.01, 0.5, 2.25, 59.7, 96, 125].map(duration)).toEqual(["1 s", "30 s", "2.3 min", "1 h 0 min", "1 h 36 min", "2 h 5 min"]);
     expect([74.2, 1480].map(longWords)).toEqual(["74.2 mm", "1.48 m"]);
-    const statistics = { filament: 1000, minutes: 3, lowest: [100, 90, 0.5], highest: [130, 110, 2.25], extruded_length: 2000, travel_length: 500, travels: 7, channels: 1, heights: [0.5, 1.25] };
+    const statistics = {
+      filament: 1000,
+      minutes: 3,
+      lowest: [100, 90, 0.5],
+      highest: [130, 110, 2.25],
+      extruded_length: 2000,
+      travel_length: 500,
+      travels: 7,
+      channels: 1,
+      heights: [0.5, 1.25],
+    };
     const facts = new Map(printFacts({ settings: DEFAULT_SETTINGS, toolpath: { statistics } } as unknown as Plan));
     expect(facts.get("Filament")).toBe("1 m, 2.41 cm³");
     expect(facts.get("Size")).toBe("30 × 20 mm, up to 2.25 mm high");

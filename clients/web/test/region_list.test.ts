@@ -9,7 +9,14 @@ import { targetOf, withTargets } from "../src/design/target_list";
 const line: readonly ControlPoint[] = [[0, 0], [0.1, 1], [0.2, 2]];
 const steep: readonly ControlPoint[] = [[0, 0], [0.1, 5]];
 const forefoot: Region = { ...regionOf(DEFAULT_STATE), region: "Forefoot", points: line };
-const midfoot: Region = { ...forefoot, ...withTargets([targetOf(forefoot), { ...targetOf(forefoot), direction: 1.5, points: steep }], 1), region: "", family: "IH22", found: { family: "IH22", parameters: [0.25, 0.5] }, fixed: [true, false] };
+const midfoot: Region = {
+  ...forefoot,
+  ...withTargets([targetOf(forefoot), { ...targetOf(forefoot), direction: 1.5, points: steep }], 1),
+  region: "",
+  family: "IH22",
+  found: { family: "IH22", parameters: [0.25, 0.5] },
+  fixed: [true, false],
+};
 const heel: Region = { ...forefoot, region: "Heel & ankle", points: steep, family: "any", found: { family: "IH28", parameters: [0.3] }, fixed: [false], byHand: true };
 const all = [forefoot, midfoot, heel];
 const origin = "http://127.0.0.1:8080";

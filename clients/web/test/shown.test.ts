@@ -41,8 +41,7 @@ describe("a model's error", () => {
 });
 
 describe("families", () => {
-  const candidate = (deviation: number, model: number | null): DesignCandidate =>
-    ({ error: { relative_rms: deviation, max: 0 }, model_error: model }) as DesignCandidate;
+  const candidate = (deviation: number, model: number | null): DesignCandidate => ({ error: { relative_rms: deviation, max: 0 }, model_error: model }) as DesignCandidate;
 
   it("are compared by deviation and by the model’s error, an unknown one being the worst", () => {
     expect(expectedDeviation(candidate(0.03, 0.04))).toBeCloseTo(0.05);
@@ -53,7 +52,10 @@ describe("families", () => {
 
 const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], found: { family: "IH22", parameters: [0.3] } };
 const profileOf = (points: DesignState["points"], y: (number | null)[]): TargetResponse =>
-  profileResponses([{ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], { ...state, points })[0];
+  profileResponses([{ family: "IH22", parameters: [0.3], model: "m", x: [0, 0.05, 0.1, 0.15, 0.2], y, error_bar: [], in_range: [], cost: { seconds: 1 } } as unknown as Profile], {
+    ...state,
+    points,
+  })[0];
 
 describe("what is shown beside what was decided", () => {
   const shown = profileOf(state.points, [0, 0.5, 1, 1.5, 2]);
@@ -137,7 +139,15 @@ describe("a target that no design meets", () => {
     const x = Array.from({ length: 60 }, (_, k) => (k * Math.PI) / 60);
     const jumps = x.map((angle) => (Math.abs(Math.sin(2 * angle)) > 0.4 ? 0.13 - 0.08 * Math.abs(Math.sin(2 * angle)) : 0.05));
     const points: ControlPoint[] = [[0, 1], [1, 1], [2, 1]];
-    const { points: projected, interpolation } = projectedTarget({ ...profileOf(points, []), task: "stiffness", points, interpolation: "cubic", x, achieved: jumps, target: x.map(() => 1) });
+    const { points: projected, interpolation } = projectedTarget({
+      ...profileOf(points, []),
+      task: "stiffness",
+      points,
+      interpolation: "cubic",
+      x,
+      achieved: jumps,
+      target: x.map(() => 1),
+    });
     expect(relativeDeviation(jumps, x.map(targetCurve(true, projected, interpolation)))).toBeLessThan(0.02);
   });
 });

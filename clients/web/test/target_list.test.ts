@@ -30,7 +30,12 @@ describe("several targets", () => {
 
   it("are the same whatever they are called, and others with another curve, kind, weight or order", () => {
     expect(sameTargets(all, [along, { ...across, name: "Sideways" }, ratio])).toBe(true);
-    for (const other of [[along, across], [across, along, ratio], [along, { ...across, weight: 1 }, ratio], [along, { ...across, points: [...line] }, ratio], [along, { ...across, direction: 1 }, ratio]]) expect(sameTargets(all, other)).toBe(false);
+    for (
+      const other of [[along, across], [across, along, ratio], [along, { ...across, weight: 1 }, ratio], [along, { ...across, points: [...line] }, ratio], [along, {
+        ...across,
+        direction: 1,
+      }, ratio]]
+    ) expect(sameTargets(all, other)).toBe(false);
   });
 
   it("are called by their name, or by what they show", () => {
@@ -49,9 +54,16 @@ describe("a request with several targets", () => {
   it("has all of them at once, the one in sight first", () => {
     const request = designRequest(state, "search", "s");
     expect(request).toMatchObject({ task: "stress_strain", direction: Math.PI / 2, weight: 3, family: "IH22" });
-    expect(request.also).toMatchObject([{ task: "stress_strain", direction: 0, samples: 31, target: { control_points: [[0, 0], [0.1, 1], [0.2, 2]] } }, { task: "poisson", strain: 0.05, samples: 60 }]);
+    expect(request.also).toMatchObject([{ task: "stress_strain", direction: 0, samples: 31, target: { control_points: [[0, 0], [0.1, 1], [0.2, 2]] } }, {
+      task: "poisson",
+      strain: 0.05,
+      samples: 60,
+    }]);
     expect(request.also?.[0]).not.toHaveProperty("weight");
-    for (const other of [designRequest(state, "follow", "s"), verificationRequest(state, { family: "IH22", parameters: [0.3] }), polishRequest(state, { family: "IH22", parameters: [0.3] })]) expect(other.also).toHaveLength(2);
+    for (
+      const other of [designRequest(state, "follow", "s"), verificationRequest(state, { family: "IH22", parameters: [0.3] }),
+        polishRequest(state, { family: "IH22", parameters: [0.3] })]
+    ) expect(other.also).toHaveLength(2);
     expect(designRequest({ ...state, ...withTargets([along], 0) }, "search", "s")).not.toHaveProperty("also");
   });
 
@@ -64,9 +76,9 @@ describe("a request with several targets", () => {
     expect(JSON.parse(/<<'END'\n(.*)\nEND\n/.exec(command)?.[1] ?? "")).toEqual(body);
     expect(command).toMatch(/supple --server http:\/\/127.0.0.1:8080 design --request design.json\n$/);
     const program = pythonOf(state, origin);
-    expect(program).toContain("also = [\n    supple.Target(\"stress_strain\", [[0, 0], [0.1, 1], [0.2, 2]], direction=1.5707963267948966");
-    expect(program).toContain("weight=3),\n    supple.Target(\"poisson\"");
-    expect(program).toContain("client.design(target, also=also, family=\"IH22\", initial=[0.3], options=options)");
+    expect(program).toContain('also = [\n    supple.Target("stress_strain", [[0, 0], [0.1, 1], [0.2, 2]], direction=1.5707963267948966');
+    expect(program).toContain('weight=3),\n    supple.Target("poisson"');
+    expect(program).toContain('client.design(target, also=also, family="IH22", initial=[0.3], options=options)');
   });
 });
 
@@ -90,9 +102,30 @@ describe("a link with several targets", () => {
 });
 
 describe("what a design does about several targets", () => {
-  const profile = (x: number[], target: number[], achieved: number[]) => ({ x, target, achieved, initial: achieved, error_bar: null, in_range: x.map(() => true), reached: x.map(() => false), verified: null, envelope: null });
+  const profile = (x: number[], target: number[], achieved: number[]) => ({
+    x,
+    target,
+    achieved,
+    initial: achieved,
+    error_bar: null,
+    in_range: x.map(() => true),
+    reached: x.map(() => false),
+    verified: null,
+    envelope: null,
+  });
   const answer = {
-    family: "IH22", parameters: [0.3], model: "m", orientation: 0, material: { youngs_modulus: 26, density: 1.2 }, structure: null, error: { relative_rms: 0.4, max: 0.2 }, message: "", stopped: "converged", iterations: 3, ranking: [], cost: { seconds: 1 },
+    family: "IH22",
+    parameters: [0.3],
+    model: "m",
+    orientation: 0,
+    material: { youngs_modulus: 26, density: 1.2 },
+    structure: null,
+    error: { relative_rms: 0.4, max: 0.2 },
+    message: "",
+    stopped: "converged",
+    iterations: 3,
+    ranking: [],
+    cost: { seconds: 1 },
     profile: profile([0, 0.1, 0.2], [0, 1, 2], [0, 1.1, 2.2]),
     also: [profile([0, 0.1, 0.2], [0, 1, 2], [0, 0.5, 1]), profile([0, 1, 2], [0.1, 0.2, 0.3], [0.1, 0.2, 0.3])],
   } as unknown as DesignAnswer;
@@ -115,7 +148,18 @@ describe("what a design does about several targets", () => {
   });
 
   it("of parameters set by hand is weighed as a search weighs it", () => {
-    const profiles = all.map(({ points }) => ({ family: "IH22", parameters: [0.3], model: "m", x: points.map(([x]) => x), y: points.map(([, y]) => 2 * y), error_bar: [], in_range: [], cost: { seconds: 1 } }) as unknown as Profile);
+    const profiles = all.map(({ points }) =>
+      ({
+        family: "IH22",
+        parameters: [0.3],
+        model: "m",
+        x: points.map(([x]) => x),
+        y: points.map(([, y]) => 2 * y),
+        error_bar: [],
+        in_range: [],
+        cost: { seconds: 1 },
+      }) as unknown as Profile
+    );
     const shown = profileResponses(profiles, state);
     expect(shown.map((one) => one.seconds)).toEqual([3, 3, 3]);
     expect(shown[0].overall).toBeCloseTo(1, 9);

@@ -1,9 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { ControlPoint, Interpolation } from "../src/design/state";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
-import {
-  addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, middleOfGapAfter, targetOnProfile, wrapped,
-} from "../src/design/targets";
+import { addPoint, convertedPoints, HALF_TURN, isAtRest, movePoint, pointsOnProfile, removePoint, middleOfGapAfter, targetOnProfile, wrapped } from "../src/design/targets";
 
 const extent = { lower: -0.1, upper: 0.2 };
 const line: ControlPoint[] = [[-0.1, -1], [0, 0], [0.1, 1], [0.2, 2]];

@@ -16,7 +16,11 @@ const SKEW: Lattice = [[10, 0], [2, 8]];
 type Member = Partial<WeaveLayout["crossings"][number]["members"][number]> & { strand: number; coordinate: number };
 const crossing = (x: number, y: number, ...members: Member[]) => ({ position: [x, y], members: members.map((member) => ({ shift: [0, 0], slides: false, ...member })) });
 const straight = (from: number[], to: number[], ends: "open" | "periodic" = "open") => ({
-  ends, translation: [0, 0], length: Math.hypot(to[0] - from[0], to[1] - from[1]), radius: 0.25, polyline: [from, to],
+  ends,
+  translation: [0, 0],
+  length: Math.hypot(to[0] - from[0], to[1] - from[1]),
+  radius: 0.25,
+  polyline: [from, to],
 });
 const layoutOf = (strands: ReturnType<typeof straight>[], crossings: ReturnType<typeof crossing>[], lattice: number[][] | null) =>
   ({ strands, crossings, lattice, material: {}, warnings: [], effects: [], cost: { seconds: 0 } }) as unknown as WeaveLayout;
@@ -39,7 +43,11 @@ describe("the connection of a crossing", () => {
   it("stays where it is when strands before it are taken away", () => {
     const [a, b, c] = [{ points: [[0, 1], [9, 1]] }, { points: [[0, 2], [9, 2]] }, { points: [[4, 0], [4, 9]] }];
     const state = (...strands: typeof a[]) => ({ ...DEFAULT_STATE, pattern: "layout" as const, layout: { strands, lattice: null } });
-    const before = { state: state(a, b, c), layout: layoutOf([], [crossing(4, 1, { strand: 0, coordinate: 4 }, { strand: 2, coordinate: 1 }), crossing(4, 2, { strand: 1, coordinate: 4 }, { strand: 2, coordinate: 2, slides: true })], null) };
+    const before = {
+      state: state(a, b, c),
+      layout: layoutOf([], [crossing(4, 1, { strand: 0, coordinate: 4 }, { strand: 2, coordinate: 1 }),
+        crossing(4, 2, { strand: 1, coordinate: 4 }, { strand: 2, coordinate: 2, slides: true })], null),
+    };
     const now = { state: state(c, b), layout: layoutOf([], [crossing(4, 2, { strand: 0, coordinate: 2 }, { strand: 1, coordinate: 4 })], null) };
     expect(carriedOverrides(before, now)).toEqual([{ crossing: 0, slides: [0] }]);
   });
@@ -88,9 +96,14 @@ describe("a sheet", () => {
   });
 
   it("is connected as the cell is, whichever of a crossing's strands comes first", () => {
-    const cell = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([5, 0], [5, 10], "periodic")], [crossing(5, 5, { strand: 0, coordinate: 5, slides: true }, { strand: 1, coordinate: 5 })], [[10, 0], [0, 10]]);
-    const sheet = layoutOf([straight([0, 5], [20, 5]), straight([5, 0], [5, 10]), straight([15, 0], [15, 10])],
-      [crossing(5, 5, { strand: 1, coordinate: 5 }, { strand: 0, coordinate: 5 }), crossing(15, 5, { strand: 0, coordinate: 15, slides: true }, { strand: 2, coordinate: 5 }), crossing(9, 9, { strand: 0, coordinate: 9 }, { strand: 1, coordinate: 9 })], null);
+    const cell = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([5, 0], [5, 10], "periodic")], [
+      crossing(5, 5, { strand: 0, coordinate: 5, slides: true }, { strand: 1, coordinate: 5 }),
+    ], [[10, 0], [0, 10]]);
+    const sheet = layoutOf([straight([0, 5], [20, 5]), straight([5, 0], [5, 10]), straight([15, 0], [15, 10])], [
+      crossing(5, 5, { strand: 1, coordinate: 5 }, { strand: 0, coordinate: 5 }),
+      crossing(15, 5, { strand: 0, coordinate: 15, slides: true }, { strand: 2, coordinate: 5 }),
+      crossing(9, 9, { strand: 0, coordinate: 9 }, { strand: 1, coordinate: 9 }),
+    ], null);
     expect(sheetOverrides(cell, sheet)).toEqual({ overrides: [{ crossing: 0, slides: [1] }], unknown: 1 });
   });
 
@@ -107,10 +120,17 @@ describe("a sheet", () => {
 
 describe("a profile", () => {
   const answer = {
-    strain: 0.1, directions: [0, 1, 2], youngs_modulus: [5, null, null], poisson_ratio: [0.1, null, null],
-    stopped: ["converged", "iteration_limit", "folded_flat"], deformation_gradient: [[[1.1, 0], [0, 1]], [[1, 0], [0, 1]], [[1.5, 0], [0, 0]]],
-    out_of_plane: [false, false, false], stable: [true, true, false], cost: { seconds: 1 },
-    limit_error: [0.2, 0, 0], accuracy: { limit_tolerance: 1e-6, limit_error: 0.2 },
+    strain: 0.1,
+    directions: [0, 1, 2],
+    youngs_modulus: [5, null, null],
+    poisson_ratio: [0.1, null, null],
+    stopped: ["converged", "iteration_limit", "folded_flat"],
+    deformation_gradient: [[[1.1, 0], [0, 1]], [[1, 0], [0, 1]], [[1.5, 0], [0, 0]]],
+    out_of_plane: [false, false, false],
+    stable: [true, true, false],
+    cost: { seconds: 1 },
+    limit_error: [0.2, 0, 0],
+    accuracy: { limit_tolerance: 1e-6, limit_error: 0.2 },
   } as unknown as WeaveHomogenization;
   const profile = profileOf(answer, "key", false);
 
@@ -150,8 +170,8 @@ describe("a polyline", () => {
 describe("a strand at rest", () => {
   it("begins where the deformed one does: at its first crossing, in that crossing's place", () => {
     expect(startingAt([[0, 0], [4, 0], [10, 0]], 6, [10, 0])).toEqual([[6, 0], [10, 0], [14, 0], [16, 0]]);
-    const layout = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([0, 0], [4, 4])],
-      [crossing(13, 15, { strand: 0, coordinate: 3 }, { strand: 1, coordinate: 2 })], [[10, 0], [0, 10]]);
+    const layout = layoutOf([straight([0, 5], [10, 5], "periodic"), straight([0, 0], [4, 4])], [crossing(13, 15, { strand: 0, coordinate: 3 }, { strand: 1, coordinate: 2 })], [[10,
+      0], [0, 10]]);
     (layout.strands[0] as { translation: number[] }).translation = [10, 0];
     expect(restLines(layout)).toEqual([[[13, 15], [20, 15], [23, 15]], [[0, 0], [4, 4]]]);
     expect(centroid([[[0, 0], [2, 0]], [[2, 0], [2, 2]]])).toEqual([1.5, 0.5]);

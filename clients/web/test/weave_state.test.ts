@@ -7,9 +7,13 @@ import { DEFAULT_STATE, FIRST_LAYOUT, isPeriodic, usableStrain, type WeaveState 
 
 const state: WeaveState = {
   ...DEFAULT_STATE,
-  pattern: "interlacing_squares", type: 2,
+  pattern: "interlacing_squares",
+  type: 2,
   overrides: [{ crossing: 2, slides: [] }, { crossing: 5, slides: [0, 1], backward: 0.5, forward: null }],
-  strain: 0.25, shear: "suppressed", space: "off", segments: 6,
+  strain: 0.25,
+  shear: "suppressed",
+  space: "off",
+  segments: 6,
   sheet: { columns: 4, rows: 7, load: "shear", amount: -0.3 },
 };
 
@@ -27,8 +31,11 @@ describe("a link of a weave", () => {
     expect(isShareable({ ...drawn, layout: { ...drawn.layout, strands: Array.from({ length: 2000 }, () => strands[0]) } })).toBe(false);
   });
 
-  it.each(["", "pattern=knitting", "pattern=layout", "pattern=layout&layout=%E0%A4%A", "pattern=layout&layout={}", "pattern=regular&crossings=x", "pattern=regular&crossings=1:2:3"])(
-    "that is none is refused: %s", (text) => expect(readLink(text)).toBeNull());
+  it.each(["", "pattern=knitting", "pattern=layout", "pattern=layout&layout=%E0%A4%A", "pattern=layout&layout={}", "pattern=regular&crossings=x",
+    "pattern=regular&crossings=1:2:3"])(
+      "that is none is refused: %s",
+      (text) => expect(readLink(text)).toBeNull(),
+    );
 
   it("gives limits and defaults for numbers out of range", () => {
     const read = readLink("pattern=interlacing_circles&type=9&circle_radius=8&distance=1&strain=0&sheet=1000,2,juggle,9");
@@ -51,7 +58,11 @@ describe("lengths", () => {
 describe("a request", () => {
   it("has only the fields of its pattern", () => {
     expect(weaveOf({ ...DEFAULT_STATE, pattern: "regular", type: 4 })).toEqual({
-      pattern: "regular", pitch: 4, radius: 0.25, material: { youngs_modulus: 3500 }, connections: [["slides_x", "slides_y"], ["slides_y", "slides_x"]],
+      pattern: "regular",
+      pitch: 4,
+      radius: 0.25,
+      material: { youngs_modulus: 3500 },
+      connections: [["slides_x", "slides_y"], ["slides_y", "slides_x"]],
     });
     expect(weaveOf(state)).toMatchObject({ pattern: "interlacing_squares", type: 2, side: 12, overlap: 3, overrides: state.overrides });
     const layout = weaveOf({ ...DEFAULT_STATE, pattern: "layout" });
@@ -78,16 +89,27 @@ describe("a layout as text", () => {
   });
 
   it("may be a whole request, with material, radius and overrides", () => {
-    const text = JSON.stringify({ weave: { strands: [{ points: [[0, 0], [1, 1]] }], radius: 0.4, material: { youngs_modulus: 10 }, overrides: [{ crossing: 1, slides: [0] }] }, strain: 0.1 });
+    const text = JSON.stringify({
+      weave: { strands: [{ points: [[0, 0], [1, 1]] }], radius: 0.4, material: { youngs_modulus: 10 }, overrides: [{ crossing: 1, slides: [0] }] },
+      strain: 0.1,
+    });
     expect(readLayoutText(text)).toEqual({
-      layout: { strands: [{ points: [[0, 0], [1, 1]] }], lattice: null }, overrides: [{ crossing: 1, slides: [0] }], radius: 0.4, youngsModulus: 10,
+      layout: { strands: [{ points: [[0, 0], [1, 1]] }], lattice: null },
+      overrides: [{ crossing: 1, slides: [0] }],
+      radius: 0.4,
+      youngsModulus: 10,
     });
   });
 
   it.each([
-    ["{", /no JSON/], ["[]", /must be an object/], ['{"pattern":"regular"}', /list of patterns/], ["{}", /strands is missing/],
-    ['{"strands":[{"points":[[0,0],[1]]}]}', /strands\/0\/points\/1 must be a number/], ['{"strands":[{"points":[[0,0]],"ends":"frayed"}]}', /strands\/0\/ends/],
-    ['{"strands":[],"lattice":[[1,0]]}', /two translations/], ['{"strands":[],"overrides":[{"slides":[]}]}', /overrides\/0\/crossing/],
+    ["{", /no JSON/],
+    ["[]", /must be an object/],
+    ['{"pattern":"regular"}', /list of patterns/],
+    ["{}", /strands is missing/],
+    ['{"strands":[{"points":[[0,0],[1]]}]}', /strands\/0\/points\/1 must be a number/],
+    ['{"strands":[{"points":[[0,0]],"ends":"frayed"}]}', /strands\/0\/ends/],
+    ['{"strands":[],"lattice":[[1,0]]}', /two translations/],
+    ['{"strands":[],"overrides":[{"slides":[]}]}', /overrides\/0\/crossing/],
   ])("with a fault is refused with the field: %s", (text, words) => {
     expect(() => readLayoutText(text)).toThrow(LayoutTextError);
     expect(() => readLayoutText(text)).toThrow(words);

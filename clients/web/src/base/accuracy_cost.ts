@@ -22,32 +22,38 @@ interface Source {
 }
 
 const DESIGNS: Source = {
-  text: designs, caption: "A search among the designs of a family, by what is asked of it",
+  text: designs,
+  caption: "A search among the designs of a family, by what is asked of it",
   columns: [["knob", "Knob"], ["value", "Value"], ["median_error", "Median deviation"], ["p90_error", "In 90 of 100 below"], ["median_ms", "Median time (ms)"]],
   matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const SIMULATIONS: Source = {
-  text: simulations, caption: "Simulated stress that is not extrapolated, by the mesh: a side over the beam width, and corners over sides",
+  text: simulations,
+  caption: "Simulated stress that is not extrapolated, by the mesh: a side over the beam width, and corners over sides",
   columns: [["mesh", "Mesh"], ["nodes", "Nodes"], ["median_percent", "Median error (%)"], ["worst_percent", "Worst (%)"], ["ms_per_state", "Time of a state (ms)"]],
   matches: (row, family) => row.family === (family ?? "IH01"),
 };
 const GEODESICS: Source = {
-  text: geodesics, caption: "Distances to a source on a mesh of 81,920 faces, by the error that is allowed",
+  text: geodesics,
+  caption: "Distances to a source on a mesh of 81,920 faces, by the error that is allowed",
   columns: [["method", "Method"], ["max_error", "Largest error"], ["mean_error", "Mean error"], ["ms", "Time (ms)"]],
   matches: (row) => row.mesh === "icosphere",
 };
 const WEAVES: Source = {
-  text: weaves, caption: "Stiffness of a cell in one direction, by the pieces of rod between crossings",
+  text: weaves,
+  caption: "Stiffness of a cell in one direction, by the pieces of rod between crossings",
   columns: [["cell", "Cell"], ["segments", "Pieces"], ["modulus_percent", "Error of the modulus (%)"], ["poisson", "Error of Poisson’s ratio"], ["ms", "Time (ms)"]],
   matches: () => true,
 };
 const NETWORKS: Source = {
-  text: networks, caption: "A network at rest, by the tolerance of its gradient",
+  text: networks,
+  caption: "A network at rest, by the tolerance of its gradient",
   columns: [["scene", "Scene"], ["tolerance", "Tolerance"], ["position_error", "Error of positions"], ["energy_error", "Error of the energy"], ["cpu_ms", "Time (ms)"]],
   matches: () => true,
 };
 const VORONOI: Source = {
-  text: voronoi, caption: "A Voronoi diagram, by the error that its distances may have",
+  text: voronoi,
+  caption: "A Voronoi diagram, by the error that its distances may have",
   columns: [["shape", "Surface"], ["method", "Distances"], ["area", "Error of areas"], ["ms", "Time (ms)"]],
   matches: () => true,
 };

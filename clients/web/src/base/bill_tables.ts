@@ -13,13 +13,15 @@ function plainValue(value: unknown): string | null {
 }
 
 export function effectTable(effects: readonly Effect[]): HTMLElement {
-  return table("Effects", ["Effect", "Ran", "Times", "Took", "Why"], effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", count.toLocaleString("en"), ran ? seconds(took) : "–", why]), "wide");
+  return table("Effects", ["Effect", "Ran", "Times", "Took", "Why"],
+    effects.map(({ name, ran, why, count, seconds: took }) => [plainName(name), ran ? "yes" : "no", count.toLocaleString("en"), ran ? seconds(took) : "–", why]), "wide");
 }
 
 export function costTables({ stages, quantities, seconds: total }: Cost): HTMLElement[] {
   const rows = stages.map(({ name, seconds: took, count }) => [plainName(name), seconds(took), count.toLocaleString("en")]);
   const counted = Object.entries(quantities).map(([name, value]) => [plainName(name), plainValue(value) ?? ""]);
-  return [table("Stages, the time of all threads added up", ["Stage", "Took", "Times"], [...rows, ["from start to end", seconds(total), ""]]), ...(counted.length > 0 ? [table("Counted", ["What", "Number"], counted)] : [])];
+  return [table("Stages, the time of all threads added up", ["Stage", "Took", "Times"], [...rows, ["from start to end", seconds(total), ""]]),
+    ...(counted.length > 0 ? [table("Counted", ["What", "Number"], counted)] : [])];
 }
 
 /** Null if an answer states no accuracy. */

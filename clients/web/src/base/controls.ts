@@ -109,7 +109,8 @@ export class Slider {
       "div",
       { class: "field slider" },
       h("label", { for: id }, label),
-      h("div", { class: "slider-row" }, this.range, h("span", { class: "number-box" }, this.number, unit && h("span", { class: `unit of-${unit.length}`, "aria-hidden": "true" }, unit))),
+      h("div", { class: "slider-row" }, this.range,
+        h("span", { class: "number-box" }, this.number, unit && h("span", { class: `unit of-${unit.length}`, "aria-hidden": "true" }, unit))),
     );
   }
 

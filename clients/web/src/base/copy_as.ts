@@ -33,7 +33,8 @@ export function copyMenu(recipes: readonly Recipe[]): HTMLDetailsElement {
     announce(message.textContent);
   }
 
-  const element = menu("Copy as", "code", h("div", { class: "menu-group" }, ...recipes.map((recipe) => button(recipe.words, () => void copy(recipe), { kind: "quiet" }))), message, shown);
+  const element = menu("Copy as", "code", h("div", { class: "menu-group" }, ...recipes.map((recipe) => button(recipe.words, () => void copy(recipe), { kind: "quiet" }))), message,
+    shown);
   element.classList.add("copy-menu");
   return element;
 }

@@ -46,7 +46,8 @@ export function polarGrid(radius: RadiusScale, ticks: readonly number[] = radius
     ...spokes.map((angle) => svg("path", { class: "spoke", d: `M0,0L${rim * Math.cos(angle)},${-rim * Math.sin(angle)}` })),
     ...rings.map((value) => svg("text", { class: "ring-label", x: 4, y: -radius(value) - 3 }, digits(value))),
     ...spokes.map((angle) =>
-      svg("text", { class: "spoke-label", "text-anchor": "middle", "dominant-baseline": "central", x: (rim + 20) * Math.cos(angle), y: -(rim + 16) * Math.sin(angle) }, `${Math.round((angle * 180) / Math.PI)}°`),
+      svg("text", { class: "spoke-label", "text-anchor": "middle", "dominant-baseline": "central", x: (rim + 20) * Math.cos(angle), y: -(rim + 16) * Math.sin(angle) },
+        `${Math.round((angle * 180) / Math.PI)}°`)
     ),
   ];
 }

@@ -4,7 +4,7 @@ import { button } from "./controls";
 const FLASH_MS = 2000;
 
 /** A button that copies the page's address. `write` puts the state into the address; a text that it returns says why it could not. */
-export function shareButton(title: string, write: () => string | void): HTMLButtonElement {
+export function shareButton(title: string, write: () => string | undefined): HTMLButtonElement {
   const element = button("Share", () => void share(), { icon: "link", title });
 
   async function share(): Promise<void> {

@@ -49,10 +49,14 @@ export class Tabs {
     this.renameButton = button("", () => this.startNaming(), { icon: "pencil", title: `Rename this ${noun}`, kind: "quiet" });
     this.removeButton = button("", () => this.removeSelected(), { icon: "close", title: `Remove this ${noun}`, kind: "quiet" });
     this.name = h("input", { type: "text", class: "number text", maxlength: maxNameLength, "aria-label": `Name of this ${noun}`, spellcheck: "false" });
-    this.naming = h("form", { class: "naming", hidden: true, onsubmit: (event: Event) => {
-      event.preventDefault();
-      this.stopNaming(true);
-    } }, this.name);
+    this.naming = h("form", {
+      class: "naming",
+      hidden: true,
+      onsubmit: (event: Event) => {
+        event.preventDefault();
+        this.stopNaming(true);
+      },
+    }, this.name);
     this.element = h("div", { class: "tab-row" }, this.list, this.naming, this.renameButton, this.removeButton, this.addButton);
     this.list.addEventListener("keydown", (event) => this.key(event));
     this.name.addEventListener("keydown", (event) => {
@@ -86,8 +90,15 @@ export class Tabs {
   }
 
   private tab(at: number): HTMLButtonElement {
-    return h("button", { type: "button", role: "tab", id: uniqueId("tab"), class: "tab", "aria-controls": this.options.panel.id, onclick: () => this.actions.select(at), ondblclick: () => this.startNaming() },
-      h("span", { class: "tab-name" }), h("span", { class: "tab-detail muted" }));
+    return h("button", {
+      type: "button",
+      role: "tab",
+      id: uniqueId("tab"),
+      class: "tab",
+      "aria-controls": this.options.panel.id,
+      onclick: () => this.actions.select(at),
+      ondblclick: () => this.startNaming(),
+    }, h("span", { class: "tab-name" }), h("span", { class: "tab-detail muted" }));
   }
 
   /** Scrolls the list until the selected tab is visible. */

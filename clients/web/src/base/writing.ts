@@ -28,9 +28,11 @@ function end(text?: string): void {
   edited = undefined;
   if (field && text !== undefined) field.value = text;
   // The timeout waits until the browser has moved the focus to the next field; replacing that field earlier would lose the focus.
-  if (pendingRebuilds.size > 0) setTimeout(() => {
-    for (const [place, build] of [...pendingRebuilds]) rebuild(place, build);
-  });
+  if (pendingRebuilds.size > 0) {
+    setTimeout(() => {
+      for (const [place, build] of [...pendingRebuilds]) rebuild(place, build);
+    });
+  }
 }
 
 function isText(target: EventTarget | null): target is Field {

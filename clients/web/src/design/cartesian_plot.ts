@@ -55,7 +55,10 @@ export class CartesianPlot extends ProfilePlot {
       svg("defs", {}, svg("clipPath", { id: this.clip }, this.clipBox)),
       this.plane,
       svg("g", clipped, ...this.layersBelowAxes),
-      this.xAxis, this.yAxis, this.xTitle, this.yTitle,
+      this.xAxis,
+      this.yAxis,
+      this.xTitle,
+      this.yTitle,
       svg("g", clipped, this.zero, ...this.layersAboveAxes),
     );
     this.element.append(this.backdrop, this.handles.group);

@@ -26,15 +26,24 @@ function option(name: string, value: string | number | undefined): string[] {
 export function commandOf(state: DesignState, origin: string): string {
   const request = searchOf(state);
   // The command line has no options for further targets, regions, several materials and an initial orientation: they need a request file.
-  if (request.also ?? request.regions ?? (Array.isArray(request.material) || request.initial_orientation !== undefined)) return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+  if (request.also ?? request.regions ?? (Array.isArray(request.material) || request.initial_orientation !== undefined)) {
+    return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+  }
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
-    ...option("task", request.task), ...option("family", request.family), ...option("direction", request.direction), ...option("strain", request.strain),
+    ...option("task", request.task),
+    ...option("family", request.family),
+    ...option("direction", request.direction),
+    ...option("strain", request.strain),
     ...option("strain-measure", request.strain_measure),
-    ...option("target", target.control_points.map((point) => point.join(",")).join(";")), ...option("interpolation", target.interpolation),
-    ...option("samples", request.samples), ...specificationOptions(state),
-    ...option("initial", request.initial?.join(",")), ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
-    ...option("multi-start", request.effects?.multi_start), ...option("envelope", request.effects?.envelope),
+    ...option("target", target.control_points.map((point) => point.join(",")).join(";")),
+    ...option("interpolation", target.interpolation),
+    ...option("samples", request.samples),
+    ...specificationOptions(state),
+    ...option("initial", request.initial?.join(",")),
+    ...option("fixed", request.fixed?.map((value) => value ?? "free").join(",")),
+    ...option("multi-start", request.effects?.multi_start),
+    ...option("envelope", request.effects?.envelope),
   ];
   return `supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
 }
@@ -44,10 +53,13 @@ function specificationOptions({ made }: DesignState): string[] {
   const { youngs_modulus, density } = (material ?? {}) as { youngs_modulus?: number | number[]; density?: number };
   const angles = isRange(made.orientation) ? made.orientation : [made.orientation];
   return [
-    ...option("youngs-modulus", youngs_modulus?.toString()), ...option("density", density),
+    ...option("youngs-modulus", youngs_modulus?.toString()),
+    ...option("density", density),
     ...option("orientation", orientation === undefined ? undefined : angles.map((angle) => `${angle}deg`).join(",")),
-    ...option("beam-width", beam_width), ...option("cell-size", cell_size),
-    ...option("relative-density", limits?.relative_density?.join(",")), ...option("beam-width-limits", limits?.beam_width?.join(",")),
+    ...option("beam-width", beam_width),
+    ...option("cell-size", cell_size),
+    ...option("relative-density", limits?.relative_density?.join(",")),
+    ...option("beam-width-limits", limits?.beam_width?.join(",")),
     ...option("cell-size-limits", limits?.cell_size?.join(",")),
   ];
 }
@@ -80,20 +92,24 @@ function pythonSpecification({ material, orientation, initial_orientation, beam_
   const one = (entry: RequestedMaterial): string => `supple.Material(${keywordArguments(entry)})`;
   const list = (entries: readonly RequestedMaterial[]): string => `[${entries.map(one).join(", ")}]`;
   return [
-    material && `material=${Array.isArray(material) ? list(material) : one(material as RequestedMaterial)}`, keywordArguments({ orientation, initial_orientation, beam_width, cell_size }),
+    material && `material=${Array.isArray(material) ? list(material) : one(material as RequestedMaterial)}`,
+    keywordArguments({ orientation, initial_orientation, beam_width, cell_size }),
     limits && `limits=supple.Limits(${keywordArguments(limits)})`,
   ].filter((words) => words).join(", ");
 }
 
 function pythonTarget({ task, direction, strain, strain_measure, target, samples, weight }: RequestedTarget): string {
-  return `supple.Target(${pythonLiteral(task)}, ${pythonLiteral(target.control_points)}, ${keywordArguments({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })})`;
+  return `supple.Target(${pythonLiteral(task)}, ${pythonLiteral(target.control_points)}, ${
+    keywordArguments({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })
+  })`;
 }
 
 type RequestedRegion = RequestedTarget & RequestedSpecification & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };
 
 function pythonRegion(region: RequestedRegion): string {
   const { name, also, initial, fixed } = region;
-  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywordArguments({ name, family: region.family === "any" ? undefined : region.family, initial, fixed }), pythonSpecification(region)];
+  const others = [also && `also=[${also.map(pythonTarget).join(", ")}]`, keywordArguments({ name, family: region.family === "any" ? undefined : region.family, initial, fixed }),
+    pythonSpecification(region)];
   return `supple.Region(${[pythonTarget(region), ...others].filter((words) => words).join(", ")})`;
 }
 
@@ -108,7 +124,8 @@ export function pythonOf(state: DesignState, origin: string): string {
       `regions = [\n    ${regions.map(pythonRegion).join(",\n    ")},\n]`,
       options,
       "for design in client.design_regions(regions, options=options).regions:",
-      "    print(design.name, design.family, *design.parameters, design.error.relative_rms)", "",
+      "    print(design.name, design.family, *design.parameters, design.error.relative_rms)",
+      "",
     ].join("\n");
   }
   const search = { family: request.family === "any" ? undefined : request.family, initial: request.initial, fixed: request.fixed };
@@ -119,6 +136,7 @@ export function pythonOf(state: DesignState, origin: string): string {
     ...(also.length > 0 ? [`also = [\n    ${also.map(pythonTarget).join(",\n    ")},\n]`] : []),
     options,
     `design = client.design(target, ${given.join(", ")})`,
-    "print(design.family, *design.parameters, design.error.relative_rms)", "",
+    "print(design.family, *design.parameters, design.error.relative_rms)",
+    "",
   ].join("\n");
 }

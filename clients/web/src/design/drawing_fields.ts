@@ -25,26 +25,42 @@ interface RegionFields {
 
 /** The fields; the caller shows them while the shape of the part is a drawing. */
 export function drawingFields(session: DesignSession, part: Part): HTMLElement {
-  const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
-    const chosen = file.files?.[0];
-    if (chosen) void chosen.arrayBuffer().then((bytes) => part.open(textOf(bytes), chosen.name));
-    file.value = "";
-  } });
+  const file = h("input", {
+    type: "file",
+    accept: FILE_TYPES,
+    class: "visually-hidden",
+    id: uniqueId("file"),
+    onchange: () => {
+      const chosen = file.files?.[0];
+      if (chosen) void chosen.arrayBuffer().then((bytes) => part.open(textOf(bytes), chosen.name));
+      file.value = "";
+    },
+  });
   const words = h("p", { class: "muted" }, NO_DRAWING);
   const problem = h("p", { class: "note problem", role: "alert", hidden: true });
-  const width = h("input", { type: "number", class: "number", id: uniqueId("width"), min: 0, step: "any", onchange: () => {
-    const value = Number(width.value);
-    if (width.value === "" && !width.validity.badInput) part.scale(null);
-    else if (value > 0) part.scale(value);
-    else showWidth();
-  } });
-  const resolution = new Select<string>("Pixels per inch", [{ value: "", words: "Not said: 96" }, ...RESOLUTIONS.map(([value, words]) => ({ value, words }))], (value) => part.setResolution(value === "" ? null : Number(value)));
-  const outline = new Select<string>("Outline of the part", [], (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
+  const width = h("input", {
+    type: "number",
+    class: "number",
+    id: uniqueId("width"),
+    min: 0,
+    step: "any",
+    onchange: () => {
+      const value = Number(width.value);
+      if (width.value === "" && !width.validity.badInput) part.scale(null);
+      else if (value > 0) part.scale(value);
+      else showWidth();
+    },
+  });
+  const resolution = new Select<string>("Pixels per inch", [{ value: "", words: "Not said: 96" }, ...RESOLUTIONS.map(([value, words]) => ({ value, words }))],
+    (value) => part.setResolution(value === "" ? null : Number(value)));
+  const outline = new Select<string>("Outline of the part", [],
+    (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
   const regions = h("div", { class: "drawing-regions", role: "group", "aria-label": "Regions of the drawing" });
   const note = h("p", { class: "note" });
-  const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions, note);
-  const element = h("div", { class: "drawing-fields" },
-    h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem, resolution.element, settings);
+  const settings = h("div", { class: "drawing-settings" }, h("div", { class: "field" }, h("label", { for: width.id }, "Width of the drawing, mm"), width), outline.element, regions,
+    note);
+  const element = h("div", { class: "drawing-fields" }, h("div", { class: "row" }, h("label", { class: "button", for: file.id }, "Open a drawing"), file), words, problem,
+    resolution.element, settings);
 
   function showWidth(): void {
     const { width: chosenWidth = null, curves } = part.drawing.get() ?? {};
@@ -64,13 +80,21 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
       const now = part.drawing.get() ?? drawing; // the drawing may have been scaled since these fields were built
       part.choices.set({ ...choices, ...withRegionMoved(layoutOf(now, names(), choices), choices, k, to) });
     });
-    const walls = h("input", { type: "number", class: "number", min: 0, step: "any", "aria-label": `Wall thickness of ${name}, mm`, onchange: () => {
-      const value = Number(walls.value);
-      const { walls: before } = part.choices.get();
-      const after = session.regions.map((_, place) => (place === k ? (walls.value !== "" && value > 0 ? value : undefined) : before[place]));
-      part.choices.set({ ...part.choices.get(), walls: after });
-    } });
-    const element = h("div", { class: "drawing-region" }, list.element, h("div", { class: "field" }, h("span", { class: "field-words", "aria-hidden": "true" }, "Walls, mm"), walls));
+    const walls = h("input", {
+      type: "number",
+      class: "number",
+      min: 0,
+      step: "any",
+      "aria-label": `Wall thickness of ${name}, mm`,
+      onchange: () => {
+        const value = Number(walls.value);
+        const { walls: before } = part.choices.get();
+        const after = session.regions.map((_, place) => (place === k ? (walls.value !== "" && value > 0 ? value : undefined) : before[place]));
+        part.choices.set({ ...part.choices.get(), walls: after });
+      },
+    });
+    const element = h("div", { class: "drawing-region" }, list.element,
+      h("div", { class: "field" }, h("span", { class: "field-words", "aria-hidden": "true" }, "Walls, mm"), walls));
     return { element, list, walls };
   }
 
@@ -87,7 +111,8 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     const key = JSON.stringify([drawing.name, polygons.map(curveWords), names()]);
     if (key === builtKey) return;
     builtKey = key;
-    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: several ? "All curves of no region" : "All curves" }, ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
+    outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: several ? "All curves of no region" : "All curves" },
+      ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
     fields = several ? names().map((_, k) => region(drawing, k)) : [];
     regions.hidden = !several;
     replace(regions, ...fields.map(({ element }) => element));

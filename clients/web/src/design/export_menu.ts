@@ -16,12 +16,10 @@ const CELLS = [4, 4] as const;
 export function exportMenu(session: DesignSession, verification: Verification, client: Client, plot: () => SVGSVGElement): HTMLElement {
   const links = h("div", { class: "menu-group" });
   const menu = dropDown(
-    "Export", "download",
-    h("div", { class: "menu-group" },
-      h("h3", {}, "Design"),
-      button("Data (JSON)", () => save("json"), { kind: "quiet" }),
-      button("Curves (CSV)", () => save("csv"), { kind: "quiet" }),
-      button("Plot (SVG)", () => save("svg"), { kind: "quiet" })),
+    "Export",
+    "download",
+    h("div", { class: "menu-group" }, h("h3", {}, "Design"), button("Data (JSON)", () => save("json"), { kind: "quiet" }),
+      button("Curves (CSV)", () => save("csv"), { kind: "quiet" }), button("Plot (SVG)", () => save("svg"), { kind: "quiet" })),
     links,
   );
 
@@ -44,7 +42,12 @@ export function exportMenu(session: DesignSession, verification: Verification, c
   session.shown.watch((shown) => {
     if (!shown) return replace(links);
     const link = (format: "svg" | "dxf" | "stl", words: string) =>
-      h("a", { class: "button quiet", href: client.url(structurePath(shown.found, format, CELLS, shown.measures.beamWidth)), download: `${shown.found.family}.${format}`, onclick: () => (menu.open = false) }, words);
+      h("a", {
+        class: "button quiet",
+        href: client.url(structurePath(shown.found, format, CELLS, shown.measures.beamWidth)),
+        download: `${shown.found.family}.${format}`,
+        onclick: () => (menu.open = false),
+      }, words);
     replace(links, h("h3", {}, "Structure"), link("svg", "Drawing (SVG)"), link("dxf", "Outlines (DXF)"), link("stl", "Solid (STL)"));
   });
   return menu;

@@ -15,9 +15,14 @@ export function wallWidthOf({ made }: Pick<Region, "made">, shown: readonly Targ
 
 /** The structure of each region; null for a region without a design. `walls`: widths of the walls in mm that the user chose. */
 export function fillingsOf(regions: readonly Region[], shown: readonly (readonly TargetResponse[] | null)[], walls: readonly (number | undefined)[]): (Filling | null)[] {
-  return regions.map((region, k) => region.found && {
-    name: regionWords(region, k), found: region.found, orientation: orientationOf(region.made, region.found), beamWidth: walls[k] ?? wallWidthOf(region, shown[k]),
-  });
+  return regions.map((region, k) =>
+    region.found && {
+      name: regionWords(region, k),
+      found: region.found,
+      orientation: orientationOf(region.made, region.found),
+      beamWidth: walls[k] ?? wallWidthOf(region, shown[k]),
+    }
+  );
 }
 
 /** A warning if the regions were designed for several materials, since a part is made of one; otherwise "". */

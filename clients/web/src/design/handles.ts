@@ -108,7 +108,10 @@ export class Handles {
       this.dragged = Number(handle.dataset.index);
       this.focus(this.dragged);
       const point = this.view?.points[this.dragged];
-      if (!point || this.plane.isFixed(point)) return void (this.dragged = null);
+      if (!point || this.plane.isFixed(point)) {
+        this.dragged = null;
+        return;
+      }
       handle.setPointerCapture(event.pointerId);
       this.plane.grab(pixelsOf(this.root, event), point);
       this.actions.begin();

@@ -1,5 +1,6 @@
 // The state as the text of a link: short, readable, and checked when it is read, since links come from anywhere.
 import { plain } from "../base/format";
+import { choiceOf, type Fields, numberOf, readFields, writeFields } from "../base/link_fields";
 import { type FoundSpecification, isRange, searchesModulus, type Specification, writeSpecification, readSpecification } from "./specification";
 import { type ControlPoint, DEFAULT_STATE, type DesignState, isPolar, type Region, type Target, TASKS, WEIGHT_LIMITS } from "./state";
 import { MAX_REGION_NAME_LENGTH, MAX_REGIONS, regionsOf, withRegions } from "./region_list";
@@ -12,8 +13,8 @@ const MAX_VALUE = 1e6;
 export function writeLink(state: DesignState): string {
   const regions = regionsOf(state);
   if (regions.length === 1) return regionText(state);
-  const fields = regions.map((region, k) => `region${k + 1}=${encodeURIComponent(regionText(region))}`);
-  return [...fields, `region-tab=${state.regionAt + 1}`].join("&");
+  const fields = regions.map((region, k) => [`region${k + 1}`, encodeURIComponent(regionText(region))] as const);
+  return writeFields([...fields, ["region-tab", String(state.regionAt + 1)]]);
 }
 
 function regionText(state: Region): string {
@@ -31,7 +32,7 @@ function regionText(state: Region): string {
     if (state.fixed.some(Boolean)) fields.push(["fixed", state.fixed.map(Number).join(",")]);
     if (state.byHand) fields.push(["hand", "1"]);
   }
-  return fields.map(([name, value]) => `${name}=${value}`).join("&");
+  return writeFields(fields);
 }
 
 /** The fields of a target. `suffix`: appended to the names of the fields; the number of a further target. */
@@ -48,17 +49,6 @@ function targetFields(target: Target, suffix: string): [string, string][] {
   return fields.map(([name, value]) => [name + suffix, value]);
 }
 
-type Fields = ReadonlyMap<string, string>;
-
-function readFields(text: string): Fields {
-  return new Map(
-    text.split("&").map((field): [string, string] => {
-      const equals = field.indexOf("=");
-      return [field.slice(0, equals), decode(field.slice(equals + 1))];
-    }),
-  );
-}
-
 /** The state of a link; null if the text is no valid link. */
 export function readLink(text: string): DesignState | null {
   const fields = readFields(text);
@@ -68,7 +58,7 @@ export function readLink(text: string): DesignState | null {
     if (!region) return null;
     regions.push(region);
   }
-  if (regions.length > 0) return withRegions(regions, number(fields.get("region-tab"), 1, regions.length, 1) - 1);
+  if (regions.length > 0) return withRegions(regions, numberOf(fields.get("region-tab"), 1, regions.length, 1) - 1);
   const only = readRegion(fields);
   return only && withRegions([only], 0);
 }
@@ -87,7 +77,7 @@ function readRegion(fields: Fields): Region | null {
   const made = readSpecification(fields);
   const found = design && parameters ? { family: design, parameters, ...readFoundSpecification(fields, made) } : null;
   return {
-    ...withTargets(targets, number(fields.get("tab"), 1, targets.length, 1) - 1),
+    ...withTargets(targets, numberOf(fields.get("tab"), 1, targets.length, 1) - 1),
     region: (fields.get("region") ?? "").trim().slice(0, MAX_REGION_NAME_LENGTH),
     made,
     family,
@@ -98,7 +88,7 @@ function readRegion(fields: Fields): Region | null {
 }
 
 function readFoundSpecification(fields: Fields, made: Specification): FoundSpecification {
-  const read = (name: string) => number(fields.get(name), -MAX_VALUE, MAX_VALUE, NaN);
+  const read = (name: string) => numberOf(fields.get(name), -MAX_VALUE, MAX_VALUE, NaN);
   const [modulus, angle] = [read("found-modulus"), read("found-orientation")];
   const material = made.materials.find(({ name }) => name === fields.get("found-material"))?.name;
   return {
@@ -119,19 +109,11 @@ function readTarget(fields: Fields, suffix: string): Target | null {
     task,
     points,
     interpolation: choiceOf(field("curve"), ["cubic", "monotone", "linear"] as const, "cubic"),
-    direction: number(field("direction"), -1000, 1000, DEFAULT_STATE.direction),
-    strain: number(field("strain"), -0.49, 7.5, DEFAULT_STATE.strain),
+    direction: numberOf(field("direction"), -1000, 1000, DEFAULT_STATE.direction),
+    strain: numberOf(field("strain"), -0.49, 7.5, DEFAULT_STATE.strain),
     measure: choiceOf(field("measure"), ["green", "engineering"] as const, "green"),
-    weight: number(field("weight"), ...WEIGHT_LIMITS, DEFAULT_STATE.weight),
+    weight: numberOf(field("weight"), ...WEIGHT_LIMITS, DEFAULT_STATE.weight),
   };
-}
-
-function decode(text: string): string {
-  try {
-    return decodeURIComponent(text);
-  } catch {
-    return "";
-  }
 }
 
 function isName(text: string): boolean {
@@ -151,13 +133,4 @@ function readPoints(text: string, polar: boolean): ControlPoint[] | null {
   const increasing = checked.every((point, k) => k === 0 || point[0] > checked[k - 1][0]);
   const width = checked[checked.length - 1][0] - checked[0][0];
   return increasing && (!polar || width < Math.PI) ? checked : null;
-}
-
-function number(text: string | undefined, lower: number, upper: number, fallback: number): number {
-  const value = text === undefined || text === "" ? NaN : Number(text);
-  return value >= lower && value <= upper ? value : fallback;
-}
-
-function choiceOf<Choice extends string>(text: string | undefined, choices: readonly Choice[], fallback: Choice): Choice {
-  return choices.find((choice) => choice === text) ?? fallback;
 }

@@ -21,8 +21,8 @@ export class MaterialList {
 
   constructor(private readonly changed: (materials: readonly Material[]) => void) {
     this.element = h("fieldset", { class: "made-limits" }, h("legend", {}, "Materials"),
-      h("p", { class: "muted" }, "The search takes the one that serves the target best. Two moduli are a range within which it finds the best one."),
-      this.list, this.problem, this.addOne);
+      h("p", { class: "muted" }, "The search takes the one that serves the target best. Two moduli are a range within which it finds the best one."), this.list, this.problem,
+      this.addOne);
   }
 
   show(materials: readonly Material[]): void {
@@ -53,7 +53,14 @@ export class MaterialList {
   private row(k: number): Row {
     const notify = (): void => this.changed(this.read());
     const number = (): HTMLInputElement => h("input", { type: "number", class: "number", step: "any", "aria-describedby": this.problem.id, onchange: notify });
-    const name = h("input", { type: "text", class: "number text", maxlength: MAX_MATERIAL_NAME_LENGTH, "aria-label": `Name of material ${k + 1}`, "aria-describedby": this.problem.id, onchange: notify });
+    const name = h("input", {
+      type: "text",
+      class: "number text",
+      maxlength: MAX_MATERIAL_NAME_LENGTH,
+      "aria-label": `Name of material ${k + 1}`,
+      "aria-describedby": this.problem.id,
+      onchange: notify,
+    });
     const [min, max, density] = [number(), number(), number()];
     const remove = button("", () => this.changed(this.read().filter((_, at) => at !== k)), { icon: "minus", kind: "quiet", title: `Remove material ${k + 1}` });
     const words = (text: string) => h("span", { class: "muted", "aria-hidden": "true" }, text);
@@ -75,7 +82,8 @@ export class MaterialList {
   private read(): Material[] {
     const value = (input: HTMLInputElement): number => (input.value === "" ? NaN : Number(input.value));
     return this.rows.map(({ name, min, max, density }) => ({
-      name: name.value.trim(), density: value(density),
+      name: name.value.trim(),
+      density: value(density),
       youngsModulus: max.value === "" && !max.validity.badInput ? value(min) : [value(min), value(max)],
     }));
   }

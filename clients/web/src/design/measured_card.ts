@@ -19,20 +19,24 @@ const ZEROS = [{ value: "first", words: "The first one" }, { value: "as_written"
 const SENSES = [{ value: "tension", words: "Tension" }, { value: "compression", words: "Compression" }];
 
 export function measuredCard(measured: Measured): HTMLElement {
-  const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
-    const chosen = file.files?.[0];
-    if (chosen) void chosen.arrayBuffer().then((bytes) => measured.read(tableOf(bytes), chosen.name));
-    file.value = "";
-  } });
+  const file = h("input", {
+    type: "file",
+    accept: FILE_TYPES,
+    class: "visually-hidden",
+    id: uniqueId("file"),
+    onchange: () => {
+      const chosen = file.files?.[0];
+      if (chosen) void chosen.arrayBuffer().then((bytes) => measured.read(tableOf(bytes), chosen.name));
+      file.value = "";
+    },
+  });
   const note = h("p", { class: "muted" }, "CSV or text with two columns or more; or drop a file onto the page.");
   const warnings = h("div", { class: "warnings", role: "status" });
   const settings = h("div", { class: "measured-settings" });
   const paste = button("Paste", () => void pasteFrom(measured, note), { title: "Take the table that is in the clipboard" });
   const remove = button("Remove", () => measured.remove(), { title: "Forget the measured data; the target stays" });
-  const card = h("details", { class: "card controls measured", "aria-label": "Measured data" },
-    h("summary", {}, "Measured data"),
-    h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a file"), file, paste, remove),
-    note, warnings, settings);
+  const card = h("details", { class: "card controls measured", "aria-label": "Measured data" }, h("summary", {}, "Measured data"),
+    h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a file"), file, paste, remove), note, warnings, settings);
   measured.data.watch((data) => {
     remove.hidden = !data;
     replace(warnings, ...(data?.problem ? [] : data?.curve?.notes ?? []).filter(({ level }) => level === "warning").map(({ text }) => h("p", {}, text)));
@@ -74,7 +78,11 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
   const unit = (label: string, units: readonly string[], value: string, chosen: (value: string) => void) =>
     choice(label, units.map((words) => ({ value: words, words })), value, chosen);
   const points = new Slider({
-    label: "Control points at most", lower: 3, upper: 32, step: 1, digits: 0,
+    label: "Control points at most",
+    lower: 3,
+    upper: 32,
+    step: 1,
+    digits: 0,
     changed: (value, done) => done && measured.change({ controlPoints: Math.round(value) }),
   });
   points.value = settings.controlPoints;
@@ -89,18 +97,22 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
     curve?.table !== undefined && column("y from", curve, curve.columns?.y ?? 1, (y) => columns({ y })),
     !curve && needs("/columns/x") && title("x from the column (number from 0, or title)", settings.columns.x, (x) => columns({ x })),
     !curve && needs("/columns/y") && title("y from the column (number from 0, or title)", settings.columns.y, (y) => columns({ y })),
-    blocks > 1 && choice("Block of rows", Array.from({ length: blocks }, (_, k) => ({ value: String(k), words: `${k + 1} of ${blocks}` })),
-      String(curve?.table?.block ?? 0), (value) => measured.change({ block: Number(value) })),
-    (needs("/decimal_separator") || settings.decimalSeparator !== undefined) && choice("Decimals", DECIMALS, settings.decimalSeparator ?? "",
-      (value) => measured.change({ decimalSeparator: value as MeasuredSettings["decimalSeparator"] })),
+    blocks > 1 &&
+    choice("Block of rows", Array.from({ length: blocks }, (_, k) => ({ value: String(k), words: `${k + 1} of ${blocks}` })), String(curve?.table?.block ?? 0),
+      (value) => measured.change({ block: Number(value) })),
+    (needs("/decimal_separator") || settings.decimalSeparator !== undefined) &&
+    choice("Decimals", DECIMALS, settings.decimalSeparator ?? "", (value) => measured.change({ decimalSeparator: value as MeasuredSettings["decimalSeparator"] })),
     !polar && unit("Unit of strain", STRAIN_UNITS, x, (value) => units({ x: value })),
     polar && unit("Unit of direction", ["rad", "deg"], x, (value) => units({ x: value })),
     data.kind.task !== "poisson" && unit(polar ? "Unit of stiffness" : "Unit of stress", polar ? STRESS_UNITS.slice(0, 8) : STRESS_UNITS, y, (value) => units({ y: value })),
-    (LENGTHS.includes(x) || needs("/specimen/gauge_length") || settings.specimen.gauge_length !== undefined) && length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
-    (FORCES.includes(y) || needs("/specimen/area") || settings.specimen.area !== undefined) && length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
-    (needs("/zero") || settings.zero !== undefined) && choice("Displacements count from", ZEROS, settings.zero ?? "",
-      (value) => measured.change({ zero: value as MeasuredSettings["zero"] })),
-    !polar && (needs("/sense") || settings.sense !== undefined) && choice("What was measured", SENSES, settings.sense ?? (curve?.sense?.told_by === "nothing" ? "" : curve?.sense?.used ?? ""),
+    (LENGTHS.includes(x) || needs("/specimen/gauge_length") || settings.specimen.gauge_length !== undefined) &&
+    length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
+    (FORCES.includes(y) || needs("/specimen/area") || settings.specimen.area !== undefined) &&
+    length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
+    (needs("/zero") || settings.zero !== undefined) &&
+    choice("Displacements count from", ZEROS, settings.zero ?? "", (value) => measured.change({ zero: value as MeasuredSettings["zero"] })),
+    !polar && (needs("/sense") || settings.sense !== undefined) &&
+    choice("What was measured", SENSES, settings.sense ?? (curve?.sense?.told_by === "nothing" ? "" : curve?.sense?.used ?? ""),
       (value) => measured.change({ sense: value as MeasuredSettings["sense"] })),
     points.element,
   ];
@@ -117,17 +129,30 @@ function column(label: string, curve: MeasuredCurve, index: number, chosen: (ind
 /** A text field for the index or the title of a column, for a table whose columns the server has not listed. */
 function title(label: string, value: number | string | undefined, changed: (value: number | string) => void): HTMLElement {
   const id = uniqueId("title");
-  const input = h("input", { type: "text", id, value: value === undefined ? null : String(value), onchange: () => {
-    if (input.value !== "") changed(/^\d+$/.test(input.value) ? Number(input.value) : input.value);
-  } });
+  const input = h("input", {
+    type: "text",
+    id,
+    value: value === undefined ? null : String(value),
+    onchange: () => {
+      if (input.value !== "") changed(/^\d+$/.test(input.value) ? Number(input.value) : input.value);
+    },
+  });
   return h("div", { class: "field" }, h("label", { for: id }, label), input);
 }
 
 function length(label: string, value: number | undefined, changed: (value: number) => void): HTMLElement {
   const id = uniqueId("length");
-  const input = h("input", { type: "number", id, min: 0, step: "any", class: "number", value: value ?? null, onchange: () => {
-    const number = Number(input.value);
-    if (input.value !== "" && Number.isFinite(number) && number > 0) changed(number);
-  } });
+  const input = h("input", {
+    type: "number",
+    id,
+    min: 0,
+    step: "any",
+    class: "number",
+    value: value ?? null,
+    onchange: () => {
+      const number = Number(input.value);
+      if (input.value !== "" && Number.isFinite(number) && number > 0) changed(number);
+    },
+  });
   return h("div", { class: "field" }, h("label", { for: id }, label), input);
 }

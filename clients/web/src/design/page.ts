@@ -42,15 +42,21 @@ export function designPage({ client, link }: PageContext): Page {
   const measured = new Measured(session, client);
   const part = new Part(client);
   const overlays = new Overlays(session);
-  const share = shareButton("Copy a link to this design", () => link.write(writeLink(session.state.get())));
+  const share = shareButton("Copy a link to this design", () => {
+    link.write(writeLink(session.state.get()));
+    return undefined;
+  });
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
   const copied = (write: (state: DesignState, origin: string) => string) => (session.state.get().points.length > 0 ? write(session.state.get(), location.origin) : null);
   const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
-    pin, share, copyMenu([
+    pin,
+    share,
+    copyMenu([
       { words: "curl", text: () => copied(curlOf) },
       { words: "Command line", text: () => copied(commandOf) },
       { words: "Python", text: () => copied(pythonOf) },
-    ]), exportMenu(session, verification, client, () => panel.plot.element),
+    ]),
+    exportMenu(session, verification, client, () => panel.plot.element),
   ]);
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
   const element = h(
@@ -60,7 +66,8 @@ export function designPage({ client, link }: PageContext): Page {
     empty,
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays), verificationCard(session, verification), pinList(pins, client)),
+    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays),
+      verificationCard(session, verification), pinList(pins, client)),
   );
 
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));

@@ -27,7 +27,9 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     rows = lower.map((min, k) => ({
       slider: new Slider({
         label: `Parameter ${k + 1}`,
-        lower: min, upper: upper[k], digits: 4,
+        lower: min,
+        upper: upper[k],
+        digits: 4,
         changed: (value, done) => set(k, value, done),
       }),
       lock: h("button", { type: "button", class: "button quiet lock", onclick: () => toggle(k) }),

@@ -3,7 +3,7 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, explain, explainFile, isAbort, Problem } from "../contract/client";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
-import { type LayoutChoices, type Drawing, type PartLayout, type RegionLocation } from "./drawing";
+import type { LayoutChoices, Drawing, PartLayout, RegionLocation } from "./drawing";
 import { DEFAULT_SPECIFICATION, radians } from "./specification";
 import type { TargetResponse } from "./shown";
 import { type TilingDesign, isPolar } from "./state";
@@ -30,7 +30,19 @@ export interface PartSettings {
 }
 
 /** The initial settings. Walls are as wide as a common nozzle, and the strip is wide enough that the tiles of every family connect its ends. */
-export const INITIAL_PART: PartSettings = { kind: "coupon", width: 30, length: 60, end: 15, beamWidth: 0.4, thickness: 4, frame: 0, density: 1.2, orientation: 0, direction: null, whole: false };
+export const INITIAL_PART: PartSettings = {
+  kind: "coupon",
+  width: 30,
+  length: 60,
+  end: 15,
+  beamWidth: 0.4,
+  thickness: 4,
+  frame: 0,
+  density: 1.2,
+  orientation: 0,
+  direction: null,
+  whole: false,
+};
 
 export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf": "model/3mf", step: "model/step", dxf: "image/vnd.dxf", svg: "image/svg+xml" };
 
@@ -75,8 +87,7 @@ function structureOf({ found, beamWidth, orientation }: Omit<Filling, "name">): 
 /** `product`: the contents of a part whose shape is a drawing; null for the other shapes. */
 export function partRequest(found: TilingDesign, settings: PartSettings, product: Product | null = null): PartRequest {
   const { kind, width, length, end } = settings;
-  const outline: PartRequest["outline"] =
-    product ? { polygons: [...product.outline] }
+  const outline: PartRequest["outline"] = product ? { polygons: [...product.outline] }
     : kind === "rectangle" ? { rectangle: [width, length] }
     : kind === "coupon" ? { coupon: { width, length, grip_length: end } }
     : { block: { width, height: length, plate: end } };
@@ -107,7 +118,9 @@ function degrees(angle: number): number {
 }
 
 /** The initial settings of a part of a design. The walls are those of a common nozzle unless the user chose a size for the design. */
-export function settingsOf({ measures, made, targets }: Pick<TargetResponse, "measures" | "made" | "targets">): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
+export function settingsOf(
+  { measures, made, targets }: Pick<TargetResponse, "measures" | "made" | "targets">,
+): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
   const { beamWidth, materialDensity, orientation } = measures;
   const isSizeChosen = made.size.kind !== DEFAULT_SPECIFICATION.size.kind || made.size.value !== DEFAULT_SPECIFICATION.size.value;
   return {
@@ -196,22 +209,24 @@ export class Part {
 
   private readDrawing(text: string, name: string, width: number | null, resolution: number | null): Promise<string> {
     this.lastRequest = { text, name, width, resolution };
-    return new Promise((done) => this.drawings.submit(async (signal) => {
-      try {
-        const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });
-        if (signal.aborted) return;
-        if (this.drawing.get()?.text !== text) this.choices.set(NO_CHOICES);
-        this.settings.set({ ...this.settings.get(), kind: "drawing" });
-        this.drawing.set({ name, text, width, resolution, curves });
-        this.resolutionAsked.set(resolution !== null || (curves.format === "svg" && !curves.unit_is_known));
-        this.drawingProblem.set("");
-        done("");
-      } catch (error) {
-        if (signal.aborted || isAbort(error)) return;
-        this.drawingProblem.set(`${name}: ${explainFile(error)}`);
-        this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
-        done(explainFile(error));
-      }
-    }, true));
+    return new Promise((done) =>
+      this.drawings.submit(async (signal) => {
+        try {
+          const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });
+          if (signal.aborted) return;
+          if (this.drawing.get()?.text !== text) this.choices.set(NO_CHOICES);
+          this.settings.set({ ...this.settings.get(), kind: "drawing" });
+          this.drawing.set({ name, text, width, resolution, curves });
+          this.resolutionAsked.set(resolution !== null || (curves.format === "svg" && !curves.unit_is_known));
+          this.drawingProblem.set("");
+          done("");
+        } catch (error) {
+          if (signal.aborted || isAbort(error)) return;
+          this.drawingProblem.set(`${name}: ${explainFile(error)}`);
+          this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
+          done(explainFile(error));
+        }
+      }, true)
+    );
   }
 }

@@ -18,7 +18,15 @@ import type { DesignSession } from "./session";
 const PAUSE_MS = 400;
 type NumberSetting = "width" | "length" | "end" | "beamWidth" | "thickness" | "frame" | "density" | "orientation" | "direction";
 const LABELS: Record<NumberSetting, string> = {
-  width: "Width, mm", length: "Length, mm", end: "Grips, mm", beamWidth: "Wall thickness, mm", thickness: "Thickness, mm", frame: "Frame, mm", density: "Density, g/cm³", orientation: "Orientation, °", direction: "Loaded along, °",
+  width: "Width, mm",
+  length: "Length, mm",
+  end: "Grips, mm",
+  beamWidth: "Wall thickness, mm",
+  thickness: "Thickness, mm",
+  frame: "Frame, mm",
+  density: "Density, g/cm³",
+  orientation: "Orientation, °",
+  direction: "Loaded along, °",
 };
 const END_WORDS = { rectangle: "", coupon: "Each grip, mm", block: "Each plate, mm", drawing: "" } as const;
 /** Settings that a drawing replaces by the size of its curves. */
@@ -46,27 +54,37 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const drawing = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, shape);
   const facts = h("dl", { class: "facts compact" });
   const note = h("p", { class: "note", role: "status" });
-  const kind = new Segments<PartSettings["kind"]>("Shape", [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }, { value: "drawing", words: "Drawing" }], (value) => change({ kind: value }));
+  const kind = new Segments<PartSettings["kind"]>("Shape", [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }, {
+    value: "drawing",
+    words: "Drawing",
+  }], (value) => change({ kind: value }));
   const whole = new Checkbox("Whole tiles only", (value) => change({ whole: value }));
   const fields = new Map<NumberSetting, { field: HTMLElement; label: HTMLElement; input: HTMLInputElement }>();
   for (const name of Object.keys(LABELS) as NumberSetting[]) {
     const id = uniqueId("part");
-    const input = h("input", { type: "number", id, class: "number", min: ANGLE_SETTINGS.includes(name) ? null : 0, step: "any", onchange: () => {
-      const value = Number(input.value);
-      if (input.value === "" && name === "direction" && input.validity.valid) change({ direction: null });
-      else if (input.value !== "" && Number.isFinite(value) && (value >= 0 || ANGLE_SETTINGS.includes(name))) change({ [name]: value });
-      else show();
-    } });
+    const input = h("input", {
+      type: "number",
+      id,
+      class: "number",
+      min: ANGLE_SETTINGS.includes(name) ? null : 0,
+      step: "any",
+      onchange: () => {
+        const value = Number(input.value);
+        if (input.value === "" && name === "direction" && input.validity.valid) change({ direction: null });
+        else if (input.value !== "" && Number.isFinite(value) && (value >= 0 || ANGLE_SETTINGS.includes(name))) change({ [name]: value });
+        else show();
+      },
+    });
     const label = h("label", { for: id }, LABELS[name]);
     fields.set(name, { field: h("div", { class: "field" }, label, input), label, input });
   }
   const fromDrawing = drawingFields(session, part);
-  const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) => button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` }));
+  const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) =>
+    button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` })
+  );
   const result = h("div", { class: "part-result" }, drawing, facts, note, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
-  const element = h("details", { class: "card controls part", "aria-label": "Part" },
-    h("summary", {}, "Part to make"), kind.element, fromDrawing,
-    h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element,
-    result);
+  const element = h("details", { class: "card controls part", "aria-label": "Part" }, h("summary", {}, "Part to make"), kind.element, fromDrawing,
+    h("div", { class: "part-fields" }, ...[...fields.values()].map((entry) => entry.field)), whole.element, result);
 
   const later = debounce(() => describe(), PAUSE_MS);
 

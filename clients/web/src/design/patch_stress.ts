@@ -13,7 +13,12 @@ const THIRD = 1 / 3;
 const FOUR_THIRDS = 4 / 3;
 /** Derivatives of the six quadratic shape functions by the barycentric coordinates lambda_1 and lambda_2 at the centre of a triangle; lambda_0 = 1 - lambda_1 - lambda_2. */
 const SHAPE_DERIVATIVES: readonly (readonly [number, number])[] = [
-  [-THIRD, -THIRD], [THIRD, 0], [0, THIRD], [0, -FOUR_THIRDS], [FOUR_THIRDS, FOUR_THIRDS], [-FOUR_THIRDS, 0],
+  [-THIRD, -THIRD],
+  [THIRD, 0],
+  [0, THIRD],
+  [0, -FOUR_THIRDS],
+  [FOUR_THIRDS, FOUR_THIRDS],
+  [-FOUR_THIRDS, 0],
 ];
 
 function parametricDerivative(points: Points, triangle: readonly number[]): readonly [number, number, number, number] {

@@ -54,7 +54,11 @@ export class PatchView {
     const last = this.states.length - 1;
     this.index = Math.max(0, last);
     this.slider = new Slider({
-      label: "State of the load", lower: 0, upper: Math.max(1, last), step: 1, digits: 0,
+      label: "State of the load",
+      lower: 0,
+      upper: Math.max(1, last),
+      step: 1,
+      digits: 0,
       changed: (value) => {
         this.stop();
         this.index = Math.round(value);
@@ -134,7 +138,9 @@ export class PatchView {
   private describeState(state: State): void {
     const [exx, eyy] = state.green_strain;
     const peak = Math.max(0, ...(this.stresses[this.index] ?? []));
-    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(componentAlong(state.green_strain, this.direction))} along the load, stress ${digits(componentAlong(state.stress, this.direction))} MPa`;
+    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(componentAlong(state.green_strain, this.direction))} along the load, stress ${
+      digits(componentAlong(state.stress, this.direction))
+    } MPa`;
     const extra = [peak > 0 && `at most ${digits(peak)} MPa in the solid`, !state.stable && "unstable", state.contacts > 0 && "in contact"].filter(Boolean);
     this.reading.textContent = `${[words, ...extra].join(", ")}.`;
     this.canvas.setAttribute("aria-label", `The patch at Green strain ${digits(exx)} along x and ${digits(eyy)} along y, coloured by stress`);

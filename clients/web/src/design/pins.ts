@@ -69,7 +69,7 @@ export class Pins {
   private follow(state: DesignState): void {
     const changed = !this.kind || !sameProfile(this.kind, state) || strainRange(this.kind) !== strainRange(state);
     this.kind = state;
-    if (changed) for (const pin of this.list.get()) void this.fetchCurve(pin);
+    if (changed) { for (const pin of this.list.get()) void this.fetchCurve(pin); }
   }
 
   private async fetchCurve(pin: Pin): Promise<void> {

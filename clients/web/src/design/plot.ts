@@ -49,10 +49,15 @@ export interface PlotActions {
 export function keyStep(event: KeyboardEvent): readonly [number, number] | null {
   const size = event.shiftKey ? 0.05 : 0.01;
   switch (event.key) {
-    case "ArrowLeft": return [-size, 0];
-    case "ArrowRight": return [size, 0];
-    case "ArrowUp": return [0, size];
-    case "ArrowDown": return [0, -size];
-    default: return null;
+    case "ArrowLeft":
+      return [-size, 0];
+    case "ArrowRight":
+      return [size, 0];
+    case "ArrowUp":
+      return [0, size];
+    case "ArrowDown":
+      return [0, -size];
+    default:
+      return null;
   }
 }

@@ -53,7 +53,8 @@ export class PlotPanel {
     const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
     const adopt = button("Take as target", () => session.adoptAsTarget(), { title: "Make the design’s response the target" });
-    const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, h("span", { class: "stretch" }), ...tools);
+    const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt,
+      h("span", { class: "stretch" }), ...tools);
     const region = h("div", { class: "region-panel", id: uniqueId("region") });
     const { element: regions, divide } = regionTabs(session, region);
     const targets = targetTabs(session, this.stage);
@@ -193,7 +194,8 @@ export class PlotPanel {
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
       // Missed samples are marked only if the deviation is larger than the error of the model.
-      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.model(shown.found.family), shown)).verdict !== "within" ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
+      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.model(shown.found.family), shown)).verdict !== "within"
+        ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
     };
@@ -211,10 +213,12 @@ export class PlotPanel {
       this.legend,
       entry(true, "target", "Target"),
       entry(view.measured.length > 0, "measured", "Measured", "M3 5h0M8 3h0M13 7h0M18 4h0"),
-      entry(view.achieved !== null, "achieved", view.uncertainty ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
+      entry(view.achieved !== null, "achieved",
+        view.uncertainty ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.previous !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
-      entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z", "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
+      entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z",
+        "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
       entry(view.missed.length > 0, "out", "Missed", "M7 1L15 9M15 1L7 9"),
       ...view.pins.map((pin) => entry(true, `pin pin-${pin.id % 6}`, pin.name)),
     );
@@ -245,7 +249,8 @@ export class PlotPanel {
       announce(activity.sentence);
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
     } else if (activity.kind === "stopped") {
-      replace(this.status, h("p", { class: "muted" }, session.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."), button("Search again", () => session.retry()));
+      replace(this.status, h("p", { class: "muted" }, session.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."),
+        button("Search again", () => session.retry()));
     } else if (activity.kind === "busy" && activity.effort === "search") {
       this.progressRow.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
     } else if (activity.kind === "idle") {

@@ -13,8 +13,7 @@ import { targetsOf } from "./target_list";
 export function rankingList(session: DesignSession, overlays: Overlays): HTMLElement {
   const list = h("ol");
   const again = button("Search all families", () => session.apply({ family: ANY, byHand: false }), { kind: "quiet" });
-  const element = h("div", { class: "ranking dims" },
-    h("h3", {}, "Families, best first"),
+  const element = h("div", { class: "ranking dims" }, h("h3", {}, "Families, best first"),
     h("p", { class: "muted" }, "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±). Shorter is better."),
     list, again);
 
@@ -24,12 +23,14 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     const expected = expectedDeviation(candidate);
     const words = candidate.model_error === null ? "an unknown error" : `${percent(expected)} expected`;
     const bar = h("meter", { min: 0, max: 1, value: Math.max(0.02, Math.min(1, expected / maxDeviation)), title: words, "aria-hidden": "true" });
-    const look = h("button",
-      { type: "button", class: "rank", "aria-current": chosen ? "true" : null, title: `Look at ${family}: ${words}`, onclick: () => session.lookAt(candidate) },
-      h("span", { class: "rank-name" }, family), bar,
-      h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
-      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`),
-      searchesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
+    const look = h("button", {
+      type: "button",
+      class: "rank",
+      "aria-current": chosen ? "true" : null,
+      title: `Look at ${family}: ${words}`,
+      onclick: () => session.lookAt(candidate),
+    }, h("span", { class: "rank-name" }, family), bar, h("span", { class: "rank-error" }, percent(candidate.error.relative_rms)),
+      h("span", { class: "rank-error muted" }, `± ${modelWords(candidate)}`), searchesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
     const overlaid = overlays.has(family);
     const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
     overlay.setAttribute("aria-pressed", String(overlaid));

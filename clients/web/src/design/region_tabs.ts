@@ -16,7 +16,8 @@ export interface RegionTabs {
 export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTabs {
   const tabs = new Tabs(
     { label: "Regions of the product", noun: "region", addTitle: "Add a further region with a design of its own", maxNameLength: MAX_REGION_NAME_LENGTH, panel },
-    { select: (at) => session.selectRegion(at), add: () => session.addRegion(), rename: (name) => session.renameRegion(name), remove: (at) => session.removeRegion(at) });
+    { select: (at) => session.selectRegion(at), add: () => session.addRegion(), rename: (name) => session.renameRegion(name), remove: (at) => session.removeRegion(at) },
+  );
   const divide = button("Regions", () => {
     session.addRegion();
     tabs.focusSelected();
@@ -31,7 +32,9 @@ export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTa
     divide.hidden = several;
     divide.disabled = points.length === 0;
     tabs.show(regions.map((region, k) => ({
-      words: regionWords(region, k), defaultWords: regionWords({ region: "" }, k), detail: several && regionShown[k] ? percent(regionShown[k][0].overall) : "",
+      words: regionWords(region, k),
+      defaultWords: regionWords({ region: "" }, k),
+      detail: several && regionShown[k] ? percent(regionShown[k][0].overall) : "",
     })), regionAt, regions.length < MAX_REGIONS && points.length > 0);
     if (!several) panel.removeAttribute("aria-labelledby");
     // The panel has the role "tabpanel" only while there are tabs.

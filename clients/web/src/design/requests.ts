@@ -136,8 +136,7 @@ export function patchDirection({ task, direction, made }: DesignState, found: Ti
 /** The request to simulate the deformed patch: from rest to the largest strain, then from rest to the smallest. */
 export function patchRequest(state: DesignState, found: TilingDesign): SimulationRequest {
   const strains = isPolar(state.task) ? [state.strain] : state.points.map((point) => point[0]);
-  const toStretch = (strain: number) =>
-    1 + (state.measure === "engineering" ? strain : convertedStrain(strain, "engineering"));
+  const toStretch = (strain: number) => 1 + (state.measure === "engineering" ? strain : convertedStrain(strain, "engineering"));
   const path = (end: number) => Array.from({ length: PATCH_STATES }, (_, k) => toStretch((end * (k + 1)) / PATCH_STATES));
   const [smallest, largest] = [Math.min(...strains), Math.max(...strains)];
   const modulus = modulusOf(state.made, found);

@@ -42,8 +42,8 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
     const error = modelError(session.model(shown.found.family), shown);
     const judgement = judge(shown, error);
     const label = fresh === "current" ? chip(shown, worstJudgement(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
-    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label),
-      targetList(session, shown), facts(shown, error), h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
+    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, shown), facts(shown, error),
+      h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
       ...(fresh === "current" && !shown.provisional && !shown.byHand && ["close", "out"].includes(judgement.verdict) ? [advice(session, shown)] : []));
   }
 
@@ -65,17 +65,14 @@ function targetList(session: DesignSession, inSight: TargetResponse): HTMLElemen
   const { targets } = inSight;
   if (targets.length === 1) return false;
   const all = session.all.get();
-  return h("div", { class: "target-errors" },
-    h("h3", {}, "Targets"),
-    h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
-      const shown = all[k];
-      const known = shown && sameRequirements(shown, inSight) ? shown : null;
-      const verdict = known && judge(known, modelError(session.model(known.found.family), known));
-      return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
-        h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
-        h("strong", {}, known ? percent(known.deviation) : "–"));
-    })),
-    h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
+  return h("div", { class: "target-errors" }, h("h3", {}, "Targets"), h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
+    const shown = all[k];
+    const known = shown && sameRequirements(shown, inSight) ? shown : null;
+    const verdict = known && judge(known, modelError(session.model(known.found.family), known));
+    return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
+      h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
+      h("strong", {}, known ? percent(known.deviation) : "–"));
+  })), h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
 }
 
 const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", doubtful: "not certain", out: "out of reach" };
@@ -138,7 +135,9 @@ function notes(shown: TargetResponse, { verdict }: Judgement): HTMLElement[] {
   const words: HTMLElement[] = [];
   // The message is a warning only if the target is out of reach.
   if (shown.message) words.push(h("p", { class: verdict === "out" && !shown.byHand ? "note" : "muted" }, shown.message));
-  if (outside > 0 && !/samples/.test(shown.message)) words.push(h("p", { class: "note" }, `${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`));
+  if (outside > 0 && !/samples/.test(shown.message)) {
+    words.push(h("p", { class: "note" }, `${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`));
+  }
   return words;
 }
 
@@ -148,9 +147,11 @@ function advice(session: DesignSession, shown: TargetResponse): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const height = (y: number) => `${digits(y)}${unit && ` ${unit}`}`;
   const at = relaxed && (isPolar(shown.task) ? degrees(relaxed.from[0]) : `a strain of ${digits(relaxed.from[0])}`);
-  return h("div", { class: "advice" },
-    relaxed && h("p", {}, `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${percent(relaxed.deviation)}.`),
-    h("div", { class: "row" },
-      button("Snap to the closest reachable", () => session.projectTarget(), { title: "Move the target’s control points onto this design’s response" }),
+  return h("div", { class: "advice" }, relaxed &&
+    h("p", {},
+      `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${
+        percent(relaxed.deviation)
+      }.`),
+    h("div", { class: "row" }, button("Snap to the closest reachable", () => session.projectTarget(), { title: "Move the target’s control points onto this design’s response" }),
       relaxed && button(`Relax point ${relaxed.index + 1}`, () => session.relax(relaxed), { title: `Move control point ${relaxed.index + 1} alone` })));
 }

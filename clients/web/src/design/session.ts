@@ -8,9 +8,10 @@ import { runJob } from "../contract/jobs";
 import type { Design, DesignAnswer, DesignCandidate, Family, Job, Model, Profile, StructureAnswer } from "../contract/types";
 import { type Relaxation, projectedTarget } from "./reach";
 import { MAX_REGION_NAME_LENGTH, MAX_REGIONS, regionsOf, withRegions } from "./region_list";
-import { type Specification } from "./specification";
+import type { Specification } from "./specification";
 import { designRequest, type Effort, profileRequest, regionsRequest, structureRequest } from "./requests";
-import { type Envelope, type CostedDesign, designOf, freshness, kindOf, sameTilingDesign, sameRequirements, type TargetResponse, designResponses, partialResponse, profileResponses, type Requirements, requirementsOf } from "./shown";
+import { type Envelope, type CostedDesign, designOf, freshness, kindOf, sameTilingDesign, sameRequirements, type TargetResponse, designResponses, partialResponse, profileResponses,
+  type Requirements, requirementsOf } from "./shown";
 import { ANY, DEFAULT_STATE, type DesignState, type TilingDesign, isPolar, type ProfileKind, type Region, sameProfile, type Target } from "./state";
 import { askedOrder, furtherTarget, MAX_NAME_LENGTH, MAX_TARGETS, targetOf, targetsOf, withTargets } from "./target_list";
 import { convertedPoints, convertedStrain, type Extent, HALF_TURN, type TargetCurve, targetOnProfile } from "./targets";
@@ -194,7 +195,9 @@ export class DesignSession {
     const { regionAt } = this.state.get();
     return this.regions.map((region, k) => {
       const all = k === regionAt ? this.all.get() : (this.regionCache.get()[k]?.all ?? []);
-      const known = all.filter((shown): shown is TargetResponse => shown !== null && !shown.provisional && sameRequirements(shown, requirementsOf(region)) && region.found !== null && sameTilingDesign(shown.found, region.found));
+      const known = all.filter((shown): shown is TargetResponse =>
+        shown !== null && !shown.provisional && sameRequirements(shown, requirementsOf(region)) && region.found !== null && sameTilingDesign(shown.found, region.found)
+      );
       return known.length === region.others.length + 1 ? known : null;
     });
   }
@@ -566,14 +569,13 @@ export class DesignSession {
   private async search(state: DesignState, effort: Effort, epoch: number, signal: AbortSignal): Promise<void> {
     this.activity.set({ kind: "busy", effort, progress: null, stage: "" });
     const request = designRequest(state, effort, this.name);
-    const answer =
-      effort === "follow"
-        ? await this.client.post<DesignAnswer>("/v1/designs", request, { signal })
-        : await runJob<DesignAnswer>(this.client, "/v1/designs", request, {
-            signal,
-            wait: IMMEDIATE_SECONDS,
-            onProgress: (job) => this.showProgress(job, state, signal),
-          });
+    const answer = effort === "follow"
+      ? await this.client.post<DesignAnswer>("/v1/designs", request, { signal })
+      : await runJob<DesignAnswer>(this.client, "/v1/designs", request, {
+        signal,
+        wait: IMMEDIATE_SECONDS,
+        onProgress: (job) => this.showProgress(job, state, signal),
+      });
     if (!signal.aborted && epoch === this.epoch) this.accept(answer, state);
   }
 

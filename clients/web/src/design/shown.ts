@@ -105,7 +105,7 @@ export function errorBand({ x, achieved, errorBar }: TargetResponse, error: Mode
   const known = achieved.filter((y): y is number => y !== null);
   if (known.length < achieved.length) return null;
   const halfWidths = errorBar ?? (error && known.map((y) => Math.abs(y) * error.mean));
-  if (!halfWidths || !halfWidths.every((bar): bar is number => bar !== null)) return null;
+  if (!halfWidths?.every((bar): bar is number => bar !== null)) return null;
   return { x, lower: known.map((y, k) => y - halfWidths[k]), upper: known.map((y, k) => y + halfWidths[k]) };
 }
 
@@ -143,7 +143,10 @@ export function freshness(shown: TargetResponse | null, state: Region): Freshnes
 export type CostedDesign = Design & { readonly cost: { readonly seconds: number } };
 
 /** The design of an answer, with the values that the search has chosen. */
-export function designOf({ family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">, { made }: Pick<Region, "made">): TilingDesign {
+export function designOf(
+  { family, parameters, material, orientation }: Pick<Design, "family" | "parameters" | "orientation" | "material">,
+  { made }: Pick<Region, "made">,
+): TilingDesign {
   return { family, parameters, ...foundSpecification(made, material, orientation) };
 }
 
@@ -153,8 +156,14 @@ function estimatedMeasures(made: Specification, found: TilingDesign): Measures {
   const { name, density } = materialOf(made, found);
   const isKnown = !searchesModulus(made) || found.youngsModulus !== undefined;
   return {
-    material: isKnown ? name : "", youngsModulus: isKnown ? modulusOf(made, found) : null, materialDensity: density, orientation: orientationOf(made, found),
-    beamWidth: size.kind === "beam_width" ? size.value : null, cellSize: size.kind === "cell_size" ? size.value : null, relativeDensity: null, density: null,
+    material: isKnown ? name : "",
+    youngsModulus: isKnown ? modulusOf(made, found) : null,
+    materialDensity: density,
+    orientation: orientationOf(made, found),
+    beamWidth: size.kind === "beam_width" ? size.value : null,
+    cellSize: size.kind === "cell_size" ? size.value : null,
+    relativeDensity: null,
+    density: null,
   };
 }
 
@@ -164,15 +173,24 @@ function structureMeasures(made: Specification, found: TilingDesign, structure: 
   const { beam_width, cell_area, relative_density } = structure;
   const scale = made.size.value / (made.size.kind === "beam_width" ? beam_width : Math.sqrt(cell_area));
   return {
-    ...known, beamWidth: scale * beam_width, cellSize: scale * Math.sqrt(cell_area),
-    relativeDensity: relative_density, density: relative_density * known.materialDensity,
+    ...known,
+    beamWidth: scale * beam_width,
+    cellSize: scale * Math.sqrt(cell_area),
+    relativeDensity: relative_density,
+    density: relative_density * known.materialDensity,
   };
 }
 
 function measuresOf({ material, orientation, structure }: CostedDesign): Measures {
   return {
-    material: material.name ?? "", youngsModulus: material.youngs_modulus, materialDensity: material.density, orientation, beamWidth: structure?.beam_width ?? null, cellSize: structure?.cell_size ?? null,
-    relativeDensity: structure?.relative_density ?? null, density: structure?.density ?? null,
+    material: material.name ?? "",
+    youngsModulus: material.youngs_modulus,
+    materialDensity: material.density,
+    orientation,
+    beamWidth: structure?.beam_width ?? null,
+    cellSize: structure?.cell_size ?? null,
+    relativeDensity: structure?.relative_density ?? null,
+    density: structure?.density ?? null,
   };
 }
 

@@ -1,6 +1,7 @@
 // The specification of a structure: material, orientation, size and limits.
 import type { DesignRequest } from "../contract/types";
 import { digits, plain } from "../base/format";
+import { decoded, type Fields, type Marks, readValues, writeValues } from "../base/link_fields";
 
 export type Range = readonly [min: number, max: number];
 
@@ -47,7 +48,14 @@ export interface FoundSpecification {
 }
 
 export const DEFAULT_SPECIFICATION: Specification = {
-  youngsModulus: 26, density: 1.2, materials: [], orientation: 0, size: { kind: "beam_width", value: 0.3 }, relativeDensity: null, leastBeamWidth: null, cellSizes: null,
+  youngsModulus: 26,
+  density: 1.2,
+  materials: [],
+  orientation: 0,
+  size: { kind: "beam_width", value: 0.3 },
+  relativeDensity: null,
+  leastBeamWidth: null,
+  cellSizes: null,
 };
 
 export const MAX_MATERIALS = 16;
@@ -55,7 +63,14 @@ export const MAX_MATERIAL_NAME_LENGTH = 40;
 
 /** The server's limits, with the orientation in degrees. */
 export const SPECIFICATION_LIMITS = {
-  youngsModulus: [1e-6, 1e6], density: [0.001, 25], orientation: [-360, 360], beam_width: [0.01, 100], cell_size: [0.01, 2000], relativeDensity: [0, 1], leastBeamWidth: [0.01, 100], cellSizes: [0, 2000],
+  youngsModulus: [1e-6, 1e6],
+  density: [0.001, 25],
+  orientation: [-360, 360],
+  beam_width: [0.01, 100],
+  cell_size: [0.01, 2000],
+  relativeDensity: [0, 1],
+  leastBeamWidth: [0.01, 100],
+  cellSizes: [0, 2000],
 } as const;
 
 export interface Preset extends Material {
@@ -124,7 +139,11 @@ export function withFoundValues(made: Specification, found: FoundSpecification):
 }
 
 /** The part of an answer that the search has chosen; values that were given are left out. */
-export function foundSpecification(made: Specification, material: { readonly name?: string; readonly youngs_modulus: number } | undefined, orientation: number | undefined): FoundSpecification {
+export function foundSpecification(
+  made: Specification,
+  material: { readonly name?: string; readonly youngs_modulus: number } | undefined,
+  orientation: number | undefined,
+): FoundSpecification {
   return {
     ...(made.materials.length > 0 && material && { material: material.name ?? "" }),
     ...(searchesModulus(made) && { youngsModulus: material?.youngs_modulus }),
@@ -157,13 +176,17 @@ export function specificationFields({ youngsModulus, density, materials, orienta
   };
 }
 
+const MATERIAL_VALUES = ["name", "modulus", "density"];
+const MATERIAL_MARKS: Marks = [":", "="];
+
 /** The fields of a link whose values differ from the defaults. */
 export function writeSpecification({ youngsModulus, density, materials, orientation, size, relativeDensity, leastBeamWidth, cellSizes }: Specification): [string, string][] {
   const text = (value: number | Range) => (isRange(value) ? value.map(plain).join(",") : plain(value));
   const fields: [string, string][] = [];
   if (youngsModulus !== DEFAULT_SPECIFICATION.youngsModulus) fields.push(["modulus", text(youngsModulus)]);
   if (density !== DEFAULT_SPECIFICATION.density) fields.push(["density", text(density)]);
-  if (materials.length > 0) fields.push(["materials", encodeURIComponent(materials.map((one) => [encodeURIComponent(one.name), text(one.youngsModulus), text(one.density)].join(":")).join(";"))]);
+  const entry = (one: Material) => writeValues({ name: encodeURIComponent(one.name), modulus: text(one.youngsModulus), density: text(one.density) }, MATERIAL_MARKS);
+  if (materials.length > 0) fields.push(["materials", encodeURIComponent(materials.map(entry).join(";"))]);
   if (orientation !== 0) fields.push(["orientation", text(orientation)]);
   if (size.kind === "cell_size") fields.push(["cell-size", text(size.value)]);
   else if (size.value !== DEFAULT_SPECIFICATION.size.value) fields.push(["beam-width", text(size.value)]);
@@ -174,7 +197,7 @@ export function writeSpecification({ youngsModulus, density, materials, orientat
 }
 
 /** The specification from the fields of a link; the default one if a value is outside its limits. */
-export function readSpecification(fields: ReadonlyMap<string, string>): Specification {
+export function readSpecification(fields: Fields): Specification {
   const read = (name: string): number | Range | undefined => {
     const text = fields.get(name);
     return text === undefined ? undefined : readValue(text);
@@ -208,18 +231,11 @@ function readValue(text: string): number | Range {
 
 function readMaterials(text: string): Material[] {
   return text === "" ? [] : text.split(";").map((entry) => {
-    const [name, modulus = "", density = ""] = entry.split(":");
-    const value = readValue(density);
-    return { name: decoded(name), youngsModulus: readValue(modulus), density: isRange(value) ? NaN : value };
+    const values = readValues(entry, MATERIAL_VALUES, MATERIAL_MARKS);
+    const density = readValue(values.get("density") ?? "");
+    // A name that cannot be decoded is empty, which is reported as a fault.
+    return { name: decoded(values.get("name") ?? ""), youngsModulus: readValue(values.get("modulus") ?? ""), density: isRange(density) ? NaN : density };
   });
-}
-
-function decoded(text: string): string {
-  try {
-    return decodeURIComponent(text);
-  } catch {
-    return ""; // an empty name, which is reported as a fault
-  }
 }
 
 export function sameSpecification(a: Specification, b: Specification): boolean {

@@ -3,7 +3,8 @@ import { Segments, Select } from "../base/controls";
 import { h, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { showText } from "../base/writing";
-import { DEFAULT_SPECIFICATION, type Fault, faultOf, isRange, searchesModulus, type Specification, SPECIFICATION_LIMITS, type SpecificationField, modulusOf, modulusWords, orientationOf, PRESETS, type Range, sameSpecification, withFoundValues, type Size } from "./specification";
+import { DEFAULT_SPECIFICATION, type Fault, faultOf, isRange, searchesModulus, type Specification, SPECIFICATION_LIMITS, type SpecificationField, modulusOf, modulusWords,
+  orientationOf, PRESETS, type Range, sameSpecification, withFoundValues, type Size } from "./specification";
 import { MaterialList } from "./material_list";
 import type { DesignSession } from "./session";
 
@@ -29,7 +30,8 @@ interface Field {
 /** `maxLabel`: accessible name of the second number of a range. `choice`: a control beside the label. */
 function makeField(label: string, changed: () => void, { maxLabel, choice }: { maxLabel?: string; choice?: HTMLElement } = {}): Field {
   const problem = h("p", { class: "note problem", id: uniqueId("problem"), role: "alert", hidden: true });
-  const input = (name?: string) => h("input", { type: "number", id: uniqueId("made"), class: "number", step: "any", "aria-label": name, "aria-describedby": problem.id, onchange: changed });
+  const input = (name?: string) =>
+    h("input", { type: "number", id: uniqueId("made"), class: "number", step: "any", "aria-label": name, "aria-describedby": problem.id, onchange: changed });
   const inputs = [input(), ...(maxLabel === undefined ? [] : [input(maxLabel)])];
   const row = h("div", { class: "made-inputs" }, inputs[0], inputs[1] && h("span", { class: "muted", "aria-hidden": "true" }, "to"), inputs[1]);
   return { element: h("div", { class: "field" }, h("div", { class: "made-head" }, h("label", { for: inputs[0].id }, label), choice), row, problem), inputs, problem };
@@ -74,7 +76,9 @@ export function specificationCard(session: DesignSession): HTMLElement {
     apply({ orientation: find ? HALF_TURN : rounded((orientationOf(made, found) * 180) / Math.PI) }, true);
   });
   const sizeKind = new Segments<Size["kind"]>("Size", [{ value: "beam_width", words: "Beam width" }, { value: "cell_size", words: "Cell size" }], (kind) => chooseSize(kind));
-  const materials = new MaterialList((list) => apply({ materials: list, ...(list.length === 0 && { youngsModulus: DEFAULT_SPECIFICATION.youngsModulus, density: DEFAULT_SPECIFICATION.density }) }, true));
+  const materials = new MaterialList((list) =>
+    apply({ materials: list, ...(list.length === 0 && { youngsModulus: DEFAULT_SPECIFICATION.youngsModulus, density: DEFAULT_SPECIFICATION.density }) }, true)
+  );
   const fields: Record<Exclude<SpecificationField, "materials">, Field> = {
     youngsModulus: makeField("Young’s modulus, MPa", () => read(true), { maxLabel: "Young’s modulus at most, MPa", choice: findModulus.element }),
     density: makeField("Density of the material, g/cm³", () => read(false)),
@@ -84,10 +88,9 @@ export function specificationCard(session: DesignSession): HTMLElement {
     leastBeamWidth: makeField("Beam width at least, mm", () => read(true)),
     cellSizes: makeField("Cell size from, mm", () => read(true), { maxLabel: "Cell size at most, mm" }),
   };
-  const element = h("details", { class: "card controls made", "aria-label": "Material and size" },
-    h("summary", {}, "Material and size ", summary),
-    preset.element, h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."),
-    materials.element, fields.youngsModulus.element, fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
+  const element = h("details", { class: "card controls made", "aria-label": "Material and size" }, h("summary", {}, "Material and size ", summary), preset.element,
+    h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."), materials.element, fields.youngsModulus.element,
+    fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
     h("fieldset", { class: "made-limits" }, h("legend", {}, "Limits"), h("p", { class: "muted" }, "The search keeps to designs within them; an empty field is no limit."),
       fields.relativeDensity.element, fields.leastBeamWidth.element, fields.cellSizes.element));
 
@@ -99,7 +102,8 @@ export function specificationCard(session: DesignSession): HTMLElement {
     showFault(fault);
     if (fault) return;
     if (sameSpecification(made, before)) return show(before);
-    const asksForSearch = searched && (searchesModulus(made) || isRange(made.orientation) || made.relativeDensity !== null || made.leastBeamWidth !== null || made.cellSizes !== null);
+    const asksForSearch = searched &&
+      (searchesModulus(made) || isRange(made.orientation) || made.relativeDensity !== null || made.leastBeamWidth !== null || made.cellSizes !== null);
     session.apply({ made, ...(asksForSearch && { byHand: false }) });
   }
 
@@ -212,7 +216,9 @@ export function specificationCard(session: DesignSession): HTMLElement {
 function specificationWords({ youngsModulus, materials, orientation, size, relativeDensity, leastBeamWidth, cellSizes }: Specification): string {
   const words = (value: number | Range, unit: string, write = digits) => `${isRange(value) ? value.map((one) => write(one)).join(" to ") : write(value)}${unit}`;
   return [
-    materials.length > 0 ? `${materials.length} material${materials.length === 1 ? "" : "s"}` : words(youngsModulus, " MPa", modulusWords), words(orientation, "°"), `${size.kind === "beam_width" ? "beams" : "cells"} of ${digits(size.value)} mm`,
+    materials.length > 0 ? `${materials.length} material${materials.length === 1 ? "" : "s"}` : words(youngsModulus, " MPa", modulusWords),
+    words(orientation, "°"),
+    `${size.kind === "beam_width" ? "beams" : "cells"} of ${digits(size.value)} mm`,
     relativeDensity || leastBeamWidth !== null || cellSizes ? "limits" : "",
   ].filter((part) => part !== "").join(", ");
 }

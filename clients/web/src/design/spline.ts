@@ -1,5 +1,5 @@
 // The curve through control points, computed as the server does, for display before the server answers.
-import { type ControlPoint, type Interpolation } from "./state";
+import type { ControlPoint, Interpolation } from "./state";
 
 type Curve = (x: number) => number;
 

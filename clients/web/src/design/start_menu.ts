@@ -14,8 +14,15 @@ export function startMenu(session: DesignSession): HTMLDetailsElement {
   const list = h("ul", { class: "starts" });
   const element = menu("Examples", "target", h("h3", {}, "Targets to start from"), list);
   element.classList.add("start-menu");
-  list.append(...STARTS.map((start) => h("li", {}, h("button", { type: "button", class: "start", onclick: () => choose(start) },
-    sketch(start), h("span", { class: "start-words" }, h("strong", {}, start.name), h("span", { class: "muted" }, start.words))))));
+  list.append(
+    ...STARTS.map((start) =>
+      h("li", {}, h("button", {
+        type: "button",
+        class: "start",
+        onclick: () => choose(start),
+      }, sketch(start), h("span", { class: "start-words" }, h("strong", {}, start.name), h("span", { class: "muted" }, start.words))))
+    ),
+  );
 
   function choose(start: Start): void {
     session.apply(startState(start));
@@ -37,5 +44,6 @@ function sketch({ state: { task, points, interpolation } }: Start): SVGSVGElemen
     return `${(SIDE * across).toFixed(1)},${(SIDE * (1 - up)).toFixed(1)}`;
   };
   const axis = polar ? `M0,${SIDE / 2}H${SIDE}M${SIDE / 2},0V${SIDE}` : `M0,${SIDE * (1 - 0.08 - (0.84 * -min) / (max - min || 1))}H${SIDE}`;
-  return svg("svg", { class: "sketch", viewBox: `0 0 ${SIDE} ${SIDE}`, "aria-hidden": "true" }, svg("path", { class: "zero", d: axis }), svg("path", { class: "curve target-sketch", d: `M${x.map((_, k) => pointAt(k)).join("L")}` }));
+  return svg("svg", { class: "sketch", viewBox: `0 0 ${SIDE} ${SIDE}`, "aria-hidden": "true" }, svg("path", { class: "zero", d: axis }),
+    svg("path", { class: "curve target-sketch", d: `M${x.map((_, k) => pointAt(k)).join("L")}` }));
 }

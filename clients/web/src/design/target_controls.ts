@@ -13,12 +13,19 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
   );
   const direction = new Slider({
     label: "Direction of the load",
-    lower: 0, upper: 180, step: 1, digits: 1, unit: "°",
+    lower: 0,
+    upper: 180,
+    step: 1,
+    digits: 1,
+    unit: "°",
     changed: (value, done) => change({ direction: (value * Math.PI) / 180 }, done),
   });
   const strain = new Slider({
     label: "Strain at which it is measured",
-    lower: -0.1, upper: 0.2, step: 0.001, digits: 4,
+    lower: -0.1,
+    upper: 0.2,
+    step: 0.001,
+    digits: 4,
     changed: (value, done) => change({ strain: value }, done),
   });
   const measure = new Select(
@@ -35,7 +42,10 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
 
   const weight = new Slider({
     label: "Weight beside the other targets",
-    lower: WEIGHT_LIMITS[0], upper: WEIGHT_LIMITS[1], step: 0.1, digits: 2,
+    lower: WEIGHT_LIMITS[0],
+    upper: WEIGHT_LIMITS[1],
+    step: 0.1,
+    digits: 2,
     changed: (value, done) => change({ weight: value }, done),
   });
 
@@ -67,4 +77,3 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
 function parameterCount(count: number): string {
   return `${count} parameter${count === 1 ? "" : "s"}`;
 }
-

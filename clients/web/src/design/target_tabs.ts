@@ -8,7 +8,8 @@ import { MAX_NAME_LENGTH, MAX_TARGETS, sameTargets, targetsOf, targetWords } fro
 export function targetTabs(session: DesignSession, panel: HTMLElement): HTMLElement {
   const tabs = new Tabs(
     { label: "Targets of the design", noun: "target", addTitle: "Add a further target of the same design", maxNameLength: MAX_NAME_LENGTH, panel },
-    { select: (at) => session.select(at), add: () => void session.add(), rename: (name) => session.rename(name), remove: (at) => session.remove(at) });
+    { select: (at) => session.select(at), add: () => void session.add(), rename: (name) => session.rename(name), remove: (at) => session.remove(at) },
+  );
 
   function show(): void {
     const state = session.state.get();

@@ -105,7 +105,14 @@ export function removePoint(task: Task, points: Points, index: number): Points {
  * Control points on a sampled profile: `count` of them, evenly spaced over the samples. More are added until the curve through them
  * follows the profile within `tolerance`.
  */
-export function pointsOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation = "cubic", tolerance = PROFILE_DEVIATION): Points {
+export function pointsOnProfile(
+  task: Task,
+  x: readonly number[],
+  y: readonly (number | null)[],
+  count: number,
+  interpolation: Interpolation = "cubic",
+  tolerance = PROFILE_DEVIATION,
+): Points {
   const known = x.map((value, k) => [value, y[k]] as const).filter((pair): pair is [number, number] => pair[1] !== null);
   if (known.length < minPoints(task)) return [];
   const rest = ROUNDING * Math.max(...known.map(([, value]) => Math.abs(value)));
@@ -135,7 +142,14 @@ export interface TargetCurve {
  * the one that follows it best: a smooth curve oscillates beside a jump, so that no design would meet it. Null if the profile has too
  * few values.
  */
-export function targetOnProfile(task: Task, x: readonly number[], y: readonly (number | null)[], count: number, interpolation: Interpolation, tolerance = PROFILE_DEVIATION): TargetCurve | null {
+export function targetOnProfile(
+  task: Task,
+  x: readonly number[],
+  y: readonly (number | null)[],
+  count: number,
+  interpolation: Interpolation,
+  tolerance = PROFILE_DEVIATION,
+): TargetCurve | null {
   const known = x.flatMap((at, k): ControlPoint[] => (y[k] === null ? [] : [[at, y[k] as number]]));
   const deviation = ({ points, interpolation: curve }: TargetCurve): number =>
     relativeDeviation(known.map(([, value]) => value), known.map(([at]) => at).map(targetCurve(isPolar(task), points, curve)), task === "poisson" ? MIN_POISSON : 0);
@@ -153,7 +167,9 @@ export function targetOnProfile(task: Task, x: readonly number[], y: readonly (n
 function evenIndices(task: Task, known: readonly ControlPoint[], count: number): number[] {
   const places = Array.from({ length: count }, (_, k) => Math.round(isPolar(task) ? (k * known.length) / count : (k * (known.length - 1)) / (count - 1)));
   const rest = known.findIndex((point) => isAtRest(task, point));
-  return [...new Set(rest < 0 ? places : [...places, rest])].sort((a, b) => a - b).filter((k) => k < known.length && (!isPolar(task) || known[k][0] < known[0][0] + Math.PI - 1e-9));
+  return [...new Set(rest < 0 ? places : [...places, rest])].sort((a, b) => a - b).filter((k) =>
+    k < known.length && (!isPolar(task) || known[k][0] < known[0][0] + Math.PI - 1e-9)
+  );
 }
 
 /** A strain converted to a measure from the other one. */
@@ -163,7 +179,5 @@ export function convertedStrain(strain: number, to: StrainMeasure): number {
 
 /** Control points of stress over strain, converted to a measure: forces per rest width are second Piola-Kirchhoff stresses times the stretch. */
 export function convertedPoints(points: Points, to: StrainMeasure): Points {
-  return points.map(([x, y]) =>
-    to === "engineering" ? [convertedStrain(x, to), y * Math.sqrt(1 + 2 * x)] : [convertedStrain(x, to), y / (1 + x)],
-  );
+  return points.map(([x, y]) => to === "engineering" ? [convertedStrain(x, to), y * Math.sqrt(1 + 2 * x)] : [convertedStrain(x, to), y / (1 + x)]);
 }

@@ -45,7 +45,8 @@ export function valueTable(session: DesignSession): HTMLElement {
         h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
         h("tbody", {}, ...shown.x.map((x, k) => {
           const value = shown.achieved[k];
-          const cells = [digits(withoutRounding(shown.target[k], shown.target)), value === null ? "none" : digits(withoutRounding(value, shown.achieved)), shown.reached[k] ? "yes" : "no"];
+          const cells = [digits(withoutRounding(shown.target[k], shown.target)), value === null ? "none" : digits(withoutRounding(value, shown.achieved)),
+            shown.reached[k] ? "yes" : "no"];
           return h("tr", {}, h("th", { scope: "row" }, polar ? degrees(x) : digits(withoutRounding(x, shown.x))), ...cells.map((words) => h("td", {}, words)));
         })),
       ),
@@ -62,16 +63,20 @@ export function valueTable(session: DesignSession): HTMLElement {
     const x = (value: number) => (polar ? (value * 180) / Math.PI : value);
     const field = (point: ControlPoint, index: number, axis: 0 | 1) =>
       h("input", {
-        type: "number", step: "any", class: "number", disabled: isAtRest(state.task, point), title: isAtRest(state.task, point) ? "Without strain there is no stress" : null,
+        type: "number",
+        step: "any",
+        class: "number",
+        disabled: isAtRest(state.task, point),
+        title: isAtRest(state.task, point) ? "Without strain there is no stress" : null,
         value: Number((axis === 0 ? x(point[0]) : point[1]).toPrecision(6)),
         "aria-label": `Control point ${index + 1}, ${axis === 0 ? (polar ? "direction in degrees" : "strain") : TASK_WORDS[state.task].y}`,
         onchange: (event: Event) => edit(index, axis, (event.target as HTMLInputElement).value),
       });
     replace(
       points,
-      h("table", {},
-        h("caption", {}, `Control points of ${named(state, state.others.length + 1)}`),
-        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
+      h("table", {}, h("caption", {}, `Control points of ${named(state, state.others.length + 1)}`),
+        h("thead", {},
+          h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
         h("tbody", {}, ...state.points.map((point, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), h("td", {}, field(point, k, 0)), h("td", {}, field(point, k, 1)))))),
     );
     if (focused >= 0) fields()[focused]?.focus();

@@ -70,6 +70,8 @@ export function judge(shown: JudgedResponse, error: ModelError | null): Judgemen
   const isClose = isWithin || deviation <= Math.max(CLOSE_DEVIATION, CLOSE_ERROR_FACTOR * (trusted ?? 0));
   const verdict = !complete || !isClose ? "out" : doubtful > 0 ? "doubtful" : isWithin ? "within" : "close";
   const who = byHand || verdict !== "out" ? found.family : `The closest design of ${found.family} that was found`;
-  const model = doubtful > 0 ? `the model is not trusted at ${doubtful} of ${shown.inRange.length} samples: verify it by simulation` : error ? `the model itself errs by ${percent(error.mean)} in the mean` : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
+  const model = doubtful > 0 ? `the model is not trusted at ${doubtful} of ${shown.inRange.length} samples: verify it by simulation`
+    : error ? `the model itself errs by ${percent(error.mean)} in the mean`
+    : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
   return { verdict, words: WORDS[verdict], sentence: `${who} is ${percent(deviation)} from the target (root mean square); ${model}.` };
 }

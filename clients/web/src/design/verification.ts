@@ -8,7 +8,7 @@ import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../co
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
 import { designOf, sameTilingDesign, sameRequirements, type TargetResponse } from "./shown";
-import { type DesignState, type TilingDesign } from "./state";
+import type { DesignState, TilingDesign } from "./state";
 import { askedOrder } from "./target_list";
 
 export type VerificationState =
@@ -73,7 +73,8 @@ export class Verification {
     if (!shown) return;
     this.clear();
     this.subject = shown;
-    const { signal } = (this.running = new AbortController());
+    this.running = new AbortController();
+    const { signal } = this.running;
     this.state.set({ kind: "running", progress: 0, stage: "", round: null });
     const asked = this.session.state.get();
     const simulated = await this.simulateProfile(shown, asked, requestOf(asked, shown.found), signal);

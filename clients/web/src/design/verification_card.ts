@@ -35,8 +35,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
     if (state.kind === "done") {
       const material = session.model(state.simulation.family)?.material;
       view.show(state.simulation, state.direction, material ? { youngsModulus: material.youngs_modulus, poissonRatio: material.poisson_ratio } : null);
-    }
-    else view.clear();
+    } else view.clear();
     patchWords.textContent = state.kind === "failed" ? state.sentence : "";
     show();
   });
@@ -67,12 +66,17 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
 /** The sentence about the present state. `lastSeconds`: duration of the last simulation, null before the first. */
 function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null): string {
   switch (state.kind) {
-    case "none": return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`}.`;
+    case "none":
+      return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${
+        lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`
+      }.`;
     case "running":
       if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
       return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";
-    case "failed": return state.sentence;
-    case "done": return doneSentence(state, simulated);
+    case "failed":
+      return state.sentence;
+    case "done":
+      return doneSentence(state, simulated);
   }
 }
 

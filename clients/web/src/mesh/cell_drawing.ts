@@ -53,7 +53,9 @@ export function cellTriangles(mesh: MeshData, normals: ArrayLike<number>, pictur
   for (const { site, face, corners } of picture.pieces) {
     const weightsOfCorners = corners.map((place) => barycentricOf(mesh, face, place));
     const cornerNormals = [0, 1, 2].map((corner) => normalAt(mesh.faces[3 * face + corner]));
-    const interpolated = weightsOfCorners.map((weights) => [0, 1, 2].map((axis) => weights[0] * cornerNormals[0][axis] + weights[1] * cornerNormals[1][axis] + weights[2] * cornerNormals[2][axis]) as unknown as Vector);
+    const interpolated = weightsOfCorners.map((weights) =>
+      [0, 1, 2].map((axis) => weights[0] * cornerNormals[0][axis] + weights[1] * cornerNormals[1][axis] + weights[2] * cornerNormals[2][axis]) as unknown as Vector
+    );
     for (const triangle of polygonTriangles(weightsOfCorners)) for (const corner of triangle) add(corners[corner], interpolated[corner], picture.colours[site]);
   }
   return result;

@@ -62,7 +62,9 @@ export class ConvergencePlot {
     const { steps, tolerance } = view;
     for (const [name, value] of [["viewBox", `0 0 ${width} ${height}`], ["width", width], ["height", height]] as const) this.element.setAttribute(name, String(value));
     const last = steps[steps.length - 1];
-    this.element.setAttribute("aria-label", last ? `Gradient of the energy over the iterations: ${digits(steps[0].gradient, 2)} at first, ${digits(last.gradient, 2)} after ${last.iteration}` : "Gradient of the energy over the iterations");
+    this.element.setAttribute("aria-label",
+      last ? `Gradient of the energy over the iterations: ${digits(steps[0].gradient, 2)} at first, ${digits(last.gradient, 2)} after ${last.iteration}`
+        : "Gradient of the energy over the iterations");
     const [lower, upper] = decades([...steps.map((step) => step.gradient), tolerance]);
     this.x.domain([0, Math.max(1, last?.iteration ?? 1)]).range([MARGIN.left, width - MARGIN.right]);
     this.y.domain([10 ** lower, 10 ** upper]).range([height - MARGIN.bottom, MARGIN.top]);
@@ -87,7 +89,9 @@ export class ConvergencePlot {
   private drawAxes(lower: number, upper: number): void {
     const { width, height } = this;
     const [across, inner] = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - MARGIN.bottom];
-    for (const [name, value] of [["x", MARGIN.left], ["y", MARGIN.top], ["width", Math.max(0, across)], ["height", Math.max(0, inner)]] as const) this.ground.setAttribute(name, String(value));
+    for (const [name, value] of [["x", MARGIN.left], ["y", MARGIN.top], ["width", Math.max(0, across)], ["height", Math.max(0, inner)]] as const) {
+      this.ground.setAttribute(name, String(value));
+    }
     const every = Math.max(1, Math.ceil(((upper - lower) * LABEL_PIXELS) / Math.max(1, inner)));
     const powers = Array.from({ length: upper - lower + 1 }, (_, k) => lower + k).filter((power) => (power - lower) % every === 0);
     const whole = this.x.ticks(Math.max(2, Math.round(across / 70))).filter(Number.isInteger);

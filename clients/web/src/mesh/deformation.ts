@@ -7,7 +7,11 @@ export type DeformationBy = "area" | "stretch" | "none";
 
 /** Colours in linear light: smaller than at rest, as at rest, larger. The colours of springs are darker or warmer, so that they stand out. */
 export const DEFORMATION_RAMP: readonly Rgb[] = [
-  [0.03, 0.2, 0.46], [0.26, 0.48, 0.68], [0.66, 0.69, 0.7], [0.38, 0.6, 0.24], [0.09, 0.33, 0.06],
+  [0.03, 0.2, 0.46],
+  [0.26, 0.48, 0.68],
+  [0.66, 0.69, 0.7],
+  [0.38, 0.6, 0.24],
+  [0.09, 0.33, 0.06],
 ];
 
 /** Smallest factor of the colour scale; smaller changes are rounding errors. */

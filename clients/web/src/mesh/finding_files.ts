@@ -31,9 +31,17 @@ export function pathsCsv(paths: readonly (readonly Vector[])[]): string {
 /** PLY of the mesh with a distance at each vertex. Unreachable vertices have -1, because PLY has no missing values. */
 export function fieldPly({ positions, faces }: MeshData, distances: readonly number[]): string {
   const lines = [
-    "ply", "format ascii 1.0", "comment distance in mesh units, -1 where there is no path",
-    `element vertex ${positions.length / 3}`, "property double x", "property double y", "property double z", "property double distance",
-    `element face ${faces.length / 3}`, "property list uchar int vertex_indices", "end_header",
+    "ply",
+    "format ascii 1.0",
+    "comment distance in mesh units, -1 where there is no path",
+    `element vertex ${positions.length / 3}`,
+    "property double x",
+    "property double y",
+    "property double z",
+    "property double distance",
+    `element face ${faces.length / 3}`,
+    "property list uchar int vertex_indices",
+    "end_header",
   ];
   distances.forEach((distance, k) => lines.push(`${place([...positions.subarray(3 * k, 3 * k + 3)])} ${number(distance)}`));
   for (let k = 0; k < faces.length; k += 3) lines.push(`3 ${faces[k]} ${faces[k + 1]} ${faces[k + 2]}`);

@@ -57,8 +57,18 @@ export function defaultHost(diagonal: number): Host {
   const thickness = rounded(THICKNESS_RATIO * diagonal);
   const shellModulus = rounded(SHELL_STIFFNESS / thickness);
   return {
-    kind: "rigid", thickness, shellModulus, solidModulus: rounded(SOLID_STIFFNESS / diagonal), poissonRatio: 0.3,
-    keepsVolume: false, volumeWeight: shellModulus, volumeScale: 1, bends: true, gravity: 0, supports: [], moves: [],
+    kind: "rigid",
+    thickness,
+    shellModulus,
+    solidModulus: rounded(SOLID_STIFFNESS / diagonal),
+    poissonRatio: 0.3,
+    keepsVolume: false,
+    volumeWeight: shellModulus,
+    volumeScale: 1,
+    bends: true,
+    gravity: 0,
+    supports: [],
+    moves: [],
   };
 }
 
@@ -69,8 +79,11 @@ export function hostLimits(diagonal: number): HostLimits {
   const { thickness, shellModulus, solidModulus } = defaultHost(diagonal);
   const limitsAround = (value: number) => [rounded(MIN_FACTOR * value), rounded(MAX_FACTOR * value)] as const;
   return {
-    thickness: [rounded(MIN_FACTOR * thickness), rounded(5 * thickness)], shellModulus: limitsAround(shellModulus), solidModulus: limitsAround(solidModulus),
-    volumeWeight: limitsAround(shellModulus), gravity: [0, rounded((MAX_GRAVITY * solidModulus) / diagonal)],
+    thickness: [rounded(MIN_FACTOR * thickness), rounded(5 * thickness)],
+    shellModulus: limitsAround(shellModulus),
+    solidModulus: limitsAround(solidModulus),
+    volumeWeight: limitsAround(shellModulus),
+    gravity: [0, rounded((MAX_GRAVITY * solidModulus) / diagonal)],
   };
 }
 
@@ -117,8 +130,13 @@ export function connectedSupports(supports: readonly number[], { faces }: Pick<M
   }
   const found = new Set([one]);
   const pending = [one];
-  for (let vertex = pending.pop(); vertex !== undefined; vertex = pending.pop())
-    for (const other of neighbours.get(vertex) ?? []) if (!found.has(other)) pending.push(other), found.add(other);
+  for (let vertex = pending.pop(); vertex !== undefined; vertex = pending.pop()) {
+    for (const other of neighbours.get(vertex) ?? []) {
+      if (found.has(other)) continue;
+      found.add(other);
+      pending.push(other);
+    }
+  }
   return [...found].sort((a, b) => a - b);
 }
 

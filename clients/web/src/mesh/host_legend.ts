@@ -9,7 +9,9 @@ import { cssGradient } from "./spring_colours";
 
 export function hostLegend(view: NetworkView): HTMLElement {
   const colours = new Select<DeformationBy>("Colour of the surface", [
-    { value: "area", words: "Area over that at rest" }, { value: "stretch", words: "Greater principal stretch" }, { value: "none", words: "Plain" },
+    { value: "area", words: "Area over that at rest" },
+    { value: "stretch", words: "Greater principal stretch" },
+    { value: "none", words: "Plain" },
   ], (value) => view.deformationBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(DEFORMATION_RAMP);
@@ -31,8 +33,14 @@ export function hostLegend(view: NetworkView): HTMLElement {
 }
 
 const TERM_WORDS: Record<string, string> = {
-  geodesic_springs: "Energy of springs", euclidean_springs: "Energy of springs", membrane: "Energy of the membrane", shell_membrane: "Energy of stretching the shell",
-  shell_bending: "Energy of bending the shell", shell_volume: "Energy of the volume", solid: "Energy of the solid", gravity: "Energy of gravity",
+  geodesic_springs: "Energy of springs",
+  euclidean_springs: "Energy of springs",
+  membrane: "Energy of the membrane",
+  shell_membrane: "Energy of stretching the shell",
+  shell_bending: "Energy of bending the shell",
+  shell_volume: "Energy of the volume",
+  solid: "Energy of the solid",
+  gravity: "Energy of gravity",
 };
 
 /** The facts of a deformed host; none for a rigid one. */

@@ -1,5 +1,6 @@
 // Supports and their displacements as text in fields, and a host in a link.
 import { plain } from "../base/format";
+import { choiceOf, type Fields, numberOf, readValues, writeValues } from "../base/link_fields";
 import { DEFAULT_NETWORK } from "./network_state";
 import { type Host, HOST_KINDS, MAX_SUPPORTS, type Move } from "./host";
 
@@ -43,42 +44,52 @@ export function writeMoves(moves: readonly Move[]): string {
   return moves.map(({ vertex, to }) => `${vertex}: ${to.map((value) => plain(Number(value.toPrecision(6)))).join(" ")}`).join("; ");
 }
 
+/** Values of a host in a link, in the order in which the links of version 0.1 have them. */
+const HOST_VALUES = ["kind", "thickness", "shell-modulus", "solid-modulus", "poisson-ratio", "volume-weight", "volume-scale", "gravity", "volume", "bending"];
+
 /** The fields of a host in a link; none for a rigid one. */
-export function writeHost(host: Host): readonly string[] {
+export function writeHost(host: Host): [string, string][] {
   if (host.kind === "rigid") return [];
-  const numbers = [host.thickness, host.shellModulus, host.solidModulus, host.poissonRatio, host.volumeWeight, host.volumeScale, host.gravity].map(plain);
-  const fields = [host.kind, ...numbers, host.keepsVolume ? "volume" : "free", host.bends ? "bends" : "limp"];
+  const values = writeValues({
+    kind: host.kind,
+    thickness: host.thickness,
+    "shell-modulus": host.shellModulus,
+    "solid-modulus": host.solidModulus,
+    "poisson-ratio": host.poissonRatio,
+    "volume-weight": host.volumeWeight,
+    "volume-scale": host.volumeScale,
+    gravity: host.gravity,
+    volume: host.keepsVolume ? "constant" : "free",
+    bending: host.bends ? "on" : "off",
+  });
   const moves = host.moves.map(({ vertex, to }) => [vertex, ...to.map((value) => plain(Number(value.toPrecision(6))))].join(":"));
-  return [
-    `host=${fields.join(",")}`,
-    ...(host.supports.length > 0 ? [`supports=${writeSupports(host.supports).replace(/ /g, "")}`] : []),
-    ...(moves.length > 0 ? [`moves=${moves.join(",")}`] : []),
-  ];
+  const fields: [string, string][] = [["host", values]];
+  if (host.supports.length > 0) fields.push(["supports", writeSupports(host.supports).replace(/ /g, "")]);
+  if (moves.length > 0) fields.push(["moves", moves.join(",")]);
+  return fields;
 }
 
 /** The host from the fields of a link, with defaults for missing and invalid values. */
-export function readHost(fields: ReadonlyMap<string, string>): Host {
+export function readHost(fields: Fields): Host {
   const { host: defaults } = DEFAULT_NETWORK;
-  const values = fields.get("host")?.split(",");
-  const kind = HOST_KINDS.find((one) => one === values?.[0]);
-  if (!values || !kind) return defaults;
-  const number = (place: number, lower: number, upper: number, otherwise: number) => {
-    const value = Number(values[place]);
-    return values[place] && value >= lower && value <= upper ? value : otherwise;
-  };
+  const values = readValues(fields.get("host") ?? "", HOST_VALUES);
+  const kind = choiceOf(values.get("kind"), HOST_KINDS, "rigid");
+  if (kind === "rigid") return defaults;
+  const number = (name: string, lower: number, upper: number, otherwise: number) => numberOf(values.get(name), lower, upper, otherwise);
   const supports = readSupports(fields.get("supports") ?? "") ?? [];
   const moves = readMoves((fields.get("moves") ?? "").split(",").map((move) => move.replace(/:/g, " ").replace(" ", ":")).join(";")) ?? [];
   return {
     kind,
-    thickness: number(1, 1e-12, 1e12, defaults.thickness),
-    shellModulus: number(2, 1e-12, 1e12, defaults.shellModulus),
-    solidModulus: number(3, 1e-12, 1e12, defaults.solidModulus),
-    poissonRatio: number(4, -0.99, 0.4999, defaults.poissonRatio),
-    volumeWeight: number(5, 0, 1e12, defaults.volumeWeight),
-    volumeScale: number(6, 1e-6, 1e6, defaults.volumeScale),
-    gravity: number(7, 0, 1e12, defaults.gravity),
-    keepsVolume: values[8] === "volume",
-    bends: values[9] !== "limp",
+    thickness: number("thickness", 1e-12, 1e12, defaults.thickness),
+    shellModulus: number("shell-modulus", 1e-12, 1e12, defaults.shellModulus),
+    solidModulus: number("solid-modulus", 1e-12, 1e12, defaults.solidModulus),
+    poissonRatio: number("poisson-ratio", -0.99, 0.4999, defaults.poissonRatio),
+    volumeWeight: number("volume-weight", 0, 1e12, defaults.volumeWeight),
+    volumeScale: number("volume-scale", 1e-6, 1e6, defaults.volumeScale),
+    gravity: number("gravity", 0, 1e12, defaults.gravity),
+    // The links of version 0.1 say "volume" and "limp".
+    keepsVolume: ["constant", "volume"].includes(values.get("volume") ?? ""),
+    bends: !["off", "limp"].includes(values.get("bending") ?? ""),
     supports,
     moves: moves.filter(({ vertex }) => supports.includes(vertex)),
   };

@@ -1,4 +1,5 @@
 // The state of the mesh page in a link: mesh, tool, points, network and Voronoi diagram.
+import { choiceOf, readFields, writeFields } from "../base/link_fields";
 import type { SurfacePoint } from "../contract/types";
 import type { NetworkState } from "./network_state";
 import { readNetwork, writeNetwork } from "./network_text";
@@ -21,29 +22,39 @@ export interface MeshLink {
 }
 
 export function writeMeshLink({ mesh, tool, points, starts = 1, network, voronoi }: MeshLink): string {
-  const places = points.slice(0, MAX_POINTS).map((point) => ("vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`));
-  return `mesh=${mesh}&tool=${tool}${places.length > 0 ? `&points=${places.join(";")}` : ""}${tool === "mean" && starts > 1 ? `&starts=${starts}` : ""}${network && tool === "network" ? `&${writeNetwork(network)}` : ""}${voronoi && tool === "voronoi" ? `&${writeVoronoi(voronoi)}` : ""}`;
+  const fields: [string, string][] = [["mesh", mesh], ["tool", tool]];
+  if (points.length > 0) fields.push(["points", points.slice(0, MAX_POINTS).map(pointText).join(";")]);
+  if (tool === "mean" && starts > 1) fields.push(["starts", String(starts)]);
+  if (tool === "network" && network) fields.push(...writeNetwork(network));
+  if (tool === "voronoi" && voronoi) fields.push(...writeVoronoi(voronoi));
+  return writeFields(fields);
 }
 
 /** The state of a link; null if the text names no mesh. Invalid points are left out. */
 export function readMeshLink(text: string): MeshLink | null {
-  const fields = new Map(text.split("&").map((field) => field.split("=", 2) as [string, string]));
+  const fields = readFields(text);
   const mesh = fields.get("mesh") ?? "";
   if (!/^[0-9a-f]{64}$/.test(mesh)) return null;
   const places = (fields.get("points") ?? "").split(";").slice(0, MAX_POINTS);
   const points = places.map(readPoint).filter((point): point is SurfacePoint => point !== null);
   const starts = /^\d{1,3}$/.test(fields.get("starts") ?? "") ? Math.min(MAX_STARTS, Number(fields.get("starts"))) : 1;
+  const voronoi = readVoronoi(fields);
   return {
-    mesh, tool: TOOLS.find((tool) => tool === fields.get("tool")) ?? "path", points, ...(starts > 1 && { starts }), network: readNetwork(fields, points.length), ...voronoiOf(fields),
+    mesh,
+    tool: choiceOf(fields.get("tool"), TOOLS, "path"),
+    points,
+    ...(starts > 1 && { starts }),
+    network: readNetwork(fields, points.length),
+    ...(voronoi && { voronoi }),
   };
 }
 
-function voronoiOf(fields: ReadonlyMap<string, string>): Pick<MeshLink, "voronoi"> {
-  const voronoi = readVoronoi(fields);
-  return voronoi ? { voronoi } : {};
+/** A point as text: a vertex as "v12", or a point of a face as "12:0.2,0.3,0.5" with barycentric coordinates. */
+function pointText(point: SurfacePoint): string {
+  return "vertex" in point ? `v${point.vertex}` : `${point.face}:${point.barycentric.map((value) => Number(value.toFixed(6))).join(",")}`;
 }
 
-/** A point from text: a vertex as "v12", or a point of a face as "12:0.2,0.3,0.5" with barycentric coordinates. Null if the text is invalid. */
+/** A point from its text; null if the text is invalid. */
 export function readPoint(text: string): SurfacePoint | null {
   const vertex = /^v(\d{1,9})$/.exec(text.trim());
   if (vertex) return { vertex: Number(vertex[1]) };

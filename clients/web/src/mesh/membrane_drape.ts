@@ -24,7 +24,14 @@ function partsFor(triangles: number): number {
 }
 
 /** Drapes a membrane over a surface. `vertexNormals`: x, y, z for each vertex of the mesh; `parts`: number of parts of a side. */
-export function drape(mesh: MeshData, grid: SurfaceGrid, vertexNormals: ArrayLike<number>, positions: readonly Vector[], triangles: readonly Triple[], parts = partsFor(triangles.length)): Drape {
+export function drape(
+  mesh: MeshData,
+  grid: SurfaceGrid,
+  vertexNormals: ArrayLike<number>,
+  positions: readonly Vector[],
+  triangles: readonly Triple[],
+  parts = partsFor(triangles.length),
+): Drape {
   const smallTriangles = parts * parts;
   const corners = new Float32Array(9 * smallTriangles * triangles.length);
   const normals = new Float32Array(corners.length);
@@ -41,11 +48,14 @@ export function drape(mesh: MeshData, grid: SurfaceGrid, vertexNormals: ArrayLik
   };
   for (const [a, b, c] of triangles.map((triple) => triple.map((point) => positions[point]))) {
     const rows = Array.from({ length: parts + 1 }, (_, i) =>
-      Array.from({ length: parts + 1 - i }, (_, j) => projected([0, 1, 2].map((axis) => a[axis] + (i / parts) * (b[axis] - a[axis]) + (j / parts) * (c[axis] - a[axis])) as unknown as Vector)));
+      Array.from({ length: parts + 1 - i }, (_, j) =>
+        projected([0, 1, 2].map((axis) =>
+          a[axis] + (i / parts) * (b[axis] - a[axis]) + (j / parts) * (c[axis] - a[axis])
+        ) as unknown as Vector)));
     for (let i = 0; i < parts; ++i) {
       for (let j = 0; i + j < parts; ++j) {
         for (const corner of [rows[i][j], rows[i + 1][j], rows[i][j + 1]]) append(corner);
-        if (i + j + 1 < parts) for (const corner of [rows[i + 1][j], rows[i + 1][j + 1], rows[i][j + 1]]) append(corner);
+        if (i + j + 1 < parts) { for (const corner of [rows[i + 1][j], rows[i + 1][j + 1], rows[i][j + 1]]) append(corner); }
       }
     }
   }

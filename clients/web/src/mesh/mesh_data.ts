@@ -60,7 +60,7 @@ export function barycentricOf(mesh: MeshData, face: number, place: Vector): Vect
   const third = Math.max(0, (uu * wv - uv * wu) / area);
   const first = Math.max(0, 1 - second - third);
   const sum = first + second + third;
-  return [first / sum, second / sum, 1 - first / sum - second / sum < 0 ? 0 : 1 - first / sum - second / sum];
+  return [first / sum, second / sum, Math.max(1 - first / sum - second / sum, 0)];
 }
 
 function minus(a: Vector, b: Vector): Vector {

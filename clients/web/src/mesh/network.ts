@@ -27,7 +27,8 @@ export function networkKey(mesh: string, state: NetworkState, picked: readonly S
  */
 export function constructionRequest(mesh: string, state: NetworkState, picked: readonly SurfacePoint[]): EmbeddedSystemRequest {
   const { springs: source } = state;
-  const springs: EmbeddedSystemRequest["springs"] = !hasSprings(state) ? [] : source === "drawn" ? state.drawn.map(({ between }) => ({ between: [...between], weight: 0 })) : { kind: source, weight: 0 };
+  const springs: EmbeddedSystemRequest["springs"] = !hasSprings(state) ? []
+    : source === "drawn" ? state.drawn.map(({ between }) => ({ between: [...between], weight: 0 })) : { kind: source, weight: 0 };
   const triangles = hasMembrane(state) && { triangles: { kind: "voronoi_dual" } };
   return { mesh, points: pointsField(state, picked), springs, ...triangles, max_iterations: 1 } as EmbeddedSystemRequest;
 }

@@ -63,7 +63,11 @@ const fragmentShader = /* glsl */ `
 export class NetworkDrawing {
   readonly group = new THREE.Group();
   private readonly lineMaterial = new LineMaterial({ linewidth: 3, vertexColors: true, polygonOffset: true, polygonOffsetFactor: 0 });
-  private readonly dotMaterial = new THREE.ShaderMaterial({ vertexShader, fragmentShader, uniforms: { rim: { value: new THREE.Color(1, 1, 1) }, ratio: { value: 1 }, nearer: { value: 0 } } });
+  private readonly dotMaterial = new THREE.ShaderMaterial({
+    vertexShader,
+    fragmentShader,
+    uniforms: { rim: { value: new THREE.Color(1, 1, 1) }, ratio: { value: 1 }, nearer: { value: 0 } },
+  });
   private readonly dots = new THREE.Points(new THREE.BufferGeometry(), this.dotMaterial);
   private lines: LineSegments2 | null = null;
   private positions: readonly Vector[] = [];

@@ -6,26 +6,34 @@ import { hostControls } from "./host_panel";
 import type { Nudge } from "./nudge_buttons";
 import { listField } from "./list_field";
 import type { ClickMode, NetworkSession } from "./network_session";
-import {
-  type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MAX_ITERATIONS, MAX_SEED, MAX_WEIGHT, type NetworkState, type PointSource, POISSON_LIMITS, radiusLimits,
-  REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES, withExistingPoints,
-} from "./network_state";
+import { type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS, MODULUS_LIMITS, MOLLIFIER_LENGTHS, MAX_ITERATIONS, MAX_SEED, MAX_WEIGHT, type NetworkState,
+  type PointSource, POISSON_LIMITS, radiusLimits, REST_SCALE_LIMITS, type SpringLength, type SpringSource, THICKNESS_LIMITS, TOLERANCES,
+  withExistingPoints } from "./network_state";
 import { readFixed, readSprings, writeFixed, writeSprings } from "./network_text";
 import type { MeshSession } from "./session";
 
 const POINT_WORDS: Record<PointSource, string> = { poisson_disk: "Random, evenly spread", per_face: "One in each face", picked: "Picked by hand" };
-const SPRING_WORDS: Record<SpringSource, string> = { voronoi_dual: "Neighbours (Voronoi cells that meet)", adjacent_faces: "Across each edge of the mesh", drawn: "Drawn between points" };
+const SPRING_WORDS: Record<SpringSource, string> = {
+  voronoi_dual: "Neighbours (Voronoi cells that meet)",
+  adjacent_faces: "Across each edge of the mesh",
+  drawn: "Drawn between points",
+};
 const ELEMENT_WORDS: Record<Elements, string> = { springs: "Springs", membrane: "Membrane", both: "Both" };
 const METHOD_WORDS: Record<Method, string> = { newton: "Newton, exact Hessians", lbfgs: "L-BFGS", gradient_descent: "Gradient descent" };
 const CLICK_WORDS: Record<ClickMode, string> = { add: "Adds", join: "Joins", fix: "Fixes" };
 const SWITCHES: readonly Choice<EffectSwitch>[] = [{ value: "automatic", words: "Automatic" }, { value: "on", words: "On" }, { value: "off", words: "Off" }];
 
 const chooseFrom = <Value extends string>(words: Record<Value, string>, values: readonly Value[]): Choice<Value>[] => values.map((value) => ({ value, words: words[value] }));
-const powerChoices = (values: readonly number[]): Choice<string>[] => values.map((value) => ({ value: String(value), words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}` : String(value) }));
+const powerChoices = (values: readonly number[]): Choice<string>[] =>
+  values.map((value) => ({
+    value: String(value),
+    words: value < 0.01 ? `10${value.toExponential().replace(/^1e-(\d+)$/, (_, digits: string) => `⁻${[...digits].map((digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(digit)]).join("")}`)}`
+      : String(value),
+  }));
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
-  const element = h("section", { class: "card controls", "aria-label": "Network" },
-    pointControls(mesh, network), elementControls(network), springControls(mesh, network), membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), actions(mesh, network));
+  const element = h("section", { class: "card controls", "aria-label": "Network" }, pointControls(mesh, network), elementControls(network), springControls(mesh, network),
+    membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }
@@ -33,7 +41,10 @@ export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: 
 function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
   const source = new Select<PointSource>("Points", chooseFrom(POINT_WORDS, ["poisson_disk", "per_face", "picked"]), (points) => network.change({ points }));
   const radius = new Slider({
-    label: "Least distance of two points", lower: 0.01, upper: 1, digits: 4,
+    label: "Least distance of two points",
+    lower: 0.01,
+    upper: 1,
+    digits: 4,
     changed: (value, done) => done && network.change({ radius: value }),
   });
   const seed = new Slider({ label: "Seed", lower: 0, upper: MAX_SEED, step: 1, digits: 0, changed: (value, done) => done && network.change({ seed: Math.round(value) }) });
@@ -48,7 +59,9 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
     mode.element.hidden = points !== "picked";
     const picked: Record<ClickMode, string> = {
       add: "Adds a point of the network.",
-      join: elements === "membrane" ? "A membrane has no springs to draw." : springs !== "drawn" ? "Springs are made, not drawn: choose “Drawn between points” to join them." : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
+      join: elements === "membrane" ? "A membrane has no springs to draw."
+        : springs !== "drawn" ? "Springs are made, not drawn: choose “Drawn between points” to join them."
+        : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
       fix: "Fixes a point, or lets it go.",
     };
     help.textContent = points === "picked" ? picked[network.mode.get()] : "Make the network, then click on points to fix them or let them go.";
@@ -82,7 +95,8 @@ function membraneControls(network: NetworkSession): HTMLElement {
   const poisson = slider("Poisson’s ratio", POISSON_LIMITS, 4, (poissonRatio) => ({ poissonRatio }));
   const thickness = slider("Thickness", THICKNESS_LIMITS, 4, (value) => ({ thickness: value }));
   const scale = slider("Rest scale", REST_SCALE_LIMITS, 4, (restScale) => ({ restScale }));
-  const help = h("p", { class: "muted" }, "Triangles of points whose Voronoi cells meet. They are at rest where they start, or on lengths that the rest scale makes longer or shorter: below 1 they are stretched.");
+  const help = h("p", { class: "muted" },
+    "Triangles of points whose Voronoi cells meet. They are at rest where they start, or on lengths that the rest scale makes longer or shorter: below 1 they are stretched.");
   const element = h("div", { class: "parameters" }, help, scale.element, modulus.element, poisson.element, thickness.element);
   network.state.watch((state) => {
     element.hidden = !hasMembrane(state);
@@ -96,7 +110,8 @@ function membraneControls(network: NetworkSession): HTMLElement {
 
 function springControls(mesh: MeshSession, network: NetworkSession): HTMLElement {
   const source = new Select<SpringSource>("Springs", [], (springs) => network.change({ springs }));
-  const drawn = listField<NetworkState["drawn"]>("Springs between points", "0-1, 1-2:0.5:3", "Write two points as 0-1, and if need be rest length and weight: 0-1:0.5:3. Points are numbered from 0.", readSprings, (springs) => {
+  const drawn = listField<NetworkState["drawn"]>("Springs between points", "0-1, 1-2:0.5:3",
+    "Write two points as 0-1, and if need be rest length and weight: 0-1:0.5:3. Points are numbered from 0.", readSprings, (springs) => {
     const state = withExistingPoints({ ...network.state.get(), drawn: springs }, mesh.points.get().length);
     if (state.drawn.length < springs.length) return false;
     network.change({ drawn: springs });
@@ -131,9 +146,19 @@ function fixedField(network: NetworkSession): HTMLElement {
 
 function moreControls(network: NetworkSession): HTMLElement {
   const method = new Select<Method>("Method", chooseFrom(METHOD_WORDS, METHODS), (value) => network.change({ method: value }));
-  const length = new Select<SpringLength>("Length of a spring", [{ value: "geodesic", words: "Of the shortest path on the surface" }, { value: "euclidean", words: "Straight through space" }], (value) => network.change({ springLength: value }));
+  const length = new Select<SpringLength>("Length of a spring", [{ value: "geodesic", words: "Of the shortest path on the surface" }, {
+    value: "euclidean",
+    words: "Straight through space",
+  }], (value) => network.change({ springLength: value }));
   const tolerance = new Select<string>("Tolerance of the gradient", powerChoices(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
-  const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MAX_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }) });
+  const iterations = new Slider({
+    label: "Most iterations",
+    lower: 1,
+    upper: MAX_ITERATIONS,
+    step: 1,
+    digits: 0,
+    changed: (value, done) => done && network.change({ maxIterations: Math.round(value) }),
+  });
   const mollifier = new Select<EffectSwitch>("Smoothing next to vertices (mollifier)", SWITCHES, (value) => network.change({ mollifier: value }));
   const mollifierLength = new Select<string>("Its length, in shares of an edge", powerChoices(MOLLIFIER_LENGTHS), (value) => network.change({ mollifierLength: Number(value) }));
   const strips = new Select<EffectSwitch>("Paths unfolded from the iteration before (kept strips)", SWITCHES, (value) => network.change({ keptStrips: value }));
@@ -152,7 +177,8 @@ function moreControls(network: NetworkSession): HTMLElement {
     mollifierLength.element.hidden = state.mollifier === "off";
     strips.value = state.keptStrips;
   });
-  return h("details", { class: "more" }, h("summary", {}, "Accuracy, method and effects"), method.element, length.element, tolerance.element, iterations.element, mollifier.element, mollifierLength.element, strips.element);
+  return h("details", { class: "more" }, h("summary", {}, "Accuracy, method and effects"), method.element, length.element, tolerance.element, iterations.element, mollifier.element,
+    mollifierLength.element, strips.element);
 }
 
 function actions(mesh: MeshSession, network: NetworkSession): HTMLElement {

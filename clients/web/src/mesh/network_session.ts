@@ -9,7 +9,8 @@ import { type Host, hostFault, defaultHost, lowestVertices, connectedSupports, s
 import type { Triple } from "./membrane";
 import { fileRequest, constructionRequest, materialOf, type Network, networkKey, relaxationRequest, startsAtRest } from "./network";
 import { type Frame, Frames } from "./network_frames";
-import { withChange, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withToggledFixed, withExistingPoints, withoutPoint, withToggledSpring } from "./network_state";
+import { withChange, DEFAULT_NETWORK, hasMembrane, hasSprings, onAnotherMesh, type NetworkState, withToggledFixed, withExistingPoints, withoutPoint,
+  withToggledSpring } from "./network_state";
 import type { MeshActivity, MeshSession } from "./session";
 
 export interface Step {
@@ -184,7 +185,9 @@ export class NetworkSession {
       const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(signal);
       const asked = relaxationRequest(this.mesh, this.state.get(), network);
       if (!start) return this.runRelaxation(asked, asked, network, network.positions, signal);
-      if (startsAtRest(asked)) return this.runRelaxation({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+      if (startsAtRest(asked)) {
+        return this.runRelaxation({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+      }
       await this.runRelaxation({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
     });
   }
@@ -296,7 +299,13 @@ export class NetworkSession {
     const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
       if (!partial || !("gradient_norm" in partial) || "step_length" in partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
-      if (partial.positions && partial.iteration > 0) frames.add({ iteration: partial.iteration, positions: partial.positions as unknown as Vector[], ...(partial.vertices && { vertices: partial.vertices as unknown as Vector[] }) });
+      if (partial.positions && partial.iteration > 0) {
+        frames.add({
+          iteration: partial.iteration,
+          positions: partial.positions as unknown as Vector[],
+          ...(partial.vertices && { vertices: partial.vertices as unknown as Vector[] }),
+        });
+      }
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
     if (signal.aborted) return;
@@ -318,7 +327,8 @@ export class NetworkSession {
 
   private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
     this.cancel();
-    const { signal } = (this.running = new AbortController());
+    this.running = new AbortController();
+    const { signal } = this.running;
     this.activity.set({ kind: "busy", words, progress: null });
     try {
       await act(signal);

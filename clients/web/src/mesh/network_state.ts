@@ -67,9 +67,26 @@ const INITIAL_POINTS = 250;
 const COVERED_FRACTION = 0.7;
 
 export const DEFAULT_NETWORK: NetworkState = {
-  points: "poisson_disk", elements: "springs", radius: 1, seed: 1, springs: "voronoi_dual", drawn: [], restLength: 0, weight: 1, fixed: [],
-  youngsModulus: 1, poissonRatio: 0.3, thickness: 1, restScale: 0.9,
-  method: "newton", springLength: "geodesic", tolerance: 1e-9, maxIterations: 200, mollifier: "automatic", mollifierLength: 1e-6, keptStrips: "automatic",
+  points: "poisson_disk",
+  elements: "springs",
+  radius: 1,
+  seed: 1,
+  springs: "voronoi_dual",
+  drawn: [],
+  restLength: 0,
+  weight: 1,
+  fixed: [],
+  youngsModulus: 1,
+  poissonRatio: 0.3,
+  thickness: 1,
+  restScale: 0.9,
+  method: "newton",
+  springLength: "geodesic",
+  tolerance: 1e-9,
+  maxIterations: 200,
+  mollifier: "automatic",
+  mollifierLength: 1e-6,
+  keptStrips: "automatic",
   host: defaultHost(1),
 };
 

@@ -1,8 +1,10 @@
 // Points and springs as text in fields, and the state of a network in a link.
 import { plain } from "../base/format";
+import { choiceOf, type Fields, numberOf, readValues, wholeOf, writeValues } from "../base/link_fields";
 import type { EffectSwitch } from "../contract/types";
 import { readHost, writeHost } from "./host_text";
-import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MAX_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES, withExistingPoints } from "./network_state";
+import { DEFAULT_NETWORK, type DrawnSpring, ELEMENTS, hasMembrane, METHODS, MAX_ITERATIONS, type NetworkState, POINT_SOURCES, SPRING_SOURCES,
+  withExistingPoints } from "./network_state";
 
 const MAX_POINTS = 100_000;
 const SWITCHES: readonly EffectSwitch[] = ["automatic", "on", "off"];
@@ -45,51 +47,67 @@ function splitList(text: string): string[] {
   return text.split(/[,;\n]/).map((piece) => piece.trim()).filter((piece) => piece !== "");
 }
 
+/** Values of a network in a link, in the order in which the links of version 0.1 have them. */
+const NETWORK_VALUES = ["points", "radius", "seed", "springs", "rest-length", "weight", "method", "spring-length", "tolerance", "max-iterations", "mollifier", "mollifier-length",
+  "kept-strips", "elements", "youngs-modulus", "poisson-ratio", "thickness", "rest-scale"];
+
 /** The fields of a network in a link. */
-export function writeNetwork(state: NetworkState): string {
+export function writeNetwork(state: NetworkState): [string, string][] {
   const { points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips, elements } = state;
-  const membrane = [elements, ...[state.youngsModulus, state.poissonRatio, state.thickness, state.restScale].map(plain)];
-  const fields = [points, plain(radius), seed, springs, plain(restLength), plain(weight), method, springLength, plain(tolerance), maxIterations, mollifier, plain(mollifierLength), keptStrips, ...(hasMembrane(state) ? membrane : [])];
-  const lists = [state.fixed.length > 0 && `fixed=${state.fixed.join(",")}`, state.drawn.length > 0 && `springs=${writeSprings(state.drawn).replace(/ /g, "")}`];
-  return [`network=${fields.join(",")}`, ...lists.filter((text) => text !== false), ...writeHost(state.host)].join("&");
+  const { youngsModulus, poissonRatio, thickness, restScale } = state;
+  const membrane = { elements, "youngs-modulus": youngsModulus, "poisson-ratio": poissonRatio, thickness, "rest-scale": restScale };
+  const values = writeValues({
+    points,
+    radius,
+    seed,
+    springs,
+    "rest-length": restLength,
+    weight,
+    method,
+    "spring-length": springLength,
+    tolerance,
+    "max-iterations": maxIterations,
+    mollifier,
+    "mollifier-length": mollifierLength,
+    "kept-strips": keptStrips,
+    ...(hasMembrane(state) && membrane),
+  });
+  const fields: [string, string][] = [["network", values]];
+  if (state.fixed.length > 0) fields.push(["fixed", state.fixed.join(",")]);
+  if (state.drawn.length > 0) fields.push(["springs", writeSprings(state.drawn).replace(/ /g, "")]);
+  return [...fields, ...writeHost(state.host)];
 }
 
 /** The network from the fields of a link, with defaults for missing and invalid values; null if the link has no network. */
-export function readNetwork(fields: ReadonlyMap<string, string>, picked: number): NetworkState | null {
-  const values = fields.get("network")?.split(",");
-  if (!values) return null;
-  const [points, radius, seed, springs, restLength, weight, method, springLength, tolerance, maxIterations, mollifier, mollifierLength, keptStrips, elements, youngsModulus, poissonRatio, thickness, restScale] = values;
+export function readNetwork(fields: Fields, picked: number): NetworkState | null {
+  const text = fields.get("network");
+  if (text === undefined) return null;
+  const values = readValues(text, NETWORK_VALUES);
   const defaults = DEFAULT_NETWORK;
-  const number = (text: string | undefined, lower: number, upper: number, otherwise: number) => {
-    const value = Number(text);
-    return text && value >= lower && value <= upper ? value : otherwise;
-  };
+  const number = (name: string, lower: number, upper: number, otherwise: number) => numberOf(values.get(name), lower, upper, otherwise);
+  const elements = choiceOf(values.get("elements"), ELEMENTS, defaults.elements);
   const state: NetworkState = {
-    points: oneOf(POINT_SOURCES, points, defaults.points),
-    radius: number(radius, 1e-12, 1e12, defaults.radius),
-    seed: Math.round(number(seed, 0, 2 ** 31 - 1, defaults.seed)),
-    springs: oneOf(SPRING_SOURCES, springs, defaults.springs),
-    restLength: number(restLength, 0, 1e12, defaults.restLength),
-    weight: number(weight, 0, 1e12, defaults.weight),
-    method: oneOf(METHODS, method, defaults.method),
-    elements: oneOf(ELEMENTS, elements, defaults.elements),
-    youngsModulus: number(youngsModulus, 1e-12, 1e12, defaults.youngsModulus),
-    poissonRatio: number(poissonRatio, -0.99, 0.4999, defaults.poissonRatio),
-    thickness: number(thickness, 1e-12, 1e12, defaults.thickness),
-    restScale: number(restScale, 1e-6, 1e6, defaults.restScale),
-    springLength: springLength === "euclidean" && !hasMembrane({ elements: oneOf(ELEMENTS, elements, "springs") }) ? "euclidean" : "geodesic",
-    tolerance: number(tolerance, 1e-16, 1, defaults.tolerance),
-    maxIterations: Math.round(number(maxIterations, 1, MAX_ITERATIONS, defaults.maxIterations)),
-    mollifier: oneOf(SWITCHES, mollifier, "automatic"),
-    mollifierLength: number(mollifierLength, 1e-12, 0.5, defaults.mollifierLength),
-    keptStrips: oneOf(SWITCHES, keptStrips, "automatic"),
+    points: choiceOf(values.get("points"), POINT_SOURCES, defaults.points),
+    radius: number("radius", 1e-12, 1e12, defaults.radius),
+    seed: wholeOf(values.get("seed"), 0, 2 ** 31 - 1, defaults.seed),
+    springs: choiceOf(values.get("springs"), SPRING_SOURCES, defaults.springs),
+    restLength: number("rest-length", 0, 1e12, defaults.restLength),
+    weight: number("weight", 0, 1e12, defaults.weight),
+    method: choiceOf(values.get("method"), METHODS, defaults.method),
+    elements,
+    youngsModulus: number("youngs-modulus", 1e-12, 1e12, defaults.youngsModulus),
+    poissonRatio: number("poisson-ratio", -0.99, 0.4999, defaults.poissonRatio),
+    thickness: number("thickness", 1e-12, 1e12, defaults.thickness),
+    restScale: number("rest-scale", 1e-6, 1e6, defaults.restScale),
+    springLength: values.get("spring-length") === "euclidean" && !hasMembrane({ elements }) ? "euclidean" : "geodesic",
+    tolerance: number("tolerance", 1e-16, 1, defaults.tolerance),
+    maxIterations: wholeOf(values.get("max-iterations"), 1, MAX_ITERATIONS, defaults.maxIterations),
+    mollifier: choiceOf(values.get("mollifier"), SWITCHES, "automatic"),
+    mollifierLength: number("mollifier-length", 1e-12, 0.5, defaults.mollifierLength),
+    keptStrips: choiceOf(values.get("kept-strips"), SWITCHES, "automatic"),
     fixed: readFixed(fields.get("fixed") ?? "") ?? [],
     drawn: readSprings(fields.get("springs") ?? "") ?? [],
     host: readHost(fields),
   };
   return withExistingPoints(state, state.points === "picked" ? picked : MAX_POINTS);
-}
-
-function oneOf<Value extends string>(values: readonly Value[], text: string | undefined, otherwise: Value): Value {
-  return values.find((value) => value === text) ?? otherwise;
 }

@@ -47,7 +47,9 @@ export class NetworkView {
       if (relaxing?.answer || !relaxing) this.frame.set(null);
       this.draw();
     });
-    for (const part of [session.network, session.state, session.chosen, this.frame, this.colourBy, this.triangleColourBy, this.deformationBy, this.atRest]) part.watch(() => this.draw());
+    for (const part of [session.network, session.state, session.chosen, this.frame, this.colourBy, this.triangleColourBy, this.deformationBy, this.atRest]) {
+      part.watch(() => this.draw());
+    }
   }
 
   private draw(): void {
@@ -89,7 +91,7 @@ export class NetworkView {
     const values = by === "none" ? null : deformationOf(data, vertices, by);
     const factor = values ? greatestFactor(values) : 1;
     if (values) this.deformation.set(factor);
-    this.host.set({ vertices: this.atRest.get() ? null : vertices, colours: values && values.map((value) => deformationColour(value, factor)) });
+    this.host.set({ vertices: this.atRest.get() ? null : vertices, colours: values?.map((value) => deformationColour(value, factor)) ?? null });
   }
 
   /** The vertices of a deformed host in the drawn state; null if it is undeformed. */
@@ -114,14 +116,22 @@ export class NetworkView {
       const positions = isMappedToRest ? answer.points.map((point) => placeOn(data, point)) : (answer.positions as unknown as Vector[]);
       const place = (point: PathPoint) => (isMappedToRest ? placeOn(data, point) : (point.position as unknown as Vector));
       const lines = answer.springs.map(({ between: [a, b], path }) => (path && path.length > 1 ? path.map(place) : [positions[a], positions[b]]));
-      return { positions, lines, values: exactValues(answer), membrane: exactTriangles(answer, materialOf(relaxing.request)), straight: relaxing.request.spring_length === "euclidean" };
+      return {
+        positions,
+        lines,
+        values: exactValues(answer),
+        membrane: exactTriangles(answer, materialOf(relaxing.request)),
+        straight: relaxing.request.spring_length === "euclidean",
+      };
     }
     const drawnFrame = frame ?? relaxing?.frames.at(-1);
     // Intermediate states have no faces of the points: on the shape at rest the constructed network is drawn.
     const positions = (this.atRest.get() && drawnFrame?.vertices ? network?.positions : drawnFrame?.positions) ?? network?.positions ?? [];
     const state = this.session.state.get();
     const springs = relaxing ? (relaxing.request.springs as ReturnType<typeof springsOf>) : springsOf(state, pairs);
-    const material = materialOf(relaxing?.request ?? { membrane: { youngs_modulus: state.youngsModulus, poisson_ratio: state.poissonRatio, thickness: state.thickness, rest_scale: state.restScale } });
+    const material = materialOf(
+      relaxing?.request ?? { membrane: { youngs_modulus: state.youngsModulus, poisson_ratio: state.poissonRatio, thickness: state.thickness, rest_scale: state.restScale } },
+    );
     const membrane = network ? straightTriangles(network, positions, material, material.rest_scale) : { stretches: [], densities: [], exact: false };
     return { positions, lines: pairs.map(([a, b]) => [positions[a], positions[b]]), values: straightValues(positions, springs), membrane, straight: true };
   }

@@ -37,11 +37,16 @@ export function meshPage({ client, link }: PageContext): Page {
   const diagram = h("div", {}, voronoiCard(voronoi, cells));
   const viewer = makeViewer();
   const appearance = { ramp: (name: RampName) => viewer?.setRamp(name), spacing: (spacing: number | null) => viewer?.setSpacing(spacing) };
-  const element = h("div", { class: "mesh-page" },
-    h("h1", { class: "visually-hidden" }, "Mesh"), meshPanel(session, network, voronoi, { site: nudge, support: nudgeSupport }, () => void openSample(), appearance), h("div", { class: "column right" }, stage, card, diagram));
+  const element = h("div", { class: "mesh-page" }, h("h1", { class: "visually-hidden" }, "Mesh"),
+    meshPanel(session, network, voronoi, { site: nudge, support: nudgeSupport }, () => void openSample(), appearance), h("div", { class: "column right" }, stage, card, diagram));
   const hint = h("p", { class: "hint" });
-  const share = shareButton("Copy a link to this mesh and its points", () => (session.mesh.get() ? writeLink() : "Open a mesh first"));
-  replace(stage, viewTools(session, viewer, share), h("div", { class: "status-place" }, status), viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint);
+  const share = shareButton("Copy a link to this mesh and its points", () => {
+    if (!session.mesh.get()) return "Open a mesh first";
+    writeLink();
+    return undefined;
+  });
+  replace(stage, viewTools(session, viewer, share), h("div", { class: "status-place" }, status),
+    viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers."), hint);
 
   function makeViewer(): MeshViewer | null {
     try {
@@ -146,7 +151,9 @@ export function meshPage({ client, link }: PageContext): Page {
     for (const part of [view.host, session.tool]) part.watch(() => viewer.setHost(isNetworkTool() ? view.host.get() : null));
     for (const part of [view.host, view.atRest, session.tool, session.mesh, network.state, network.chosenSupport]) part.watch(showSupports);
     for (const part of [cells.cells, session.tool]) part.watch(() => !isNetworkTool() && viewer.setCells(isVoronoiTool() ? cells.cells.get() : null));
-    for (const part of [view.picture, cells.picture, session.tool]) part.watch(() => viewer.setNetwork(isNetworkTool() ? view.picture.get() : isVoronoiTool() ? cells.picture.get() : null));
+    for (const part of [view.picture, cells.picture, session.tool]) {
+      part.watch(() => viewer.setNetwork(isNetworkTool() ? view.picture.get() : isVoronoiTool() ? cells.picture.get() : null));
+    }
   }
   session.finding.watch((finding) => {
     if (finding.facts.length > 0) announce(finding.facts.map(([term, value]) => `${term}: ${value}`).join(". "));
@@ -155,14 +162,19 @@ export function meshPage({ client, link }: PageContext): Page {
     part.watch(() => {
       const { points } = network.state.get();
       if (isVoronoiTool()) {
-        hint.textContent = "Click to add a site, drag one to move it; drag beside it to turn, scroll to come nearer. With the keyboard: arrows and + −; with Shift, arrows move the chosen site.";
+        hint.textContent =
+          "Click to add a site, drag one to move it; drag beside it to turn, scroll to come nearer. With the keyboard: arrows and + −; with Shift, arrows move the chosen site.";
         return;
       }
-      const click = isNetworkTool() && network.supportMode.get() ? "Click to hold the nearest vertex or let it go" : !isNetworkTool() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point" : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
+      const click = isNetworkTool() && network.supportMode.get() ? "Click to hold the nearest vertex or let it go"
+        : !isNetworkTool() || (points === "picked" && network.mode.get() === "add") ? "Click to pick a point"
+        : points === "picked" && network.mode.get() === "join" ? "Click on two points to join them" : "Click on a point to fix it or let it go";
       const { kind, supports } = network.state.get().host;
       const hasSupports = isNetworkTool() && kind !== "rigid" && supports.length > 0;
       const dragged = hasSupports ? "a support to move it, beside it" : isNetworkTool() ? "" : "a point to move it, beside it";
-      hint.textContent = `${click}, drag ${dragged} to turn, scroll to come nearer. With the keyboard: arrows and + −${hasSupports ? "; with Shift, arrows move the chosen support" : ""}.`.replace("  ", " ");
+      hint.textContent = `${click}, drag ${dragged} to turn, scroll to come nearer. With the keyboard: arrows and + −${
+        hasSupports ? "; with Shift, arrows move the chosen support" : ""
+      }.`.replace("  ", " ");
     });
   }
   session.tool.watch(() => {
@@ -200,7 +212,16 @@ export function meshPage({ client, link }: PageContext): Page {
     const loaded = session.mesh.get();
     if (!loaded) return;
     const points = isVoronoiTool() ? (voronoi.state.get().scattered ? [] : voronoi.sites.get()) : session.points.get();
-    link.write(writeMeshLink({ mesh: loaded.info.id, tool: session.tool.get(), points: [...points], starts: session.starts.get(), network: network.state.get(), voronoi: voronoi.state.get() }));
+    link.write(
+      writeMeshLink({
+        mesh: loaded.info.id,
+        tool: session.tool.get(),
+        points: [...points],
+        starts: session.starts.get(),
+        network: network.state.get(),
+        voronoi: voronoi.state.get(),
+      }),
+    );
   }
   for (const part of [session.mesh, session.points, session.tool, session.starts, network.state, voronoi.state, voronoi.sites]) part.watch(writeLink);
   stage.addEventListener("dragover", (event) => event.preventDefault());

@@ -25,16 +25,30 @@ export interface FieldAppearance {
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
 
-export function meshPanel(session: MeshSession, network: NetworkSession, voronoi: VoronoiSession, nudge: { readonly site: Nudge; readonly support: Nudge }, sample: () => void, appearance: FieldAppearance): HTMLElement {
-  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support), voronoiPanel(session, voronoi, nudge.site), findingCard(session, appearance));
+export function meshPanel(
+  session: MeshSession,
+  network: NetworkSession,
+  voronoi: VoronoiSession,
+  nudge: { readonly site: Nudge; readonly support: Nudge },
+  sample: () => void,
+  appearance: FieldAppearance,
+): HTMLElement {
+  return h("div", { class: "column left" }, surfaceCard(session, sample), toolCard(session, network), networkPanel(session, network, nudge.support),
+    voronoiPanel(session, voronoi, nudge.site), findingCard(session, appearance));
 }
 
 function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
-  const file = h("input", { type: "file", accept: FILE_TYPES, class: "visually-hidden", id: uniqueId("file"), onchange: () => {
-    const chosen = file.files?.[0];
-    if (chosen) void session.upload(chosen, chosen.name);
-    file.value = "";
-  } });
+  const file = h("input", {
+    type: "file",
+    accept: FILE_TYPES,
+    class: "visually-hidden",
+    id: uniqueId("file"),
+    onchange: () => {
+      const chosen = file.files?.[0];
+      if (chosen) void session.upload(chosen, chosen.name);
+      file.value = "";
+    },
+  });
   const list = new Select<string>("Meshes on the server", [], (id) => id && void session.open(id));
   const facts = h("dl", { class: "facts compact" });
   const warnings = h("div", { class: "notes" });
@@ -47,8 +61,12 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
     if (!loaded) return;
     const { info } = loaded;
     const rows: [string, string][] = [
-      ["Vertices", info.vertices.toLocaleString("en")], ["Faces", info.faces.toLocaleString("en")],
-      ["Components", String(info.components)], ["Boundaries", String(info.boundary_loops)], ["Handles", String(info.genus)], ["Area", digits(info.area, 4)],
+      ["Vertices", info.vertices.toLocaleString("en")],
+      ["Faces", info.faces.toLocaleString("en")],
+      ["Components", String(info.components)],
+      ["Boundaries", String(info.boundary_loops)],
+      ["Handles", String(info.genus)],
+      ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
     replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)),
@@ -56,8 +74,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
-    h("p", { class: "muted" }, "OBJ, OFF, PLY or STL; or drop a file onto the view."),
-    repairControls(session), list.element, facts, warnings);
+    h("p", { class: "muted" }, "OBJ, OFF, PLY or STL; or drop a file onto the view."), repairControls(session), list.element, facts, warnings);
 }
 
 function repairControls(session: MeshSession): HTMLElement {
@@ -91,10 +108,17 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
     network: "An elastic network or membrane whose points slide on the surface until it is at rest.",
     voronoi: "Cells of the points that are nearer to one site than to any other, by shortest paths; as they are, or optimized.",
   };
-  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, { value: "network", words: "Network" }, { value: "voronoi", words: "Voronoi" }], (value) => session.setTool(value));
+  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, {
+    value: "network",
+    words: "Network",
+  }, { value: "voronoi", words: "Voronoi" }], (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
   const starts = new Slider({
-    label: "Searches from different starts", lower: 1, upper: MAX_STARTS, step: 1, digits: 0,
+    label: "Searches from different starts",
+    lower: 1,
+    upper: MAX_STARTS,
+    step: 1,
+    digits: 0,
     changed: (value, done) => done && session.setStarts(Math.round(value)),
   });
   session.starts.watch((value) => (starts.value = value));
@@ -102,21 +126,24 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
   const id = uniqueId("point");
   const entry = h("input", { class: "number", id, placeholder: "v120, 7:0.2,0.3,0.5 or @1,2,3" });
   const distanceNote = h("p", { class: "muted", role: "status", hidden: true });
-  const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
-    event.preventDefault();
-    const place = readPlace(entry.value);
-    const data = session.mesh.get()?.data;
-    const placed = place && data ? projectedOnto(data, place) : null;
-    const point = placed?.point ?? readPoint(entry.value);
-    const before = session.points.get().length;
-    if (point) session.add(point);
-    const added = session.points.get().length > before;
-    entry.setCustomValidity(added ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
-    distanceNote.hidden = !(added && placed);
-    distanceNote.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
-    if (added) entry.value = "";
-    else entry.reportValidity();
-  } }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"), distanceNote);
+  const form = h("form", {
+    class: "point-form",
+    onsubmit: (event: Event) => {
+      event.preventDefault();
+      const place = readPlace(entry.value);
+      const data = session.mesh.get()?.data;
+      const placed = place && data ? projectedOnto(data, place) : null;
+      const point = placed?.point ?? readPoint(entry.value);
+      const before = session.points.get().length;
+      if (point) session.add(point);
+      const added = session.points.get().length > before;
+      entry.setCustomValidity(added ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
+      distanceNote.hidden = !(added && placed);
+      distanceNote.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
+      if (added) entry.value = "";
+      else entry.reportValidity();
+    },
+  }, h("label", { for: id }, "Add a point"), entry, h("button", { class: "button" }, "Add"), distanceNote);
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const clear = button("Remove all", () => session.setPoints([]), { kind: "quiet" });
   const isNetworkTool = () => session.tool.get() === "network";
@@ -126,8 +153,11 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
     const picked = session.tool.get() !== "voronoi" && (!isNetworkTool() || network.state.get().points === "picked");
     list.hidden = form.hidden = !picked;
     clear.hidden = !picked || points.length === 0;
-    replace(list, ...points.map((point, k) =>
-      h("li", {}, h("span", {}, `${isNetworkTool() ? `${k}: ` : ""}${pointWords(point)}`), button("", () => remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))));
+    replace(list,
+      ...points.map((point, k) =>
+        h("li", {}, h("span", {}, `${isNetworkTool() ? `${k}: ` : ""}${pointWords(point)}`), button("", () =>
+          remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))
+      ));
     if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
   };
   session.tool.watch((value) => {
@@ -153,12 +183,20 @@ function findingCard(session: MeshSession, appearance: FieldAppearance): HTMLEle
   const ticks = h("div", { class: "ramp-ticks" });
   const ramp = new Select<RampName>("Colours", RAMP_NAMES.map((value) => ({ value, words: RAMP_WORDS[value] })), show);
   const id = uniqueId("spacing");
-  const spacing = h("input", { type: "number", class: "number", id, min: 0, step: "any", placeholder: "automatic", onchange: () => {
-    const value = Number(spacing.value);
-    const used = spacing.value !== "" && value > 0 ? value : null;
-    if (used === null) spacing.value = "";
-    appearance.spacing(used);
-  } });
+  const spacing = h("input", {
+    type: "number",
+    class: "number",
+    id,
+    min: 0,
+    step: "any",
+    placeholder: "automatic",
+    onchange: () => {
+      const value = Number(spacing.value);
+      const used = spacing.value !== "" && value > 0 ? value : null;
+      if (used === null) spacing.value = "";
+      appearance.spacing(used);
+    },
+  });
   const scale = h("div", { class: "ramp-box controls" }, h("div", {}, bar, ticks), ramp.element,
     h("div", { class: "field" }, h("label", { for: id }, "Spacing of the isolines, mesh units"), spacing));
   const card = h("section", { class: "card", "aria-label": "Result", hidden: true }, h("h2", {}, "Result"), scale, facts, notes);

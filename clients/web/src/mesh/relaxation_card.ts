@@ -39,20 +39,26 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const slider = h("div");
   const colours = new Select<ColourBy>("Colour of the springs", [{ value: "energy", words: "Energy" }, { value: "length", words: "Length" }], (value) => view.colourBy.set(value));
   const scale = legend(SPRING_RAMP);
-  const triangleColours = new Select<TriangleColourBy>("Colour of the triangles", [{ value: "stretch", words: "Greater principal stretch" }, { value: "density", words: "Energy per area at rest" }], (value) => view.triangleColourBy.set(value));
+  const triangleColours = new Select<TriangleColourBy>("Colour of the triangles", [{ value: "stretch", words: "Greater principal stretch" }, {
+    value: "density",
+    words: "Energy per area at rest",
+  }], (value) => view.triangleColourBy.set(value));
   const triangleScale = legend(RAMP);
   const springLegend = h("div", { class: "ramp-choice" }, colours.element, scale.element);
   const triangleLegend = h("div", { class: "ramp-choice" }, triangleColours.element, triangleScale.element);
   const resumeButton = button("Go on from here", () => void network.relax(true));
   const file = (kind: FileKind) =>
-    button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), { icon: "download", title: `Save the network as ${kind.toUpperCase()}` });
+    button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), {
+      icon: "download",
+      title: `Save the network as ${kind.toUpperCase()}`,
+    });
   const files = [file("obj"), file("vtu")];
   const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
   const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
   const side = h("div", { class: "relaxation-side" }, triangleLegend, springLegend, hostLegend(view), slider);
-  const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true },
-    h("h2", {}, "Relaxation"), sentence, stale, notes, resumeButton, h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
+  const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true }, h("h2", {}, "Relaxation"), sentence, stale, notes, resumeButton,
+    h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
 
   function saveRequest(): void {
     const relaxing = network.relaxing.get();
@@ -70,7 +76,11 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   function showSlider({ frames, answer }: RelaxationRun): void {
     if (!answer || frames.length === 0 || answer.iterations === 0) return replace(slider);
     const states = new Slider({
-      label: "Iteration that is seen", lower: 0, upper: answer.iterations, step: 1, digits: 0,
+      label: "Iteration that is seen",
+      lower: 0,
+      upper: answer.iterations,
+      step: 1,
+      digits: 0,
       changed: (value, done) => {
         const frame = frameAt(frames, answer.iterations, value);
         view.frame.set(frame);
@@ -135,7 +145,10 @@ function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | 
     ...(network.pairs.length > 0 || network.triangles.length === 0 ? [["Springs", network.pairs.length.toLocaleString("en")] as [string, string]] : []),
     ...(network.triangles.length > 0 ? [["Triangles", network.triangles.length.toLocaleString("en")] as [string, string]] : []),
   ];
-  if (step) rows.push(["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", answer ? `${step.iteration} of ${answer.iterations}` : String(step.iteration)]);
+  if (step) {
+    rows.push(["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration",
+      answer ? `${step.iteration} of ${answer.iterations}` : String(step.iteration)]);
+  }
   if (stretches) {
     const about = stretches.exact ? "" : "≈ ";
     rows.push(["Least stretch", about + digits(stretches.min, 4)], ["Greatest stretch", about + digits(stretches.max, 4)]);
@@ -161,6 +174,7 @@ function notesOf(answer: EmbeddedSystem): string[] {
 function historyTable({ history }: EmbeddedSystem): HTMLElement {
   const every = Math.max(1, Math.ceil(history.length / MAX_ROWS));
   const rows = history.flatMap(({ energy, gradient_norm, step_length, regularization }, k) =>
-    k % every === 0 || k === history.length - 1 ? [[String(k), digits(energy, 6), digits(gradient_norm, 3), digits(step_length, 3), digits(regularization, 2)]] : []);
+    k % every === 0 || k === history.length - 1 ? [[String(k), digits(energy, 6), digits(gradient_norm, 3), digits(step_length, 3), digits(regularization, 2)]] : []
+  );
   return table("History", ["Iteration", "Energy", "Gradient", "Step", "Regularization"], rows);
 }

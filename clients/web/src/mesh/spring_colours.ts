@@ -5,7 +5,11 @@ export { cssGradient, type Rgb };
 
 /** Colours from small to large values, in linear light. */
 export const SPRING_RAMP: readonly Rgb[] = [
-  [0.012, 0.03, 0.2], [0.12, 0.02, 0.3], [0.5, 0.02, 0.2], [0.87, 0.13, 0.04], [1, 0.52, 0.03],
+  [0.012, 0.03, 0.2],
+  [0.12, 0.02, 0.3],
+  [0.5, 0.02, 0.2],
+  [0.87, 0.13, 0.04],
+  [1, 0.52, 0.03],
 ];
 
 /** The colour at a fraction of the ramp, from 0 to 1. */

@@ -23,7 +23,8 @@ export function viewTools(session: MeshSession, viewer: MeshViewer | null, share
     viewer?.setWireframe(shown);
   }, { title: "Show the edges of the mesh" });
   wire.setAttribute("aria-pressed", "false");
-  const element = h("div", { class: "toolbar", role: "toolbar", "aria-label": "View" }, undo, redo, h("span", { class: "gap" }), fit, wire, h("span", { class: "stretch" }), share, exports(session, viewer));
+  const element = h("div", { class: "toolbar", role: "toolbar", "aria-label": "View" }, undo, redo, h("span", { class: "gap" }), fit, wire, h("span", { class: "stretch" }), share,
+    exports(session, viewer));
   session.mesh.watch((loaded) => {
     for (const part of [fit, wire]) part.disabled = !loaded || !viewer;
   });
@@ -54,7 +55,8 @@ function exports(session: MeshSession, viewer: MeshViewer | null): HTMLElement {
     else announce("There is no picture to save.");
   }
 
-  const element = menu("Export", "download", h("div", { class: "menu-group" }, h("h3", {}, "What was found"), pathObj, pathCsv, ply, csv), h("div", { class: "menu-group" }, h("h3", {}, "View"), png));
+  const element = menu("Export", "download", h("div", { class: "menu-group" }, h("h3", {}, "What was found"), pathObj, pathCsv, ply, csv),
+    h("div", { class: "menu-group" }, h("h3", {}, "View"), png));
   session.finding.watch(({ distances }) => {
     for (const part of [pathObj, pathCsv]) part.disabled = paths().length === 0;
     for (const part of [ply, csv]) part.disabled = distances === null;

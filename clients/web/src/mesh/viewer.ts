@@ -186,7 +186,15 @@ export class MeshViewer {
   setSupports(places: readonly Vector[], chosen = -1): void {
     [this.supportPositions, this.chosenSupport] = [places, chosen];
     const colour = pageColours();
-    this.supports.show({ positions: places, kinds: places.map((_, k) => (k === chosen ? "chosen" : "support")), lines: [], colours: [], triangles: [], triangleColours: [], straight: false }, (kind) => colour(DOT_COLOURS[kind]));
+    this.supports.show({
+      positions: places,
+      kinds: places.map((_, k) => (k === chosen ? "chosen" : "support")),
+      lines: [],
+      colours: [],
+      triangles: [],
+      triangleColours: [],
+      straight: false,
+    }, (kind) => colour(DOT_COLOURS[kind]));
     this.view.draw();
   }
 
@@ -324,7 +332,9 @@ export class MeshViewer {
       const wasDragged = place !== null || support?.moved === true;
       [dragged, support] = [null, null];
       if (place) (isMark ? this.onDragMark : this.onDrag)(point, place, true);
-      else if (event.type === "pointerup" && down && event.button === 0 && !wasDragged && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) this.pick(event);
+      else if (event.type === "pointerup" && down && event.button === 0 && !wasDragged && Math.hypot(event.clientX - down[0], event.clientY - down[1]) < CLICK_PIXELS) {
+        this.pick(event);
+      }
       down = null;
     };
     canvas.addEventListener("pointerup", release);

@@ -11,7 +11,7 @@ import { cssGradient } from "./spring_colours";
 import { RAMP } from "./surface_material";
 import { statisticsRows } from "./voronoi_statistics";
 import type { VoronoiFile, VoronoiSession } from "./voronoi_session";
-import { type CellColourBy, type VoronoiView } from "./voronoi_view";
+import type { CellColourBy, VoronoiView } from "./voronoi_view";
 
 export const VORONOI_TERMINATIONS: Record<VoronoiOptimization["stopped"], string> = {
   converged: "The sites are at rest: the gradient is below the tolerance.",
@@ -20,7 +20,10 @@ export const VORONOI_TERMINATIONS: Record<VoronoiOptimization["stopped"], string
 };
 
 const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [
-  ["obj", "model/obj", "Save borders and cells as OBJ"], ["vtu", "application/xml", "Save cells and borders as VTU"], ["svg", "image/svg+xml", "Save flat panels as SVG"], ["csv", "text/csv", "Save the panels’ lengths and angles as CSV"],
+  ["obj", "model/obj", "Save borders and cells as OBJ"],
+  ["vtu", "application/xml", "Save cells and borders as VTU"],
+  ["svg", "image/svg+xml", "Save flat panels as SVG"],
+  ["csv", "text/csv", "Save the panels’ lengths and angles as CSV"],
 ];
 
 export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLElement {
@@ -31,7 +34,10 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   const facts = h("dl", { class: "facts" });
   const notes = h("div", { class: "notes" });
   const statistics = h("div");
-  const colours = new Select<CellColourBy>("Colour of the cells", [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, { value: "none", words: "None" }], (value) => view.colourBy.set(value));
+  const colours = new Select<CellColourBy>("Colour of the cells", [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, {
+    value: "none",
+    words: "None",
+  }], (value) => view.colourBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(RAMP);
   const [min, max] = [h("span"), h("span")];
@@ -39,10 +45,12 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   let panelScale = 100;
   const panels = new Slider({ label: "Millimetres for each unit, on panels", lower: 0.1, upper: 1000, digits: 3, changed: (value) => (panelScale = value) });
   panels.value = panelScale;
-  const files = FILE_KINDS.map(([kind, type, title]) => button(kind.toUpperCase(), () => void voronoi.file(kind, panelScale, (text) => download(`voronoi.${kind}`, type, text)), { icon: "download", title }));
+  const files = FILE_KINDS.map(([kind, type, title]) =>
+    button(kind.toUpperCase(), () => void voronoi.file(kind, panelScale, (text) => download(`voronoi.${kind}`, type, text)), { icon: "download", title })
+  );
   const side = h("div", { class: "relaxation-side" }, colours.element, scale, panels.element);
-  const card = h("section", { class: "card relaxation voronoi", "aria-label": "Diagram", hidden: true },
-    h("h2", {}, "Diagram"), sentence, notes, h("div", { class: "relaxation-body" }, stage, facts, side), statistics, h("div", { class: "row" }, ...files));
+  const card = h("section", { class: "card relaxation voronoi", "aria-label": "Diagram", hidden: true }, h("h2", {}, "Diagram"), sentence, notes,
+    h("div", { class: "relaxation-body" }, stage, facts, side), statistics, h("div", { class: "row" }, ...files));
 
   function factsNow(): [string, string][] {
     const diagram = voronoi.result.get()?.diagram;
@@ -50,7 +58,9 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     const step = optimizing?.steps.at(-1);
     const moves = optimizing?.answer?.site_moves;
     return [
-      ...(diagram ? [["Cells", diagram.cells.length.toLocaleString("en")], ["Edges", diagram.edges.length.toLocaleString("en")], ["Vertices", diagram.vertices.length.toLocaleString("en")]] as [string, string][] : []),
+      ...(diagram
+        ? [["Cells", diagram.cells.length.toLocaleString("en")], ["Edges", diagram.edges.length.toLocaleString("en")], ["Vertices",
+          diagram.vertices.length.toLocaleString("en")]] as [string, string][] : []),
       ...(step ? [["Energy", digits(step.energy, 5)], ["Gradient", digits(step.gradient, 2)], ["Iteration", String(step.iteration)]] as [string, string][] : []),
       ...(moves ? [["Moves of single sites", `${moves.taken.toLocaleString("en")} of ${moves.tried.toLocaleString("en")} taken`]] as [string, string][] : []),
       ...(diagram && (!optimizing || optimizing.answer) ? [["Time", seconds(diagram.cost.seconds)]] as [string, string][] : []),

@@ -9,21 +9,35 @@ import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import { readFixed, writeFixed } from "./network_text";
 import type { MeshSession } from "./session";
 import type { VoronoiSession } from "./voronoi_session";
-import { BORDER_DEVIATIONS, type Exactness, type Minimizer, MAX_OBJECTIVE_WEIGHT, MAX_SITE_SEED, MAX_SITES, MAX_VORONOI_ITERATIONS, type Objective, OBJECTIVES, VORONOI_TOLERANCES } from "./voronoi_state";
+import { BORDER_DEVIATIONS, type Exactness, type Minimizer, MAX_OBJECTIVE_WEIGHT, MAX_SITE_SEED, MAX_SITES, MAX_VORONOI_ITERATIONS, type Objective, OBJECTIVES,
+  VORONOI_TOLERANCES } from "./voronoi_state";
 
 const EXACTNESS_WORDS: Record<Exactness, string> = { exact: "Exact", bounded: "Within 1 %", edges: "Along edges" };
-const OBJECTIVE_WORDS: Record<Objective, string> = { centroidal: "Sites at their cells’ centres", regularity: "Regular cells", equal_area: "Equal areas", edge_length: "Equal edges", planarity: "Flat panels" };
+const OBJECTIVE_WORDS: Record<Objective, string> = {
+  centroidal: "Sites at their cells’ centres",
+  regularity: "Regular cells",
+  equal_area: "Equal areas",
+  edge_length: "Equal edges",
+  planarity: "Flat panels",
+};
 const MINIMIZER_WORDS: Record<Minimizer, string> = { automatic: "by objective", gauss_newton: "Gauss–Newton", lbfgs: "L-BFGS" };
 
 export function voronoiPanel(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge): HTMLElement {
-  const element = h("section", { class: "card controls", "aria-label": "Voronoi diagram" }, 
-    randomSites(mesh, voronoi), objectives(mesh, voronoi), actions(voronoi), siteControls(mesh, voronoi, nudge), exactness(voronoi), more(voronoi));
+  const element = h("section", { class: "card controls", "aria-label": "Voronoi diagram" }, randomSites(mesh, voronoi), objectives(mesh, voronoi), actions(voronoi),
+    siteControls(mesh, voronoi, nudge), exactness(voronoi), more(voronoi));
   mesh.tool.watch((tool) => (element.hidden = tool !== "voronoi"));
   return element;
 }
 
 function randomSites(mesh: MeshSession, voronoi: VoronoiSession): HTMLElement {
-  const count = new Slider({ label: "Random sites", lower: 1, upper: MAX_SITES, step: 1, digits: 0, changed: (value, done) => done && voronoi.change({ count: Math.round(value) }) });
+  const count = new Slider({
+    label: "Random sites",
+    lower: 1,
+    upper: MAX_SITES,
+    step: 1,
+    digits: 0,
+    changed: (value, done) => done && voronoi.change({ count: Math.round(value) }),
+  });
   const seed = new Slider({ label: "Seed", lower: 0, upper: MAX_SITE_SEED, step: 1, digits: 0, changed: (value, done) => done && voronoi.change({ seed: Math.round(value) }) });
   const scatter = button("Scatter sites", () => void voronoi.scatter());
   mesh.mesh.watch((loaded) => (scatter.disabled = loaded === null));
@@ -50,33 +64,38 @@ function siteControls(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge):
   const entry = h("input", { class: "number", id, placeholder: "v120, 7:0.2,0.3,0.5 or @1,2,3" });
   const distanceNote = h("p", { class: "muted", role: "status", hidden: true });
   entry.addEventListener("input", () => entry.setCustomValidity(""));
-  const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
-    event.preventDefault();
-    const place = readPlace(entry.value);
-    const shown = mesh.mesh.get();
-    const placed = place && shown ? projectedOnto(shown.data, place) : null;
-    const point = placed?.point ?? readPoint(entry.value);
-    const info = shown?.info;
-    const exists = point && info && ("vertex" in point ? point.vertex < info.vertices : point.face < info.faces);
-    entry.setCustomValidity(exists ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
-    distanceNote.hidden = !placed;
-    distanceNote.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
-    if (exists) {
-      voronoi.place(point);
-      entry.value = "";
-    } else entry.reportValidity();
-  } }, h("label", { for: id }, "Add a site"), entry, h("button", { class: "button" }, "Add"), distanceNote);
+  const form = h("form", {
+    class: "point-form",
+    onsubmit: (event: Event) => {
+      event.preventDefault();
+      const place = readPlace(entry.value);
+      const shown = mesh.mesh.get();
+      const placed = place && shown ? projectedOnto(shown.data, place) : null;
+      const point = placed?.point ?? readPoint(entry.value);
+      const info = shown?.info;
+      const exists = point && info && ("vertex" in point ? point.vertex < info.vertices : point.face < info.faces);
+      entry.setCustomValidity(exists ? "" : "Write v and a vertex’s number, or face:a,b,c, of this mesh, or @x,y,z for the point nearest to a place.");
+      distanceNote.hidden = !placed;
+      distanceNote.textContent = placed ? `The nearest point of the surface was added, ${digits(placed.distance, 4)} away from the place.` : "";
+      if (exists) {
+        voronoi.place(point);
+        entry.value = "";
+      } else entry.reportValidity();
+    },
+  }, h("label", { for: id }, "Add a site"), entry, h("button", { class: "button" }, "Add"), distanceNote);
   const fixedField = listField<readonly number[]>("Held sites", "none", "Write numbers of sites, from 0, between commas.", readFixed, (fixed) => {
     if (fixed.some((site) => site >= voronoi.sites.get().length)) return false;
     voronoi.change({ fixed });
     return true;
   });
-  const chosenControls = h("div", { class: "parameters" }, where, h("div", { class: "row", role: "group", "aria-label": "Move the chosen site" }, ...arrows), h("div", { class: "row" }, fixButton, remove));
+  const chosenControls = h("div", { class: "parameters" }, where, h("div", { class: "row", role: "group", "aria-label": "Move the chosen site" }, ...arrows),
+    h("div", { class: "row" }, fixButton, remove));
   const show = () => {
     const sites = voronoi.sites.get();
     const site = voronoi.chosen.get();
     const { fixed } = voronoi.state.get();
-    words.textContent = sites.length === 0 ? "Scatter sites, or click on the surface to place one." : `${sites.length === 1 ? "1 site" : `${sites.length} sites`}. Drag one to move it; a click on the surface adds one.`;
+    words.textContent = sites.length === 0 ? "Scatter sites, or click on the surface to place one."
+      : `${sites.length === 1 ? "1 site" : `${sites.length} sites`}. Drag one to move it; a click on the surface adds one.`;
     chosen.element.hidden = sites.length === 0;
     chosenControls.hidden = site === null || site >= sites.length;
     clear.hidden = fixedField.element.hidden = sites.length === 0;
@@ -99,10 +118,15 @@ function exactness(voronoi: VoronoiSession): HTMLElement {
 }
 
 function objectives(mesh: MeshSession, voronoi: VoronoiSession): HTMLElement {
-  const sliders = OBJECTIVES.map((name) => new Slider({
-    label: OBJECTIVE_WORDS[name], lower: 0, upper: MAX_OBJECTIVE_WEIGHT, digits: 3,
-    changed: (value, done) => done && voronoi.change({ weights: { ...voronoi.state.get().weights, [name]: value } }),
-  }));
+  const sliders = OBJECTIVES.map((name) =>
+    new Slider({
+      label: OBJECTIVE_WORDS[name],
+      lower: 0,
+      upper: MAX_OBJECTIVE_WEIGHT,
+      digits: 3,
+      changed: (value, done) => done && voronoi.change({ weights: { ...voronoi.state.get().weights, [name]: value } }),
+    })
+  );
   const target = new Slider({ label: "Length of edges (0: their mean)", lower: 0, upper: 1, digits: 5, changed: (value, done) => done && voronoi.change({ targetLength: value }) });
   mesh.mesh.watch((loaded) => loaded && target.limit(0, Number((loaded.info.bounding_box.diagonal / 2).toPrecision(2))));
   voronoi.state.watch((state) => {
@@ -117,7 +141,14 @@ function more(voronoi: VoronoiSession): HTMLElement {
   const choices = (Object.keys(MINIMIZER_WORDS) as Minimizer[]).map((value): Choice<Minimizer> => ({ value, words: MINIMIZER_WORDS[value] }));
   const method = new Select<Minimizer>("Method", choices, (value) => voronoi.change({ minimizer: value }));
   const tolerance = new Select<string>("Tolerance of the gradient", [], (value) => voronoi.change({ tolerance: Number(value) }));
-  const iterations = new Slider({ label: "Most iterations", lower: 1, upper: MAX_VORONOI_ITERATIONS, step: 1, digits: 0, changed: (value, done) => done && voronoi.change({ maxIterations: Math.round(value) }) });
+  const iterations = new Slider({
+    label: "Most iterations",
+    lower: 1,
+    upper: MAX_VORONOI_ITERATIONS,
+    step: 1,
+    digits: 0,
+    changed: (value, done) => done && voronoi.change({ maxIterations: Math.round(value) }),
+  });
   const deviation = new Select<string>("Borders are drawn to, in diagonals of the mesh", [], (value) => voronoi.change({ deviation: Number(value) }));
   voronoi.state.watch((state) => {
     deviation.setChoices([...new Set([...BORDER_DEVIATIONS, state.deviation])].map((value) => ({ value: String(value), words: plain(value) })));

@@ -4,7 +4,8 @@ import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
 import { runJob } from "../contract/jobs";
-import type { Job, PartialOptimization, SurfacePoint, VoronoiDiagram, VoronoiDiagramRequest, VoronoiOptimization, VoronoiOptimizationRequest, VoronoiStatistics } from "../contract/types";
+import type { Job, PartialOptimization, SurfacePoint, VoronoiDiagram, VoronoiDiagramRequest, VoronoiOptimization, VoronoiOptimizationRequest,
+  VoronoiStatistics } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
 import type { MeshActivity, MeshSession } from "./session";
 import { DEFAULT_VORONOI, diagramRequest, hasObjective, optimizationRequest, type VoronoiState, withToggledFixed, withoutSite } from "./voronoi_state";
@@ -224,7 +225,8 @@ export class VoronoiSession {
 
   private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
     this.cancel();
-    const { signal } = (this.running = new AbortController());
+    this.running = new AbortController();
+    const { signal } = this.running;
     this.activity.set({ kind: "busy", words, progress: null });
     try {
       await act(signal);

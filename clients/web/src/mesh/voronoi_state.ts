@@ -1,5 +1,5 @@
 // The settings of a Voronoi diagram: random sites, accuracy, and the objectives of the optimization.
-import { plain } from "../base/format";
+import { choiceOf, type Fields, numberOf, readValues, wholeOf, writeValues } from "../base/link_fields";
 import type { SurfacePoint, VoronoiDiagramRequest, VoronoiObjectives, VoronoiOptimizationRequest } from "../contract/types";
 
 export type Objective = keyof VoronoiObjectives;
@@ -39,9 +39,17 @@ export const MAX_VORONOI_ITERATIONS = 1000;
 export const RELATIVE_ERROR = 0.01;
 
 export const DEFAULT_VORONOI: VoronoiState = {
-  count: 60, seed: 1, scattered: false, exactness: "exact", deviation: 1e-5,
+  count: 60,
+  seed: 1,
+  scattered: false,
+  exactness: "exact",
+  deviation: 1e-5,
   weights: { centroidal: 1, regularity: 0, equal_area: 0, edge_length: 0, planarity: 0 },
-  targetLength: 0, fixed: [], minimizer: "automatic", tolerance: 1e-4, maxIterations: 100,
+  targetLength: 0,
+  fixed: [],
+  minimizer: "automatic",
+  tolerance: 1e-4,
+  maxIterations: 100,
 };
 
 export function hasObjective({ weights }: VoronoiState): boolean {
@@ -67,39 +75,59 @@ export function diagramRequest(mesh: string, state: VoronoiState, sites: Voronoi
 export function optimizationRequest(mesh: string, state: VoronoiState, sites: readonly SurfacePoint[]): VoronoiOptimizationRequest {
   const objectives = Object.fromEntries(OBJECTIVES.filter((name) => state.weights[name] > 0).map((name) => [name, state.weights[name]]));
   return {
-    mesh, sites: [...sites], objectives, pieces: true,
+    mesh,
+    sites: [...sites],
+    objectives,
+    pieces: true,
     ...(state.weights.edge_length > 0 && state.targetLength > 0 && { target_length: state.targetLength }),
     fixed_sites: state.fixed.filter((site) => site < sites.length),
-    method: state.minimizer, accuracy: { tolerance: state.tolerance, border_deviation: state.deviation }, max_iterations: state.maxIterations,
+    method: state.minimizer,
+    accuracy: { tolerance: state.tolerance, border_deviation: state.deviation },
+    max_iterations: state.maxIterations,
   };
 }
 
+/** Values of a diagram in a link, in the order in which the links of version 0.1 have them. */
+const VORONOI_VALUES = ["count", "seed", "scattered", "exactness", ...OBJECTIVES, "target-length", "minimizer", "tolerance", "max-iterations", "deviation"];
+
 /** The fields of a diagram in a link. Its sites are the points of the link. */
-export function writeVoronoi(state: VoronoiState): string {
-  const fields = [state.count, state.seed, state.scattered ? 1 : 0, state.exactness, ...OBJECTIVES.map((name) => plain(state.weights[name])), plain(state.targetLength), state.minimizer, plain(state.tolerance), state.maxIterations, plain(state.deviation)];
-  return `voronoi=${fields.join(",")}${state.fixed.length > 0 ? `&held=${state.fixed.join(",")}` : ""}`;
+export function writeVoronoi(state: VoronoiState): [string, string][] {
+  const { count, seed, scattered, exactness, weights, targetLength, minimizer, tolerance, maxIterations, deviation, fixed } = state;
+  const values = writeValues({
+    count,
+    seed,
+    scattered: scattered ? 1 : 0,
+    exactness,
+    ...weights,
+    "target-length": targetLength,
+    minimizer,
+    tolerance,
+    "max-iterations": maxIterations,
+    deviation,
+  });
+  return [["voronoi", values], ...(fixed.length > 0 ? [["fixed-sites", fixed.join(",")] as [string, string]] : [])];
 }
 
 /** The settings from the fields of a link, with defaults for missing and invalid values; null if the link has no diagram. */
-export function readVoronoi(fields: ReadonlyMap<string, string>): VoronoiState | null {
-  const values = fields.get("voronoi")?.split(",");
-  if (!values) return null;
-  const number = (k: number, min: number, max: number, otherwise: number) => {
-    const value = Number(values[k] || NaN);
-    return value >= min && value <= max ? value : otherwise;
-  };
-  const whole = (k: number, min: number, max: number, otherwise: number) => Math.round(number(k, min, max, otherwise));
-  const first = 4;
-  const after = first + OBJECTIVES.length;
-  const weights = Object.fromEntries(OBJECTIVES.map((name, k) => [name, number(first + k, 0, MAX_OBJECTIVE_WEIGHT, 0)])) as Record<Objective, number>;
-  const fixedSites = (fields.get("held") ?? "").split(",").filter((text) => /^\d{1,6}$/.test(text)).map(Number);
+export function readVoronoi(fields: Fields): VoronoiState | null {
+  const text = fields.get("voronoi");
+  if (text === undefined) return null;
+  const values = readValues(text, VORONOI_VALUES);
+  const weights = Object.fromEntries(OBJECTIVES.map((name) => [name, numberOf(values.get(name), 0, MAX_OBJECTIVE_WEIGHT, 0)])) as Record<Objective, number>;
+  // The links of version 0.1 say "held".
+  const fixedSites = (fields.get("fixed-sites") ?? fields.get("held") ?? "").split(",").filter((site) => /^\d{1,6}$/.test(site)).map(Number);
   const { count, seed, tolerance, maxIterations, deviation } = DEFAULT_VORONOI;
   return {
-    count: whole(0, 1, MAX_SITES, count), seed: whole(1, 0, MAX_SITE_SEED, seed), scattered: values[2] === "1",
-    exactness: EXACTNESSES.find((one) => one === values[3]) ?? "exact", weights,
-    targetLength: number(after, 0, Infinity, 0), fixed: [...new Set(fixedSites)].sort((a, b) => a - b),
-    minimizer: MINIMIZERS.find((one) => one === values[after + 1]) ?? "automatic",
-    tolerance: number(after + 2, 1e-12, 1, tolerance), maxIterations: whole(after + 3, 1, MAX_VORONOI_ITERATIONS, maxIterations),
-    deviation: number(after + 4, 1e-7, 1, deviation),
+    count: wholeOf(values.get("count"), 1, MAX_SITES, count),
+    seed: wholeOf(values.get("seed"), 0, MAX_SITE_SEED, seed),
+    scattered: values.get("scattered") === "1",
+    exactness: choiceOf(values.get("exactness"), EXACTNESSES, "exact"),
+    weights,
+    targetLength: numberOf(values.get("target-length"), 0, Number.MAX_VALUE, 0),
+    fixed: [...new Set(fixedSites)].sort((a, b) => a - b),
+    minimizer: choiceOf(values.get("minimizer"), MINIMIZERS, "automatic"),
+    tolerance: numberOf(values.get("tolerance"), 1e-12, 1, tolerance),
+    maxIterations: wholeOf(values.get("max-iterations"), 1, MAX_VORONOI_ITERATIONS, maxIterations),
+    deviation: numberOf(values.get("deviation"), 1e-7, 1, deviation),
   };
 }

@@ -2,7 +2,8 @@
 import { digits } from "../base/format";
 import type { VoronoiStatistics } from "../contract/types";
 
-const SPREADS: readonly (readonly [keyof VoronoiStatistics, string])[] = [["edge_length", "Length of edges"], ["planarity", "Vertices off their plane"], ["area", "Area of cells"], ["vertex_distance", "Vertex to site"]];
+const SPREADS: readonly (readonly [keyof VoronoiStatistics, string])[] = [["edge_length", "Length of edges"], ["planarity", "Vertices off their plane"], ["area", "Area of cells"],
+  ["vertex_distance", "Vertex to site"]];
 
 /** Rows with mean, standard deviation, smallest and largest value; after an optimization two rows for each quantity, before and after. */
 export function statisticsRows(before: VoronoiStatistics | null, now: VoronoiStatistics): string[][] {

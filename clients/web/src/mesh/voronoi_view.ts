@@ -11,7 +11,14 @@ export type CellColourBy = "cells" | "area" | "none";
 
 /** Colours of cells, in linear light. */
 export const CELL_COLOURS: readonly Rgb[] = [
-  [0.62, 0.75, 0.72], [0.86, 0.66, 0.42], [0.52, 0.6, 0.78], [0.8, 0.52, 0.5], [0.6, 0.72, 0.42], [0.72, 0.56, 0.74], [0.87, 0.8, 0.5], [0.45, 0.68, 0.75],
+  [0.62, 0.75, 0.72],
+  [0.86, 0.66, 0.42],
+  [0.52, 0.6, 0.78],
+  [0.8, 0.52, 0.5],
+  [0.6, 0.72, 0.42],
+  [0.72, 0.56, 0.74],
+  [0.87, 0.8, 0.5],
+  [0.45, 0.68, 0.75],
 ];
 const BORDER_COLOUR: Rgb = [0.02, 0.03, 0.04];
 
@@ -70,6 +77,10 @@ export class VoronoiView {
     this.range.set(range);
     const chosen = cellColours(diagram.cells.map((cell) => cell.neighbours), CELL_COLOURS.length);
     const colours = by === "area" ? areas.map((area) => rampColour(fractionOf(area, range), RAMP)) : chosen.map((k) => CELL_COLOURS[k]);
-    this.cells.set({ faceSites: diagram.pieces.face_sites, pieces: diagram.pieces.cut_faces.map(({ site, face, corners }) => ({ site, face, corners: corners as unknown as Vector[] })), colours });
+    this.cells.set({
+      faceSites: diagram.pieces.face_sites,
+      pieces: diagram.pieces.cut_faces.map(({ site, face, corners }) => ({ site, face, corners: corners as unknown as Vector[] })),
+      colours,
+    });
   }
 }

@@ -87,8 +87,12 @@ export class SceneView {
 
   private key(event: KeyboardEvent): void {
     const turns: Record<string, readonly [number, number, number]> = {
-      ArrowLeft: [-KEY_ANGLE, 0, 1], ArrowRight: [KEY_ANGLE, 0, 1], ArrowUp: [0, -KEY_ANGLE, 1], ArrowDown: [0, KEY_ANGLE, 1],
-      "+": [0, 0, KEY_ZOOM], "-": [0, 0, 1 / KEY_ZOOM],
+      ArrowLeft: [-KEY_ANGLE, 0, 1],
+      ArrowRight: [KEY_ANGLE, 0, 1],
+      ArrowUp: [0, -KEY_ANGLE, 1],
+      ArrowDown: [0, KEY_ANGLE, 1],
+      "+": [0, 0, KEY_ZOOM],
+      "-": [0, 0, 1 / KEY_ZOOM],
     };
     const turn = turns[event.key];
     if (!turn) return;

@@ -73,9 +73,13 @@ export function exportMenu(session: WeaveSession, card: ProfileCard, client: Cli
   }
 
   const fault = h("p", { class: "note", role: "alert", hidden: true });
-  const element = menu("Export", "download", fault, ...groups.map(({ title, entries }) =>
-    h("div", { class: "menu-group" }, h("h3", {}, title), ...entries.map((entry) => button(entry.words, () => void save(entry), { kind: "quiet" })))));
+  const element = menu("Export", "download", fault,
+    ...groups.map(({ title, entries }) =>
+      h("div", { class: "menu-group" }, h("h3", {}, title), ...entries.map((entry) => button(entry.words, () => void save(entry), { kind: "quiet" })))
+    ));
   // Only a periodic cell has a stiffness over direction.
-  session.state.watch((state) => element.querySelectorAll<HTMLElement>(".menu-group").forEach((group, k) => (group.hidden = groups[k].title === "Stiffness" && !isPeriodic(state))));
+  session.state.watch((state) =>
+    element.querySelectorAll<HTMLElement>(".menu-group").forEach((group, k) => (group.hidden = groups[k].title === "Stiffness" && !isPeriodic(state)))
+  );
   return element;
 }

@@ -9,7 +9,12 @@ import { ToolpathDrawing } from "./toolpath_drawing";
 
 type Extent = "part" | "bed";
 const LEGEND: readonly (readonly [kind: string, words: string])[] = [
-  ["strand", "On the bed"], ["lifted", "Lifted"], ["channel", "Channel"], ["support", "Frame"], ["priming", "Fills the nozzle"], ["travel", "Travel, nothing printed"],
+  ["strand", "On the bed"],
+  ["lifted", "Lifted"],
+  ["channel", "Channel"],
+  ["support", "Frame"],
+  ["priming", "Fills the nozzle"],
+  ["travel", "Travel, nothing printed"],
 ];
 
 export class LayerView {
@@ -41,11 +46,8 @@ export class LayerView {
     });
     this.extent.value = "part";
     this.travels.value = true;
-    this.element = h("div", { class: "layer-view" },
-      h("div", { class: "layer-tools" }, this.extent.element, this.travels.element),
-      h("div", { class: "print-stage dims" }, this.drawing.element),
-      this.legend,
-      h("div", { class: "layer-controls" }, this.layerSlider.element, this.moveSlider.element),
+    this.element = h("div", { class: "layer-view" }, h("div", { class: "layer-tools" }, this.extent.element, this.travels.element),
+      h("div", { class: "print-stage dims" }, this.drawing.element), this.legend, h("div", { class: "layer-controls" }, this.layerSlider.element, this.moveSlider.element),
       this.words);
   }
 
@@ -68,7 +70,8 @@ export class LayerView {
 
   private showLayer(layer: number, moves = Infinity): void {
     this.layer = Math.max(0, layer);
-    const count = (this.count = this.current?.moves.length ?? 0);
+    const count = this.current?.moves.length ?? 0;
+    this.count = count;
     this.layerSlider.value = this.layer + 1;
     this.moveSlider.limit(0, Math.max(1, count));
     this.moveSlider.disabled = count === 0;
@@ -100,7 +103,9 @@ export class LayerView {
   private sentence({ stage, lowest, highest, length, travels, moves }: Layer): string {
     const heights = highest > lowest ? `${digits(lowest)} to ${digits(highest)} mm` : `${digits(lowest)} mm`;
     const part = this.moves < moves.length ? `, of which ${this.moves} of ${moves.length} moves are shown` : "";
-    return `Layer ${this.layer + 1} of ${this.plan?.layers.length ?? 0}: ${STAGE_WORDS[stage]}, nozzle at ${heights}; ${longWords(length)} printed, ${travels} ${travels === 1 ? "travel" : "travels"}${part}.`;
+    return `Layer ${this.layer + 1} of ${this.plan?.layers.length ?? 0}: ${STAGE_WORDS[stage]}, nozzle at ${heights}; ${longWords(length)} printed, ${travels} ${
+      travels === 1 ? "travel" : "travels"
+    }${part}.`;
   }
 }
 

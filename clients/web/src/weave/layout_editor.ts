@@ -111,8 +111,8 @@ export class LayoutEditor {
       this.cycled = index;
       this.session.cycle(index);
     };
-    const mark = svg("g", { role: "button", tabindex: 0 },
-      svg("title"), svg("circle", { class: "hit", r: 2 }), svg("circle", { class: "halo", r: 1.9 }), svg("path", { class: "slide-line" }), svg("circle", { class: "dot", r: 1 }));
+    const mark = svg("g", { role: "button", tabindex: 0 }, svg("title"), svg("circle", { class: "hit", r: 2 }), svg("circle", { class: "halo", r: 1.9 }),
+      svg("path", { class: "slide-line" }), svg("circle", { class: "dot", r: 1 }));
     mark.addEventListener("click", (event) => {
       if (this.draft.points.get() !== null) return; // the click adds a point to the draft
       event.stopPropagation();

@@ -49,8 +49,7 @@ export function weavePage({ client, link }: PageContext): Page {
     { class: "weave-page" },
     h("h1", { class: "visually-hidden" }, "Weave"),
     h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
-    h("div", { class: "column" },
-      h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cell)),
+    h("div", { class: "column" }, h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cell)),
       profile.element, valueTable(session), sheetCard(session, sheet, dialog.open)),
     dialog.element,
   );
@@ -73,7 +72,8 @@ export function weavePage({ client, link }: PageContext): Page {
     });
     session.state.watch((state) => (reset.disabled = state.overrides.length === 0));
     session.profile.watch((shown) => (pin.disabled = !shown));
-    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share, exportMenu(session, profile, client, dialog.open));
+    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share,
+      exportMenu(session, profile, client, dialog.open));
   }
 
   const linkLater = debounce(writeNow, LINK_PAUSE_MS);

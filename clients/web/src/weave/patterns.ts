@@ -54,12 +54,18 @@ const MAX_OVERLAP_RATIO = 0.98;
 /** The limits of a length in mm, for given other lengths. */
 export function lengthLimits(name: LengthName, lengths: Lengths): readonly [lower: number, upper: number] {
   switch (name) {
-    case "pitch": return [1, 20];
-    case "side": return [4, 40];
-    case "overlap": return [0.2, (MAX_OVERLAP_RATIO * lengths.side) / 2];
-    case "circle_radius": return [2, 20];
-    case "distance": return [MIN_DISTANCE_RATIO * lengths.circle_radius, MAX_DISTANCE_RATIO * lengths.circle_radius];
-    case "radius": return [0.05, 1];
+    case "pitch":
+      return [1, 20];
+    case "side":
+      return [4, 40];
+    case "overlap":
+      return [0.2, (MAX_OVERLAP_RATIO * lengths.side) / 2];
+    case "circle_radius":
+      return [2, 20];
+    case "distance":
+      return [MIN_DISTANCE_RATIO * lengths.circle_radius, MAX_DISTANCE_RATIO * lengths.circle_radius];
+    case "radius":
+      return [0.05, 1];
   }
 }
 

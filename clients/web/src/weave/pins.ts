@@ -66,7 +66,9 @@ export class Pins {
     const rounded = (values: readonly (number | null)[]) => values.map((value) => value && Number(value.toPrecision(5)));
     try {
       const stored = this.list.get().map(({ name, state, profile: { directions, youngs, poisson } }) => ({
-        name, link: writeLink(state), profile: { directions, youngs: rounded(youngs), poisson: rounded(poisson) },
+        name,
+        link: writeLink(state),
+        profile: { directions, youngs: rounded(youngs), poisson: rounded(poisson) },
       }));
       localStorage.setItem(KEY, JSON.stringify(stored));
     } catch {

@@ -114,7 +114,9 @@ export class PolarChart {
       if (reason === null || !view.curve) return [];
       const angle = view.curve.x[k];
       return [angle, angle + Math.PI].map((turned) =>
-        svg("path", { d: "M-3.5,-3.5L3.5,3.5M-3.5,3.5L3.5,-3.5", transform: `translate(${rim * Math.cos(turned)},${-rim * Math.sin(turned)})` }, svg("title", {}, `${degrees(angle)}: ${reason}`)));
+        svg("path", { d: "M-3.5,-3.5L3.5,3.5M-3.5,3.5L3.5,-3.5", transform: `translate(${rim * Math.cos(turned)},${-rim * Math.sin(turned)})` },
+          svg("title", {}, `${degrees(angle)}: ${reason}`))
+      );
     });
     this.gaps.replaceChildren(...marks);
   }

@@ -69,10 +69,10 @@ export function printDialog(print: PrintSession, name: () => string): PrintDialo
     else {
       // Faults of a setting are shown at its field instead.
       const faults = activity.faults.filter((fault) => fieldsAt(fault.pointer).length === 0).slice(0, MAX_FAULTS);
-      replace(status, h("div", { class: "note", role: "alert" }, h("p", {}, activity.sentence),
-        faults.length > 1 && h("ul", { class: "violations" }, ...faults.map(({ pointer, words }) => h("li", {}, `${pointer}: ${words}`))),
-        activity.faults.length > faults.length && faults.length === MAX_FAULTS && h("p", {}, `${activity.faults.length} places in all`)),
-        // After a fault of a setting, the next change of settings tries again.
+      replace(status,
+        h("div", { class: "note", role: "alert" }, h("p", {}, activity.sentence), faults.length > 1 && h("ul", { class: "violations" }, ...faults.map(({ pointer, words }) =>
+          h("li", {}, `${pointer}: ${words}`)
+        )), activity.faults.length > faults.length && faults.length === MAX_FAULTS && h("p", {}, `${activity.faults.length} places in all`)), // After a fault of a setting, the next change of settings tries again.
         activity.faults.length === 0 && button("Try again", () => print.retry()));
     }
     show();

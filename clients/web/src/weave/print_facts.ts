@@ -47,6 +47,8 @@ export function printNotes({ warnings, toolpath: { check } }: Plan): HTMLElement
       h("ul", { class: "violations" }, ...listed.map(({ line, kind, message }) => h("li", {}, `line ${line}, ${kind.replace(/_/g, " ")}: ${message}`))),
       count > listed.length && h("p", {}, `and ${count - listed.length} more`));
   const uncheckedCommands = [...new Set(check.unchecked.map(({ command }) => command))];
-  const unchecked = uncheckedCommands.length > 0 && h("p", { class: "note" }, `Passed on to the printer, and not followed by the checker: ${uncheckedCommands.slice(0, MAX_LISTED).join(", ")}${uncheckedCommands.length > MAX_LISTED ? ", …" : ""}.`);
+  const unchecked = uncheckedCommands.length > 0 &&
+    h("p", { class: "note" },
+      `Passed on to the printer, and not followed by the checker: ${uncheckedCommands.slice(0, MAX_LISTED).join(", ")}${uncheckedCommands.length > MAX_LISTED ? ", …" : ""}.`);
   return [found, ...(unchecked ? [unchecked] : []), ...warnings.map((words) => h("p", { class: "note" }, words))];
 }

@@ -26,59 +26,81 @@ const number = (pointer: string, words: string, initial: number | null, unit?: s
 
 export const PRINT_FIELDS: readonly FieldGroup[] = [
   {
-    title: "Printer", isAdvanced: false,
+    title: "Printer",
+    isAdvanced: false,
     fields: [
       { pointer: "/printer/name", words: "Name of the profile", initial: "Prusa i3 MK3S, PLA", kind: "text" },
-      number("/printer/bed/0", "Bed along x", 250, "mm"), number("/printer/bed/1", "Bed along y", 210, "mm"), number("/printer/bed/2", "Height", 210, "mm"),
-      number("/printer/nozzle_diameter", "Nozzle", 0.4, "mm"), number("/printer/filament_diameter", "Filament", 1.75, "mm"),
+      number("/printer/bed/0", "Bed along x", 250, "mm"),
+      number("/printer/bed/1", "Bed along y", 210, "mm"),
+      number("/printer/bed/2", "Height", 210, "mm"),
+      number("/printer/nozzle_diameter", "Nozzle", 0.4, "mm"),
+      number("/printer/filament_diameter", "Filament", 1.75, "mm"),
     ],
   },
   {
-    title: "Temperatures", isAdvanced: false,
+    title: "Temperatures",
+    isAdvanced: false,
     fields: [number("/printer/nozzle_temperature", "Nozzle", 180, "°C"), number("/printer/bed_temperature", "Bed", 60, "°C")],
   },
   {
-    title: "Sheet on the bed", isAdvanced: false,
+    title: "Sheet on the bed",
+    isAdvanced: false,
     fields: [
-      number("/overrun/start", "Overrun at starts", 0, "mm"), number("/overrun/end", "Overrun at ends", 0, "mm"),
+      number("/overrun/start", "Overrun at starts", 0, "mm"),
+      number("/overrun/end", "Overrun at ends", 0, "mm"),
       number("/loop_overlap", "Overlap of loops", 0, "mm"),
       { pointer: "/frame", words: "Frame around the sheet", initial: false, kind: "switch" },
-      number("/frame/margin", "Distance of the frame", 0, "mm"), number("/frame/lead_in", "Lead-in of the frame", 0, "mm"),
+      number("/frame/margin", "Distance of the frame", 0, "mm"),
+      number("/frame/lead_in", "Lead-in of the frame", 0, "mm"),
     ],
   },
   {
-    title: "Speeds", isAdvanced: true,
+    title: "Speeds",
+    isAdvanced: true,
     fields: [
-      number("/printer/strand_speed", "On the bed", 600, "mm/min"), number("/printer/lifted_speed", "Lifted parts", 600, "mm/min"),
-      number("/printer/channel_speed", "Channels", 300, "mm/min"), number("/printer/travel_speed", "Travels", 3000, "mm/min"),
-      number("/printer/retraction_speed", "Retraction", 2100, "mm/min"), number("/printer/retraction", "Retracted by", 0.4, "mm"),
+      number("/printer/strand_speed", "On the bed", 600, "mm/min"),
+      number("/printer/lifted_speed", "Lifted parts", 600, "mm/min"),
+      number("/printer/channel_speed", "Channels", 300, "mm/min"),
+      number("/printer/travel_speed", "Travels", 3000, "mm/min"),
+      number("/printer/retraction_speed", "Retraction", 2100, "mm/min"),
+      number("/printer/retraction", "Retracted by", 0.4, "mm"),
     ],
   },
   {
-    title: "Beads and heights", isAdvanced: true,
+    title: "Beads and heights",
+    isAdvanced: true,
     fields: [
-      number("/printer/strand_height", "Nozzle over the bed", 0.5, "mm"), number("/printer/travel_clearance", "Travels over the print", 1, "mm"),
-      number("/printer/strand_width", "Width of a frame", 0.5, "mm"), number("/printer/bead_area", "Area of a bead", null, "mm²"),
-      number("/printer/lifted_flow", "Flow of lifted parts", 1), number("/printer/channel_flow", "Flow of channels", 0.5),
+      number("/printer/strand_height", "Nozzle over the bed", 0.5, "mm"),
+      number("/printer/travel_clearance", "Travels over the print", 1, "mm"),
+      number("/printer/strand_width", "Width of a frame", 0.5, "mm"),
+      number("/printer/bead_area", "Area of a bead", null, "mm²"),
+      number("/printer/lifted_flow", "Flow of lifted parts", 1),
+      number("/printer/channel_flow", "Flow of channels", 0.5),
     ],
   },
   {
-    title: "Lifts over strands", isAdvanced: true,
+    title: "Lifts over strands",
+    isAdvanced: true,
     fields: [
-      number("/printer/lift/height", "Height over a strand", 1, "mm"), number("/printer/lift/top", "Fully up within", 0.75, "mm"),
-      number("/printer/lift/run", "Begins to rise at", 2, "mm"), number("/printer/lift/bridge", "Stays up for less than", 2.5, "mm"),
+      number("/printer/lift/height", "Height over a strand", 1, "mm"),
+      number("/printer/lift/top", "Fully up within", 0.75, "mm"),
+      number("/printer/lift/run", "Begins to rise at", 2, "mm"),
+      number("/printer/lift/bridge", "Stays up for less than", 2.5, "mm"),
     ],
   },
   {
-    title: "Channels", isAdvanced: true,
+    title: "Channels",
+    isAdvanced: true,
     fields: [
       { pointer: "/printer/channel/shape", words: "Shape", initial: "triangle", kind: "choice", choices: [["triangle", "Triangle"], ["arc", "Arc"]] },
-      number("/printer/channel/half_width", "First foot to crossing", 1.2, "mm"), number("/printer/channel/longer", "Second half longer by", 0.2),
+      number("/printer/channel/half_width", "First foot to crossing", 1.2, "mm"),
+      number("/printer/channel/longer", "Second half longer by", 0.2),
       number("/printer/channel/apex", "Apex over the feet", 2, "mm"),
     ],
   },
   {
-    title: "Start and end", isAdvanced: true,
+    title: "Start and end",
+    isAdvanced: true,
     fields: [
       number("/printer/priming_length", "Line that fills the nozzle", 60, "mm"),
       { pointer: "/printer/park", words: "Park the nozzle at the end", initial: true, kind: "switch" },
@@ -129,7 +151,7 @@ export function withProfile(settings: PrintSettings, text: string): PrintSetting
   } catch {
     throw new Error("The file is no JSON.");
   }
-  if (!isDocument(printer)) throw new Error("The file is no printer: an object such as {\"nozzle_temperature\": 200} is.");
+  if (!isDocument(printer)) throw new Error('The file is no printer: an object such as {"nozzle_temperature": 200} is.');
   const others = Object.entries(settings).filter(([pointer]) => !pointer.startsWith("/printer/"));
   const found = { ...DEFAULT_SETTINGS, ...Object.fromEntries(others) };
   readDocument(printer, "/printer", found);
@@ -169,5 +191,7 @@ export function storedSettings(text: string | null): PrintSettings {
 
 /** The fields to which a JSON pointer in a problem applies: the field itself, those below it, and those above it. */
 export function fieldsAt(pointer: string): readonly Field[] {
-  return ALL_FIELDS.filter((field) => field.pointer === pointer || field.pointer.startsWith(`${pointer}/`) || pointer.startsWith(`${field.pointer}/`)).filter((field) => pointer.length > 1 && field.kind !== "switch");
+  return ALL_FIELDS.filter((field) => field.pointer === pointer || field.pointer.startsWith(`${pointer}/`) || pointer.startsWith(`${field.pointer}/`)).filter((field) =>
+    pointer.length > 1 && field.kind !== "switch"
+  );
 }

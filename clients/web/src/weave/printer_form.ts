@@ -56,8 +56,7 @@ function rowOf(print: PrintSession, field: Field): Row {
   }
   const id = uniqueId("print");
   const fault = h("p", { class: "fault", id: `${id}-fault`, hidden: true });
-  const input =
-    field.kind === "lines" ? h("textarea", { id, class: "code", rows: 3, spellcheck: "false" })
+  const input = field.kind === "lines" ? h("textarea", { id, class: "code", rows: 3, spellcheck: "false" })
     : field.kind === "text" ? h("input", { id, type: "text", class: "number text", spellcheck: "false", autocomplete: "off" })
     : h("input", { id, type: "number", class: "number", step: "any" });
   let current: Value = null;
@@ -100,6 +99,7 @@ function profileFiles(print: PrintSession): HTMLElement {
   }
   const save = button("Save profile", () => download("printer.json", "application/json", profileText(print.settings.get())), { title: "Save the printer’s settings as a file" });
   const row = h("div", { class: "row profile-files", role: "group", "aria-label": "Printer’s profile" });
-  replace(row, file, h("label", { class: "button", for: file.id }, "Open profile"), save, button("Reset", () => print.reset(), { title: "All settings as they were to begin with: a Prusa i3 MK3S with PLA" }));
+  replace(row, file, h("label", { class: "button", for: file.id }, "Open profile"), save,
+    button("Reset", () => print.reset(), { title: "All settings as they were to begin with: a Prusa i3 MK3S with PLA" }));
   return row;
 }

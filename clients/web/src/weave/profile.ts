@@ -93,6 +93,7 @@ export function gapWords(profile: Profile): string[] {
 
 export function csvOf(profile: Profile): string {
   const rows = profile.directions.map((direction, k) =>
-    [direction, profile.youngs[k] ?? "", profile.poisson[k] ?? "", profile.reasons[k] === null ? "" : `"${profile.reasons[k]}"`].join(","));
+    [direction, profile.youngs[k] ?? "", profile.poisson[k] ?? "", profile.reasons[k] === null ? "" : `"${profile.reasons[k]}"`].join(",")
+  );
   return `${["direction_rad,youngs_modulus_N_per_m,poisson_ratio,no_value_because", ...rows].join("\n")}\n`;
 }

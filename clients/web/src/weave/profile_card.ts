@@ -45,8 +45,8 @@ export class ProfileCard {
       stage.append(this.charts[k].element);
       new ResizeObserver(() => this.resize(k)).observe(stage);
     });
-    this.element = h("section", { class: "card profile", "aria-label": "Stiffness over direction" },
-      this.controls(), h("div", { class: "charts" }, ...this.stages), this.reading, h("div", { class: "plot-foot" }, this.legend, this.status), this.notes);
+    this.element = h("section", { class: "card profile", "aria-label": "Stiffness over direction" }, this.controls(), h("div", { class: "charts" }, ...this.stages), this.reading,
+      h("div", { class: "plot-foot" }, this.legend, this.status), this.notes);
     for (const part of [session.profile, session.state, deformed.direction, pins.list]) part.watch(() => this.schedule());
     session.activity.watch((activity) => this.showActivity(activity));
     session.fault.watch(() => this.showActivity(session.activity.get()));
@@ -54,7 +54,11 @@ export class ProfileCard {
 
   private controls(): HTMLElement {
     const strain = new Slider({
-      label: "Strain along each direction", lower: STRAIN_LIMITS[0], upper: STRAIN_LIMITS[1], step: 0.005, digits: 4,
+      label: "Strain along each direction",
+      lower: STRAIN_LIMITS[0],
+      upper: STRAIN_LIMITS[1],
+      step: 0.005,
+      digits: 4,
       changed: (value, done) => {
         this.session.preview({ strain: usableStrain(value) });
         if (done) this.session.finish();
@@ -142,7 +146,9 @@ export class ProfileCard {
     if (!profile || profile.key === this.announcedKey || !isPeriodic(this.session.state.get())) return;
     this.announcedKey = profile.key;
     const [youngs, poisson] = [extremes(profile.youngs), extremes(profile.poisson)];
-    if (youngs && poisson) announce(`Young’s modulus ${digits(youngs[0])} to ${digits(youngs[1])} newton per metre, Poisson’s ratio ${digits(poisson[0])} to ${digits(poisson[1])}.`);
+    if (youngs && poisson) {
+      announce(`Young’s modulus ${digits(youngs[0])} to ${digits(youngs[1])} newton per metre, Poisson’s ratio ${digits(poisson[0])} to ${digits(poisson[1])}.`);
+    }
   }
 }
 

@@ -18,10 +18,14 @@ export function weaveOf(state: WeaveState): Weave {
     ...(state.overrides.length > 0 && { overrides: [...state.overrides] }),
   };
   switch (pattern) {
-    case "regular": return { pattern, connections: REGULAR[type - 1], pitch: lengths.pitch, ...common };
-    case "interlacing_squares": return { pattern, type, side: lengths.side, overlap: lengths.overlap, ...common } as Weave;
-    case "interlacing_circles": return { pattern, type, circle_radius: lengths.circle_radius, distance: lengths.distance, ...common } as Weave;
-    case "actuated_rings": return { pattern, ...common };
+    case "regular":
+      return { pattern, connections: REGULAR[type - 1], pitch: lengths.pitch, ...common };
+    case "interlacing_squares":
+      return { pattern, type, side: lengths.side, overlap: lengths.overlap, ...common } as Weave;
+    case "interlacing_circles":
+      return { pattern, type, circle_radius: lengths.circle_radius, distance: lengths.distance, ...common } as Weave;
+    case "actuated_rings":
+      return { pattern, ...common };
     case "layout": {
       const { strands, lattice, crossings, sliding_share } = state.layout;
       return {

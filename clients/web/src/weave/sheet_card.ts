@@ -57,7 +57,11 @@ function sheetControls(session: WeaveSession, sheet: SheetSession, openPrint: ()
   const rows = count("Cells along y", (value) => ({ rows: value }));
   const load = new Select<LoadKind>("Load", [], (value) => change({ load: value }, true));
   const amount = new Slider({
-    label: "How far, in shares of the sheet", lower: -MAX_AMOUNT, upper: MAX_AMOUNT, step: 0.01, digits: 3,
+    label: "How far, in shares of the sheet",
+    lower: -MAX_AMOUNT,
+    upper: MAX_AMOUNT,
+    step: 0.01,
+    digits: 3,
     changed: (value, done) => change({ amount: value }, done),
   });
   const run = button("Simulate", () => void sheet.run(), { kind: "primary" });
@@ -91,10 +95,13 @@ class SheetView {
 
   constructor(private readonly sheet: SheetSession) {
     this.viewer = makeViewer();
-    this.files = (["obj", "vtu"] as const).map((kind) => button(kind.toUpperCase(), () => void this.save(kind), { icon: "download", title: `Save this state as ${kind.toUpperCase()}` }));
+    this.files = (["obj", "vtu"] as const).map((kind) =>
+      button(kind.toUpperCase(), () => void this.save(kind), { icon: "download", title: `Save this state as ${kind.toUpperCase()}` })
+    );
     const stage = this.viewer?.element ?? h("p", { class: "note" }, "This browser shows no 3D drawings (WebGL is missing); results are given as numbers.");
-    this.element.append(stage, h("div", { class: "sheet-side" }, this.slider, this.facts, this.notes, h("div", { class: "row" }, ...this.files),
-      h("p", { class: "muted" }, "Drag to turn, scroll to come nearer; with the keyboard: arrows and + −.")));
+    this.element.append(stage,
+      h("div", { class: "sheet-side" }, this.slider, this.facts, this.notes, h("div", { class: "row" }, ...this.files),
+        h("p", { class: "muted" }, "Drag to turn, scroll to come nearer; with the keyboard: arrows and + −.")));
   }
 
   show(result: SheetResult): void {
@@ -103,7 +110,11 @@ class SheetView {
     this.states = [rest, ...result.answer.states.map((state) => (state.strands ?? []) as unknown as Lines)];
     this.index = this.states.length - 1;
     const slider = new Slider({
-      label: "State along the load", lower: 0, upper: Math.max(1, this.index), step: 1, digits: 0,
+      label: "State along the load",
+      lower: 0,
+      upper: Math.max(1, this.index),
+      step: 1,
+      digits: 0,
       changed: (value) => {
         this.index = Math.round(value);
         this.draw();

@@ -75,7 +75,8 @@ export class SheetSession {
 
   private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
     this.cancel();
-    const { signal } = (this.running = new AbortController());
+    this.running = new AbortController();
+    const { signal } = this.running;
     this.activity.set({ kind: "busy", words, progress: null });
     try {
       await act(signal);

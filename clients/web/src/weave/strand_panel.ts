@@ -45,25 +45,29 @@ function latticeFields(session: WeaveSession): HTMLElement {
 function drawingTools(draft: Draft, session: WeaveSession): HTMLElement {
   const begin = button("Draw a strand", () => draft.begin(), { icon: "plus", kind: "primary" });
   const end = (words: string, ends: Ends, title: string) => button(words, () => draft.finish(ends), { title });
-  const repeats = [end("Goes on →", "along_a", "The strand goes on along the first translation for ever"), end("Goes on ↑", "along_b", "The strand goes on along the second translation for ever")];
+  const repeats = [end("Goes on →", "along_a", "The strand goes on along the first translation for ever"),
+    end("Goes on ↑", "along_b", "The strand goes on along the second translation for ever")];
   const open = end("End", "open", "The strand ends at its last point (Enter)");
   const close = end("Close", "closed", "The strand is a loop");
   const id = uniqueId("point");
   const entry = h("input", { type: "text", class: "number", id, placeholder: "2.5, 4", autocomplete: "off" });
-  const form = h("form", { class: "point-form", onsubmit: (event: Event) => {
-    event.preventDefault();
-    const point = readPoint(entry.value);
-    entry.setCustomValidity(point ? "" : "Write x and y in mm, as 2.5, 4.");
-    if (!point) return void entry.reportValidity();
-    draft.add(point);
-    entry.value = "";
-  } }, h("label", { for: id }, "Add a point by its coordinates (mm)"), entry, h("button", { class: "button" }, "Add"));
+  const form = h("form", {
+    class: "point-form",
+    onsubmit: (event: Event) => {
+      event.preventDefault();
+      const point = readPoint(entry.value);
+      entry.setCustomValidity(point ? "" : "Write x and y in mm, as 2.5, 4.");
+      if (!point) return void entry.reportValidity();
+      draft.add(point);
+      entry.value = "";
+    },
+  }, h("label", { for: id }, "Add a point by its coordinates (mm)"), entry, h("button", { class: "button" }, "Add"));
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const count = h("p", { class: "muted", role: "status" });
-  const tools = h("div", { class: "controls drawing-tools" },
-    h("p", { class: "muted" }, "Click points into the picture; they snap to half millimetres, with Alt they do not."), form, count,
-    h("div", { class: "row" }, open, close, ...repeats),
-    h("div", { class: "row" }, button("Take back", () => draft.removeLast(), { title: "Remove the last point (Backspace)" }), button("Cancel", () => draft.cancel(), { kind: "quiet" })));
+  const tools = h("div", { class: "controls drawing-tools" }, h("p", { class: "muted" }, "Click points into the picture; they snap to half millimetres, with Alt they do not."),
+    form, count, h("div", { class: "row" }, open, close, ...repeats),
+    h("div", { class: "row" }, button("Take back", () => draft.removeLast(), { title: "Remove the last point (Backspace)" }),
+      button("Cancel", () => draft.cancel(), { kind: "quiet" })));
 
   function show(): void {
     const points = draft.points.get();
@@ -89,9 +93,11 @@ function strandList(session: WeaveSession): HTMLElement {
   const clear = button("Remove all", () => session.setLayout({ ...session.state.get().layout, strands: [] }), { kind: "quiet" });
   session.state.watch(({ layout }) => {
     clear.hidden = layout.strands.length === 0;
-    replace(list, ...layout.strands.map((strand, k) =>
-      h("li", {}, h("span", {}, `${k + 1}: ${strandWords(strand)}`),
-        button("", () => session.setLayout(withoutStrand(session.state.get().layout, k)), { icon: "close", kind: "quiet", title: `Remove strand ${k + 1}` }))));
+    replace(list,
+      ...layout.strands.map((strand, k) =>
+        h("li", {}, h("span", {}, `${k + 1}: ${strandWords(strand)}`), button("", () =>
+          session.setLayout(withoutStrand(session.state.get().layout, k)), { icon: "close", kind: "quiet", title: `Remove strand ${k + 1}` }))
+      ));
   });
   return h("div", {}, list, clear);
 }
@@ -115,8 +121,8 @@ function textBox(session: WeaveSession): HTMLElement {
   session.state.watch(({ layout }) => {
     if (document.activeElement !== text) text.value = writeLayoutText(layout);
   });
-  return h("details", { class: "more" }, h("summary", {}, "As text (JSON)"),
-    h("div", { class: "field" }, h("label", { for: id }, "Strands, as in a request’s weave"), text), fault, apply);
+  return h("details", { class: "more" }, h("summary", {}, "As text (JSON)"), h("div", { class: "field" }, h("label", { for: id }, "Strands, as in a request’s weave"), text), fault,
+    apply);
 }
 
 /** A point from a text such as "x, y" or "x y"; null if the text is invalid. */

@@ -20,7 +20,14 @@ export interface ToolpathView {
 }
 
 type Kind = PrintMove["kind"];
-const COLOURS: Readonly<Record<Kind, string>> = { strand: "--achieved", lifted: "--target", channel: "--simulated", support: "--before", priming: "--before", travel: "--line-strong" };
+const COLOURS: Readonly<Record<Kind, string>> = {
+  strand: "--achieved",
+  lifted: "--target",
+  channel: "--simulated",
+  support: "--before",
+  priming: "--before",
+  travel: "--line-strong",
+};
 const KINDS = Object.keys(COLOURS) as Kind[];
 /** Margin in pixels. */
 const MARGIN = 14;

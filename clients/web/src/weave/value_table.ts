@@ -13,9 +13,7 @@ export function valueTable(session: WeaveSession): HTMLElement {
   const details = h("details", { class: "card table" }, h("summary", {}, "Values as tables"), h("div", { class: "tables" }, curves, crossings));
 
   function table(caption: string, head: readonly string[], rows: readonly (readonly string[])[]): HTMLElement {
-    return h("table", {},
-      h("caption", {}, caption),
-      h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
+    return h("table", {}, h("caption", {}, caption), h("thead", {}, h("tr", {}, ...head.map((words) => h("th", { scope: "col" }, words)))),
       h("tbody", {}, ...rows.map(([first, ...others]) => h("tr", {}, h("th", { scope: "row" }, first), ...others.map((words) => h("td", {}, words))))));
   }
 
@@ -38,7 +36,10 @@ export function valueTable(session: WeaveSession): HTMLElement {
     const laidOut = session.laidOut.get();
     if (!laidOut) return replace(crossings);
     const rows = laidOut.layout.crossings.map((crossing, k) => [
-      String(k + 1), crossing.members.map((member) => member.strand + 1).join(", "), crossing.position.map((value) => digits(value, 4)).join(", "), connectionWords(crossing),
+      String(k + 1),
+      crossing.members.map((member) => member.strand + 1).join(", "),
+      crossing.position.map((value) => digits(value, 4)).join(", "),
+      connectionWords(crossing),
     ]);
     replace(crossings, table("Crossings", ["Crossing", "Strands", "At (mm)", "Connection"], rows));
   }

@@ -22,7 +22,11 @@ export function weaveControls(session: WeaveSession): HTMLElement {
   function lengthSlider(name: LengthName): Slider {
     const [lower, upper] = lengthLimits(name, session.state.get().lengths);
     return new Slider({
-      label: LENGTH_WORDS[name], lower, upper, digits: 3, unit: "mm",
+      label: LENGTH_WORDS[name],
+      lower,
+      upper,
+      digits: 3,
+      unit: "mm",
       changed: (value, done) => {
         session.preview({ lengths: withLength(session.state.get().lengths, name, value) });
         if (done) session.finish();
@@ -53,18 +57,32 @@ export function weaveControls(session: WeaveSession): HTMLElement {
 
 function moreControls(session: WeaveSession): HTMLElement {
   const modulus = new Slider({
-    label: "Young’s modulus of the material", lower: 1, upper: 10_000, step: 1, digits: 2, unit: "MPa",
+    label: "Young’s modulus of the material",
+    lower: 1,
+    upper: 10_000,
+    step: 1,
+    digits: 2,
+    unit: "MPa",
     changed: (value, done) => change({ youngsModulus: value }, done),
   });
   const segments = new Slider({
-    label: "Pieces of rod between crossings", lower: 1, upper: MAX_SEGMENTS, step: 1, digits: 0,
+    label: "Pieces of rod between crossings",
+    lower: 1,
+    upper: MAX_SEGMENTS,
+    step: 1,
+    digits: 0,
     changed: (value, done) => change({ segments: Math.round(value) }, done),
   });
   const shear = new Select<WeaveState["shear"]>(
-    "Shear across the load", [{ value: "free", words: "Free: uniaxial stress" }, { value: "suppressed", words: "Suppressed, as some publications have it" }],
-    (value) => session.apply({ shear: value }));
+    "Shear across the load",
+    [{ value: "free", words: "Free: uniaxial stress" }, { value: "suppressed", words: "Suppressed, as some publications have it" }],
+    (value) => session.apply({ shear: value }),
+  );
   const space = new Select<WeaveState["space"]>(
-    "Out of the plane", [{ value: "automatic", words: "Where it buckles" }, { value: "off", words: "Never" }], (value) => session.apply({ space: value }));
+    "Out of the plane",
+    [{ value: "automatic", words: "Where it buckles" }, { value: "off", words: "Never" }],
+    (value) => session.apply({ space: value }),
+  );
 
   function change(values: Partial<WeaveState>, done: boolean): void {
     session.preview(values);
