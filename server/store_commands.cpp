@@ -29,7 +29,7 @@ int print_report(const std::vector<std::string>& faults, const std::string& done
 }
 
 /// Adds the options --data and --database, which locate a store.
-void add_store_options(CLI::App& app, store::SharedPlace& place, const std::string& what) {
+void add_store_options(CLI::App& app, store::SharedStoreLocation& place, const std::string& what) {
   app.option_defaults()->always_capture_default();
   app.add_option("--data", place.folder, what)->envname("SUPPLE_DATA");
   app.add_option("--database", place.database,
@@ -45,7 +45,7 @@ std::string text_of(const store::Copy& copy) {
 }  // namespace
 
 int check_command(int argc, char** argv) {
-  store::SharedPlace place{{}, "data"};
+  store::SharedStoreLocation place{{}, "data"};
   bool repair = false;
   CLI::App app(
       "Looks through a data folder, also while servers use it: the database, and whether every file is there and has "
@@ -76,7 +76,7 @@ int check_command(int argc, char** argv) {
 }
 
 int backup_command(int argc, char** argv) {
-  store::SharedPlace place{{}, "data"};
+  store::SharedStoreLocation place{{}, "data"};
   std::string to;
   CLI::App app("Copies a data folder as it is at one moment, also while servers use it.", "supple-server backup");
   add_store_options(app, place, "Folder of meshes, jobs and results");
@@ -88,7 +88,7 @@ int backup_command(int argc, char** argv) {
 }
 
 int restore_command(int argc, char** argv) {
-  store::SharedPlace place{{}, "data"};
+  store::SharedStoreLocation place{{}, "data"};
   std::string from;
   bool replace = false;
   CLI::App app("Makes a data folder of a backup.", "supple-server restore");

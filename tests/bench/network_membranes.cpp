@@ -167,7 +167,7 @@ void follow_with_the_host(Report& report, const NetworkSettings& settings,
       double whole = 0;
       int divided = 0;
       int not_converged = 0;
-      for (const embedded::FollowedStop& stop : found.stops) {
+      for (const embedded::LoadIncrement& stop : found.stops) {
         iterations.push_back(stop.iterations);
         all += stop.iterations;
         not_converged += stop.stopped == "converged" ? 0 : 1;

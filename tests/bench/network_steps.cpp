@@ -89,7 +89,7 @@ void measure_springs_of(Report& report, const NetworkSettings& settings, Table& 
   const std::vector<PointPair> here = pairs_of(scene.network, scene.network.points);
   const std::vector<PointPair> there = pairs_of(scene.network, moved_a_little(*scene.mesh, scene.network.points));
   const int repetitions = settings.brief ? 3 : 40;
-  const auto row = [&](const char* what, const Times& times, const surface::PathsFound* found) {
+  const auto row = [&](const char* what, const Times& times, const surface::PathCounts* found) {
     const auto cell = [&](std::int64_t n) { return found ? count(static_cast<double>(n)) : std::string("-"); };
     table.row({scene.name, count(scene.mesh->face_count()), count(static_cast<double>(here.size())), what,
                cell(found ? found->same_face : 0), cell(found ? found->unfolded : 0), cell(found ? found->searched : 0),
@@ -100,7 +100,7 @@ void measure_springs_of(Report& report, const NetworkSettings& settings, Table& 
   row("`pairs` with Hessians", whole, nullptr);
 
   std::vector<surface::TangentGeodesic> found(here.size());
-  surface::PathsFound how;
+  surface::PathCounts how;
   // At the start of the scenes some springs go round vertices, so that their paths must be searched.
   const Network hard = face_scene("", TriangleMesh(*scene.mesh), near_vertex).network;
   const std::vector<PointPair> hard_pairs = pairs_of(hard, hard.points);

@@ -243,7 +243,7 @@ void compare_accuracy(const SolidSettings& settings, Report& report) {
       numerics::MinimizerResult result;
       auto system = scene.system(host, scene.at_rest(), fixed);
       const double seconds = cpu_time([&] { result = numerics::minimize(system, {.gradient_tolerance = 1e-10}); });
-      if (result.stop != numerics::MinimizerStop::converged) throw std::runtime_error("no equilibrium");
+      if (result.stop != numerics::MinimizerTermination::converged) throw std::runtime_error("no equilibrium");
       table.row({number(nu, 4), std::to_string(n), count(static_cast<double>(system.dimension())),
                  number(result.value / exact->energy), number(1e3 * seconds), std::to_string(result.iterations)});
     }

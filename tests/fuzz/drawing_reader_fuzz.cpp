@@ -28,7 +28,7 @@ void check_drawing(const Drawing& drawing, const DrawingOptions& options) {
   require(drawing.lower.allFinite() && drawing.upper.allFinite());
   require(drawing.chord_error >= 0 && drawing.chord_error < 1e7 && drawing.unit > 0);
   require(drawing.left_out.size() <= drawing.left_out_count && drawing.left_out.size() <= Drawing::max_left_out);
-  for (const LeftOut& one : drawing.left_out) require(!one.element.empty() && !one.reason.empty());
+  for (const OmittedElement& one : drawing.left_out) require(!one.element.empty() && !one.reason.empty());
   if (options.width) require(drawing.upper.x() - drawing.lower.x() < 1.01 * *options.width);
 }
 

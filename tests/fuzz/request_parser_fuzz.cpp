@@ -103,7 +103,7 @@ void check_layout(const json::LayoutSpec& layout) {
 
 void check_weave(const json::WeaveSpec& weave) {
   require(weave.radius > 0 && std::isfinite(weave.radius) && weave.material.youngs_modulus > 0);
-  require(!weave.sliding_share || (*weave.sliding_share > 0 && *weave.sliding_share <= 1));
+  require(!weave.sliding_fraction || (*weave.sliding_fraction > 0 && *weave.sliding_fraction <= 1));
   for (const auto& change : weave.overrides) {
     require(change.crossing >= 0);
     for (const int member : change.slides) require(member >= 0);

@@ -80,25 +80,26 @@ inline void expect_same_diagram(const voronoi::Diagram& found, const voronoi::Di
   };
   EXPECT_EQ(parts(found), parts(wanted));
   EXPECT_EQ(found.warnings, wanted.warnings);
-  const auto expect_same_pull = [&](const voronoi::SitePull& one, const voronoi::SitePull& other) {
+  const auto expect_same_pull = [&](const voronoi::SiteDistanceGradient& one,
+                                    const voronoi::SiteDistanceGradient& other) {
     EXPECT_EQ(one.site, other.site);
     EXPECT_NEAR(one.distance, other.distance, tolerance);
     EXPECT_LE((one.by_place - other.by_place).norm(), 1e-9);
     EXPECT_LE((one.by_site - other.by_site).norm(), 1e-9);
   };
-  ASSERT_EQ(found.vertex_pulls.size(), wanted.vertex_pulls.size());
-  for (std::size_t i = 0; i < wanted.vertex_pulls.size(); ++i)
-    expect_same_pull(found.vertex_pulls[i], wanted.vertex_pulls[i]);
+  ASSERT_EQ(found.vertex_gradients.size(), wanted.vertex_gradients.size());
+  for (std::size_t i = 0; i < wanted.vertex_gradients.size(); ++i)
+    expect_same_pull(found.vertex_gradients[i], wanted.vertex_gradients[i]);
   ASSERT_EQ(found.border_samples.size(), wanted.border_samples.size());
   for (std::size_t i = 0; i < wanted.border_samples.size(); ++i) {
     for (std::size_t side = 0; side < 2; ++side)
-      EXPECT_EQ(found.border_samples[i].pulls[side].site, wanted.border_samples[i].pulls[side].site);
+      EXPECT_EQ(found.border_samples[i].gradients[side].site, wanted.border_samples[i].gradients[side].site);
     EXPECT_NEAR(found.border_samples[i].weight, wanted.border_samples[i].weight, tolerance);
   }
   ASSERT_EQ(found.cell_moments.size(), wanted.cell_moments.size());
   for (std::size_t i = 0; i < wanted.cell_moments.size(); ++i) {
     EXPECT_NEAR(found.cell_moments[i].squared_distance, wanted.cell_moments[i].squared_distance, 1e-12 * area * area);
-    EXPECT_LE((found.cell_moments[i].pull - wanted.cell_moments[i].pull).norm(), 1e-9 * area * std::sqrt(area));
+    EXPECT_LE((found.cell_moments[i].gradient - wanted.cell_moments[i].gradient).norm(), 1e-9 * area * std::sqrt(area));
   }
 }
 

@@ -135,7 +135,7 @@ void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
                   "Crossings and the member of each that slides: 4:0,7:1; see supple weave layout --crossings")
       ->delimiter(',');
   command
-      .add_option("--sliding-share", arguments.sliding_share,
+      .add_option("--sliding-share", arguments.sliding_fraction,
                   "How far strands slide, as a share of the way to the next crossing (squares, circles: 0.7)")
       ->check(CLI::PositiveNumber);
 }
@@ -155,7 +155,7 @@ nlohmann::json weave_of(const WeaveArguments& arguments) {
   if (arguments.youngs_modulus > 0) weave["material"]["youngs_modulus"] = arguments.youngs_modulus;
   if (!arguments.poisson_ratio.empty())
     weave["material"]["poisson_ratio"] = parse_number(arguments.poisson_ratio, "Poisson's ratio");
-  if (arguments.sliding_share > 0) weave["sliding_share"] = arguments.sliding_share;
+  if (arguments.sliding_fraction > 0) weave["sliding_share"] = arguments.sliding_fraction;
   for (const auto& change : parse_overrides(arguments)) weave["overrides"].push_back(change);
   return weave;
 }

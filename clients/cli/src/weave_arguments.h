@@ -23,7 +23,7 @@ struct WeaveArguments {
   double radius = 0;
   double youngs_modulus = 0;
   std::string poisson_ratio;
-  double sliding_share = 0;
+  double sliding_fraction = 0;
   std::vector<std::string> fused;    ///< crossings whose strands are fused
   std::vector<std::string> sliding;  ///< "crossing:member"
 };

@@ -4,7 +4,7 @@
 
 namespace supple {
 
-std::unique_lock<std::mutex> own_process_random() {
+std::unique_lock<std::mutex> lock_process_random() {
   static std::mutex mutex;
   std::unique_lock lock(mutex);
   std::srand(1);

@@ -8,7 +8,7 @@
 
 namespace supple::design {
 
-double BestDesign::compare(const Eigen::VectorXd& x, DesignStop stopped) {
+double BestDesign::compare(const Eigen::VectorXd& x, DesignTermination stopped) {
   auto residuals = problem_.exact_residuals();
   Eigen::VectorXd r;
   const bool defined = residuals.residuals(x, r);
@@ -48,7 +48,7 @@ bool BestDesign::keep_if_beyond_limits(const Eigen::VectorXd& parameters, double
   return true;
 }
 
-void BestDesign::replace(const TargetResiduals& residuals, double deviation, DesignStop stopped,
+void BestDesign::replace(const TargetResiduals& residuals, double deviation, DesignTermination stopped,
                          std::vector<ProfileTrust> trusts) {
   const auto& targets = problem_.targets;
   best_.parameters = family_part(residuals.last_parameters());

@@ -18,7 +18,7 @@ class BestDesign {
 
   /// Computes the profiles of the free parameters x from rest, and keeps the design if its merit is the best so far.
   /// Returns the relative root mean square deviation; infinite if an equilibrium is missing.
-  double compare(const Eigen::VectorXd& x, DesignStop stopped);
+  double compare(const Eigen::VectorXd& x, DesignTermination stopped);
 
   bool is_found() const { return found_; }
   /// Whether the model's error bars are long at the design.
@@ -36,7 +36,7 @@ class BestDesign {
 
  private:
   bool keep_if_beyond_limits(const Eigen::VectorXd& parameters, double deviation);
-  void replace(const TargetResiduals& residuals, double deviation, DesignStop stopped,
+  void replace(const TargetResiduals& residuals, double deviation, DesignTermination stopped,
                std::vector<ProfileTrust> trusts);
 
   const SearchProblem& problem_;

@@ -32,7 +32,7 @@ bool Equilibria<Real>::follow(const typename Evaluator::Design& design, const Ei
   }
   if (turn != 0) turn_to(orientation_ + turn);
   for (std::size_t i = 0; i < samples_.size(); ++i)
-    samples_[i].newton.go_straight_to(samples_[i].load.strain, steps[i]);
+    samples_[i].newton.start_in_one_increment(samples_[i].load.strain, steps[i]);
   if (run(design)) return true;
   const Equilibrium rest = rest_state(design);
   for (Sample& sample : samples_) {

@@ -32,10 +32,10 @@ bool StructureLimits::any() const {
          cell_size.most < none.most;
 }
 
-std::string_view to_string(DesignStop stop) {
-  if (stop == DesignStop::no_free_parameters) return "no_free_parameters";
-  if (stop == DesignStop::trusted) return "trusted";
-  return numerics::to_string(static_cast<numerics::LeastSquaresStop>(stop));
+std::string_view to_string(DesignTermination stop) {
+  if (stop == DesignTermination::no_free_parameters) return "no_free_parameters";
+  if (stop == DesignTermination::trusted) return "trusted";
+  return numerics::to_string(static_cast<numerics::LeastSquaresTermination>(stop));
 }
 
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,

@@ -76,7 +76,7 @@ std::optional<LocalSearch::CoarseMinimum> LocalSearch::coarse_minimum(const Eige
 /// is repeated from the latter.
 void LocalSearch::refine(Eigen::VectorXd x, double outlier_threshold) {
   if (problem_.bounds.free.empty()) {
-    best_.compare(x, DesignStop::no_free_parameters);
+    best_.compare(x, DesignTermination::no_free_parameters);
     return;
   }
   const DesignOptions& options = problem_.options;
@@ -85,7 +85,7 @@ void LocalSearch::refine(Eigen::VectorXd x, double outlier_threshold) {
     const auto result =
         optimize(problem_.targets, x, {.tolerance = options.tolerance, .max_iterations = options.max_iterations});
     x = result.x;
-    if (best_.compare(x, static_cast<DesignStop>(result.stopped)) <= result.norm + good_deviation) return;
+    if (best_.compare(x, static_cast<DesignTermination>(result.stopped)) <= result.norm + good_deviation) return;
   }
 }
 

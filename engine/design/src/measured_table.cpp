@@ -98,7 +98,7 @@ struct Block {
   std::size_t first_line = 0, last_line = 0;
   std::size_t above = 0;  ///< first line after the previous block
   std::size_t first_row = 0, rows = 0;
-  std::size_t odd_lines = 0;
+  std::size_t malformed_lines = 0;
 };
 
 /// Reads the rows and divides them into blocks.
@@ -145,7 +145,7 @@ class BlockReader {
       increases_.assign(row_.columns, true);
     } else {
       Block& block = blocks_.back();
-      for (std::size_t i = block.last_line + 1; i < line; ++i) block.odd_lines += has_number(i) ? 1U : 0U;
+      for (std::size_t i = block.last_line + 1; i < line; ++i) block.malformed_lines += has_number(i) ? 1U : 0U;
       for (std::size_t k = 0; k < row_.columns; ++k) increases_[k] = increases_[k] && !decreases(k);
     }
     blocks_.back().last_line = line;
@@ -293,17 +293,17 @@ MeasuredTable read_table(std::string_view text, const TableOptions& options, con
   table.delimiter = format.delimiter;
   table.decimal_separator = format.decimal;
   const Block& block = blocks[table.block];
-  table.odd_lines = block.odd_lines;
+  table.malformed_lines = block.malformed_lines;
   // Lines of numbers directly before and after the block were probably meant as rows.
   for (std::size_t i = block.last_line + 1; i < lines.size() && count_kind(shapes[i], 'N') >= 2 && !row.fits(shapes[i]);
        ++i)
-    ++table.odd_lines;
+    ++table.malformed_lines;
   for (std::size_t i = block.first_line;
        i-- > block.above && count_kind(shapes[i], 'N') >= 2 && count_kind(shapes[i], 'T') == 0;)
-    ++table.odd_lines;
-  if (table.odd_lines >= block.rows) {
+    ++table.malformed_lines;
+  if (table.malformed_lines >= block.rows) {
     refuse_table("Lines with numbers have different numbers of cells: " + std::to_string(block.rows) + " have " +
-                 std::to_string(row.columns) + ", " + std::to_string(table.odd_lines) +
+                 std::to_string(row.columns) + ", " + std::to_string(table.malformed_lines) +
                  " others do not. Decimal commas may stand between the same commas that separate the columns.");
   }
   for (std::size_t i = 0; i < lines.size(); ++i) {

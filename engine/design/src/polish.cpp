@@ -12,7 +12,7 @@ namespace supple::design {
 namespace {
 
 /// Descends from a simulated design, then from other minima of the corrected network, then from surveyed designs.
-PolishStop improve(PolishRounds& rounds, OtherStarts other_starts, SimulatedDesign design) {
+PolishTermination improve(PolishRounds& rounds, OtherStarts other_starts, SimulatedDesign design) {
   SurveyedStarts surveyed_starts(rounds);
   while (true) {
     if (std::isfinite(design.deviation)) {
@@ -30,7 +30,7 @@ PolishStop improve(PolishRounds& rounds, OtherStarts other_starts, SimulatedDesi
         found = design.deviation < before;
         surveyed_starts.count(found);
       } else {
-        return PolishStop::no_improvement;
+        return PolishTermination::no_improvement;
       }
     }
   }
@@ -43,25 +43,25 @@ Polished improved(const DesignSpace& space, PolishRounds& rounds, const First& f
     return rounds.result(improve(rounds, OtherStarts(space, rounds), first()));
   } catch (const Cancelled& stop) {
     if (stop.reason() != StopReason::deadline) throw;
-    return rounds.result(PolishStop::deadline);
+    return rounds.result(PolishTermination::deadline);
   }
 }
 
 }  // namespace
 
-std::string_view to_string(PolishStop termination) {
+std::string_view to_string(PolishTermination termination) {
   switch (termination) {
-    case PolishStop::reached:
+    case PolishTermination::reached:
       return "reached";
-    case PolishStop::no_improvement:
+    case PolishTermination::no_improvement:
       return "no_improvement";
-    case PolishStop::round_limit:
+    case PolishTermination::round_limit:
       return "round_limit";
-    case PolishStop::time_limit:
+    case PolishTermination::time_limit:
       return "time_limit";
-    case PolishStop::deadline:
+    case PolishTermination::deadline:
       return "deadline";
-    case PolishStop::not_simulated:
+    case PolishTermination::not_simulated:
       return "not_simulated";
   }
   return "";

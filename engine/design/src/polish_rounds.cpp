@@ -143,19 +143,20 @@ void PolishRounds::record(PolishRound round, Clock::time_point begin) {
 
 double PolishRounds::seconds() const { return seconds_since(start_); }
 
-std::optional<PolishStop> PolishRounds::termination() const {
-  if (best_.deviation <= options_.tolerance) return PolishStop::reached;
-  if (model_.width().size() == 0) return PolishStop::no_improvement;
-  if (count() > options_.max_rounds) return PolishStop::round_limit;
-  if (seconds() + longest_round_ > options_.max_seconds) return PolishStop::time_limit;
+std::optional<PolishTermination> PolishRounds::termination() const {
+  if (best_.deviation <= options_.tolerance) return PolishTermination::reached;
+  if (model_.width().size() == 0) return PolishTermination::no_improvement;
+  if (count() > options_.max_rounds) return PolishTermination::round_limit;
+  if (seconds() + longest_round_ > options_.max_seconds) return PolishTermination::time_limit;
   return std::nullopt;
 }
 
-Polished PolishRounds::result(PolishStop stopped) const {
+Polished PolishRounds::result(PolishTermination stopped) const {
   Polished result;
   result.rounds = rounds_;
-  result.stopped =
-      stopped == PolishStop::deadline || std::isfinite(best_.deviation) ? stopped : PolishStop::not_simulated;
+  result.stopped = stopped == PolishTermination::deadline || std::isfinite(best_.deviation)
+                       ? stopped
+                       : PolishTermination::not_simulated;
   // The parameters of the round, because normalizing parameters and converting them back would round them.
   const PolishRound* best = &rounds_.front();
   for (const PolishRound& round : rounds_)

@@ -41,9 +41,9 @@ class PolishRounds {
   SimulatedDesign simulate(Proposal proposal, const Eigen::VectorXd& x);
 
   /// Why polishing has to end now; none if another round may begin.
-  std::optional<PolishStop> termination() const;
+  std::optional<PolishTermination> termination() const;
   /// The answer of a polish that ended for the given reason. There must be a round.
-  Polished result(PolishStop stopped) const;
+  Polished result(PolishTermination stopped) const;
 
   const DesignProblem& problem() const { return problem_; }  ///< the problem with the samples that are simulated
   const CorrectedModel& model() const { return model_; }

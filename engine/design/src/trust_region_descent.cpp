@@ -55,7 +55,7 @@ TrustRegionDescent::TrustRegionDescent(PolishRounds& rounds, SimulatedDesign fro
       slope_(Eigen::MatrixXd::Zero(best_.simulated.size(), model_.width().size())),
       radius_(initial_radius) {}
 
-std::optional<PolishStop> TrustRegionDescent::run() {
+std::optional<PolishTermination> TrustRegionDescent::run() {
   begin_allotment();
   while (true) {
     if (const auto termination = rounds_.termination()) return termination;
@@ -120,7 +120,7 @@ void TrustRegionDescent::update_slope(const SimulatedDesign& trial) {
 /// network's Jacobian. The length of each step is chosen so that the profile changes by probe_change_ratio times its
 /// deviation. Steps in stiff directions are then short enough to stay in the same valley, and those in soft directions
 /// are long enough to exceed the simulation's noise.
-std::optional<PolishStop> TrustRegionDescent::probe(const Eigen::VectorXd& preferred_direction) {
+std::optional<PolishTermination> TrustRegionDescent::probe(const Eigen::VectorXd& preferred_direction) {
   deviation_at_probes_ = best_.deviation;
   TargetResiduals residuals = model_.residuals(correction());
   Eigen::VectorXd r;

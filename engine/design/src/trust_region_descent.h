@@ -17,7 +17,7 @@ class TrustRegionDescent {
   TrustRegionDescent(PolishRounds& rounds, SimulatedDesign from);
 
   /// Improves the design. Returns the limit that ends the whole polish; none if only this descent ends.
-  std::optional<PolishStop> run();
+  std::optional<PolishTermination> run();
 
  private:
   void begin_allotment();
@@ -25,7 +25,7 @@ class TrustRegionDescent {
   CorrectedModel::Step best_step() const;
   bool is_promising(const CorrectedModel::Step& step) const;
   void try_step(const CorrectedModel::Step& step);
-  std::optional<PolishStop> probe(const Eigen::VectorXd& preferred_direction);
+  std::optional<PolishTermination> probe(const Eigen::VectorXd& preferred_direction);
   void update_slope(const SimulatedDesign& trial);
   /// The correction around the best design, in normalized parameters.
   Correction correction() const { return {best_.correction(), slope_, best_.x}; }

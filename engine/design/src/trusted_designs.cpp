@@ -25,7 +25,7 @@ int compare_candidates(const SearchState& state, const Execution& execution) {
     const Eigen::VectorXd all = state.candidates.at(candidate);
     if (problem.is_near_any(tried, all, min_start_distance)) continue;
     tried.push_back(all);
-    state.best.compare(problem.bounds.free_part(all), DesignStop::trusted);
+    state.best.compare(problem.bounds.free_part(all), DesignTermination::trusted);
   }
   return static_cast<int>(tried.size());
 }
@@ -48,7 +48,7 @@ int pattern_search(const SearchState& state) {
         x[k] = std::clamp(old_value + offset * width[k], lower[k], lower[k] + width[k]);
         if (x[k] == old_value) continue;
         ++evaluations;
-        state.best.compare(x, DesignStop::trusted);
+        state.best.compare(x, DesignTermination::trusted);
       }
     }
     if (!(state.best.merit() < before)) distance /= 2;

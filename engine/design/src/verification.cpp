@@ -95,7 +95,7 @@ FamilySimulation verification_of(const tiling::Family& family, const microscale:
   const auto options = verification_options(material);
   auto coarser = options;
   coarser.refinement = microscale::Refinement::off;
-  return {simulation_of(family, options), simulation_of(family, coarser), microscale::extrapolation_error_share()};
+  return {simulation_of(family, options), simulation_of(family, coarser), microscale::extrapolation_error_ratio()};
 }
 
 std::optional<double> relative_difference(const Eigen::VectorXd& simulated, const Eigen::VectorXd& model) {

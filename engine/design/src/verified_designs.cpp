@@ -25,13 +25,13 @@ std::string_view why_polished(const VerificationPlan& plan, const Polished& poli
   if (plan.polish == Switch::off) return "the request turns it off";
   if (polished.rounds.size() > 1) return "the simulated deviation was beyond the tolerance";
   switch (polished.stopped) {
-    case PolishStop::reached:
+    case PolishTermination::reached:
       return "the simulated deviation is within the tolerance";
-    case PolishStop::not_simulated:
+    case PolishTermination::not_simulated:
       return "no design that was tried could be simulated at every sample";
-    case PolishStop::deadline:
+    case PolishTermination::deadline:
       return "the deadline passed";
-    case PolishStop::no_improvement:
+    case PolishTermination::no_improvement:
       return "there is no parameter to correct, or nowhere to go";
     default:
       return "the limits of rounds and seconds leave no round";
@@ -48,7 +48,7 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
                                                          const Execution& execution) {
   const SimulateProfile& coarser = simulation.coarser;
   std::vector<std::optional<double>> errors(polished.targets.size());
-  if (!coarser || polished.stopped == PolishStop::deadline) return errors;
+  if (!coarser || polished.stopped == PolishTermination::deadline) return errors;
   try {
     for (std::size_t t = 0; t < errors.size(); ++t) {
       const Eigen::VectorXd& fine = polished.simulated[t];
@@ -97,7 +97,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
                                OrientedParameters(design.parameters, design.orientation),
                                simulations[design.space].simulate, simulate_only, execution, round_of(design));
     if (!corrects) polished.material = design.material;
-    deadline_passed = polished.stopped == PolishStop::deadline;
+    deadline_passed = polished.stopped == PolishTermination::deadline;
     if (deadline_passed && !corrects) execution.cancellation.throw_if_requested();
     simulated.push_back({std::move(design), std::move(polished)});
   }
@@ -105,14 +105,14 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
                    [](const Simulated& a, const Simulated& b) { return a.deviation() < b.deviation(); });
   Simulated& best = simulated.front();
   const auto start = std::chrono::steady_clock::now();
-  const bool unfinished = best.polished.stopped == PolishStop::round_limit ||
-                          best.polished.stopped == PolishStop::not_simulated || deadline_passed;
+  const bool unfinished = best.polished.stopped == PolishTermination::round_limit ||
+                          best.polished.stopped == PolishTermination::not_simulated || deadline_passed;
   if (corrects && unfinished) {
     const DesignSpace& space = spaces[best.design.space];
     Polished polished = deadline_passed ? best.polished
                                         : polish(space, problem, best.polished, simulations[best.design.space].simulate,
                                                  plan.options, execution, round_of(best.design));
-    if (deadline_passed) polished.stopped = PolishStop::deadline;
+    if (deadline_passed) polished.stopped = PolishTermination::deadline;
     best.polished = std::move(polished);
   }
   if (best.polished.parameters != best.design.parameters || best.polished.orientation != best.design.orientation ||

@@ -52,7 +52,7 @@ std::optional<TangentGeodesic> shortest_beside(const CutLocusContext& context, c
   TangentGeodesic found;
   context.solver.tangent_geodesics({&pair, 1}, {&found, 1}, false);
   if (!std::isfinite(found.distance) || !(found.distance > offset.norm())) return std::nullopt;
-  return found.before_turns(from.turn, to.turn).continued(-offset);
+  return found.in_frames_before(from.turn, to.turn).extrapolated(-offset);
 }
 
 bool are_different(const std::vector<TangentGeodesic>& paths, double distance) {

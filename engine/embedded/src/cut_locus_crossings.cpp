@@ -42,7 +42,7 @@ class PathChange {
       : before_(before), after_(std::move(after)), step_(step) {}
 
   bool is_same_path() const {
-    const Eigen::Vector4d gradient = after_.continued(-step_).gradient();
+    const Eigen::Vector4d gradient = after_.extrapolated(-step_).gradient();
     return std::ranges::any_of(
         before_, [&](const auto& one) { return (one.gradient() - gradient).norm() < same_path_gradient; });
   }
@@ -50,8 +50,8 @@ class PathChange {
   /// equally long; where one of them is left, it becomes longer than the others, so the longest counts.
   double excess(double fraction) const {
     double longest = 0;
-    for (const TangentGeodesic& one : before_) longest = std::max(longest, one.continued(fraction * step_).distance);
-    return longest - after_.continued((fraction - 1) * step_).distance;
+    for (const TangentGeodesic& one : before_) longest = std::max(longest, one.extrapolated(fraction * step_).distance);
+    return longest - after_.extrapolated((fraction - 1) * step_).distance;
   }
   bool is_longer(double fraction) const { return excess(fraction) > length_rounding * after_.distance; }
   bool is_equal(double fraction) const { return std::abs(excess(fraction)) <= length_rounding * after_.distance; }
@@ -68,8 +68,8 @@ class PathChange {
   std::vector<TangentGeodesic> paths_at(double fraction) const {
     std::vector<TangentGeodesic> equal;
     equal.reserve(before_.size() + 1);
-    for (const TangentGeodesic& one : before_) equal.push_back(one.continued(fraction * step_));
-    equal.push_back(after_.continued((fraction - 1) * step_));
+    for (const TangentGeodesic& one : before_) equal.push_back(one.extrapolated(fraction * step_));
+    equal.push_back(after_.extrapolated((fraction - 1) * step_));
     return equal;
   }
 
@@ -91,7 +91,8 @@ std::optional<Crossing> first_crossing(const ElasticNetwork& network, std::size_
   std::optional<Crossing> first;
   for (const TangentGeodesic& after : shortest_paths(*next.found(), path)) {
     const PathChange change(
-        before, after.before_turns(next.turn(static_cast<std::size_t>(from)), next.turn(static_cast<std::size_t>(to))),
+        before,
+        after.in_frames_before(next.turn(static_cast<std::size_t>(from)), next.turn(static_cast<std::size_t>(to))),
         step);
     if (change.is_same_path() || !change.is_longer(1)) continue;
     const bool is_in_place = change.is_equal(0);

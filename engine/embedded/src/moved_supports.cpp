@@ -66,7 +66,7 @@ MovedSupports::MovedSupports(numerics::System<NetworkState>& system, const HostM
 
 void MovedSupports::set_state(const State& state) {
   system_.set_state(state.network);
-  system_.look_around();
+  system_.prepare_terms();
   load_ = state.load;
 }
 
@@ -147,7 +147,7 @@ void MovedSupports::compute_tangent(const NetworkState& carried, Eigen::VectorXd
     return;
   }
   system_.set_state(carried);
-  system_.look_around();
+  system_.prepare_terms();
   const Eigen::VectorXd gradient = system_.full_gradient();
   const bool is_finite = std::isfinite(system_.energy());
   set_state(start_);

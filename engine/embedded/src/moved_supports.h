@@ -47,13 +47,13 @@ class MovedSupports {
   State state() const { return {std::as_const(system_).state(), load_}; }
   void set_state(const State& state);
   double gradient_tolerance() const { return gradient_tolerance_; }
-  bool unsettled(const numerics::MinimizerResult&) { return false; }
+  bool must_minimize_again(const numerics::MinimizerResult&) { return false; }
   /// Returns whether the equilibrium is stable.
   bool finish(const numerics::MinimizerResult& result);
   bool finish_unstable() { return true; }
   void begin_step();
   bool predict(double fraction);
-  void arrived(const numerics::Arrival&) {}
+  void finish_load_step(const numerics::LoadStepResult&) {}
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const;
   Eigen::VectorXd expand(const Eigen::VectorXd& mode) const { return system_.expand(mode); }
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);

@@ -50,12 +50,12 @@ class MovingNetwork {
   }
   void set_state(const State& state) { place(state.load, state.points, state.cut_loci); }
   double gradient_tolerance() const { return gradient_tolerance_; }
-  bool unsettled(const numerics::MinimizerResult&) { return false; }
+  bool must_minimize_again(const numerics::MinimizerResult&) { return false; }
   bool finish(const numerics::MinimizerResult&) { return true; }
   bool finish_unstable() { return true; }
   void begin_step();
   bool predict(double fraction);
-  void arrived(const numerics::Arrival&) {}
+  void finish_load_step(const numerics::LoadStepResult&) {}
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const { return mode; }
   Eigen::VectorXd expand(const Eigen::VectorXd& mode) const { return system_->expand(mode); }
   bool move_along(const State&, const Eigen::VectorXd&, double) { return false; }

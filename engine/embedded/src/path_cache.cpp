@@ -45,7 +45,7 @@ PathCache::Found PathCache::find(NetworkState& state, const Execution& execution
     for (std::size_t i = 0; i < paths.size(); ++i) found.geodesics[i].strip = last_->geodesics[i].strip;
   // The forces on nodes need the points at which a path crosses edges.
   if (state.surface()) found.paths.resize(paths.size());
-  const surface::PathsFound counts =
+  const surface::PathCounts counts =
       solver_of(state).tangent_geodesics(pairs_, found.geodesics, has_strips, own, found.paths);
   if (options_.mollifier_length > 0) find_mollified(found, own);
   if (CostLedger* cost = execution.cost) {

@@ -13,7 +13,7 @@
 namespace supple::embedded {
 namespace {
 
-using Termination = numerics::MinimizerStop;
+using Termination = numerics::MinimizerTermination;
 
 /// Fraction of the progress at the first equilibrium, before a host moves.
 constexpr double fraction_before_moving = 0.2;

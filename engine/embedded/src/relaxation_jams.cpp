@@ -15,7 +15,7 @@
 namespace supple::embedded {
 namespace {
 
-using Termination = numerics::MinimizerStop;
+using Termination = numerics::MinimizerTermination;
 
 /// Iterations of one search with some points fixed.
 constexpr int max_iterations_with_fixed_points = 50;

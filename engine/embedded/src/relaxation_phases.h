@@ -61,7 +61,7 @@ inline constexpr double same_equilibrium = 1e-7;
 struct Equilibrium {
   NetworkState state;
   std::shared_ptr<const surface::GeodesicSolver> moved_surface{};  ///< null where the surface is at its first position
-  numerics::MinimizerStop termination = numerics::MinimizerStop::converged;
+  numerics::MinimizerTermination termination = numerics::MinimizerTermination::converged;
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;  ///< of all phases so far
@@ -96,7 +96,7 @@ Equilibrium leave_jam(const RelaxationContext& context, Equilibrium from, const 
 /// An equilibrium at the last position of a host, and how all positions were reached.
 struct FollowedEquilibrium {
   Equilibrium end;
-  std::vector<FollowedStop> stops;
+  std::vector<LoadIncrement> stops;
 };
 
 /// Follows the equilibrium on the mesh to those on all positions of a moving surface.

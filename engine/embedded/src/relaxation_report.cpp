@@ -12,7 +12,7 @@
 namespace supple::embedded {
 namespace {
 
-using Termination = numerics::MinimizerStop;
+using Termination = numerics::MinimizerTermination;
 
 /// Relative compression of a spring that is no more than rounding.
 constexpr double compression_rounding = 1e-9;

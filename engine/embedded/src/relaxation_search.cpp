@@ -15,14 +15,14 @@ namespace {
 constexpr double min_step = 1e-16;
 constexpr int max_backtracks_of_a_step = 40;
 /// Steps along directions of negative curvature are doubled up to this factor.
-constexpr double longest_expansion = 64;
+constexpr double max_expansion = 64;
 /// Rounding of a host's gradient, relative to its stiffness times the mesh diagonal. Where the network is so much
 /// weaker than its host, this is the tolerance.
 constexpr double host_gradient_rounding = 1e-14;
 /// Relative rounding of the energy of a host with small strains.
 constexpr double host_value_rounding = 1e-12;
 /// A step that lowers the energy by less than this fraction of what its slope promises goes to and fro across a kink.
-constexpr double creeping_share = 1e-3;
+constexpr double stagnation_fraction = 1e-3;
 
 numerics::MinimizerMethod minimizer_method(RelaxationMethod method) {
   switch (method) {
@@ -70,8 +70,8 @@ numerics::MinimizerOptions RelaxationContext::minimizer_options() const {
       std::max(options.tolerance * largest_weight(network), host_gradient_rounding * host.stiffness()) * diagonal;
   minimizer.step_tolerance = min_step * diagonal;
   minimizer.max_backtracks = max_backtracks_of_a_step;
-  minimizer.longest_expansion = longest_expansion;
-  minimizer.creeping_share = creeping_share;
+  minimizer.max_expansion = max_expansion;
+  minimizer.stagnation_fraction = stagnation_fraction;
   if (host.is_deformable()) minimizer.value_rounding = host_value_rounding;
   // Without curvature the first step is that of a single point whose neighbours stay in place.
   if (const double stiffness = std::max(points.max_stiffness, host.stiffness()); stiffness > 0)

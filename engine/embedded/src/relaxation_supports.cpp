@@ -13,7 +13,7 @@
 namespace supple::embedded {
 namespace {
 
-using Termination = numerics::MinimizerStop;
+using Termination = numerics::MinimizerTermination;
 
 /// Lengths of load increments; the way from one position to the next has the length 1. Where an equilibrium is lost,
 /// shorter increments than the first do not help. They do help, down to the second, where elements are about to be
@@ -41,7 +41,7 @@ class SupportFollower {
         path_(scene_, path_options(), execution_) {}
 
   FollowedEquilibrium run() {
-    std::vector<FollowedStop> stops;
+    std::vector<LoadIncrement> stops;
     int increments = 0;
     const std::size_t count = scene_.position_count();
     for (std::size_t k = 1; k <= count && (k == 1 || stops.back().reached == 1); ++k) {
@@ -79,15 +79,15 @@ class SupportFollower {
   }
   int max_iterations() const { return std::min(context_.options.max_iterations, max_iterations_of_increment); }
 
-  FollowedStop follow_to(double target, int& all_increments) {
+  LoadIncrement follow_to(double target, int& all_increments) {
     scene_.set_target(target);
-    FollowedStop stop = make_increments(target);
+    LoadIncrement stop = make_increments(target);
     all_increments += stop.load_steps;
     stop.load_steps = std::max(1, stop.load_steps);
     stop.iterations = path_.take_counts().iterations;
     if (scene_.load() < target)
-      now_.termination = path_.stopped() == numerics::PathStop::iteration_limit ? Termination::iteration_limit
-                                                                                : Termination::step_too_small;
+      now_.termination = path_.stopped() == numerics::PathTermination::iteration_limit ? Termination::iteration_limit
+                                                                                       : Termination::step_too_small;
     const numerics::Evaluation end = system_->evaluate(1);
     now_.energy = stop.energy = end.value;
     now_.gradient_norm = stop.gradient_norm = end.gradient.norm();
@@ -98,8 +98,8 @@ class SupportFollower {
   }
 
   /// Follows the equilibrium in load increments that adapt, and counts them and the losses of an equilibrium.
-  FollowedStop make_increments(double target) {
-    FollowedStop counts;
+  LoadIncrement make_increments(double target) {
+    LoadIncrement counts;
     double max_increment = 1;
     while (scene_.load() < target) {
       execution_.checkpoint(scene_.load() / static_cast<double>(scene_.position_count()), "step");
@@ -113,7 +113,7 @@ class SupportFollower {
       const double energy_before = scene_.objective().evaluate(0).value;
       const bool failed = at_kink || path_.step(target - scene_.load()) == Path::Progress::failed;
       if (failed) {
-        const bool is_blocked = at_kink || path_.stopped() == numerics::PathStop::step_too_small;
+        const bool is_blocked = at_kink || path_.stopped() == numerics::PathTermination::step_too_small;
         scene_.set_at_kink(is_blocked);
         if (!advance_without_equilibrium(target, is_blocked ? max_increment : min_support_increment)) break;
       }
@@ -147,7 +147,7 @@ class SupportFollower {
     scene_.set_on_trial(true);
     scene_.set_target(load);
     scene_.begin_step();
-    const bool is_found = scene_.predict(1) && path_.settle();
+    const bool is_found = scene_.predict(1) && path_.find_equilibrium();
     const double energy_there = path_.result().value;
     scene_.set_on_trial(false);
     scene_.set_target(target);
@@ -164,7 +164,7 @@ class SupportFollower {
     for (double increment = max_increment; increment >= min_valid_increment; increment /= 2) {
       if (!scene_.predict(std::min(1.0, increment / (target - scene_.load())))) continue;
       path_.set_max_iterations(context_.options.max_iterations);
-      path_.settle();
+      path_.find_equilibrium();
       path_.set_max_iterations(max_iterations());
       return true;
     }

@@ -12,7 +12,7 @@
 namespace supple::embedded {
 namespace {
 
-using Termination = numerics::MinimizerStop;
+using Termination = numerics::MinimizerTermination;
 
 /// Lengths of load increments; the way from one position to the next has the length 1. Where an equilibrium is lost,
 /// shorter increments than the first do not find a nearer one. Where a search meets its limit of iterations, searches
@@ -44,7 +44,7 @@ class SurfaceFollower {
         path_(scene_, path_options(), execution_) {}
 
   FollowedEquilibrium run() {
-    std::vector<FollowedStop> stops;
+    std::vector<LoadIncrement> stops;
     const std::size_t count = host_.positions.size();
     for (std::size_t k = 1; k <= count; ++k) {
       execution_.checkpoint(static_cast<double>(k - 1) / static_cast<double>(count), "step");
@@ -68,9 +68,9 @@ class SurfaceFollower {
     return options;
   }
 
-  FollowedStop follow_to(double target) {
+  LoadIncrement follow_to(double target) {
     const int iterations_before = now_.iterations;
-    FollowedStop stop = make_increments(target);
+    LoadIncrement stop = make_increments(target);
     now_.iterations += path_.take_counts().iterations;
     now_.energy = path_.result().value;
     now_.gradient_norm = path_.result().gradient_norm;
@@ -84,8 +84,8 @@ class SurfaceFollower {
   }
 
   /// Follows the equilibrium in load increments that adapt, and counts them and the losses of an equilibrium.
-  FollowedStop make_increments(double target) {
-    FollowedStop counts;
+  LoadIncrement make_increments(double target) {
+    LoadIncrement counts;
     while (scene_.load() < target) {
       context_.execution.cancellation.throw_if_requested();
       const Path::Snapshot before = path_.snapshot();
@@ -93,7 +93,7 @@ class SurfaceFollower {
       scene_.set_target(increment < target - scene_.load() ? scene_.load() + increment : target);
       scene_.begin_step();
       const bool is_valid = scene_.predict(1);
-      if (is_valid) path_.settle();
+      if (is_valid) path_.find_equilibrium();
       const bool is_unfinished = !is_valid || path_.result().stop == Termination::iteration_limit;
       const double loss =
           !is_unfinished && scene_.is_doubtful(path_.result().value) ? scene_.loss_on_return(quiet_options()) : 0;
@@ -107,7 +107,7 @@ class SurfaceFollower {
       if (is_unfinished) {
         // The surface does not wait for the network: the answer is the best state at the next position.
         scene_.place(target, before.state.points, before.state.cut_loci);
-        path_.settle();
+        path_.find_equilibrium();
       }
       ++counts.load_steps;
       counts.jumps += is_lost ? 1 : 0;

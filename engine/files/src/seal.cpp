@@ -71,7 +71,7 @@ void check_seal(std::string_view bytes, const std::string& name) {
   compare(name, bytes);
 }
 
-void check_seal_if_any(const std::filesystem::path& path) {
+void check_optional_seal(const std::filesystem::path& path) {
   const auto content = content_of(path);
   if (has_seal(content)) compare(path.string(), content);
 }

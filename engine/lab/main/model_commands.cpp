@@ -372,7 +372,7 @@ struct CalibrateArguments {
   int threads = 0;
 };
 
-void print_judged(neural::Quantity quantity, const neural::JudgedBars& judged) {
+void print_judged(neural::Quantity quantity, const neural::BarCoverage& judged) {
   fmt::print(
       "{}: {:.1f} % of {} states of {} designs that had no part in it within their bar, median {:.2f} %; of {} that "
       "err by more than "

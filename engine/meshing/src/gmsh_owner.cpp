@@ -43,7 +43,7 @@ class GmshOwner {
 
 GmshSession::GmshSession() {
   GmshOwner& owner = GmshOwner::instance();
-  random_lock_ = own_process_random();
+  random_lock_ = lock_process_random();
   gmsh_lock_ = owner.lock();
 }
 

@@ -42,14 +42,14 @@ numerics::PathOptions path_options(const SimulationOptions& simulation) {
   numerics::PathOptions options;
   options.minimizer.reuse_contraction = reuse_contraction;
   options.minimizer.first_regularization = first_regularization;
-  options.minimizer.longest_expansion = max_expansion;
+  options.minimizer.max_expansion = max_expansion;
   options.max_iterations = simulation.max_iterations;
   options.largest_step = simulation.max_load_step;
   options.smallest_step = min_load_step;
   options.leave_unstable = simulation.buckling != Switch::off;
   // Beams can be so soft in bending, compared with elements, that a curvature of 1e-13 of the matrix's scale may be
   // theirs. With a tolerance for it, paths of the family IH29 ended although they can be followed.
-  options.zero_curvature = 0;
+  options.curvature_tolerance = 0;
   return options;
 }
 
@@ -171,9 +171,9 @@ bool CellScene::predict(double fraction) {
   return true;
 }
 
-void CellScene::arrived(const numerics::Arrival& arrival) {
+void CellScene::finish_load_step(const numerics::LoadStepResult& arrival) {
   previous_.reset();
-  if (arrival.same_branch) previous_ = Previous{arrival.share * change_, start_, arrival.share * step_tangent_};
+  if (arrival.same_branch) previous_ = Previous{arrival.fraction * change_, start_, arrival.fraction * step_tangent_};
 }
 
 double CellScene::gradient_tolerance() const {
@@ -181,7 +181,7 @@ double CellScene::gradient_tolerance() const {
   return std::max(options_.tolerance * elastic.force_scale(x()), elastic.force_rounding());
 }
 
-bool CellScene::unsettled(const numerics::MinimizerResult& result) {
+bool CellScene::must_minimize_again(const numerics::MinimizerResult& result) {
   // The tolerance is in proportion to the forces at the predicted state, which can be larger than those at the
   // equilibrium.
   const bool above_tolerance = result.gradient_norm > gradient_tolerance() && result.iterations > 0;
@@ -274,11 +274,11 @@ CellPath::CellPath(CellModel& model, Eigen::VectorXd x, const FreeStrains& free,
 
 Stop CellPath::stopped() const {
   switch (path_.stopped()) {
-    case numerics::PathStop::converged:
+    case numerics::PathTermination::converged:
       return Stop::converged;
-    case numerics::PathStop::iteration_limit:
+    case numerics::PathTermination::iteration_limit:
       return Stop::iteration_limit;
-    case numerics::PathStop::step_too_small:
+    case numerics::PathTermination::step_too_small:
       break;
   }
   return Stop::step_too_small;
@@ -293,7 +293,7 @@ bool CellPath::find_equilibrium_with_range(double range) {
   scene_.set_contact({scene_.contact().stiffness, range});
   scene_.prepare_terms();
   const int branches = path_.counts().branches_left;
-  const bool found = path_.settle() && path_.stable() && path_.counts().branches_left == branches;
+  const bool found = path_.find_equilibrium() && path_.stable() && path_.counts().branches_left == branches;
   path_.set_branches_left(branches);
   return found;
 }

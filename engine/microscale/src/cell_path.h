@@ -41,12 +41,12 @@ class CellScene {
   State state() const { return {x(), at_}; }
   void set_state(State state);
   double gradient_tolerance() const;
-  bool unsettled(const numerics::MinimizerResult& result);
+  bool must_minimize_again(const numerics::MinimizerResult& result);
   bool finish(const numerics::MinimizerResult& result);
   bool finish_unstable();
   void begin_step();
   bool predict(double fraction);
-  void arrived(const numerics::Arrival& arrival);
+  void finish_load_step(const numerics::LoadStepResult& arrival);
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return system_.expand(y); }
   /// The mode, scaled so that its largest displacement is a beam width.
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const;
@@ -60,7 +60,7 @@ class CellScene {
   const CellEquilibrium& at() const { return at_; }
 
   /// Prepares the terms for the current state: contacts search their pairs again.
-  void prepare_terms() { system_.look_around(); }
+  void prepare_terms() { system_.prepare_terms(); }
   /// The contact barrier's parameters. After they are set, prepare_terms or set_state must be called.
   struct Contact {
     double stiffness = 0;  ///< MPa
@@ -119,7 +119,7 @@ class CellPath {
   using Counts = Path::Counts;
 
   /// Finds an equilibrium at the present strain. Returns false if there is none.
-  bool find_equilibrium() { return path_.settle(); }
+  bool find_equilibrium() { return path_.find_equilibrium(); }
   /// Makes one internal load step to the prescribed components of `target` (a deformation gradient).
   Progress step_towards(const Eigen::Matrix2d& target) { return path_.step(scene_.set_target(target)); }
   /// Adds `mode` (a change of x) to the state as far as the energy falls, and finds the equilibrium there. Returns

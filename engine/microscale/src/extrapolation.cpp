@@ -52,7 +52,7 @@ MeshError coarse_error(const PatchResponse& coarse, const PatchResponse& fine, d
 }
 
 // The extrapolated response differs from the coarse one by (1 + remaining_error_ratio) times what the fine one does.
-double extrapolation_error_share() { return extrapolation_error_factor / (1 + remaining_error_ratio); }
+double extrapolation_error_ratio() { return extrapolation_error_factor / (1 + remaining_error_ratio); }
 
 std::optional<MeshError> discretization_error(const std::vector<State>& states) {
   double stress_error = 0;

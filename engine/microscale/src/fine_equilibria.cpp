@@ -149,7 +149,7 @@ FineEquilibria::FineEquilibria(const CellModel& coarse, const SimulationOptions&
       refined_(tiling::refine(*coarse.mesh())),
       model_(refined_.mesh, options.material, options.contact != Switch::off, CellModel::Retraction::linear) {
   // A path has few states with one factorization each, so that a better ordering does not pay.
-  model_.workspace().cholesky.order_quickly();
+  model_.workspace().cholesky.use_fast_ordering();
 }
 
 std::optional<FineEquilibria::FineEquilibrium> FineEquilibria::find(const CellPath& coarse, const FreeStrains& free,
@@ -180,7 +180,7 @@ void FineEquilibria::set_contact(const CellScene::Contact& contact) {
 std::optional<PatchResponse> FineEquilibria::solve_by_newton(const Eigen::VectorXd& x, const FreeStrains& free,
                                                              const Execution& execution) {
   CellSystem system = cell_system(model_, x, free, execution);
-  system.look_around();
+  system.prepare_terms();
   numerics::ShiftedCholesky& cholesky = model_.workspace().cholesky;
   cholesky.stop_with(execution.cancellation);
   system.evaluate(2);
@@ -198,7 +198,7 @@ std::optional<PatchResponse> FineEquilibria::solve_by_newton(const Eigen::Vector
     const CellState to = model_.state(from.x + system.expand(change));
     if (system.look_ahead(from, to) < 1) return std::nullopt;
     system.set_state(to);
-    system.look_around();
+    system.prepare_terms();
     system.evaluate(1);
     if (!std::isfinite(system.energy())) return std::nullopt;
     step = linearized->step();

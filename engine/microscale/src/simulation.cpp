@@ -122,7 +122,7 @@ class Run {
       const auto progress = path_->step_towards(target);
       if (progress == CellPath::Progress::failed) return false;
       if (!continue_in_patch_if_unstable()) return false;
-      if (progress == CellPath::Progress::arrived) return true;
+      if (progress == CellPath::Progress::complete) return true;
     }
   }
 

@@ -18,7 +18,7 @@ std::string_view to_string(Quantity quantity) {
   }
 }
 
-double trusted_error(Quantity quantity) { return quantity == Quantity::stress ? 0.05 : 0.1; }
+double max_trusted_error(Quantity quantity) { return quantity == Quantity::stress ? 0.05 : 0.1; }
 
 Eigen::VectorXd quadratic_terms(const Eigen::VectorXd& z) {
   const auto n = z.size();

@@ -38,7 +38,7 @@ Trust ErrorBars::trust(Quantity quantity, const Eigen::VectorXd& features) const
   // If the tangent is not finite, the error is not known.
   if (!features.allFinite()) return {};
   const double error = expected_error(*model_.calibration, quantity, features, origin_);
-  return {error <= trusted_error(quantity), error};
+  return {error <= max_trusted_error(quantity), error};
 }
 
 }  // namespace supple::neural

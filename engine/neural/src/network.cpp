@@ -98,7 +98,7 @@ Eigen::VectorXd mapped(const Network& network, std::span<const double> parameter
   return 2 * (p - middle).cwiseQuotient(network.upper - network.lower);
 }
 
-Network as_trained(Network network) {
+Network without_mesh_correction(Network network) {
   network.mesh_correction.resize(0, 0);
   return network;
 }

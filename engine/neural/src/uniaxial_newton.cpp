@@ -47,7 +47,7 @@ void UniaxialNewton::go_to(double axial_strain) {
   predict();
 }
 
-void UniaxialNewton::go_straight_to(double axial_strain, const Eigen::Vector2d& step) {
+void UniaxialNewton::start_in_one_increment(double axial_strain, const Eigen::Vector2d& step) {
   target_axial_strain_ = axial_strain;
   iterations_ = 0;
   remaining_increments_ = 0;

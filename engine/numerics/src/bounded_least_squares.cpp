@@ -45,7 +45,7 @@ class Solver {
     result_.x = start.cwiseMax(lower_).cwiseMin(upper_);
     result_.defined = evaluate(result_.x, r_);
     if (!result_.defined) {
-      result_.stopped = LeastSquaresStop::step_too_small;
+      result_.stopped = LeastSquaresTermination::step_too_small;
       return result_;
     }
     differentiate();
@@ -78,12 +78,12 @@ class Solver {
 
   /// Computes the next step. Returns whether the iteration ends, because no step is worth taking or a limit is reached.
   bool terminates() {
-    if (result_.norm <= options_.target) return terminate(LeastSquaresStop::reached);
+    if (result_.norm <= options_.target) return terminate(LeastSquaresTermination::reached);
     // A curvature estimate that is too large would end the search early, so both models have to agree.
     if (use_curvature_ && predicts_no_decrease(augmented())) use_curvature_ = false;
-    if (!use_curvature_ && predicts_no_decrease(gauss_newton())) return terminate(LeastSquaresStop::converged);
-    if (radius_ < min_radius) return terminate(LeastSquaresStop::step_too_small);
-    if (result_.iterations == options_.max_iterations) return terminate(LeastSquaresStop::iteration_limit);
+    if (!use_curvature_ && predicts_no_decrease(gauss_newton())) return terminate(LeastSquaresTermination::converged);
+    if (radius_ < min_radius) return terminate(LeastSquaresTermination::step_too_small);
+    if (result_.iterations == options_.max_iterations) return terminate(LeastSquaresTermination::iteration_limit);
     return false;
   }
   /// Uses this model for the next step. Returns whether it predicts no decrease beyond the tolerance, for a step that
@@ -96,7 +96,7 @@ class Solver {
     const double predicted_norm = std::sqrt(std::max(0.0, result_.norm * result_.norm - 2 * predicted));
     return !shortened && result_.norm - predicted_norm <= options_.tolerance;
   }
-  bool terminate(LeastSquaresStop reason) {
+  bool terminate(LeastSquaresTermination reason) {
     result_.stopped = reason;
     return true;
   }
@@ -180,13 +180,13 @@ Eigen::VectorXd model_gradient(const Eigen::MatrixXd& hessian, const Eigen::Vect
 
 }  // namespace
 
-std::string_view to_string(LeastSquaresStop stop) {
+std::string_view to_string(LeastSquaresTermination stop) {
   switch (stop) {
-    case LeastSquaresStop::reached:
+    case LeastSquaresTermination::reached:
       return "reached";
-    case LeastSquaresStop::iteration_limit:
+    case LeastSquaresTermination::iteration_limit:
       return "iteration_limit";
-    case LeastSquaresStop::step_too_small:
+    case LeastSquaresTermination::step_too_small:
       return "step_too_small";
     default:
       return "converged";

@@ -149,7 +149,7 @@ void ShiftedCholesky::stop_with(const CancellationToken& cancellation) {
   implementation_->sparse.stop_with(cancellation);
 }
 
-void ShiftedCholesky::order_quickly() { implementation_->sparse.search_orderings(OrderingSearch::quick); }
+void ShiftedCholesky::use_fast_ordering() { implementation_->sparse.search_orderings(OrderingSearch::quick); }
 
 void ShiftedCholesky::bill_to(CostLedger* cost) { implementation_->cost = cost; }
 

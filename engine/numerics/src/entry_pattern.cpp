@@ -23,7 +23,7 @@ void sort_without_repetition(std::vector<std::uint64_t>& pairs, const Cancellati
   std::vector<std::size_t> end;  // end of each column
   std::uint32_t last_row = 0;
   for (const std::uint64_t pair : pairs) {
-    pace.look();
+    pace.check();
     if (column_of(pair) >= end.size()) end.resize(column_of(pair) + 1);
     ++end[column_of(pair)];
     last_row = std::max(last_row, row_of(pair));
@@ -31,7 +31,7 @@ void sort_without_repetition(std::vector<std::uint64_t>& pairs, const Cancellati
   std::exclusive_scan(end.begin(), end.end(), end.begin(), std::size_t{0});
   std::vector<std::uint32_t> rows(pairs.size());
   for (const std::uint64_t pair : pairs) {
-    pace.look();
+    pace.check();
     rows[end[column_of(pair)]++] = row_of(pair);
   }
   std::vector<std::size_t> last_column(std::size_t{last_row} + 1);  // for each row, 1 + the last column that had it
@@ -40,7 +40,7 @@ void sort_without_repetition(std::vector<std::uint64_t>& pairs, const Cancellati
   for (std::size_t column = 0; column < end.size(); ++column) {
     const auto first = static_cast<std::ptrdiff_t>(pairs.size());
     for (; next < end[column]; ++next) {
-      pace.look();
+      pace.check();
       if (std::exchange(last_column[rows[next]], column + 1) != column + 1) pairs.push_back(column << 32 | rows[next]);
     }
     std::sort(pairs.begin() + first, pairs.end());

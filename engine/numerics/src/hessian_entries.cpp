@@ -110,7 +110,7 @@ std::vector<EntryPosition> HessianEntries::new_positions() const {
   const CancellationToken token = cancellation();
   StopPace pace(token);
   const auto collect = [&](EntryPosition position) {
-    pace.look();
+    pace.check();
     if (position == no_position) return;
     if (!pattern_.has(position)) added.push_back(position);
   };

@@ -43,13 +43,13 @@ class Minimization {
     start_norm_ = current_.gradient.norm();
     record(0);
     while (true) {
-      if (result_.gradient_norm <= options_.gradient_tolerance) return finish(MinimizerStop::converged);
-      if (near_saddle()) return finish(MinimizerStop::saddle);
-      if (result_.iterations >= options_.max_iterations) return finish(MinimizerStop::iteration_limit);
-      if (creeping_steps_ >= options_.max_creeping_steps || steps_in_place_ >= max_steps_in_place)
-        return finish(MinimizerStop::step_too_small);
+      if (result_.gradient_norm <= options_.gradient_tolerance) return finish(MinimizerTermination::converged);
+      if (near_saddle()) return finish(MinimizerTermination::saddle);
+      if (result_.iterations >= options_.max_iterations) return finish(MinimizerTermination::iteration_limit);
+      if (creeping_steps_ >= options_.max_stagnant_steps || steps_in_place_ >= max_steps_in_place)
+        return finish(MinimizerTermination::step_too_small);
       report_progress();
-      if (!iterate()) return finish(MinimizerStop::step_too_small);
+      if (!iterate()) return finish(MinimizerTermination::step_too_small);
     }
   }
 
@@ -91,15 +91,15 @@ class Minimization {
     }
   }
 
-  /// Updates the count after a step that began at this value and slope. MinimizerOptions::creeping_share has the
+  /// Updates the count after a step that began at this value and slope. MinimizerOptions::stagnation_fraction has the
   /// criterion.
   void count_creeping(double value, double slope) {
     // Regularized steps predict less, so the predictions of the creeping steps before them count for a while.
     predicted_decrease_ = std::max(creeping_steps_ > 0 ? prediction_decay * predicted_decrease_ : 0, -slope);
-    const double min_decrease = options_.creeping_share * predicted_decrease_;
+    const double min_decrease = options_.stagnation_fraction * predicted_decrease_;
     const bool is_measurable = min_decrease > options_.value_rounding * std::abs(value);
     creeping_steps_ = is_measurable && value - current_.value < min_decrease ? creeping_steps_ + 1 : 0;
-    if (creeping_steps_ > options_.creeping_steps_without_regularization) direction_->retry();
+    if (creeping_steps_ > options_.stagnant_steps_without_regularization) direction_->retry();
   }
 
   /// Whether |g| has fallen by the saddle contraction since the regularization was last reduced.
@@ -190,7 +190,7 @@ class Minimization {
   /// that was lower.
   LineSearch expand(const Eigen::VectorXd& d, double value, Eigen::VectorXd travelled) {
     double multiple = 1;
-    while (2 * multiple <= options_.longest_expansion && 2 * multiple <= objective_.largest_step(d)) {
+    while (2 * multiple <= options_.max_expansion && 2 * multiple <= objective_.largest_step(d)) {
       objective_.reject();
       Eigen::VectorXd longer_step = objective_.move(2 * multiple * d);
       const double longer_value = evaluate(0).value;
@@ -264,7 +264,7 @@ class Minimization {
     execution_.checkpoint(progress_, "step");
   }
 
-  MinimizerResult finish(MinimizerStop stop) {
+  MinimizerResult finish(MinimizerTermination stop) {
     result_.stop = stop;
     result_.indefinite = direction_->met_indefinite();
     return std::move(result_);
@@ -279,7 +279,7 @@ class Minimization {
   double last_regularization_ = 0;
   double saddle_reference_norm_ = 0;  ///< |g| at the last state that was reached with reduced or no regularization
   int creeping_steps_ = 0;            ///< number of creeping steps in succession
-  double predicted_decrease_ = 0;     ///< see MinimizerOptions::creeping_share
+  double predicted_decrease_ = 0;     ///< see MinimizerOptions::stagnation_fraction
   int steps_in_place_ = 0;  ///< number of steps in succession that neither moved the state nor lowered the value
   double progress_ = 0;
   MinimizerResult result_;
@@ -287,15 +287,15 @@ class Minimization {
 
 }  // namespace
 
-std::string_view to_string(MinimizerStop stop) {
+std::string_view to_string(MinimizerTermination stop) {
   switch (stop) {
-    case MinimizerStop::converged:
+    case MinimizerTermination::converged:
       return "converged";
-    case MinimizerStop::step_too_small:
+    case MinimizerTermination::step_too_small:
       return "step_too_small";
-    case MinimizerStop::saddle:
+    case MinimizerTermination::saddle:
       return "saddle";
-    case MinimizerStop::iteration_limit:
+    case MinimizerTermination::iteration_limit:
       break;
   }
   return "iteration_limit";

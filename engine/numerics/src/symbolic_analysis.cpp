@@ -45,7 +45,7 @@ class CholmodAnalysis {
     view.sorted = 1;
     view.packed = 1;
     if (ordering.empty()) {
-      const auto random = own_process_random();  // METIS draws from it
+      const auto random = lock_process_random();  // METIS draws from it
       factor_ = cholmod_analyze(&view, &common_);
     } else {
       factor_ = cholmod_analyze_p(&view, ordering.data(), nullptr, 0, &common_);

@@ -104,7 +104,7 @@ void move_outlines(Shapes& shapes, const RawDrawing& raw, double scale, Drawing&
   const auto add_left_out = [&drawing](const std::string& element, const std::string& reason) {
     if (drawing.left_out.size() < Drawing::max_left_out) drawing.left_out.push_back({element, reason});
   };
-  for (const LeftOut& one : shapes.left_out) add_left_out(one.element, one.reason);
+  for (const OmittedElement& one : shapes.left_out) add_left_out(one.element, one.reason);
   for (const Polyline& open : shapes.open)
     add_left_out(
         open.source->description,

@@ -43,7 +43,7 @@ struct RawDrawing {
   std::map<std::string, int> left_out_kinds;  ///< number of elements that no outline is made of, by kind
   std::size_t hidden = 0;                     ///< number of hidden elements
   std::size_t stroked = 0;                    ///< as in `Drawing`
-  std::vector<LeftOut> left_out;              ///< the first elements that were left out or are hidden
+  std::vector<OmittedElement> left_out;       ///< the first elements that were left out or are hidden
   std::size_t left_out_count = 0;             ///< number of all elements that were left out or are hidden
   std::vector<std::string> warnings;
 };

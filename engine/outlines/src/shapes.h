@@ -32,8 +32,8 @@ struct Shapes {
   std::size_t clipped = 0;             ///< shapes that a clip path cuts
   std::size_t simplified = 0;          ///< corners that were left out to simplify outlines
   double chord_error = 0;
-  std::vector<LeftOut> left_out;   ///< the first curves that were left out
-  std::size_t left_out_count = 0;  ///< number of all of them
+  std::vector<OmittedElement> left_out;  ///< the first curves that were left out
+  std::size_t left_out_count = 0;        ///< number of all of them
   std::vector<std::string> warnings;
 
   Box box() const;

@@ -25,7 +25,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in, const Execut
   const TriangleMesh& m = *mesh;
   frames.resize(static_cast<std::size_t>(m.halfedge_count()));
   for (std::int32_t h = 0; h < m.halfedge_count(); ++h) {
-    pace.look();
+    pace.check();
     EdgeFrame& frame = frames[h];
     const std::int32_t onward = TriangleMesh::next(h);
     const std::int32_t back = TriangleMesh::previous(h);
@@ -51,7 +51,7 @@ SearchMesh::SearchMesh(std::shared_ptr<const TriangleMesh> mesh_in, const Execut
   corners.reserve(frames.size());
   first_corner.reserve(pins_paths.size() + 1);
   for (std::int32_t v = 0; v < m.vertex_count(); ++v) {
-    pace.look();
+    pace.check();
     first_corner.push_back(static_cast<std::int32_t>(corners.size()));
     double polar = 0;
     const std::int32_t first = m.outgoing(v);

@@ -31,7 +31,7 @@ std::vector<std::int32_t> first_equal_points(const std::vector<Eigen::Vector3d>&
   std::vector<Entry> entries;
   entries.reserve(points.size());
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
-    pace.look();
+    pace.check();
     first[i] = i;
     if (points[i].allFinite()) entries.push_back({hash(points[i]), i});
   }
@@ -43,7 +43,7 @@ std::vector<std::int32_t> first_equal_points(const std::vector<Eigen::Vector3d>&
     return std::tuple(p[0], p[1], p[2], e.index);
   };
   for (auto group = entries.begin(); group != entries.end();) {
-    pace.look();
+    pace.check();
     const auto end = std::find_if(group, entries.end(), [&](const Entry& e) { return e.hash != group->hash; });
     if (end - group > 1) {
       std::sort(group, end, [&](const Entry& a, const Entry& b) { return coordinates(a) < coordinates(b); });

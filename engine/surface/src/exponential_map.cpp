@@ -246,7 +246,7 @@ ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& sta
   result.reached_boundary = leaves_surface;
   StopPace pace(cancellation);
   for (std::int64_t crossings = 0; !result.reached_boundary; ++crossings) {
-    pace.look();
+    pace.check();
     if (crossings > max_crossings) {
       throw Error("exponential_map.too_long", "The path crosses more than " + std::to_string(max_crossings) + " edges.",
                   {{"tangent", "has length " + std::to_string(requested_length) + ", too long for the limit of " +

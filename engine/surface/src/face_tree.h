@@ -53,7 +53,7 @@ class FaceTree {
   void build(std::size_t k, std::int32_t begin, std::int32_t end, StopPace& pace) {
     Box box;
     for (std::int32_t i = begin; i < end; ++i) {
-      pace.look();
+      pace.check();
       box.extend(box_of(order_[i]));
     }
     if (boxes_.size() <= k) boxes_.resize(k + 1);

@@ -261,24 +261,24 @@ class Search {
       : mesh_(mesh),
         term_(std::make_shared<SquaredDistances>(mesh, distances, weights)),
         // All derivatives are computed with the distances.
-        system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .least_order = 2},
+        system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .min_order = 2},
                 std::make_shared<KarcherVertexSearch>(mesh)),
         options_(minimizer_options(problem, mesh_.diagonal())),
         max_iterations_(problem.max_iterations),
         execution_(execution) {}
 
   KarcherMean run() {
-    numerics::MinimizerStop stop{};
+    numerics::MinimizerTermination stop{};
     for (int probes = 0;; ++probes) {
       options_.max_iterations = max_iterations_ - mean_.iterations;
       const numerics::MinimizerResult result = numerics::minimize(system_, options_, execution_);
       append(result);
       stop = result.stop;
       // Only at a cut locus, at a tip or if no step was found can a point next to this one be lower.
-      if (stop == numerics::MinimizerStop::iteration_limit || probes == max_probes ||
+      if (stop == numerics::MinimizerTermination::iteration_limit || probes == max_probes ||
           mean_.iterations >= max_iterations_)
         break;
-      if (stop == numerics::MinimizerStop::converged && !is_at_kink(evaluated_state()) &&
+      if (stop == numerics::MinimizerTermination::converged && !is_at_kink(evaluated_state()) &&
           away_from_cut_loci(evaluated_state()))
         break;
       if (!probe()) break;
@@ -287,7 +287,7 @@ class Search {
     mean_.position = position(mesh_, mean_.mean);
     mean_.objective = mean_.history.back().objective;
     mean_.gradient_norm = mean_.history.back().gradient_norm;
-    const bool kink = stop == numerics::MinimizerStop::converged && is_at_kink(evaluated_state());
+    const bool kink = stop == numerics::MinimizerTermination::converged && is_at_kink(evaluated_state());
     mean_.stopped = kink ? "kink" : std::string(numerics::to_string(stop));
     return std::move(mean_);
   }

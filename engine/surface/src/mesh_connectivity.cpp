@@ -36,21 +36,21 @@ std::vector<Index> pair_or_report(Index vertex_count, const std::vector<Triangle
   const Index halfedge_count = static_cast<Index>(3 * faces.size());
   std::vector<Index> starts(static_cast<std::size_t>(vertex_count) + 1, 0);
   for (Index h = 0; h < halfedge_count; ++h) {
-    pace.look();
+    pace.check();
     ++starts[std::min(tail(faces, h), head(faces, h)) + 1];
   }
   for (Index v = 0; v < vertex_count; ++v) starts[v + 1] += starts[v];
   std::vector<Entry> entries(halfedge_count);
   std::vector<Index> ends(starts.begin(), starts.end() - 1);
   for (Index h = 0; h < halfedge_count; ++h) {
-    pace.look();
+    pace.check();
     const auto [smaller, larger] = std::minmax({tail(faces, h), head(faces, h)});
     entries[ends[smaller]++] = {larger, h};
   }
 
   std::vector<Index> partners(halfedge_count, -1), edge_halfedges;
   for (Index v = 0; v < vertex_count; ++v) {
-    pace.look();
+    pace.check();
     const auto first = entries.begin() + starts[v], last = entries.begin() + starts[v + 1];
     std::sort(first, last, [](const Entry& a, const Entry& b) {
       return std::pair(a.larger, a.halfedge) < std::pair(b.larger, b.halfedge);
@@ -108,7 +108,7 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
     result.components[seed] = result.component_count;
     queue.push_back(seed);
     for (std::size_t next = first; next < queue.size(); ++next) {
-      pace.look();
+      pace.check();
       const Index f = queue[next];
       for (Index h = 3 * f; h < 3 * f + 3; ++h) {
         const Index partner = partners[h];
@@ -158,14 +158,14 @@ std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& fa
   const Index halfedge_count = static_cast<Index>(3 * faces.size());
   std::vector<Index> outgoing(vertex_count, -1), degree(vertex_count, 0);
   for (Index h = 0; h < halfedge_count; ++h) {
-    pace.look();
+    pace.check();
     const Index v = tail(faces, h);
     ++degree[v];
     if (outgoing[v] < 0 || twins[h] < 0) outgoing[v] = h;
   }
   FaultList faults;
   for (Index v = 0; v < vertex_count; ++v) {
-    pace.look();
+    pace.check();
     Index visited = 0;
     Index h = outgoing[v];
     while (h >= 0 && visited < degree[v]) {

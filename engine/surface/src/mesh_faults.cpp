@@ -100,7 +100,7 @@ void check_coordinates(const std::vector<Eigen::Vector3d>& positions, const Exec
   FaultList faults;
   StopPace pace(execution.cancellation);
   for (std::size_t v = 0; v < positions.size(); ++v) {
-    pace.look();
+    pace.check();
     if (is_valid(positions[v])) continue;
     faults.add([&]() -> Error::Detail {
       return {name_of_vertex(static_cast<std::int32_t>(v)), positions[v].allFinite()
@@ -129,7 +129,7 @@ void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vecto
   FaultList faults;
   StopPace pace(execution.cancellation);
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    pace.look();
+    pace.check();
     if (!is_degenerate(positions, faces[f])) continue;
     faults.add([&]() -> Error::Detail {
       return {name_of_face(static_cast<std::int64_t>(f)),

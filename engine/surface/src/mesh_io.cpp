@@ -77,7 +77,7 @@ std::string write_obj(const TriangleMesh& mesh, const Execution& execution) {
   StopPace pace(execution.cancellation);
   std::string text;
   for (const Eigen::Vector3d& p : mesh.positions()) {
-    pace.look();
+    pace.check();
     text += 'v';
     for (int i = 0; i < 3; ++i) {
       text += ' ';
@@ -86,7 +86,7 @@ std::string write_obj(const TriangleMesh& mesh, const Execution& execution) {
     text += '\n';
   }
   for (const Triangle& face : mesh.faces()) {
-    pace.look();
+    pace.check();
     text += 'f';
     for (const std::int32_t v : face) text += ' ' + std::to_string(v + 1);
     text += '\n';
@@ -105,11 +105,11 @@ std::string write_ply(const TriangleMesh& mesh, const Execution& execution) {
       std::to_string(mesh.face_count()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   bytes.reserve(bytes.size() + 24 * mesh.positions().size() + 13 * mesh.faces().size());
   for (const Eigen::Vector3d& p : mesh.positions()) {
-    pace.look();
+    pace.check();
     for (int i = 0; i < 3; ++i) append_little_endian(bytes, std::bit_cast<std::uint64_t>(p[i]));
   }
   for (const Triangle& face : mesh.faces()) {
-    pace.look();
+    pace.check();
     bytes += '\3';
     for (const std::int32_t v : face) append_little_endian(bytes, static_cast<std::uint32_t>(v));
   }

@@ -67,7 +67,7 @@ TriangleSoup read_obj(std::string_view bytes, const MeshLimits& limits, const Ex
   std::int64_t skipped = 0;
   StopPace pace(execution.cancellation);
   while (scanner.next_line()) {
-    pace.look();
+    pace.check();
     scanner.cut_comment();
     const std::string_view word = scanner.statement_token();
     if (word.empty()) continue;

@@ -46,7 +46,7 @@ class OffReader {
   std::string_view word_on_next_lines() {
     continued_ = continued_ || inside_element_;
     while (scanner_.next_line()) {
-      pace_.look();
+      pace_.check();
       scanner_.cut_comment();
       if (const std::string_view found = scanner_.token(); !found.empty()) return found;
     }

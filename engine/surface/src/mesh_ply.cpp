@@ -171,7 +171,7 @@ class TextBody {
     }
   }
   /// Called for each value of a list, and for each element that is skipped.
-  void check_for_stop() { pace_.look(); }
+  void check_for_stop() { pace_.check(); }
   bool at_end() { return scanner_.token_across_lines().empty(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
 
@@ -226,7 +226,7 @@ class BinaryBody {
       for (const Property& property : element.properties) skip_property(property);
     }
   }
-  void check_for_stop() { pace_.look(); }
+  void check_for_stop() { pace_.check(); }
   void skip_property(const Property& property) {
     skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
   }

@@ -74,13 +74,13 @@ void SoupBuilder::reserve(std::size_t vertices, std::size_t faces) {
 }
 
 void SoupBuilder::add_vertex(const Eigen::Vector3d& p) {
-  pace_.look();
+  pace_.check();
   check_limit(vertex_count() + 1, limits_.vertices, "vertices");
   soup_.positions.push_back(p);
 }
 
 void SoupBuilder::add_polygon(std::span<const std::int32_t> corners) {
-  pace_.look();
+  pace_.check();
   const std::int64_t number = polygons_++;
   if (corners.size() < 3) {
     ++skipped_polygons_;

@@ -43,7 +43,7 @@ MeshReport report(const TriangleMesh& mesh, const Execution& execution) {
   std::int64_t slivers = 0;
   const auto& p = mesh.positions();
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) {
-    pace.look();
+    pace.check();
     const auto& [a, b, c] = mesh.faces()[f];
     result.area += 0.5 * doubled_area(p[a], p[b], p[c]).norm();
     double smallest = std::numeric_limits<double>::infinity();
@@ -63,7 +63,7 @@ MeshReport report(const TriangleMesh& mesh, const Execution& execution) {
   result.upper = -result.lower;
   std::int64_t used = 0;
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {
-    pace.look();
+    pace.check();
     if (mesh.outgoing(v) < 0) continue;
     ++used;
     result.saddle_vertices += !mesh.is_boundary(v) && mesh.vertex_angle(v) > 2 * std::numbers::pi * (1 + saddle_margin);

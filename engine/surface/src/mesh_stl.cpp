@@ -62,7 +62,7 @@ TriangleSoup read_binary(std::string_view bytes, const MeshLimits& limits, const
   corners.reserve(3 * static_cast<std::size_t>(facets));
   StopPace pace(execution.cancellation);
   for (std::size_t facet = 0; facet < facets; ++facet) {
-    pace.look();
+    pace.check();
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::size_t offset = header_size + facet * facet_size + 12 * (corner + 1);
       corners.emplace_back(std::bit_cast<float>(little_endian_u32(bytes, offset)),
@@ -104,7 +104,7 @@ class AsciiReader {
   TriangleSoup read() && {
     bool inside_solid = false;
     for (std::string_view word = next(); !word.empty(); word = next()) {
-      pace_.look();
+      pace_.check();
       if (!inside_solid) {
         expect(scanner_, word, "solid");
         inside_solid = true;

@@ -33,11 +33,11 @@ class PointTree {
   };
 
   void build(std::size_t k, std::int32_t begin, std::int32_t end) {
-    pace_.look();
+    pace_.check();
     if (end - begin <= leaf_size) return;
     Eigen::Vector3d lower = points_[order_[begin]], upper = lower;
     for (std::int32_t at = begin; at < end; ++at) {
-      pace_.look();
+      pace_.check();
       lower = lower.cwiseMin(points_[order_[at]]);
       upper = upper.cwiseMax(points_[order_[at]]);
     }
@@ -82,7 +82,7 @@ std::vector<std::int32_t> first_near(const std::vector<Eigen::Vector3d>& points,
   StopPace pace(execution.cancellation);
   std::vector<std::int32_t> first(points.size(), -1);
   for (std::int32_t i = 0; i < static_cast<std::int32_t>(points.size()); ++i) {
-    pace.look();
+    pace.check();
     if (first[i] >= 0) continue;
     first[i] = i;
     tree.visit_near(points[i], distance_of(i), [&](std::int32_t near) {

@@ -24,7 +24,7 @@ Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen
   double angle = std::atan2(step[1], step[0]);
   if (angle < 0) angle += 2 * pi;
   const double length = step.norm();
-  const VertexCone::Direction direction = cone.direction(std::min(angle / cone_stretch(cone), cone.total_angle()));
+  const VertexCone::Direction direction = cone.direction(std::min(angle / cone_angle_scale(cone), cone.total_angle()));
   const ExponentialMap geodesic =
       exponential_map(mesh, direction.vertex, length * direction.vector, cancellation, false);
   return {geodesic.end, travelled_fraction(geodesic, length) * step, 0, false};
@@ -32,10 +32,10 @@ Retraction retract_from_tip(const TriangleMesh& mesh, std::int32_t vertex, Eigen
 
 }  // namespace
 
-double cone_stretch(const VertexCone& cone) { return (cone.open() ? pi : 2 * pi) / cone.total_angle(); }
+double cone_angle_scale(const VertexCone& cone) { return (cone.open() ? pi : 2 * pi) / cone.total_angle(); }
 
 Eigen::Vector2d cone_coordinates(const VertexCone& cone, double angle) {
-  return {std::cos(angle * cone_stretch(cone)), std::sin(angle * cone_stretch(cone))};
+  return {std::cos(angle * cone_angle_scale(cone)), std::sin(angle * cone_angle_scale(cone))};
 }
 
 bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point) {

@@ -65,7 +65,7 @@ std::vector<SelfCrossing> find_self_crossings(const TriangleMesh& mesh, std::siz
     FaceTree::Box box(p);
     box.extend(q);
     tree.visit_overlaps(box, [&](std::int32_t f) {
-      pace.look();
+      pace.check();
       const Triangle& face = mesh.faces()[f];
       for (const std::int32_t v : face)
         if (v == tail || v == head) return;

@@ -129,7 +129,7 @@ Eigen::Vector4d TangentGeodesic::gradient() const {
 }
 
 // Vectors are in the plane of their straight segment, whose direction is the first axis.
-TangentGeodesic TangentGeodesic::continued(const Eigen::Vector4d& step) const {
+TangentGeodesic TangentGeodesic::extrapolated(const Eigen::Vector4d& step) const {
   const Vector2d from_step(from_direction.dot(step.head<2>()),
                            surface::rotated_left(from_direction).dot(step.head<2>()));
   const Vector2d to_step(to_direction.dot(step.tail<2>()), surface::rotated_left(to_direction).dot(step.tail<2>()));
@@ -149,7 +149,7 @@ TangentGeodesic TangentGeodesic::continued(const Eigen::Vector4d& step) const {
   return result;
 }
 
-TangentGeodesic TangentGeodesic::before_turns(double from_turn, double to_turn) const {
+TangentGeodesic TangentGeodesic::in_frames_before(double from_turn, double to_turn) const {
   TangentGeodesic result = *this;
   result.from_direction = Eigen::Rotation2Dd(-from_turn) * from_direction;
   result.to_direction = Eigen::Rotation2Dd(-to_turn) * to_direction;

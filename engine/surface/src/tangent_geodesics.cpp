@@ -78,12 +78,12 @@ bool on_vertex(const PointPair& pair) { return corner_of(pair.from) >= 0 || corn
 
 }  // namespace
 
-PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found,
+PathCounts GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, std::span<TangentGeodesic> found,
                                              bool strips_known, const Execution& execution,
                                              std::span<std::vector<PathPoint>> paths) const {
   const SearchMesh& search_mesh = *implementation_->search_mesh;
   const auto find = [&](const PointPair& pair, const Strip& known_strip, const Execution& task_execution,
-                        PathsFound& counts, std::vector<PathPoint>* path) {
+                        PathCounts& counts, std::vector<PathPoint>* path) {
     if (path) path->clear();
     const std::int32_t from_face = index(pair.from.face);
     const std::int32_t to_face = index(pair.to.face);
@@ -111,7 +111,7 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
   };
 
   const std::size_t tasks = (pairs.size() + pairs_per_task - 1) / pairs_per_task;
-  std::vector<PathsFound> counts(tasks);
+  std::vector<PathCounts> counts(tasks);
   parallel_tasks(static_cast<int>(tasks), execution, "search", [&](int t, const Execution& task_execution) {
     const auto task = static_cast<std::size_t>(t);
     const std::size_t end = std::min(pairs.size(), (task + 1) * pairs_per_task);
@@ -123,8 +123,8 @@ PathsFound GeodesicSolver::tangent_geodesics(std::span<const PointPair> pairs, s
     if (!task_execution.cost) return;
     for (const auto& quantity : windows.quantities()) task_execution.cost->add_quantity(quantity.name, quantity.value);
   });
-  PathsFound total;
-  for (const PathsFound& count : counts) total += count;
+  PathCounts total;
+  for (const PathCounts& count : counts) total += count;
   return total;
 }
 

@@ -97,7 +97,7 @@ void TriangleMesh::measure(const Execution& execution) {
   double length_sum = 0;
   std::int64_t edges = 0;
   for (std::int32_t f = 0; f < face_count(); ++f) {
-    pace.look();
+    pace.check();
     const Eigen::Vector3d corners[3] = {positions_[faces_[f][0]], positions_[faces_[f][1]], positions_[faces_[f][2]]};
     const double area = doubled_area(corners[0], corners[1], corners[2]).norm();
     for (int i = 0; i < 3; ++i) {
@@ -116,7 +116,7 @@ void TriangleMesh::measure(const Execution& execution) {
   vertex_angles_.assign(positions_.size(), 0);
   Eigen::Vector3d lower = positions_[tail(0)], upper = lower;
   for (std::int32_t v = 0; v < vertex_count(); ++v) {
-    pace.look();
+    pace.check();
     const std::int32_t first = outgoing_[v];
     if (first < 0) continue;
     std::int32_t h = first;

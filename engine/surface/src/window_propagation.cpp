@@ -268,7 +268,7 @@ void WindowPropagation::trim_large_batch(double touching, const CancellationToke
     Window& window = pool[i];
     std::size_t compared = remaining_.size();
     while (compared > 0 && !is_lost(i)) {
-      pace.look();
+      pace.check();
       Window& before = pool[remaining_[compared - 1]];
       if (before.b1 <= window.b0 + touching) break;
       trim_to_envelope(before, window);

@@ -55,7 +55,7 @@ void WindowSearch::run(std::span<const SurfacePoint> sources, std::span<SearchTa
   batches_ = 0;
   StopPace pace(execution.cancellation);
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    pace.look();
+    pace.check();
     emit_from_source(front_, static_cast<std::int32_t>(i));
   }
   std::int32_t item = 0;

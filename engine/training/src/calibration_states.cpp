@@ -274,7 +274,7 @@ CalibrationStates calibration_states(const neural::Model& model, const ModelData
   CalibrationStates states;
   const auto fold = folds_of(samples, own.split, max_folds, has_references, states);
   // The data have the error of their mesh. Therefore they are compared with the network without its correction.
-  append(observe_all(model, neural::as_trained(model.network), data, samples, fold, cancellation), fold, 0,
+  append(observe_all(model, neural::without_mesh_correction(model.network), data, samples, fold, cancellation), fold, 0,
          states.given);
   const auto designs = static_cast<int>(samples.designs.size());
   if (has_references)

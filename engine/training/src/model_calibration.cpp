@@ -58,9 +58,9 @@ struct EvaluatedState {
   double relative_error = 0;  ///< relative to the simulated value (QuantityStates::relative_error)
 };
 
-neural::JudgedBars summary(std::vector<EvaluatedState> evaluated, const std::vector<double>& out_of_box, int designs,
-                           double trusted_bar) {
-  neural::JudgedBars result;
+neural::BarCoverage summary(std::vector<EvaluatedState> evaluated, const std::vector<double>& out_of_box, int designs,
+                            double trusted_bar) {
+  neural::BarCoverage result;
   result.designs = designs;
   result.states = static_cast<std::int64_t>(evaluated.size());
   for (const auto& state : evaluated) {
@@ -138,7 +138,7 @@ CoverageByLevel calibrate_quantity(const CalibrationStates::QuantityStates& stat
     }
   }
   for (const double count : covered) levels.observed.push_back(count / static_cast<double>(evaluated.size()));
-  scale.given.judged = summary(std::move(evaluated), states.out_of_box, designs, neural::trusted_error(quantity));
+  scale.given.judged = summary(std::move(evaluated), states.out_of_box, designs, neural::max_trusted_error(quantity));
   return levels;
 }
 
@@ -177,7 +177,8 @@ void calibrate_searched(const CalibrationStates::QuantityStates& states, int fol
       evaluated.push_back({bar, states.observed.error[i], states.relative_error[static_cast<std::size_t>(i)]});
     }
   }
-  scale.searched.judged = summary(std::move(evaluated), states.out_of_box, designs, neural::trusted_error(quantity));
+  scale.searched.judged =
+      summary(std::move(evaluated), states.out_of_box, designs, neural::max_trusted_error(quantity));
 }
 
 }  // namespace

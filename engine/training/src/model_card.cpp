@@ -225,13 +225,13 @@ std::string training_choices(const neural::Model& model) {
   return text;
 }
 
-std::string bars_row(const std::string& name, neural::Quantity quantity, const neural::JudgedBars& bars) {
+std::string bars_row(const std::string& name, neural::Quantity quantity, const neural::BarCoverage& bars) {
   const bool is_absolute = quantity == neural::Quantity::poisson;
   const auto size = [&](double error) {
     return is_absolute ? fmt::format("{:.3g}", error) : fmt::format("{:.3g} %", 100 * error);
   };
   return fmt::format("| {} | {} | {} | {:.1f} % | {} | {} | {} | {} | {} | {} | {} |\n", name, bars.designs,
-                     bars.states, 100 * bars.share, size(bars.median_bar), size(neural::trusted_error(quantity)),
+                     bars.states, 100 * bars.share, size(bars.median_bar), size(neural::max_trusted_error(quantity)),
                      bars.beyond, bars.beyond_in_box, bars.beyond_in_range, bars.within,
                      bars.within - bars.within_in_range);
 }

@@ -51,7 +51,7 @@ RowErrors row_errors(const neural::Network& network, const Samples& samples, con
   errors.energy.resize(n);
   errors.gradient.resize(n);
   errors.stiffness.resize(n);
-  const neural::Evaluator evaluator(neural::as_trained(network));
+  const neural::Evaluator evaluator(neural::without_mesh_correction(network));
   const auto groups = by_design(samples, errors.rows);
   parallel_for(static_cast<int>(groups.size()), [&](int g) {
     const auto& [sampled, positions] = groups[static_cast<std::size_t>(g)];
@@ -97,7 +97,7 @@ neural::SplitErrors split_errors(const neural::Network& network, const Samples& 
 
 neural::StrainRange strain_range(const neural::Network& network, const Samples& samples, const std::vector<int>& rows) {
   neural::StrainRange range;
-  const neural::Evaluator evaluator(neural::as_trained(network));
+  const neural::Evaluator evaluator(neural::without_mesh_correction(network));
   for (const auto& [sampled, positions] : by_design(samples, rows)) {
     const double stiffness = evaluator.design(sampled->parameters).rest_stiffness();
     for (const int position : positions) {

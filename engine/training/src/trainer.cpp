@@ -58,7 +58,7 @@ class Training {
     const Eigen::Map<const Eigen::VectorXd> lower(samples.lower.data(), static_cast<long>(samples.lower.size()));
     const Eigen::Map<const Eigen::VectorXd> upper(samples.upper.data(), static_cast<long>(samples.upper.size()));
     if (options.start) {
-      network_ = neural::as_trained(*options.start);
+      network_ = neural::without_mesh_correction(*options.start);
       network_.symmetries.clear();
     } else {
       network_ =

@@ -44,7 +44,7 @@ ArrivalGradients::Departure ArrivalGradients::trace_departure(std::int32_t arriv
       mesh_, mesh_.faces()[static_cast<std::size_t>(index(site.face))][static_cast<std::size_t>(corner_of(site))]);
   result.by_site = -surface::cone_coordinates(cone, start.angle);
   result.angle = start.angle;
-  result.stretch = surface::cone_stretch(cone);
+  result.stretch = surface::cone_angle_scale(cone);
   return result;
 }
 
@@ -54,12 +54,12 @@ const ArrivalGradients::Departure& ArrivalGradients::departure(std::int32_t arri
   return entry;
 }
 
-SitePull ArrivalGradients::at(const Active& active, std::int32_t site, const Vector2d& place) {
+SiteDistanceGradient ArrivalGradients::at(const Active& active, std::int32_t site, const Vector2d& place) {
   const SiteDistance shortest = distances_.from_site(active, site, place);
   if (shortest.arrival < 0) return {};
   const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(shortest.arrival)];
   const Vector2d& turn = from.turns_at(place);
-  SitePull gradient{site, shortest.distance, shortest.gradient, Vector2d::Zero()};
+  SiteDistanceGradient gradient{site, shortest.distance, shortest.gradient, Vector2d::Zero()};
   if (shortest.gradient.isZero(0)) return gradient;
   if (&turn != &from.image) {
     gradient.by_site = trace_departure(shortest.arrival, turn).by_site;
@@ -86,20 +86,20 @@ void ArrivalGradients::add_region(const StraightRegion& region, double sign, Cel
   moments.squared_distance += sign * (integrals.square + 2 * sigma * integrals.length + sigma * sigma * integrals.area);
   const Departure& reference = departure(region.arrival, middle);
   if (!starts_at_site(region.arrival))
-    moments.pull += sign * (integrals.length + sigma * integrals.area) * reference.by_site;
+    moments.gradient += sign * (integrals.length + sigma * integrals.area) * reference.by_site;
   else if (reference.stretch == 0)
-    moments.pull += sign * rotated_by(reference.by_site, reference.arrival_direction, integrals.offset);
+    moments.gradient += sign * rotated_by(reference.by_site, reference.arrival_direction, integrals.offset);
   else
-    moments.pull -= sign * stretched_offset(region.corners, from.image, reference.arrival_direction,
-                                            reference.stretch * reference.angle, reference.stretch);
+    moments.gradient -= sign * stretched_offset(region.corners, from.image, reference.arrival_direction,
+                                                reference.stretch * reference.angle, reference.stretch);
 }
 
 void ArrivalGradients::add_area(std::int32_t arrival, const Vector2d& place, double area, CellMoments& moments) {
   if (area == 0) return;
   const FaceArrival& from = distances_.arrivals()[static_cast<std::size_t>(arrival)];
-  const SitePull gradient = at({arrival}, from.source, place);
+  const SiteDistanceGradient gradient = at({arrival}, from.source, place);
   moments.squared_distance += area * gradient.distance * gradient.distance;
-  moments.pull += area * gradient.distance * gradient.by_site;
+  moments.gradient += area * gradient.distance * gradient.by_site;
 }
 
 }  // namespace supple::voronoi

@@ -28,7 +28,7 @@ class ArrivalGradients {
 
   /// The distance of a place from a site and its gradients, by the site's shortest arrival among `active`; site -1 if
   /// there is none.
-  SitePull at(const Active& active, std::int32_t site, const Eigen::Vector2d& place);
+  SiteDistanceGradient at(const Active& active, std::int32_t site, const Eigen::Vector2d& place);
 
   /// Adds the integrals over a region, or over the area of a sliver, which may be negative. `sign` is 1 or -1.
   void add_region(const StraightRegion& region, double sign, CellMoments& moments);

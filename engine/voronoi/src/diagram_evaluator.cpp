@@ -55,11 +55,11 @@ void solve_motion(VertexMotion& motion) {
 void compute_missing_gradients(const surface::GeodesicSolver& solver, const surface::MovingPoints& sites,
                                DiagramEvaluation& evaluation, const Execution& execution) {
   std::vector<surface::PointPair> pairs;
-  std::vector<SitePull*> missing;
+  std::vector<SiteDistanceGradient*> missing;
   std::size_t next = 0;
   for (const DiagramVertex& vertex : evaluation.diagram.vertices) {
     for (const std::int32_t site : vertex.sites) {
-      SitePull& gradient = evaluation.diagram.vertex_pulls[next++];
+      SiteDistanceGradient& gradient = evaluation.diagram.vertex_gradients[next++];
       if (gradient.site >= 0) continue;
       gradient.site = site;
       missing.push_back(&gradient);
@@ -71,7 +71,7 @@ void compute_missing_gradients(const surface::GeodesicSolver& solver, const surf
   std::vector<TangentGeodesic> geodesics(pairs.size());
   solver.tangent_geodesics(pairs, geodesics, false, unbilled(execution));
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    SitePull& gradient = *missing[i];
+    SiteDistanceGradient& gradient = *missing[i];
     gradient = {gradient.site, geodesics[i].distance, -geodesics[i].from_direction,
                 gradient_at(sites, solver.mesh(), gradient.site, geodesics[i])};
   }
@@ -81,7 +81,7 @@ void compute_motions(const surface::GeodesicSolver& solver, const surface::Movin
                      DiagramEvaluation& evaluation, const Execution& execution) {
   compute_missing_gradients(solver, sites, evaluation, execution);
   evaluation.motions.resize(evaluation.diagram.vertices.size());
-  auto next = evaluation.diagram.vertex_pulls.begin();
+  auto next = evaluation.diagram.vertex_gradients.begin();
   for (std::size_t v = 0; v < evaluation.motions.size(); ++v) {
     VertexMotion& motion = evaluation.motions[v];
     const auto count = static_cast<std::ptrdiff_t>(evaluation.diagram.vertices[v].sites.size());

@@ -27,7 +27,7 @@ class DiagramEvaluator {
       : solver_(solver),
         required_(required),
         moving_(solver, {.border_deviation = required.border_deviation,
-                         .vertex_pulls = required.motions,
+                         .vertex_gradients = required.motions,
                          .border_samples = required.border_gradients,
                          .cell_moments = required.cell_moments}) {}
 

@@ -108,7 +108,7 @@ class DiagramFaces::Task {
 
   bool needs_moments() const { return !faces_.moments_.empty(); }
   bool needs_gradients() const {
-    return needs_moments() || faces_.options_.vertex_pulls || faces_.options_.border_samples;
+    return needs_moments() || faces_.options_.vertex_gradients || faces_.options_.border_samples;
   }
 
   void find_arrivals(std::int32_t face) {
@@ -140,7 +140,7 @@ class DiagramFaces::Task {
   /// Adds the distance gradients at the Voronoi vertices of a face and at the samples of its borders.
   void add_gradients(CutFace& cut) {
     work_.distances.all(work_.active);
-    if (faces_.options_.vertex_pulls) {
+    if (faces_.options_.vertex_gradients) {
       for (const FaceBorder& border : cut.borders) {
         for (const std::int32_t end : {border.from, border.to}) {
           if (end < 0 || !cut.points[static_cast<std::size_t>(end)].vertex) continue;
@@ -148,8 +148,8 @@ class DiagramFaces::Task {
             const auto is_same = [&](const auto& gradient) {
               return gradient.first == end && gradient.second.site == site;
             };
-            if (std::any_of(cut.vertex_pulls.begin(), cut.vertex_pulls.end(), is_same)) continue;
-            cut.vertex_pulls.emplace_back(
+            if (std::any_of(cut.vertex_gradients.begin(), cut.vertex_gradients.end(), is_same)) continue;
+            cut.vertex_gradients.emplace_back(
                 end, gradients_.at(work_.active, site, cut.points[static_cast<std::size_t>(end)].place));
           }
         }
@@ -263,7 +263,7 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
   }
   accuracy_.deviation = options.border_deviation * mesh.diagonal();
   accuracy_.bulge = std::min(options.border_deviation, DiagramOptions{}.border_deviation) * mesh.diagonal();
-  if (options_.method == DiagramMethod::edges) options_.vertex_pulls = options_.border_samples = false;
+  if (options_.method == DiagramMethod::edges) options_.vertex_gradients = options_.border_samples = false;
   if (moments_.empty()) return;
   saddle_vertices_.resize(vertex_sites_.size());
   for (std::int32_t v = 0; v < mesh.vertex_count(); ++v) {

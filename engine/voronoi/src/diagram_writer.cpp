@@ -37,7 +37,7 @@ class DiagramWriter {
     close_at_boundary();
     if (options_.cell_moments && options_.method != DiagramMethod::edges) add_moments();
     assemble_cells(parts_, vertex_merge_distance * mesh_.mean_edge_length(), diagram_);
-    if (options_.vertex_pulls && options_.method != DiagramMethod::edges) gather_vertex_pulls();
+    if (options_.vertex_gradients && options_.method != DiagramMethod::edges) gather_vertex_pulls();
     if (execution_.cost == nullptr) return;
     execution_.cost->add_quantity("cut_faces", static_cast<double>(offsets_.size()));
     execution_.cost->add_quantity("subdivisions", static_cast<double>(subdivisions_));
@@ -175,7 +175,7 @@ class DiagramWriter {
       for (const auto& [site, part] : faces_.moments(face)) {
         CellMoments& sum = diagram_.cell_moments[static_cast<std::size_t>(site)];
         sum.squared_distance += part.squared_distance;
-        sum.pull += part.pull;
+        sum.gradient += part.gradient;
       }
     }
   }
@@ -191,8 +191,8 @@ class DiagramWriter {
       const FaceOffsets& offsets = *std::prev(after);
       const auto own = static_cast<std::int32_t>(number - offsets.point);
       for (const std::int32_t site : vertex.sites) {
-        SitePull& gradient = diagram_.vertex_pulls.emplace_back();
-        for (const auto& [point, stored] : faces_.cut_face(offsets.face)->vertex_pulls)
+        SiteDistanceGradient& gradient = diagram_.vertex_gradients.emplace_back();
+        for (const auto& [point, stored] : faces_.cut_face(offsets.face)->vertex_gradients)
           if (point == own && stored.site == site) gradient = stored;
       }
     }

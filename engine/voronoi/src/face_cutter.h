@@ -48,7 +48,7 @@ struct CutFace {
   std::vector<FaceSample> samples;  ///< empty unless requested
   /// DiagramFaces fills these on request: distance gradients of the Voronoi vertices, as pairs of a point and a
   /// gradient, ascending by point, and of the samples.
-  std::vector<std::pair<std::int32_t, SitePull>> vertex_pulls;
+  std::vector<std::pair<std::int32_t, SiteDistanceGradient>> vertex_gradients;
   std::vector<BorderSample> border_samples;
   std::int64_t subdivisions = 0;
   bool resolved =

@@ -234,7 +234,7 @@ struct MovingDiagram::Implementation {
       throw Error("voronoi.invalid_option", "An option of the diagram is out of its range.",
                   {{"relative_error", "must be above 0 and at most 1"}});
     }
-    if (!(options.border_deviation >= least_border_deviation && options.border_deviation <= 1)) {
+    if (!(options.border_deviation >= min_border_deviation && options.border_deviation <= 1)) {
       throw Error("voronoi.invalid_option", "An option of the diagram is out of its range.",
                   {{"border_deviation", "must be from 1e-7 to 1"}});
     }

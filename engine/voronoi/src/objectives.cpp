@@ -270,7 +270,7 @@ void CentroidalTerm::add(const SitesState& state, int order, EnergySum& sum) con
   const std::vector<CellMoments>& cells = evaluation.diagram.cell_moments;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     sum.value += 0.5 * scale * cells[i].squared_distance;
-    if (order >= 1) sum.gradient.segment<2>(2 * static_cast<Eigen::Index>(i)) += scale * cells[i].pull;
+    if (order >= 1) sum.gradient.segment<2>(2 * static_cast<Eigen::Index>(i)) += scale * cells[i].gradient;
   }
   if (order < 2) return;
   for (std::size_t i = 0; i < evaluation.diagram.cells.size(); ++i) {
@@ -306,7 +306,7 @@ void EqualAreaTerm::add(const SitesState& state, int order, EnergySum& sum) cons
   if (order < 1) return;
   std::vector<SiteJacobian> rows(diagram.cells.size(), SiteJacobian(1));
   for (const BorderSample& sample : diagram.border_samples) {
-    const auto& [left, right] = sample.pulls;
+    const auto& [left, right] = sample.gradients;
     if (left.site < 0 || right.site < 0) continue;
     const double gap_gradient = (left.by_place - right.by_place).norm();
     if (!(gap_gradient > 0)) continue;

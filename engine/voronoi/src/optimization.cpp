@@ -30,11 +30,11 @@ void check(const OptimizationOptions& options, std::size_t sites) {
     any = any || weight > 0;
   }
   if (!(options.tolerance > 0)) faults.push_back({"tolerance", "must be above 0"});
-  if (!(options.border_deviation >= least_border_deviation && options.border_deviation <= 1))
+  if (!(options.border_deviation >= min_border_deviation && options.border_deviation <= 1))
     faults.push_back({"border_deviation", "must be from 1e-7 to 1"});
-  if (options.max_iterations < 0 || options.max_iterations > most_optimization_iterations)
+  if (options.max_iterations < 0 || options.max_iterations > max_optimization_iterations)
     faults.push_back({"max_iterations", "is " + std::to_string(options.max_iterations) + ", but must be from 0 to " +
-                                            std::to_string(most_optimization_iterations)});
+                                            std::to_string(max_optimization_iterations)});
   if (!(options.edge_length >= 0 && std::isfinite(options.edge_length)))
     faults.push_back({"edge_length", "must be finite and not negative"});
   if (!faults.empty())
@@ -153,7 +153,7 @@ class Search {
         result_(result) {}
 
   void run() {
-    using Termination = numerics::MinimizerStop;
+    using Termination = numerics::MinimizerTermination;
     Termination termination = minimize(0);
     while (termination == Termination::step_too_small) {
       if (result_.iterations >= options_.max_iterations || result_.site_moves.passes >= max_site_move_passes) {
@@ -178,7 +178,7 @@ class Search {
  private:
   /// Minimizes from the present state. `step_length` is that of the pass of single-site moves that led there, 0 if
   /// there was none.
-  numerics::MinimizerStop minimize(double step_length) {
+  numerics::MinimizerTermination minimize(double step_length) {
     bool is_start = true;
     if (!result_.history.empty()) ++result_.iterations;
     minimizer_.max_iterations = options_.max_iterations - result_.iterations;

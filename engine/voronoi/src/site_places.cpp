@@ -77,7 +77,7 @@ class PlaceFinder {
   }
 
   bool coincide(const Place& a, const Place& b) {
-    pace_.look();
+    pace_.check();
     return (a.position - b.position).norm() <= tolerance_ && share_vertex(a.site, b.site);
   }
 

@@ -16,8 +16,8 @@ namespace supple::voronoi {
 /// How a Voronoi vertex moves with its sites [Thesis, eq. A.23]: its tangent coordinates change by the sum over the
 /// sites of direction * (by_site . ds), ds: the site's displacement.
 struct VertexMotion {
-  std::vector<SitePull> gradients;          ///< distances from the sites and their gradients
-  std::vector<Eigen::Vector2d> directions;  ///< one for each site
+  std::vector<SiteDistanceGradient> gradients;  ///< distances from the sites and their gradients
+  std::vector<Eigen::Vector2d> directions;      ///< one for each site
 };
 
 /// The diagram of a state and the requested quantities of it.

@@ -90,7 +90,7 @@ class IntersectionSearch {
                                copies_[near.copy].translation)
                   .first->second;
           found_ += group.add_pieces(piece, static_cast<std::size_t>(near.piece));
-          if (found_ > most_crossings) refuse_layout("cross at too many places", most_crossings);
+          if (found_ > max_crossings) refuse_layout("cross at too many places", max_crossings);
         }
       }
     }

@@ -31,7 +31,7 @@ class Picture {
   void line(const std::vector<Eigen::Vector2d>& points, double width, const char* colour, bool closed = false) {
     body_ << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << number(width) << "\" d=\"";
     for (std::size_t i = 0; i < points.size(); ++i) {
-      pace_.look();
+      pace_.check();
       body_ << (i == 0 ? 'M' : 'L') << number(points[i][0]) << ' ' << number(-points[i][1]);
       box_.extend(points[i]);
     }
@@ -75,7 +75,7 @@ std::vector<Eigen::Vector2d> polyline(const StrandCurve& curve, const Execution&
   points.reserve(polyline_size(curve));
   const auto count = static_cast<double>(polyline_size(curve) - 1);
   for (std::size_t i = 0; i + 1 < polyline_size(curve); ++i) {
-    pace.look();
+    pace.check();
     points.push_back(curve.at(curve.length() * static_cast<double>(i) / count).position);
   }
   // The last point follows from the first one: at its length a closed or periodic curve begins its next period.

@@ -45,7 +45,7 @@ void check_areas(const std::vector<Bead>& beads, double bed_height, const GcodeL
     const double length = length_of(bead);
     const double area = bead.filament * filament_area / length;
     const bool is_above_bed = std::max(bead.from[2], bead.to[2]) > bed_height + bed_tolerance;
-    const double min_area = (is_above_bed ? limits.least_free_area : limits.least_bead_area) * (1 - limits.tolerance);
+    const double min_area = (is_above_bed ? limits.min_lifted_area : limits.min_bead_area) * (1 - limits.tolerance);
     const double rounding = (2 * filament_step * filament_area + 2 * position_step * limits.bead_area) / length;
     if (area <= max_area + rounding && area >= min_area - rounding) continue;
     std::array<char, 128> text{};
@@ -94,12 +94,12 @@ GcodeLimits limits_of(const PrinterProfile& profile, const Weave& weave) {
   limits.filament_diameter = profile.filament_diameter;
   // The beads of frames and grips, and of each strand, set the limits.
   const auto area = [&](double radius) { return profile.bead_area.value_or(std::numbers::pi * radius * radius); };
-  limits.bead_area = limits.least_bead_area = area(profile.strand_width / 2);
+  limits.bead_area = limits.min_bead_area = area(profile.strand_width / 2);
   for (const Strand& strand : weave.strands) {
     limits.bead_area = std::max(limits.bead_area, area(strand.radius));
-    limits.least_bead_area = std::min(limits.least_bead_area, area(strand.radius));
+    limits.min_bead_area = std::min(limits.min_bead_area, area(strand.radius));
   }
-  limits.least_free_area = limits.least_bead_area * std::min({1.0, profile.lifted_flow, profile.channel_flow});
+  limits.min_lifted_area = limits.min_bead_area * std::min({1.0, profile.lifted_flow, profile.channel_flow});
   limits.bead_area *= std::max({1.0, profile.lifted_flow, profile.channel_flow});
   limits.cold = std::min(limits.cold, profile.nozzle_temperature);
   limits.print_speed = std::max({profile.strand_speed, profile.lifted_speed, profile.channel_speed});

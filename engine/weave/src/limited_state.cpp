@@ -57,7 +57,7 @@ LimitedState with_rigid_limits(LimitedState start, WeaveSystem& rigid, numerics:
     const numerics::MinimizerResult result =
         numerics::minimize(rigid, minimizer, {execution.cancellation, nullptr, nullptr}, &cholesky);
     iterations += result.iterations;
-    if (result.stop != numerics::MinimizerStop::converged) break;
+    if (result.stop != numerics::MinimizerTermination::converged) break;
     LimitedState state;
     state.q = rigid.q();
     state.gradient = rigid.full_gradient();

@@ -85,7 +85,7 @@ void connect_squares(SquareType type, double side, int lattice_squares, Weave& w
     if (type == SquareType::one_corner_fused && bottom_left) continue;
     own.slides = true;
   }
-  limit_sliding(weave, sliding_share, execution);
+  limit_sliding(weave, sliding_fraction, execution);
 }
 
 void check_loops(double size, double overlap, const char* size_name, const char* overlap_name) {
@@ -95,8 +95,8 @@ void check_loops(double size, double overlap, const char* size_name, const char*
 
 void check_count(int columns, int rows) {
   require(columns >= 1 && rows >= 1, "columns", "and rows must be at least 1");
-  require(static_cast<double>(columns) * rows <= most_pattern_strands, "columns",
-          "times rows must be at most " + std::to_string(most_pattern_strands));
+  require(static_cast<double>(columns) * rows <= max_pattern_strands, "columns",
+          "times rows must be at most " + std::to_string(max_pattern_strands));
 }
 
 /// Decides which member of each crossing of circles slides: the circle whose neighbour lies in +x or -y.
@@ -113,7 +113,7 @@ void connect_circles(CircleType type, double radius, Weave& weave, const Executi
     const bool first = beside ? between[0] > 0 : between[1] < 0;
     crossing.members[first ? 0 : 1].slides = true;
   }
-  limit_sliding(weave, sliding_share, execution);
+  limit_sliding(weave, sliding_fraction, execution);
 }
 
 }  // namespace

@@ -133,7 +133,7 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] *
 
 [[noreturn]] void refuse_pieces() {
   refuse("points",
-         "turn so often that their curve has more than " + std::to_string(StrandCurve::most_pieces) + " pieces");
+         "turn so often that their curve has more than " + std::to_string(StrandCurve::max_pieces) + " pieces");
 }
 
 void check(const Vectors& points, Ends ends, const Eigen::Vector2d& translation) {
@@ -229,7 +229,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
     const double turn = curvature * piece_length(piece, 0, h);
     // At a cusp the curvature is unbounded: the number is clamped before it is converted to an integer.
     const auto count = static_cast<int>(std::clamp(std::ceil(turn / max_piece_turn), 1.0, max_pieces_between_points));
-    if (refined.size() + static_cast<std::size_t>(count) > most_pieces) refuse_pieces();
+    if (refined.size() + static_cast<std::size_t>(count) > max_pieces) refuse_pieces();
     for (int k = 0; k < count; ++k) {
       if (refined.size() >= next_check) {
         execution.cancellation.throw_if_requested();
@@ -238,7 +238,7 @@ std::vector<std::size_t> StrandCurve::refine(const Execution& execution) {
       refined.emplace_back(point_in_piece(piece, h * k / count).position);
       if (k == 0) refined.back() = values_[piece];
       bisect(piece, h * k / count, h * (k + 1) / count, max_piece_bisections, refined);
-      if (refined.size() > most_pieces) refuse_pieces();
+      if (refined.size() > max_pieces) refuse_pieces();
     }
   }
   given.push_back(refined.size());

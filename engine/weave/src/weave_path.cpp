@@ -22,10 +22,10 @@ constexpr double gradient_rounding = 4e-15;
 /// regularization begins well below both.
 constexpr double first_regularization = 1e-8;
 /// Maximum factor by which a step that leaves an unstable state is lengthened.
-constexpr double longest_expansion = 64;
+constexpr double max_expansion = 64;
 /// Factor of the iterations allowed after an unstable equilibrium was left. The path to a stable one is long, and
 /// shorter load increments would not shorten it.
-constexpr int more_iterations_after_leaving = 5;
+constexpr int iteration_factor_after_leaving = 5;
 /// Number of doublings of the step along an unstable mode.
 constexpr int mode_doublings = 12;
 
@@ -39,7 +39,7 @@ numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
   numerics::PathOptions options;
   options.minimizer = minimizer_options();
   options.max_iterations = equilibrium.max_iterations;
-  options.more_iterations_after_leaving = more_iterations_after_leaving;
+  options.iteration_factor_after_leaving = iteration_factor_after_leaving;
   options.smallest_step = min_increment;
   options.quick_iterations = quick_iterations;
   options.leave_unstable = equilibrium.buckling != Switch::off;
@@ -52,7 +52,7 @@ numerics::PathOptions path_options(const EquilibriumOptions& equilibrium) {
 numerics::MinimizerOptions minimizer_options() {
   numerics::MinimizerOptions options;
   options.first_regularization = first_regularization;
-  options.longest_expansion = longest_expansion;
+  options.max_expansion = max_expansion;
   return options;
 }
 
@@ -182,8 +182,8 @@ bool WeaveScene::predict(double fraction) {
   return true;
 }
 
-void WeaveScene::arrived(const numerics::Arrival& arrival) {
-  completed_ = arrival.share == 1 ? 1 : completed_ + arrival.share * remaining();
+void WeaveScene::finish_load_step(const numerics::LoadStepResult& arrival) {
+  completed_ = arrival.fraction == 1 ? 1 : completed_ + arrival.fraction * remaining();
   if (arrival.indefinite) remember_bifurcation();
 }
 
@@ -214,7 +214,7 @@ bool WeavePath::advance(const LoadStep& step) {
   using Progress = decltype(path_)::Progress;
   scene_.begin(step);
   path_.set_largest_step(1.0 / std::max(1, step.min_increments));
-  for (Progress progress = Progress::underway; progress == Progress::underway;) {
+  for (Progress progress = Progress::partial; progress == Progress::partial;) {
     reached_ = 1 - scene_.remaining();
     execution_.checkpoint(reached_, "load step");
     progress = path_.step(scene_.remaining());
@@ -231,11 +231,11 @@ bool WeavePath::prefer_lower_from(const WeaveScene::State& state, double energy,
 
 Stop WeavePath::termination() const {
   switch (path_.stopped()) {
-    case numerics::PathStop::converged:
+    case numerics::PathTermination::converged:
       return Stop::converged;
-    case numerics::PathStop::iteration_limit:
+    case numerics::PathTermination::iteration_limit:
       return Stop::iteration_limit;
-    case numerics::PathStop::step_too_small:
+    case numerics::PathTermination::step_too_small:
       break;
   }
   return Stop::step_too_small;

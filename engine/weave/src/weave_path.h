@@ -39,12 +39,12 @@ class WeaveScene {
   State state() const { return {objective_.q(), objective_.chart(), force_fraction_}; }
   void set_state(const State& state);
   double gradient_tolerance();  ///< N
-  bool unsettled(const numerics::MinimizerResult&) const { return false; }
+  bool must_minimize_again(const numerics::MinimizerResult&) const { return false; }
   bool finish(const numerics::MinimizerResult& result);
   bool finish_unstable();
   void begin_step();
   bool predict(double fraction);
-  void arrived(const numerics::Arrival& arrival);
+  void finish_load_step(const numerics::LoadStepResult& arrival);
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return objective_.expand(y); }
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const;  ///< scaled so that its largest entry is 1 mm or rad
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount);
@@ -91,7 +91,7 @@ class WeavePath {
   void resume_at(double force_fraction) { scene_.set_force_fraction(force_fraction); }
 
   /// Finds the equilibrium at the present loads. Returns false if none was found; `termination` says why.
-  bool find_equilibrium() { return path_.settle(); }
+  bool find_equilibrium() { return path_.find_equilibrium(); }
 
   /// Follows the step to its end, in at least as many increments as it asks for. Returns false if that is not possible;
   /// the state is then the last equilibrium on the path.

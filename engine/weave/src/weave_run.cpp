@@ -36,7 +36,7 @@ WeaveRun::WeaveRun(const Weave& weave, const Prescription& prescription, double 
   model_options_.segments = options.segments;
   model_options_.direction = direction;
   model_options_.cancellation = execution.cancellation;
-  rigid_cholesky_.order_quickly();
+  rigid_cholesky_.use_fast_ordering();
   rigid_cholesky_.stop_with(execution.cancellation);
   rigid_cholesky_.bill_to(execution.cost);
   start(options.out_of_plane == Switch::on || (options.out_of_plane == Switch::automatic && prescription.leaves_plane));

@@ -79,7 +79,7 @@ class BoundedBuilder final : public nlohmann::json_sax<Document> {
  private:
   template <class Value>
   Document* place(Value&& value) {
-    pace_.look();
+    pace_.check();
     if (++count_ > limits_.max_values) {
       problem::throw_limit("request.too_many_values", "The number of JSON values",
                            static_cast<double>(limits_.max_values), static_cast<double>(count_), "--max-json-values");

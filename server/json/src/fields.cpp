@@ -211,7 +211,7 @@ void Fields::finish() {
   for (const auto& [key, value] : object_->items()) {
     if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;
     // The search for a similar name takes thousands of steps for each key.
-    if (faults_.only_counts()) {
+    if (faults_.drops_further_details()) {
       faults_.add({}, {});
       continue;
     }

@@ -25,7 +25,7 @@ class Faults : public supple::Faults {
   Faults& operator=(const Faults&) = delete;
 
   /// Checks for a stop request now and then. All that reads objects and numbers calls it.
-  void check_for_stop() { pace_.look(); }
+  void check_for_stop() { pace_.check(); }
   /// Throws "request.invalid" if anything was collected.
   void throw_if_any() const { supple::Faults::throw_if_any("request.invalid", "The body"); }
 

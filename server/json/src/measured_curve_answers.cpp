@@ -67,7 +67,7 @@ std::vector<AsideReason> aside_reasons(const MeasuredCurveAnswer& answer) {
   const auto& table = answer.measurements.table;
   std::vector<AsideReason> reasons;
   for (const AsideReason& reason : std::array<AsideReason, 5>{
-           {{"no_row", "lines among the rows that do not read like them", table ? table->odd_lines : 0},
+           {{"no_row", "lines among the rows that do not read like them", table ? table->malformed_lines : 0},
             {"no_number", "without a number", aside.no_number},
             {"out_of_range", "outside of the range asked for", aside.out_of_range},
             {"not_first_loading", "that belong to no first loading, which alone counts", aside.not_first_loading},
@@ -91,7 +91,7 @@ std::vector<design::MeasurementNote> notes_of(const MeasuredCurveAnswer& answer)
   }
   if (aside > 0) {
     const auto all = static_cast<double>(answer.measurements.curve.points.size() +
-                                         (answer.measurements.table ? answer.measurements.table->odd_lines : 0));
+                                         (answer.measurements.table ? answer.measurements.table->malformed_lines : 0));
     std::string text =
         std::to_string(aside) + (aside == 1 ? " point was" : " points were") + " set aside: " + why + ".";
     if (curve.rupture_at) {

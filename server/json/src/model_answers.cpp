@@ -29,7 +29,7 @@ void write_split(JsonWriter& out, std::string_view name, const std::optional<neu
   out.field("designs", split->designs).field("samples", split->samples).end_object();
 }
 
-JsonWriter& write_judged_bars(JsonWriter& out, const neural::JudgedBars& judged) {
+JsonWriter& write_judged_bars(JsonWriter& out, const neural::BarCoverage& judged) {
   return out.field("median", judged.median_bar)
       .field("share", judged.share)
       .field("designs", judged.designs)
@@ -46,7 +46,7 @@ void write_error_bars(JsonWriter& out, const std::optional<neural::Calibration>&
   out.field("judged_by", calibration->by_fresh_designs ? "fresh" : "held_out");
   for (const auto quantity : neural::all_quantities) {
     const auto& scale = calibration->of(quantity);
-    out.key(neural::to_string(quantity)).begin_object().field("trusted", neural::trusted_error(quantity));
+    out.key(neural::to_string(quantity)).begin_object().field("trusted", neural::max_trusted_error(quantity));
     write_judged_bars(out, scale.given.judged);
     if (!scale.searched.knots.empty()) {
       out.key("searched").begin_object();

@@ -52,7 +52,7 @@ void read_repair(Fields& fields, std::optional<surface::RepairOptions>& repair) 
     if (!fields.faults().any() && !options.has(surface::Repair::weld))
       fields.faults().add(fields.at("weld_tolerance"), R"(takes effect with the repair "weld" only)");
     double tolerance = 0;
-    fields.number("weld_tolerance", tolerance, 0, surface::RepairOptions::largest_weld_tolerance);
+    fields.number("weld_tolerance", tolerance, 0, surface::RepairOptions::max_weld_tolerance);
     options.weld_tolerance = tolerance;
   }
   if (entries) repair = options;

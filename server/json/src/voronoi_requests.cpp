@@ -33,7 +33,7 @@ void read_include(Fields& fields, DiagramInclude& include, double& panel_scale) 
 }
 
 void read_border_deviation(Fields& accuracy, double& deviation) {
-  accuracy.number("border_deviation", deviation, voronoi::least_border_deviation, 1);
+  accuracy.number("border_deviation", deviation, voronoi::min_border_deviation, 1);
 }
 
 void read_objectives(Fields& fields, voronoi::ObjectiveWeights& weights) {
@@ -85,7 +85,7 @@ VoronoiOptimizationRequest parse_voronoi_optimization(std::string_view body, con
           accuracy.number("tolerance", options.tolerance, 0, 1, true);
           read_border_deviation(accuracy, options.border_deviation);
         });
-        fields.integer("max_iterations", options.max_iterations, 1, voronoi::most_optimization_iterations);
+        fields.integer("max_iterations", options.max_iterations, 1, voronoi::max_optimization_iterations);
         read_include(fields, request.include, request.panel_scale);
       });
 }

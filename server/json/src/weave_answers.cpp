@@ -284,7 +284,7 @@ std::string write_weave_deformation(const WeaveDeformationRequest& request, cons
 }
 
 std::string write_weave_simulation(const WeaveSimulationRequest& request, const Weave& weave,
-                                   const std::vector<HeldPlace>& places, const weave::SimulationResult& result,
+                                   const std::vector<SupportPoint>& places, const weave::SimulationResult& result,
                                    const Bill& bill) {
   JsonWriter out;
   out.begin_object().key("supports").begin_array();

@@ -312,7 +312,7 @@ WeaveSpec read_weave(Fields& fields, const Limits& limits) {
   if (inner.present("sliding_share")) {
     double share = 0;
     inner.number("sliding_share", share, 0, 1, true);
-    weave.sliding_share = share;
+    weave.sliding_fraction = share;
   }
   inner.optional("sliding_share");
   if (known) inner.finish();

@@ -101,7 +101,7 @@ PlaceSpec read_place(Fields& fields) {
     at.number("coordinate", on_strand.coordinate, 0, max_length);
     place = on_strand;
   } else if (at.present("share")) {
-    StrandShare on_strand;
+    StrandFraction on_strand;
     read_strand(on_strand.strand);
     at.number("share", on_strand.share, 0, 1);
     place = on_strand;

@@ -183,8 +183,8 @@ void read_limits(Fields& fields, weave::GcodeLimits& limits) {
   read_bed(fields, limits.bed);
   fields.number("filament_diameter", limits.filament_diameter, min_thickness, max_thickness);
   fields.number("bead_area", limits.bead_area, 0, max_area);
-  fields.number("least_bead_area", limits.least_bead_area, 0, max_area);
-  fields.number("least_free_area", limits.least_free_area, 0, max_area);
+  fields.number("least_bead_area", limits.min_bead_area, 0, max_area);
+  fields.number("least_free_area", limits.min_lifted_area, 0, max_area);
   fields.number("tolerance", limits.tolerance, 0, 1);
   fields.number("cold", limits.cold, 0, max_temperature);
   fields.number("print_speed", limits.print_speed, 0, max_speed);

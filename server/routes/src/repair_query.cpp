@@ -35,7 +35,7 @@ std::string read_weld_tolerance(const std::string& text, RepairOptions& options)
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const bool is_number = error == std::errc() && end == text.data() + text.size();
-  if (!is_number || !(value >= 0 && value <= RepairOptions::largest_weld_tolerance)) {
+  if (!is_number || !(value >= 0 && value <= RepairOptions::max_weld_tolerance)) {
     return "takes a number from 0 to 0.01";
   }
   options.weld_tolerance = value;

@@ -23,7 +23,7 @@ class PlaceFinder {
     check_strand(at.strand);
     return {{at.strand, at.coordinate}};
   }
-  std::vector<Place> operator()(const json::StrandShare& at) const {
+  std::vector<Place> operator()(const json::StrandFraction& at) const {
     check_strand(at.strand);
     return {{at.strand, at.share * weave_.strands[static_cast<std::size_t>(at.strand)].curve.length()}};
   }
@@ -59,9 +59,9 @@ PlacedLoad place_load(const json::WeaveSimulationRequest& request, const Weave& 
   PlacedLoad placed;
   const auto check_count = [&](const std::string& where) {
     const std::size_t places = placed.places.size() + placed.force_of.size();
-    if (places > limits.max_load_places)
+    if (places > limits.max_load_points)
       problem::throw_limit("request.limit_exceeded", "The number of places that are held or pulled, with all of a box,",
-                           static_cast<double>(limits.max_load_places), static_cast<double>(places), "", where);
+                           static_cast<double>(limits.max_load_points), static_cast<double>(places), "", where);
   };
   placed.load.states = request.states;
   for (std::size_t i = 0; i < request.supports.size(); ++i) {

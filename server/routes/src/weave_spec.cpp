@@ -19,7 +19,7 @@ PointerMap pattern_pointers() {
 }
 
 /// Limit for the pieces of all curves of a layout, which take some 100 bytes each.
-constexpr std::size_t max_pieces = weave::StrandCurve::most_pieces;
+constexpr std::size_t max_pieces = weave::StrandCurve::max_pieces;
 
 Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& execution) {
   Weave weave;
@@ -144,7 +144,7 @@ constexpr std::size_t max_small_crossings = 1000;
 bool is_small(const std::optional<json::SheetSpec>& sheet) {
   if (!sheet) return true;
   const double cells = static_cast<double>(sheet->columns) * sheet->rows;
-  return cells <= max_small_strands || cells > weave::most_pattern_strands;
+  return cells <= max_small_strands || cells > weave::max_pattern_strands;
 }
 bool is_small(const json::RegularSpec& spec) { return is_small(spec.sheet); }
 bool is_small(const json::SquaresSpec& spec) { return is_small(spec.sheet); }
@@ -163,10 +163,10 @@ bool is_small(const json::LayoutSpec& spec) {
 /// Fraction of the distance to the next crossing that strands may slide. Without one in the request, loops have a
 /// default, and other strands slide as far as their neighbours let them.
 std::optional<double> sliding_fraction(const json::WeaveSpec& spec) {
-  if (spec.sliding_share) return spec.sliding_share;
+  if (spec.sliding_fraction) return spec.sliding_fraction;
   const bool loops =
       std::holds_alternative<json::SquaresSpec>(spec.source) || std::holds_alternative<json::CirclesSpec>(spec.source);
-  return loops ? std::optional(weave::sliding_share) : std::nullopt;
+  return loops ? std::optional(weave::sliding_fraction) : std::nullopt;
 }
 
 }  // namespace

@@ -24,8 +24,8 @@ void refuse_small_faulty_weave(const json::WeaveSpec& spec);
 /// A load of the engine, and where in the request its supports and forces come from.
 struct PlacedLoad {
   weave::SheetLoad load;
-  std::vector<json::HeldPlace> places;  ///< one for each support
-  std::vector<int> force_of;            ///< index in the request of each force
+  std::vector<json::SupportPoint> places;  ///< one for each support
+  std::vector<int> force_of;               ///< index in the request of each force
 };
 
 /// The places of a request on the weave: a box becomes the places within it. Throws "weave.invalid_load" with pointers

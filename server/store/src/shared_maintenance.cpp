@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 /// The database of a shared store, for long transactions that read all rows.
 class MaintenanceDatabase {
  public:
-  explicit MaintenanceDatabase(const SharedPlace& store)
+  explicit MaintenanceDatabase(const SharedStoreLocation& store)
       : database_(std::make_unique<Postgres>(store.database, max_seconds)) {}
 
   /// Does what Postgres::transaction does, without the time limits of a server.
@@ -214,7 +214,7 @@ void replace_store(pqxx::work& transaction, const DataPaths& paths, const DataPa
 
 }  // namespace
 
-Check check_shared_store(const SharedPlace& store) {
+Check check_shared_store(const SharedStoreLocation& store) {
   const DataPaths paths{store.folder};
   MaintenanceDatabase database(store);
   database.require_store(paths);
@@ -228,7 +228,7 @@ Check check_shared_store(const SharedPlace& store) {
   return check;
 }
 
-Check repair_shared_store(const SharedPlace& store, const std::function<void(const std::string&)>& warn,
+Check repair_shared_store(const SharedStoreLocation& store, const std::function<void(const std::string&)>& warn,
                           const std::function<std::string(const std::string&)>& problem) {
   {
     MaintenanceDatabase database(store);
@@ -249,7 +249,7 @@ Check repair_shared_store(const SharedPlace& store, const std::function<void(con
   return check;
 }
 
-Copy back_up_shared_store(const SharedPlace& store, const fs::path& to) {
+Copy back_up_shared_store(const SharedStoreLocation& store, const fs::path& to) {
   const DataPaths paths{store.folder};
   MaintenanceDatabase database(store);
   database.require_store(paths);
@@ -275,7 +275,7 @@ Copy back_up_shared_store(const SharedPlace& store, const fs::path& to) {
   return copy;
 }
 
-Copy restore_shared_store(const fs::path& from, const SharedPlace& store, bool replace) {
+Copy restore_shared_store(const fs::path& from, const SharedStoreLocation& store, bool replace) {
   require_backup({from});
   const DataFolder folder(store.folder, {});
   const auto& paths = folder.paths();

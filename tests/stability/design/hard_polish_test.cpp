@@ -105,7 +105,8 @@ TEST(HardPolish, TargetBeyondReachEndsAtTheClosestDesign) {
   const Design found = find_design(family.space(), {{target}, {}, {}});
   const auto polished = family.polished(target, found.parameters, {.max_rounds = 12});
   expect_sense(family, polished);
-  EXPECT_TRUE(polished.stopped == PolishStop::no_improvement || polished.stopped == PolishStop::round_limit);
+  EXPECT_TRUE(polished.stopped == PolishTermination::no_improvement ||
+              polished.stopped == PolishTermination::round_limit);
   EXPECT_GT(*polished.target_error, 0.1);
 }
 
@@ -200,7 +201,7 @@ TEST(HardPolish, DeadlineInTheMiddleOfARound) {
   const auto polished = polish(family.space(), {{target}, {}, {}}, wanted, watched, {.tolerance = 1e-9}, {token});
   ASSERT_TRUE(clock.joinable());
   clock.join();
-  EXPECT_EQ(polished.stopped, PolishStop::deadline);
+  EXPECT_EQ(polished.stopped, PolishTermination::deadline);
   ASSERT_TRUE(polished.target_error) << "the first rounds were simulated";
   EXPECT_TRUE(polished.simulated[0].allFinite());
   EXPECT_LE(*polished.target_error, *polished.rounds.front().target_error);

@@ -108,7 +108,7 @@ TEST_P(HardTargets, ContradictoryTargetsEndInACompromise) {
   for (auto& point : stiff.control_points) point[1] *= 2;
   const auto design = find({{soft, stiff}, {}, {}});
   EXPECT_FALSE(design.reached);
-  EXPECT_NE(design.stopped, DesignStop::reached);
+  EXPECT_NE(design.stopped, DesignTermination::reached);
 }
 
 // The residuals stay large, so that Gauss-Newton models alone converge slowly.
@@ -117,7 +117,7 @@ TEST_P(HardTargets, ATargetAThousandTimesTooStiffEndsAtTheClosestDesign) {
   for (auto& point : target.control_points) point[1] *= 1000;
   const auto design = find({{target}, {}, {}});
   EXPECT_FALSE(design.reached);
-  EXPECT_NE(design.stopped, DesignStop::iteration_limit);
+  EXPECT_NE(design.stopped, DesignTermination::iteration_limit);
 }
 
 // Every design meets the target, and the gradient vanishes everywhere.
@@ -125,7 +125,7 @@ TEST_P(HardTargets, AFlatObjectiveEndsWhereItStarts) {
   auto target = target_of(middle(), Task::poisson);
   target.bands.assign(target.control_points.size(), 1e3);
   const auto design = find({{target}, middle(), {}});
-  EXPECT_EQ(design.stopped, DesignStop::reached);
+  EXPECT_EQ(design.stopped, DesignTermination::reached);
   EXPECT_EQ(design.parameters, middle());
 }
 
@@ -174,7 +174,7 @@ TEST_P(HardTargets, StrainsFarOutOfTheRangeAreFlagged) {
 TEST_P(HardTargets, DeepCompressionWithNearlySingularTangents) {
   for (const Task task : {Task::stiffness, Task::poisson}) {
     const auto design = find({{target_of(middle(), task, -0.2)}, {}, {}});
-    EXPECT_NE(design.stopped, DesignStop::iteration_limit);
+    EXPECT_NE(design.stopped, DesignTermination::iteration_limit);
   }
 }
 

@@ -54,7 +54,7 @@ class HeldTorus : public HostCase {
 
 int jumps_at_supports(const Relaxation& relaxed) {
   int jumps = 0;
-  for (const FollowedStop& stop : relaxed.stops) jumps += stop.jumps;
+  for (const LoadIncrement& stop : relaxed.stops) jumps += stop.jumps;
   return jumps;
 }
 

@@ -58,7 +58,7 @@ class Follower : public NetworkCase {
 
   static int jumps_of(const Relaxation& relaxed) {
     int jumps = 0;
-    for (const FollowedStop& stop : relaxed.stops) jumps += stop.jumps;
+    for (const LoadIncrement& stop : relaxed.stops) jumps += stop.jumps;
     return jumps;
   }
 

@@ -55,7 +55,7 @@ struct MovedBar : HostCase {
     const Relaxation found = follow();
     EXPECT_EQ(found.stopped, "converged");
     EXPECT_LE(found.gradient_norm, found.gradient_tolerance);
-    for (const FollowedStop& stop : found.stops) {
+    for (const LoadIncrement& stop : found.stops) {
       EXPECT_EQ(stop.reached, 1);
       EXPECT_EQ(stop.stopped, "converged");
     }

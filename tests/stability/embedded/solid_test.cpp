@@ -34,7 +34,7 @@ Equilibrium equilibrium(numerics::System<NetworkState>& system, double tolerance
 
 void expect_sound(const SolidScene& scene, const SolidHost& host, numerics::System<NetworkState>& system,
                   const Equilibrium& found) {
-  EXPECT_EQ(found.result.stop, numerics::MinimizerStop::converged)
+  EXPECT_EQ(found.result.stop, numerics::MinimizerTermination::converged)
       << "gradient " << found.result.gradient_norm << " after " << found.result.iterations << " iterations";
   EXPECT_LE(found.result.gradient_norm, found.tolerance);
   EXPECT_GT(SolidElements(scene.solid, host).least_volume_ratio(system.state()), 0);

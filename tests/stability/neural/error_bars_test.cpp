@@ -70,7 +70,7 @@ TEST_P(ErrorBarsOfShippedModels, AreFiniteAtTheEdgesOfTheBoxAndOfTheStrains) {
           if (!trust || !trust->error) continue;
           EXPECT_GE(*trust->error, 0);
           EXPECT_LE(*trust->error, largest_error);
-          EXPECT_EQ(trust->in_range, *trust->error <= trusted_error(quantity));
+          EXPECT_EQ(trust->in_range, *trust->error <= max_trusted_error(quantity));
         }
         // In a corner there may be no valid tile, so that the stiffness that the network predicts may make no sense.
         if (share == 0.5) {

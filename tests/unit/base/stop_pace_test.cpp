@@ -12,10 +12,10 @@ namespace {
 TEST(StopPace, LooksAtTheTokenWithinSomeThousandCalls) {
   const CancellationToken token;
   StopPace pace(token);
-  for (int i = 0; i < 100'000; ++i) pace.look();
+  for (int i = 0; i < 100'000; ++i) pace.check();
   token.request(StopReason::cancelled);
   testing::expect_cancelled(StopReason::cancelled, [&pace] {
-    for (int i = 0; i < 20'000; ++i) pace.look();
+    for (int i = 0; i < 20'000; ++i) pace.check();
   });
 }
 

@@ -166,8 +166,8 @@ TEST(InverseDesign, PrefersDesignsOfWhichTheModelCanBeTrusted) {
     EXPECT_TRUE(told(bill).ran);
     EXPECT_EQ(told(bill).count > 0, told(bill).seconds > 0) << "others are looked for where the nearest is doubtful";
     judged += told(bill).count;
-    EXPECT_NE(nearest.stopped, DesignStop::trusted);
-    not_ends += trusted.stopped == DesignStop::trusted ? 1 : 0;
+    EXPECT_NE(nearest.stopped, DesignTermination::trusted);
+    not_ends += trusted.stopped == DesignTermination::trusted ? 1 : 0;
   }
   EXPECT_GT(not_ends, 0) << "the search ended elsewhere";
   EXPECT_GT(judged, 0);
@@ -249,7 +249,7 @@ TEST(InverseDesign, KeepsFixedParametersAndTheBounds) {
   EXPECT_LT(design.error.relative_rms, 1e-4);
   problem.fixed = {parameters[0], test.at({0, 0.1, 0})[1], parameters[2]};
   const auto held = find_design(test.space(), problem);
-  EXPECT_EQ(held.stopped, DesignStop::no_free_parameters);
+  EXPECT_EQ(held.stopped, DesignTermination::no_free_parameters);
   EXPECT_EQ(held.starts, 1);
   EXPECT_EQ(held.parameters[1], *problem.fixed[1]);
 }
@@ -296,7 +296,7 @@ TEST(InverseDesign, IsContentWithinTheBands) {
   auto target = target_of(test, test.at({0.5, 0.5}), Task::stress_strain);
   target.bands.assign(target.control_points.size(), 1e6);
   const auto design = find_design(test.space(), {{target}, vector_of(test.at({0.1, 0.9})), {}});
-  EXPECT_EQ(design.stopped, DesignStop::reached);
+  EXPECT_EQ(design.stopped, DesignTermination::reached);
   EXPECT_EQ(design.iterations, 0);
   EXPECT_EQ(design.error.relative_rms, 0);
 }

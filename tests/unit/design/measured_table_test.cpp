@@ -195,7 +195,7 @@ TEST(MeasuredTable, ReadsOneBlockOfSeveralSpecimens) {
 TEST(MeasuredTable, CountsLinesThatDoNotReadLikeRows) {
   const MeasuredTable table = read_table("a,b\n0,0\n1,ERR\n2,3\n4,5,6\n7,8\n");
   EXPECT_EQ(table.rows(), 3U);
-  EXPECT_EQ(table.odd_lines, 2U);
+  EXPECT_EQ(table.malformed_lines, 2U);
 }
 
 TEST(MeasuredText, IsDecodedFromWhatMachinesWrite) {

@@ -101,7 +101,7 @@ TEST_P(PolishTask, ReachesTheTargetInTheSimulationThatTheNetworkMisses) {
   ASSERT_TRUE(polished.rounds.front().target_error && polished.target_error);
   EXPECT_GT(*polished.rounds.front().target_error, 5e-3);
   EXPECT_LE(*polished.target_error, 1e-4);
-  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_EQ(polished.stopped, PolishTermination::reached);
   EXPECT_LE(polished.rounds.size(), 8U);
   // The reported profile is that of the simulation at the returned parameters.
   const auto& samples = polished.targets[0].samples;
@@ -146,7 +146,7 @@ TEST(Polish, KeepsTheSearchsDesignWhereNothingIsBetter) {
   };
   const auto polished = missed.polished({.max_rounds = 60});
   EXPECT_EQ(polished.parameters, found);
-  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(polished.stopped, PolishTermination::no_improvement);
   EXPECT_NEAR(*polished.target_error, 0.02, 1e-9);
   const auto tried = [&](Proposal proposal) {
     return std::any_of(polished.rounds.begin(), polished.rounds.end(),
@@ -174,7 +174,7 @@ TEST(Polish, SurveysTheBoxWhereTheNetworkIsOffEverywhere) {
   const auto polished = missed.polished({.tolerance = 0.02, .max_rounds = 60});
   EXPECT_TRUE(std::ranges::any_of(
       polished.rounds, [](const PolishRound& round) { return round.proposal == Proposal::survey && round.accepted; }));
-  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_EQ(polished.stopped, PolishTermination::reached);
   EXPECT_LE(*polished.target_error, 0.02);
 }
 
@@ -184,7 +184,7 @@ TEST(Polish, EndsASurveyThatFindsNothing) {
     return Eigen::VectorXd(1.1 * sample_target(missed.problem.targets[0]).y);
   };
   const auto polished = missed.polished({.max_rounds = 100});
-  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(polished.stopped, PolishTermination::no_improvement);
   EXPECT_EQ(std::ranges::count(polished.rounds, Proposal::survey, &PolishRound::proposal), 8);
 }
 
@@ -197,7 +197,7 @@ TEST(Polish, GoesAroundParametersThatHaveNoStructure) {
     return missed.displaced(parameters, samples);
   };
   const auto polished = missed.polished({.tolerance = 1e-3});
-  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_EQ(polished.stopped, PolishTermination::reached);
   EXPECT_EQ(polished.rounds.at(1).reason, "There is no such tile.");
   EXPECT_FALSE(polished.rounds.at(1).target_error || polished.rounds.at(1).accepted);
 }
@@ -211,7 +211,7 @@ TEST(Polish, RefusesDesignsThatCannotBeBuiltWithTheirReason) {
   };
   const auto polished = missed.polished();
   EXPECT_EQ(polished.parameters, found);
-  EXPECT_EQ(polished.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(polished.stopped, PolishTermination::no_improvement);
   ASSERT_GT(polished.rounds.size(), 3U);
   for (std::size_t i = 1; i < polished.rounds.size(); ++i) {
     EXPECT_FALSE(polished.rounds[i].target_error);
@@ -235,14 +235,14 @@ TEST(Polish, SaysWhereNoDesignIsSimulatedEverywhere) {
     return y;
   };
   const auto polished = missed.polished();
-  EXPECT_EQ(polished.stopped, PolishStop::not_simulated);
+  EXPECT_EQ(polished.stopped, PolishTermination::not_simulated);
   EXPECT_FALSE(polished.target_error);
   EXPECT_EQ(polished.parameters, missed.found.parameters);
   for (const PolishRound& round : polished.rounds) {
     EXPECT_FALSE(round.accepted || round.target_error);
     EXPECT_EQ(round.reason, "The simulation does not reach every sample.");
   }
-  EXPECT_EQ(missed.polished({.max_rounds = 0}).stopped, PolishStop::not_simulated);
+  EXPECT_EQ(missed.polished({.max_rounds = 0}).stopped, PolishTermination::not_simulated);
   EXPECT_TRUE(std::isnan(polished.simulated[0][3]) && std::isfinite(polished.simulated[0][2]))
       << "what there is is told";
 }
@@ -255,7 +255,7 @@ TEST(Polish, StartsElsewhereWhereTheDesignFoundCannotBeSimulated) {
     return missed.displaced(parameters, samples);
   };
   const auto polished = polish(missed.test.space(), missed.problem, elsewhere, missed.simulate, {.tolerance = 1e-3});
-  EXPECT_EQ(polished.stopped, PolishStop::reached);
+  EXPECT_EQ(polished.stopped, PolishTermination::reached);
   EXPECT_FALSE(polished.rounds[0].accepted);
   EXPECT_EQ(polished.rounds[1].proposal, Proposal::new_search);
   EXPECT_TRUE(polished.rounds[1].accepted);
@@ -266,7 +266,7 @@ TEST(Polish, KeepsToItsRounds) {
     Missed missed;
     const auto polished = missed.polished({.tolerance = 1e-9, .max_rounds = most});
     EXPECT_EQ(polished.rounds.size(), static_cast<std::size_t>(most) + 1);
-    EXPECT_EQ(polished.stopped, PolishStop::round_limit);
+    EXPECT_EQ(polished.stopped, PolishTermination::round_limit);
   }
 }
 
@@ -274,7 +274,7 @@ TEST(Polish, KeepsToItsSeconds) {
   Missed missed;
   const auto polished = missed.polished({.tolerance = 1e-9, .max_seconds = 1e-9});
   EXPECT_EQ(polished.rounds.size(), 1U);
-  EXPECT_EQ(polished.stopped, PolishStop::time_limit);
+  EXPECT_EQ(polished.stopped, PolishTermination::time_limit);
 }
 
 TEST(Polish, GivesTheBestSoFarWhereTheDeadlinePassesInARound) {
@@ -289,7 +289,7 @@ TEST(Polish, GivesTheBestSoFarWhereTheDeadlinePassesInARound) {
       return missed.displaced(parameters, samples);
     };
     const auto polished = missed.polished({.tolerance = 1e-9}, {token});
-    EXPECT_EQ(polished.stopped, PolishStop::deadline);
+    EXPECT_EQ(polished.stopped, PolishTermination::deadline);
     ASSERT_EQ(polished.rounds.size(), static_cast<std::size_t>(last) + 1);
     EXPECT_EQ(polished.rounds.back().reason, "The deadline passed before the simulation had ended.");
     EXPECT_FALSE(polished.rounds.back().target_error || polished.rounds.back().accepted);
@@ -332,7 +332,7 @@ TEST(Polish, KeepsParametersThatAreFixed) {
     EXPECT_EQ(round.parameters[1], held);
   missed.problem.fixed = {missed.found.parameters[0], held};
   const auto nothing_free = missed.polished({.tolerance = 1e-9});
-  EXPECT_EQ(nothing_free.stopped, PolishStop::no_improvement);
+  EXPECT_EQ(nothing_free.stopped, PolishTermination::no_improvement);
   EXPECT_EQ(nothing_free.rounds.size(), 1U);
 }
 
@@ -373,10 +373,10 @@ TEST(TrustRegionDescent, ReachesTheTargetFromTheDesignOfTheSearch) {
   PolishRounds rounds(missed.test.space(), missed.problem, missed.simulate, options, execution, on_round);
   const auto found = rounds.simulate_found(FreeParameters::all_of(missed.found.parameters, 0));
   EXPECT_GT(found.deviation, 5e-3);
-  EXPECT_EQ(TrustRegionDescent(rounds, found).run(), PolishStop::reached);
+  EXPECT_EQ(TrustRegionDescent(rounds, found).run(), PolishTermination::reached);
   EXPECT_LE(rounds.best().deviation, 1e-4);
   EXPECT_EQ(rounds.count(), missed.calls);
-  EXPECT_EQ(rounds.result(PolishStop::reached).rounds.size(), rounds.tried().size());
+  EXPECT_EQ(rounds.result(PolishTermination::reached).rounds.size(), rounds.tried().size());
 }
 
 TEST(OtherStarts, AreMinimaThatWereNotSimulatedAndEndWithHalfOfTheRounds) {
@@ -523,7 +523,7 @@ TEST(VerifyDesigns, RanksFamiliesByTheirSimulation) {
   EXPECT_EQ(families.first_calls, 1);
   ASSERT_TRUE(verified.ranking[0].target_error && verified.ranking[1].target_error);
   EXPECT_LT(*verified.ranking[0].target_error, *verified.ranking[1].target_error);
-  EXPECT_EQ(verified.polished->stopped, PolishStop::reached);
+  EXPECT_EQ(verified.polished->stopped, PolishTermination::reached);
   EXPECT_EQ(verified.ranking.front().design.parameters, verified.polished->parameters);
   EXPECT_EQ(*verified.ranking.front().target_error, *verified.polished->target_error);
   EXPECT_EQ(families.told.size(), static_cast<std::size_t>(families.first_calls + families.second_calls));
@@ -609,7 +609,7 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   const CancellationToken token;
   token.request(StopReason::deadline);
   const auto verified = families.verified({}, {.cancellation = token});
-  EXPECT_EQ(verified.polished->stopped, PolishStop::deadline);
+  EXPECT_EQ(verified.polished->stopped, PolishTermination::deadline);
   EXPECT_EQ(verified.ranking.size(), 2U);
   EXPECT_FALSE(verified.ranking[0].target_error);
   EXPECT_FALSE(verified.discretization_error.at(0));

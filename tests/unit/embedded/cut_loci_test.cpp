@@ -221,7 +221,7 @@ TEST(CutLoci, AreFollowedOnASurfaceThatMoves) {
   PushedPoint wider = scene;
   wider.rest = 4 / 1.3;
   ASSERT_EQ(relaxed.stops.size(), 2U);
-  for (const FollowedStop& stop : relaxed.stops) {
+  for (const LoadIncrement& stop : relaxed.stops) {
     EXPECT_EQ(stop.stopped, "converged");
     EXPECT_LE(stop.iterations, 8);
     EXPECT_EQ(stop.load_steps, 1);

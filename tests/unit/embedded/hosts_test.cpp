@@ -234,7 +234,7 @@ TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
   EXPECT_EQ(found.stopped, "converged");
   ASSERT_EQ(found.stops.size(), 10U);
   int iterations = 0;
-  for (const FollowedStop& stop : found.stops) {
+  for (const LoadIncrement& stop : found.stops) {
     EXPECT_EQ(stop.stopped, "converged");
     EXPECT_LE(stop.gradient_norm, found.gradient_tolerance);
     iterations += stop.iterations;
@@ -268,7 +268,7 @@ TEST(Hosts, AMovingSurfaceGoesOnWhereItsNetworkCannotFollow) {
   // One iteration is too few for a step of any length.
   const Relaxation found = relax(solver, network, {.host = host, .max_iterations = 1});
   ASSERT_EQ(found.stops.size(), 2U);
-  for (const FollowedStop& stop : found.stops) EXPECT_EQ(stop.stopped, "iteration_limit");
+  for (const LoadIncrement& stop : found.stops) EXPECT_EQ(stop.stopped, "iteration_limit");
   EXPECT_EQ(found.stopped, "iteration_limit");
   EXPECT_EQ(found.host.vertices, host.positions.back());
   // The points are on the surface at its last position, and have the reported energy there.

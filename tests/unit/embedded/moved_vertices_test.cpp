@@ -105,7 +105,7 @@ TEST(MovedVertices, ComeToTheirPositionsAndTheRestOfTheHostAndTheNetworkFollow) 
     EXPECT_NEAR(slow.energy, found.energy, 1e-8 * found.energy);
     // The iterations are those at the start and those of every load increment.
     int iterations = 0;
-    for (const FollowedStop& stop : slow.stops) iterations += stop.iterations;
+    for (const LoadIncrement& stop : slow.stops) iterations += stop.iterations;
     EXPECT_GT(slow.iterations, iterations);
     EXPECT_GE(static_cast<int>(slow.history.size()), slow.iterations);
     // The network is in equilibrium on the host at its end.
@@ -253,7 +253,7 @@ TEST(MovedVertices, GoAsFarAsElementsKeepTheirVolumeAndSayHowFar) {
     const Relaxation found = relax(*bar.solver, bar.network, {.host = host});
     ASSERT_GE(found.stops.size(), 1U);
     ASSERT_LE(found.stops.size(), 2U);
-    const FollowedStop& last = found.stops.back();
+    const LoadIncrement& last = found.stops.back();
     EXPECT_LT(last.reached, 1);
     EXPECT_NE(last.stopped, "converged");
     EXPECT_EQ(found.stopped, last.stopped);
@@ -295,7 +295,7 @@ TEST(MovedVertices, StopWhenAskedAndTellHowFarTheyAre) {
   EXPECT_EQ(states, static_cast<int>(found.history.size()));
   const int at_rest_after = found.iterations - [&] {
     int moving = 0;
-    for (const FollowedStop& stop : found.stops) moving += stop.iterations;
+    for (const LoadIncrement& stop : found.stops) moving += stop.iterations;
     return moving;
   }();
   for (const StopReason reason : {StopReason::cancelled, StopReason::deadline}) {

@@ -295,7 +295,7 @@ TEST(Shell, IsInflatedToWhereThePressureAndTheStretchAgree) {
   const NetworkState rest(std::make_shared<GeodesicSolver>(testing::share(mesh)), {}, host.nodes());
   numerics::System<NetworkState> system(rest, host.terms(), numerics::Unknowns(host.fixed()));
   const numerics::MinimizerResult found = numerics::minimize(system, {.gradient_tolerance = 1e-10});
-  EXPECT_EQ(found.stop, numerics::MinimizerStop::converged);
+  EXPECT_EQ(found.stop, numerics::MinimizerTermination::converged);
   EXPECT_LE(found.iterations, 8);
   const double nu = 0.48;
   const double mu = 100 / (2 * (1 + nu));

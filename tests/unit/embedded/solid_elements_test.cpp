@@ -240,7 +240,7 @@ TEST(SolidElements, AnAffineMotionOfTheSurfaceIsTheInnerNodesEquilibrium) {
     host.poisson_ratio = nu;
     auto system = scene.system(host, start, on_surface);
     const auto result = numerics::minimize(system, {.gradient_tolerance = 1e-10});
-    EXPECT_EQ(result.stop, numerics::MinimizerStop::converged);
+    EXPECT_EQ(result.stop, numerics::MinimizerTermination::converged);
     const Eigen::VectorXd wanted = scene.state(affine).nodes();
     EXPECT_LT((system.state().nodes() - wanted).cwiseAbs().maxCoeff(), 1e-10) << nu;
     EXPECT_NEAR(result.value, scene.solid.volume() * solid_density(f, Lame(host)), 1e-10 * result.value);
@@ -409,7 +409,7 @@ TEST(Gravity, ABarStretchesUnderItsOwnWeightAsMuchAsItsTheorySays) {
     const SolidScene scene(testing::box({1, 1, length}, {n, n, 4 * n}), {.element_size = 1.0 / n});
     auto system = scene.system(host, scene.at_rest(), [](const Eigen::Vector3d& x) { return x[2] > length - 1e-9; });
     const auto result = numerics::minimize(system, {.gradient_tolerance = 1e-12});
-    EXPECT_EQ(result.stop, numerics::MinimizerStop::converged);
+    EXPECT_EQ(result.stop, numerics::MinimizerTermination::converged);
     EXPECT_LE(result.iterations, 3);
     errors.push_back(1 - result.value / exact);
     // The lower end sinks by g L^2 / 2 E.

@@ -134,7 +134,7 @@ struct AtVertex {
 
   numerics::System<NetworkState> system(std::shared_ptr<numerics::Term<NetworkState>> term) const {
     const NetworkState state(mesh, network.points);
-    return {state, {std::move(term)}, numerics::Unknowns(state.dimension()), {.least_order = 2}};
+    return {state, {std::move(term)}, numerics::Unknowns(state.dimension()), {.min_order = 2}};
   }
 
   TriangleMesh mesh;

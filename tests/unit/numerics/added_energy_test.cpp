@@ -28,7 +28,7 @@ TEST(AddedEnergy, OfThePageFindsItsEquilibriumWithoutAnyChangeOfASolver) {
   System<VectorState> chain({(Eigen::VectorXd(6) << 0, 0, 1, 1, 5, 0).finished()}, terms,
                             Unknowns({true, true, false, false, true, true}));
   const MinimizerResult result = minimize(chain, {.gradient_tolerance = 1e-10});
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   // Two springs of 3 mm over 5 mm stand as a roof, or hang as one.
   EXPECT_NEAR(chain.state().x[2], 2.5, 1e-10);
   EXPECT_NEAR(std::abs(chain.state().x[3]), std::sqrt(9 - 6.25), 1e-10);

@@ -74,7 +74,7 @@ double projected_gradient(const Problem& problem, const VectorXd& x) {
 TEST(BoundedLeastSquares, FollowsACurvedValleyToItsEnd) {
   auto problem = valley(-2, 2);
   const auto result = problem.solve(Vector2d(-1.2, 1), {.tolerance = 1e-12});
-  EXPECT_EQ(result.stopped, LeastSquaresStop::reached);
+  EXPECT_EQ(result.stopped, LeastSquaresTermination::reached);
   EXPECT_LT((result.x - Vector2d(1, 1)).norm(), 1e-8);
   EXPECT_LT(result.iterations, 40);
 }
@@ -82,7 +82,7 @@ TEST(BoundedLeastSquares, FollowsACurvedValleyToItsEnd) {
 TEST(BoundedLeastSquares, EndsAtTheBoundWhereTheMinimumLiesBeyond) {
   auto problem = valley(-2, 0.5);
   const auto result = problem.solve(Vector2d(-1.2, 0.4), {.tolerance = 1e-14});
-  EXPECT_EQ(result.stopped, LeastSquaresStop::converged);
+  EXPECT_EQ(result.stopped, LeastSquaresTermination::converged);
   EXPECT_LT((result.x - Vector2d(0.5, 0.25)).norm(), 1e-6);
   EXPECT_LT(projected_gradient(problem, result.x), 1e-6);
 }
@@ -90,13 +90,13 @@ TEST(BoundedLeastSquares, EndsAtTheBoundWhereTheMinimumLiesBeyond) {
 TEST(BoundedLeastSquares, StartsInACornerAndLeavesIt) {
   auto problem = valley(-2, 2);
   for (const Vector2d& corner : {Vector2d(-2, -2), Vector2d(2, -2), Vector2d(-2, 2), Vector2d(2, 2)})
-    EXPECT_EQ(problem.solve(corner).stopped, LeastSquaresStop::reached) << corner.transpose();
+    EXPECT_EQ(problem.solve(corner).stopped, LeastSquaresTermination::reached) << corner.transpose();
 }
 
 TEST(BoundedLeastSquares, LargeResidualsConvergeFastThanksToTheCurvatureEstimate) {
   auto problem = trilateration();
   const auto result = problem.solve(Vector2d(4, -4), {.tolerance = 1e-14});
-  EXPECT_EQ(result.stopped, LeastSquaresStop::converged);
+  EXPECT_EQ(result.stopped, LeastSquaresTermination::converged);
   EXPECT_GT(result.norm, 1);
   EXPECT_LT(projected_gradient(problem, result.x), 1e-6);
   EXPECT_LE(result.iterations, 15);
@@ -123,7 +123,7 @@ TEST(BoundedLeastSquares, AFlatProblemEndsAtOnce) {
   problem.value = [](const VectorXd&) { return Vector2d(1, 2); };
   problem.derivative = [](const VectorXd&) { return MatrixXd::Zero(2, 2); };
   const auto result = problem.solve(Vector2d(0.1, 0.2));
-  EXPECT_EQ(result.stopped, LeastSquaresStop::converged);
+  EXPECT_EQ(result.stopped, LeastSquaresTermination::converged);
   EXPECT_EQ(result.iterations, 0);
   EXPECT_EQ(result.x, Vector2d(0.1, 0.2));
 }
@@ -133,7 +133,7 @@ TEST(BoundedLeastSquares, UnknownsWithoutInfluenceStayFinite) {
   problem.value = [](const VectorXd& x) { return Vector2d(x[0] - 1.5, 0); };
   problem.derivative = [](const VectorXd&) { return (MatrixXd(2, 2) << 1, 0, 0, 0).finished(); };
   const auto result = problem.solve(Vector2d(0, 0.3));
-  EXPECT_EQ(result.stopped, LeastSquaresStop::reached);
+  EXPECT_EQ(result.stopped, LeastSquaresTermination::reached);
   EXPECT_NEAR(result.x[0], 1.5, 1e-9);
   EXPECT_NEAR(result.x[1], 0.3, 1e-9);
 }

@@ -63,7 +63,7 @@ class PitchforkScene {
     pitchfork.load = state.load;
   }
   double gradient_tolerance() const { return 1e-12; }
-  bool unsettled(const MinimizerResult&) { return repeats > 0 && repeats-- > 0; }
+  bool must_minimize_again(const MinimizerResult&) { return repeats > 0 && repeats-- > 0; }
   bool finish(const MinimizerResult&) { return cholesky_.factorize(pitchfork.evaluate(2).hessian, 0); }
   bool finish_unstable() { return true; }
   void begin_step() { start_ = pitchfork.load; }
@@ -75,7 +75,7 @@ class PitchforkScene {
     pitchfork.x[1] = pitchfork.load;  // exactly, so that an unstable branch can be followed by Newton's method too
     return true;
   }
-  void arrived(const Arrival& arrival) { arrivals.push_back(arrival); }
+  void finish_load_step(const LoadStepResult& arrival) { arrivals.push_back(arrival); }
   Eigen::VectorXd expand(const Eigen::VectorXd& y) const { return y; }
   Eigen::VectorXd unit_mode(const Eigen::VectorXd& mode) const { return mode; }
   bool move_along(const State& from, const Eigen::VectorXd& mode, double amount) {
@@ -88,7 +88,7 @@ class PitchforkScene {
   Pitchfork pitchfork;
   double target = 1, bearable = 10, reach = 10;
   int repeats = 0, predictions = 0, left = 0;
-  std::vector<Arrival> arrivals;
+  std::vector<LoadStepResult> arrivals;
 
  private:
   ShiftedCholesky cholesky_;
@@ -101,14 +101,14 @@ using Path = EquilibriumPath<PitchforkScene>;
 bool follow(PitchforkScene& scene, Path& path) {
   while (true) {
     const auto progress = path.step(std::abs(scene.target - scene.pitchfork.load));
-    if (progress != Path::Progress::underway) return progress == Path::Progress::arrived;
+    if (progress != Path::Progress::partial) return progress == Path::Progress::complete;
   }
 }
 
 TEST(EquilibriumPath, LeavesABranchWhereItLosesItsStabilityForTheLowerOne) {
   PitchforkScene scene;
   Path path(scene, {.largest_step = 0.3}, {});
-  ASSERT_TRUE(path.settle());
+  ASSERT_TRUE(path.find_equilibrium());
   ASSERT_TRUE(follow(scene, path));
   EXPECT_NEAR(std::abs(scene.pitchfork.x[0]), 1, 1e-12);
   EXPECT_NEAR(scene.pitchfork.x[1], 1, 1e-12);
@@ -117,7 +117,7 @@ TEST(EquilibriumPath, LeavesABranchWhereItLosesItsStabilityForTheLowerOne) {
   EXPECT_EQ(scene.left, 1);
   EXPECT_EQ(path.counts().load_steps, 7);
   int others = 0;
-  for (const Arrival& arrival : scene.arrivals) {
+  for (const LoadStepResult& arrival : scene.arrivals) {
     EXPECT_EQ(arrival.same_branch, !arrival.indefinite)
         << "this path meets an indefinite Hessian where it branches only";
     others += arrival.same_branch ? 0 : 1;
@@ -139,9 +139,9 @@ TEST(EquilibriumPath, AllowsMoreIterationsAfterItLeftABranch) {
     PitchforkScene scene;
     scene.pitchfork.load = 1;
     scene.pitchfork.x = {0, 1};
-    Path path(scene, {.max_iterations = 1, .more_iterations_after_leaving = times}, {});
-    EXPECT_EQ(path.settle(), times > 1);
-    EXPECT_EQ(path.stopped(), times > 1 ? PathStop::converged : PathStop::iteration_limit);
+    Path path(scene, {.max_iterations = 1, .iteration_factor_after_leaving = times}, {});
+    EXPECT_EQ(path.find_equilibrium(), times > 1);
+    EXPECT_EQ(path.stopped(), times > 1 ? PathTermination::converged : PathTermination::iteration_limit);
     EXPECT_EQ(scene.left, 1);
   }
 }
@@ -170,7 +170,7 @@ TEST(EquilibriumPath, CallsRoundingOfACurvatureStable) {
   scene.pitchfork.load = 1e-14;
   scene.pitchfork.x = {0, 1e-14};
   Path path(scene, {}, {});
-  ASSERT_TRUE(path.settle());
+  ASSERT_TRUE(path.find_equilibrium());
   EXPECT_TRUE(path.stable());
   EXPECT_EQ(path.counts().branches_left, 0);
 }
@@ -192,10 +192,10 @@ TEST(EquilibriumPath, GoesBackToTheLastEquilibriumWhereTheSmallestStepFails) {
   PitchforkScene scene;
   scene.bearable = 0;
   Path path(scene, {.largest_step = 1, .smallest_step = 1e-3}, {});
-  ASSERT_TRUE(path.settle());
+  ASSERT_TRUE(path.find_equilibrium());
   const auto before = path.snapshot();
   EXPECT_FALSE(follow(scene, path));
-  EXPECT_EQ(path.stopped(), PathStop::step_too_small);
+  EXPECT_EQ(path.stopped(), PathTermination::step_too_small);
   EXPECT_EQ(scene.pitchfork.load, -1);
   EXPECT_EQ(scene.pitchfork.x, before.state.x);
   EXPECT_EQ(path.counts().load_steps, 0);
@@ -207,14 +207,14 @@ TEST(EquilibriumPath, SaysThatIterationsRanOut) {
   scene.pitchfork.tilt = 0.1;
   Path path(scene, {.max_iterations = 1, .largest_step = 2, .smallest_step = 1.5}, {});
   EXPECT_FALSE(follow(scene, path));
-  EXPECT_EQ(path.stopped(), PathStop::iteration_limit);
+  EXPECT_EQ(path.stopped(), PathTermination::iteration_limit);
 }
 
 TEST(EquilibriumPath, MinimizesAgainWhileTheSceneIsNotSettled) {
   PitchforkScene scene;
   scene.repeats = 3;
   Path path(scene, {}, {});
-  EXPECT_TRUE(path.settle());
+  EXPECT_TRUE(path.find_equilibrium());
   EXPECT_EQ(scene.repeats, 0);
 }
 
@@ -222,8 +222,8 @@ TEST(EquilibriumPath, RefusesASceneThatDoesNotSettle) {
   PitchforkScene scene;
   scene.repeats = 1'000'000;
   Path path(scene, {}, {});
-  EXPECT_FALSE(path.settle());
-  EXPECT_EQ(path.stopped(), PathStop::iteration_limit);
+  EXPECT_FALSE(path.find_equilibrium());
+  EXPECT_EQ(path.stopped(), PathTermination::iteration_limit);
   EXPECT_GT(scene.repeats, 1'000'000 - 100) << "it does not repeat for ever";
 }
 
@@ -231,7 +231,7 @@ TEST(EquilibriumPath, CallsAnEquilibriumWhoseStiffnessIsNotFiniteUnstable) {
   PitchforkScene scene;
   scene.pitchfork.stiffness_is_known = false;
   Path path(scene, {}, {});
-  EXPECT_TRUE(path.settle());
+  EXPECT_TRUE(path.find_equilibrium());
   EXPECT_FALSE(path.stable());
   EXPECT_EQ(scene.left, 0);
 }
@@ -242,7 +242,7 @@ TEST(EquilibriumPath, GoesOverToAnotherEquilibriumOnlyIfItIsLower) {
   scene.pitchfork.tilt = 0.1;
   scene.pitchfork.x = {-0.9, 1};
   Path path(scene, {}, {});
-  ASSERT_TRUE(path.settle());
+  ASSERT_TRUE(path.find_equilibrium());
   const double upper = scene.pitchfork.x[0];
   EXPECT_LT(upper, 0);
   EXPECT_FALSE(path.prefer_lower_from({{-1.2, 1}, 1}, 1e-9)) << "it leads to the same equilibrium";

@@ -71,14 +71,14 @@ TEST(Minimizer, LbfgsWithSlopesThatMustRiseFindsSmoothMinima) {
   VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
   MinimizerOptions options = with_method(MinimizerMethod::lbfgs, 300);
   options.slope_contraction = 0.9;
-  EXPECT_EQ(minimize(system, options).stop, MinimizerStop::converged);
+  EXPECT_EQ(minimize(system, options).stop, MinimizerTermination::converged);
   EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-6);
 }
 
 TEST(Minimizer, NewtonFindsTheMinimumOfRosenbrocksValley) {
   VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   EXPECT_LE(result.gradient_norm, 1e-9);
   EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-9);
   EXPECT_LE(result.iterations, 30);
@@ -88,7 +88,7 @@ TEST(Minimizer, EveryMethodReachesTheSameMinimum) {
   for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
     VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
     const MinimizerResult result = minimize(system, with_method(method, 20000));
-    EXPECT_EQ(result.stop, MinimizerStop::converged) << static_cast<int>(method);
+    EXPECT_EQ(result.stop, MinimizerTermination::converged) << static_cast<int>(method);
     EXPECT_LT((system.state().x - Eigen::Vector2d(1, 1)).norm(), 1e-8) << static_cast<int>(method);
   }
 }
@@ -162,7 +162,7 @@ TEST(Minimizer, NewtonTakesTheConvexMatrixOfAnObjectiveThatHasOne) {
     for (const bool convex : {false, true}) {
       VectorSystem system = system_of(start, {std::make_shared<Wells>(convex)});
       const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
-      EXPECT_EQ(result.stop, MinimizerStop::converged);
+      EXPECT_EQ(result.stop, MinimizerTermination::converged);
       EXPECT_TRUE(result.indefinite);
       EXPECT_LT((system.state().x.cwiseAbs() - Eigen::VectorXd::Ones(6)).norm(), 1e-6);
       const bool regularized =
@@ -179,7 +179,7 @@ TEST(Minimizer, NewtonTakesTheConvexMatrixOfAnObjectiveThatHasOne) {
 TEST(Minimizer, NewtonRegularizesAnIndefiniteStartAndLeavesTheSaddle) {
   VectorSystem system = system_of<DoubleWell>(Eigen::Vector2d(0.01, 1));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   EXPECT_NEAR(system.state().x[0], 1, 1e-9);
   EXPECT_GT(result.history[1].regularization, 0);
   EXPECT_LT(result.history.back().regularization, 1e-4 * result.history[1].regularization)
@@ -202,7 +202,7 @@ TEST(Minimizer, TriesLongerStepsWhereTheMatrixIsRoughButNotBeyondTheLimit) {
   const auto first_step = [](double longest) {
     VectorSystem system = system_of<Hill>(Eigen::VectorXd::Constant(1, 0.1));
     MinimizerOptions options = with_method(MinimizerMethod::newton, 1);
-    options.longest_expansion = longest;
+    options.max_expansion = longest;
     return minimize(system, options).history.at(1).step_length;
   };
   const double once = first_step(1);
@@ -216,24 +216,24 @@ TEST(Minimizer, StopsOnItsWayToASaddleIfAskedTo) {
   MinimizerOptions options = with_method(MinimizerMethod::newton, 2000);
   VectorSystem to_the_saddle = system_of<DoubleWell>(Eigen::Vector2d(0, 1));
   const MinimizerResult all = minimize(to_the_saddle, options);
-  EXPECT_EQ(all.stop, MinimizerStop::converged);
+  EXPECT_EQ(all.stop, MinimizerTermination::converged);
   EXPECT_TRUE(all.indefinite);
   EXPECT_EQ(to_the_saddle.state().x[0], 0);
   options.saddle_contraction = 0.1;
   VectorSystem system = system_of<DoubleWell>(Eigen::Vector2d(0, 1));
   const MinimizerResult result = minimize(system, options);
-  EXPECT_EQ(result.stop, MinimizerStop::saddle);
+  EXPECT_EQ(result.stop, MinimizerTermination::saddle);
   EXPECT_LE(result.gradient_norm, 0.1 * result.history.front().gradient_norm);
   EXPECT_GT(result.gradient_norm, options.gradient_tolerance);
   // Where the search finds its own way down, nothing changes.
   VectorSystem down = system_of<DoubleWell>(Eigen::Vector2d(0.5, 1));
-  EXPECT_EQ(minimize(down, options).stop, MinimizerStop::converged);
+  EXPECT_EQ(minimize(down, options).stop, MinimizerTermination::converged);
 }
 
 TEST(Minimizer, NewtonsLastStepsSquareTheGradient) {
   VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(0.9, 0.7));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton));
-  ASSERT_EQ(result.stop, MinimizerStop::converged);
+  ASSERT_EQ(result.stop, MinimizerTermination::converged);
   const std::size_t n = result.history.size();
   ASSERT_GE(n, 3u);
   const double before = result.history[n - 2].gradient_norm;
@@ -253,7 +253,7 @@ TEST(Minimizer, ReachesTheRoundingLevelWhereTheValueShowsNoDecreaseAnyMore) {
   for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs}) {
     VectorSystem system = system_of<OnAPlateau>(Eigen::VectorXd::Constant(20, 1e-3));
     const MinimizerResult result = minimize(system, with_method(method));
-    EXPECT_EQ(result.stop, MinimizerStop::converged);
+    EXPECT_EQ(result.stop, MinimizerTermination::converged);
     EXPECT_LE(result.gradient_norm, 1e-9);
   }
 }
@@ -272,7 +272,7 @@ TEST(Minimizer, FindsTheLeastEigenvectorOnTheSphereByEveryMethod) {
     for (const auto method : {MinimizerMethod::newton, MinimizerMethod::lbfgs, MinimizerMethod::gradient_descent}) {
       RayleighQuotient quotient(a, x);
       const MinimizerResult result = minimize(quotient, with_method(method, 2000));
-      EXPECT_EQ(result.stop, MinimizerStop::converged) << trial;
+      EXPECT_EQ(result.stop, MinimizerTermination::converged) << trial;
       EXPECT_NEAR(2 * result.value, least, 1e-9) << trial;
     }
   }
@@ -295,7 +295,7 @@ TEST(Minimizer, NeverTriesAStepBeyondTheLargestValidOne) {
   // From 30 the Newton step would lead to x = 30 - 870.
   VectorSystem system = system_of(Eigen::VectorXd::Constant(1, 30.0), {std::make_shared<Watched>(&least)});
   const MinimizerResult result = minimize(system);
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   EXPECT_NEAR(system.state().x[0], 1, 1e-9);
   EXPECT_GT(least, 0) << "a state outside the domain was evaluated";
 }
@@ -303,7 +303,7 @@ TEST(Minimizer, NeverTriesAStepBeyondTheLargestValidOne) {
 TEST(Minimizer, SnapsToAKinkThatItsLineSearchCannotReach) {
   Crease crease(Eigen::Vector2d(0.3, 1));
   const MinimizerResult result = minimize(crease);
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   EXPECT_EQ(crease.x(), Eigen::Vector2d(0, 0));
   EXPECT_GE(crease.candidates_taken, 1);
 }
@@ -340,24 +340,24 @@ class Creeping : public Objective {
 TEST(Minimizer, EndsStepsThatCreepAfterItHasRegularizedThem) {
   MinimizerOptions options;
   Creeping without(1e-18);
-  EXPECT_EQ(minimize(without, options).stop, MinimizerStop::iteration_limit);
-  options.creeping_share = 1e-3;
+  EXPECT_EQ(minimize(without, options).stop, MinimizerTermination::iteration_limit);
+  options.stagnation_fraction = 1e-3;
   Creeping creeping(1e-18);
   const MinimizerResult result = minimize(creeping, options);
-  EXPECT_EQ(result.stop, MinimizerStop::step_too_small);
-  EXPECT_EQ(result.iterations, options.max_creeping_steps);
+  EXPECT_EQ(result.stop, MinimizerTermination::step_too_small);
+  EXPECT_EQ(result.iterations, options.max_stagnant_steps);
   const auto regularization = [&](int step) {
-    return result.history[static_cast<std::size_t>(options.creeping_steps_without_regularization + step)]
+    return result.history[static_cast<std::size_t>(options.stagnant_steps_without_regularization + step)]
         .regularization;
   };
   EXPECT_EQ(regularization(1), 0);
   for (int step = 2; step < 12; ++step) EXPECT_GT(regularization(step), regularization(step - 1));
   // Steps that fall by more than the share go on, and so do those whose decrease rounding hides.
   Creeping walking(1.1e-3);
-  EXPECT_EQ(minimize(walking, options).stop, MinimizerStop::iteration_limit);
+  EXPECT_EQ(minimize(walking, options).stop, MinimizerTermination::iteration_limit);
   Creeping rounding(1e-18);
   options.value_rounding = 1e20;
-  EXPECT_EQ(minimize(rounding, options).stop, MinimizerStop::iteration_limit);
+  EXPECT_EQ(minimize(rounding, options).stop, MinimizerTermination::iteration_limit);
 }
 
 TEST(Minimizer, EndsAfterAFewStepsThatLeaveStateAndValueAsTheyAre) {
@@ -371,14 +371,14 @@ TEST(Minimizer, EndsAfterAFewStepsThatLeaveStateAndValueAsTheyAre) {
   };
   InPlace standing;
   const MinimizerResult result = minimize(standing);
-  EXPECT_EQ(result.stop, MinimizerStop::step_too_small);
+  EXPECT_EQ(result.stop, MinimizerTermination::step_too_small);
   EXPECT_EQ(result.iterations, 3);
 }
 
 TEST(Minimizer, SaysThatItCameToTheIterationLimit) {
   VectorSystem system = system_of<Rosenbrock>(Eigen::Vector2d(-1.2, 1));
   const MinimizerResult result = minimize(system, with_method(MinimizerMethod::newton, 3));
-  EXPECT_EQ(result.stop, MinimizerStop::iteration_limit);
+  EXPECT_EQ(result.stop, MinimizerTermination::iteration_limit);
   EXPECT_EQ(result.iterations, 3);
   EXPECT_EQ(result.history.size(), 4u);
 }
@@ -387,7 +387,7 @@ TEST(Minimizer, SaysThatNoStepIsLeftWhereTheToleranceCannotBeReached) {
   VectorSystem system = system_of<SpringChain>(Eigen::VectorXd::Zero(30));
   MinimizerOptions options;
   options.gradient_tolerance = 0;
-  EXPECT_EQ(minimize(system, options).stop, MinimizerStop::step_too_small);
+  EXPECT_EQ(minimize(system, options).stop, MinimizerTermination::step_too_small);
 }
 
 TEST(Minimizer, RefusesAStartWithoutAFiniteValue) {
@@ -449,7 +449,7 @@ TEST(Newton, ReusesAFactorizationThatContractsAndComesToTheSameMinimum) {
   VectorSystem reused = system_of<Rosenbrock>(start, &cost);
   ShiftedCholesky cholesky;
   const MinimizerResult with_few = minimize(reused, options, {}, &cholesky);
-  EXPECT_EQ(with_few.stop, MinimizerStop::converged);
+  EXPECT_EQ(with_few.stop, MinimizerTermination::converged);
   EXPECT_LT((fresh.state().x - reused.state().x).norm(), 1e-12);
   EXPECT_GT(with_few.iterations, with_all.iterations) << "no step was made with an old factorization";
   // The factorization that is left is of the state that the result names.
@@ -490,17 +490,17 @@ TEST(Minimizer, KeepsWhatItLearnedOfTheCurvatureInAVectorSpace) {
   const auto iterations = [](MinimizerMethod method) {
     Valley valley;
     const auto result = minimize(valley, {.method = method, .gradient_tolerance = 1e-8, .max_iterations = 10'000});
-    EXPECT_EQ(result.stop, MinimizerStop::converged);
+    EXPECT_EQ(result.stop, MinimizerTermination::converged);
     return result.iterations;
   };
   EXPECT_LT(2 * iterations(MinimizerMethod::lbfgs), iterations(MinimizerMethod::gradient_descent));
 }
 
 TEST(MinimizerStops, HaveNames) {
-  EXPECT_EQ(to_string(MinimizerStop::converged), "converged");
-  EXPECT_EQ(to_string(MinimizerStop::step_too_small), "step_too_small");
-  EXPECT_EQ(to_string(MinimizerStop::saddle), "saddle");
-  EXPECT_EQ(to_string(MinimizerStop::iteration_limit), "iteration_limit");
+  EXPECT_EQ(to_string(MinimizerTermination::converged), "converged");
+  EXPECT_EQ(to_string(MinimizerTermination::step_too_small), "step_too_small");
+  EXPECT_EQ(to_string(MinimizerTermination::saddle), "saddle");
+  EXPECT_EQ(to_string(MinimizerTermination::iteration_limit), "iteration_limit");
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ TEST(ShiftedCholesky, SolvesAlikeByAQuickOrdering) {
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(matrix.rows(), -1, 1);
   ShiftedCholesky thorough;
   ShiftedCholesky quick;
-  quick.order_quickly();
+  quick.use_fast_ordering();
   ASSERT_TRUE(thorough.factorize(matrix, 0));
   ASSERT_TRUE(quick.factorize(matrix, 0));
   EXPECT_LT((thorough.solve(right) - quick.solve(right)).norm(), 1e-12);

@@ -115,7 +115,7 @@ TEST(System, KeepsWhatCouplesAllDegreesOfFreedomApartFromTheSparseMatrix) {
   EXPECT_LT(matrix->core.coeff(1, 0), 7) << "the sparse part is without it";
   EXPECT_LT(check_derivatives(system).hessian.error, 1e-9);
   const MinimizerResult found = minimize(system);
-  EXPECT_EQ(found.stop, MinimizerStop::converged);
+  EXPECT_EQ(found.stop, MinimizerTermination::converged);
   EXPECT_EQ(found.iterations, 1) << "a quadratic function";
 }
 
@@ -155,7 +155,7 @@ TEST(System, LeavesHeldDegreesOfFreedomWhereTheyAre) {
   const auto term = std::make_shared<Quadratic>(4);
   System<VectorState> system({Eigen::Vector4d(1, 2, 3, 4)}, {term}, Unknowns(std::vector{true, false, false, true}));
   const MinimizerResult result = minimize(system);
-  EXPECT_EQ(result.stop, MinimizerStop::converged);
+  EXPECT_EQ(result.stop, MinimizerTermination::converged);
   EXPECT_EQ(system.state().x[0], 1);
   EXPECT_EQ(system.state().x[3], 4);
   EXPECT_LT(system.full_gradient().segment(1, 2).norm(), 1e-9);
@@ -164,7 +164,7 @@ TEST(System, LeavesHeldDegreesOfFreedomWhereTheyAre) {
 
 TEST(System, EvaluatesAStateOnceForEachOrderThatRises) {
   const auto term = std::make_shared<Quadratic>(3);
-  System<VectorState> system({Eigen::Vector3d(1, 2, 3)}, {term}, Unknowns(3), {.least_order = 1});
+  System<VectorState> system({Eigen::Vector3d(1, 2, 3)}, {term}, Unknowns(3), {.min_order = 1});
   system.evaluate(0);
   system.evaluate(1);
   EXPECT_EQ(term->prepared, (std::vector{1})) << "the gradient comes with the value";

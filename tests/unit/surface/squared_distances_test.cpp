@@ -27,7 +27,7 @@ void expect_derivatives(TriangleMesh built, AnchorSearch search, bool on_edges) 
     numerics::System<KarcherState> system(
         KarcherState(*mesh, p),
         {std::make_shared<SquaredDistances>(*mesh, distances, std::vector<double>{0.1, 0.2, 0.3, 0.4})},
-        numerics::Unknowns(2), {.least_order = 2});
+        numerics::Unknowns(2), {.min_order = 2});
     numerics::DerivativeCheckOptions options;
     options.step = 2e-3 * mesh->mean_edge_length();
     options.levels = 3;

@@ -89,8 +89,8 @@ TEST(TangentGeodesics, GoOnStraightWhereTheirEndsMoveALittle) {
           std::abs(before.last_length - after.last_length) > 1e-3 * edge)
         continue;
       SCOPED_TRACE(name);
-      const TangentGeodesic continued = before.continued(step);
-      const TangentGeodesic turned = after.before_turns(from.turn, to.turn);
+      const TangentGeodesic continued = before.extrapolated(step);
+      const TangentGeodesic turned = after.in_frames_before(from.turn, to.turn);
       // Two pins may be others, a path along an edge may have no strip: those differ in second order.
       const double rounding = before.strip.known() || before.pinned ? 1e-10 : 1e-4;
       EXPECT_NEAR(continued.distance, after.distance, rounding * edge);
@@ -110,7 +110,7 @@ TEST(TangentGeodesics, AreThoseOfASearchOnEveryShape) {
     for (const double reach : {0.5, 2.0, 6.0}) {
       const auto pairs = near_pairs(mesh, 400, reach, 1);
       std::vector<TangentGeodesic> found(pairs.size());
-      const PathsFound counts = solver.tangent_geodesics(pairs, found, false);
+      const PathCounts counts = solver.tangent_geodesics(pairs, found, false);
       EXPECT_EQ(counts.same_face + counts.unfolded + counts.searched, 400);
       expect_same_as_searches(solver, pairs, found, name);
     }
@@ -141,8 +141,8 @@ TEST(TangentGeodesics, AStripThatHoldsIsUnfoldedInsteadOfSearched) {
   const GeodesicSolver solver(testing::share(mesh));
   const auto pairs = near_pairs(mesh, 2000, 2, 4);
   std::vector<TangentGeodesic> found(pairs.size());
-  const PathsFound first = solver.tangent_geodesics(pairs, found, false);
-  const PathsFound second = solver.tangent_geodesics(pairs, found, true);
+  const PathCounts first = solver.tangent_geodesics(pairs, found, false);
+  const PathCounts second = solver.tangent_geodesics(pairs, found, true);
   EXPECT_LT(2 * second.searched, first.searched);
   EXPECT_GT(second.unfolded, first.unfolded);
   EXPECT_EQ(first.same_face, second.same_face);

@@ -88,7 +88,8 @@ TEST_F(MeshCorrection, GivesTheStiffnessOfTheReferenceAtRest) {
   const std::vector<double> other{0.35, 2.6};
   const Eigen::Matrix3d wanted = tangent_at_rest(finer, other);
   EXPECT_LT((tangent_at_rest(corrected.network, other) - wanted).norm(), 1e-10 * wanted.norm());
-  EXPECT_GT((tangent_at_rest(neural::as_trained(corrected.network), other) - wanted).norm(), 1e-4 * wanted.norm());
+  EXPECT_GT((tangent_at_rest(neural::without_mesh_correction(corrected.network), other) - wanted).norm(),
+            1e-4 * wanted.norm());
 }
 
 TEST_F(MeshCorrection, PairsDesignsByTheirParametersAndPassesOverOthers) {

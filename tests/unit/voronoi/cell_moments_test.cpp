@@ -203,13 +203,13 @@ double half_of_squares(const GeodesicSolver& solver, const std::vector<SurfacePo
 }
 
 /// Moves each site along both of its tangent coordinates, and compares central differences with the gradients in
-/// `pull`.
+/// `gradient`.
 void expect_gradients(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sites, double tolerance) {
   const GeodesicSolver solver(testing::share(mesh));
   const Diagram found = diagram(solver, sites, {.cell_moments = true});
   const double step = 1e-5;
   double scale = 0;
-  for (const CellMoments& cell : found.cell_moments) scale = std::max(scale, cell.pull.norm());
+  for (const CellMoments& cell : found.cell_moments) scale = std::max(scale, cell.gradient.norm());
   for (std::size_t i = 0; i < sites.size(); ++i) {
     for (int k = 0; k < 2; ++k) {
       const auto value = [&](double displacement) {
@@ -219,7 +219,7 @@ void expect_gradients(const TriangleMesh& mesh, const std::vector<SurfacePoint>&
         moved.move(mesh, all);
         return half_of_squares(solver, moved.points());
       };
-      EXPECT_NEAR(found.cell_moments[i].pull[k], (value(step) - value(-step)) / (2 * step), tolerance * scale)
+      EXPECT_NEAR(found.cell_moments[i].gradient[k], (value(step) - value(-step)) / (2 * step), tolerance * scale)
           << "site " << i << ", coordinate " << k << ", " << mesh.face_count() << " faces";
     }
   }
@@ -241,8 +241,8 @@ TEST(CellMoments, HaveTheirDerivativesBySitesOnEdges) {
 }
 
 TEST(CellMoments, OfASiteOnAVertexPullAlongTheWaysFromIt) {
-  // On the tip of a cone only directional derivatives exist. There `pull` is minus the integral of the distance times
-  // the direction in which the path leaves the site, in cone_coordinates.
+  // On the tip of a cone only directional derivatives exist. There `gradient` is minus the integral of the distance
+  // times the direction in which the path leaves the site, in cone_coordinates.
   for (const TriangleMesh& mesh : {testing::icosphere(1), testing::torus(12, 6), testing::l_shape(3)}) {
     std::vector<SurfacePoint> sites = random_sites(mesh, 4, 4);
     sites[2].barycentric = {0, 1, 0};
@@ -267,7 +267,7 @@ TEST(CellMoments, OfASiteOnAVertexPullAlongTheWaysFromIt) {
       });
     }
     EXPECT_GT(weights, 100);
-    EXPECT_LT((found.cell_moments[2].pull - wanted).norm(), 0.03 * wanted.norm()) << mesh.face_count();
+    EXPECT_LT((found.cell_moments[2].gradient - wanted).norm(), 0.03 * wanted.norm()) << mesh.face_count();
   }
 }
 

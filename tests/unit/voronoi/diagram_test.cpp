@@ -225,14 +225,14 @@ TEST(Diagram, KnowsHowDistancesAtVerticesChange) {
     std::vector<SurfacePoint> sites = random_sites(mesh, count, 5);
     sites[0].barycentric = {0.3, 0, 0.7};
     sites[1].barycentric = {0, 0, 1};
-    const Diagram found = diagram(solver, sites, {.vertex_pulls = true});
+    const Diagram found = diagram(solver, sites, {.vertex_gradients = true});
     const surface::MovingPoints points(mesh, found.sites);
     std::size_t next = 0;
     int known = 0;
     for (const DiagramVertex& vertex : found.vertices) {
       const SurfacePoint& place = found.points[static_cast<std::size_t>(vertex.point)].point;
       for (const std::int32_t site : vertex.sites) {
-        const SitePull& pull = found.vertex_pulls[next++];
+        const SiteDistanceGradient& pull = found.vertex_gradients[next++];
         if (pull.site < 0) continue;
         ++known;
         EXPECT_EQ(pull.site, site);
@@ -249,7 +249,7 @@ TEST(Diagram, KnowsHowDistancesAtVerticesChange) {
         EXPECT_LE((pull.by_site - by_site).norm(), 1e-8) << "site " << site << ", " << mesh.face_count() << " faces";
       }
     }
-    EXPECT_EQ(next, found.vertex_pulls.size());
+    EXPECT_EQ(next, found.vertex_gradients.size());
     EXPECT_GT(known, 10);
   }
 }

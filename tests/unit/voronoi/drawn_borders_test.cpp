@@ -178,8 +178,8 @@ TEST(DrawnBorders, HaveMorePointsWhereTheyAreToBeNearer) {
   const std::vector<SurfacePoint> sites = random_sites(mesh, 4, 5);
   std::size_t points = 0;
   double lines = 0;
-  const Diagram finest = drawn(mesh, sites, {.border_deviation = least_border_deviation});
-  for (const double deviation : {1.0, 1e-3, 1e-4, 1e-5, 1e-6, least_border_deviation}) {
+  const Diagram finest = drawn(mesh, sites, {.border_deviation = min_border_deviation});
+  for (const double deviation : {1.0, 1e-3, 1e-4, 1e-5, 1e-6, min_border_deviation}) {
     const Diagram found = drawn(mesh, sites, {.border_deviation = deviation});
     EXPECT_GE(found.points.size(), points);
     EXPECT_GE(length_of_lines(found), lines);
@@ -210,7 +210,7 @@ TEST(DrawnBorders, AreTheSameForMomentsAndSamples) {
 
 TEST(DrawnBorders, AreNoFinerThanTheLimitAndNoCoarserThanTheMesh) {
   const TriangleMesh mesh = testing::l_shape(1);
-  for (const double deviation : {0.0, 0.9 * least_border_deviation, 1.1, std::nan("")})
+  for (const double deviation : {0.0, 0.9 * min_border_deviation, 1.1, std::nan("")})
     testing::expect_error("voronoi.invalid_option",
                           [&] { drawn(mesh, random_sites(mesh, 2, 1), {.border_deviation = deviation}); });
 }

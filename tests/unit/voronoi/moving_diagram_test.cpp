@@ -76,7 +76,7 @@ TEST(MovingDiagram, WithBoundaryIsTheOneMadeAnew) {
 
 TEST(MovingDiagram, HasTheDerivativesOfTheOneMadeAnew) {
   expect_same_after_moves(testing::torus(24, 12), 60, 10, 0.3, 9,
-                          {.vertex_pulls = true, .border_samples = true, .cell_moments = true});
+                          {.vertex_gradients = true, .border_samples = true, .cell_moments = true});
 }
 
 TEST(MovingDiagram, OfSeveralSitesThatMoveAtOnceIsTheOneMadeAnew) {

@@ -178,7 +178,7 @@ TEST(Optimization, NamesWhatItRefuses) {
   EXPECT_EQ(refused("voronoi.no_objective", [](auto& o) { o.weights.planarity = 0; }), "objectives");
   EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.weights.equal_area = -1; }), "objectives/equal_area");
   EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.tolerance = 0; }), "tolerance");
-  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.max_iterations = most_optimization_iterations + 1; }),
+  EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.max_iterations = max_optimization_iterations + 1; }),
             "max_iterations");
   EXPECT_EQ(refused("voronoi.invalid_option", [](auto& o) { o.edge_length = -1; }), "edge_length");
   EXPECT_EQ(refused("voronoi.fixed_site", [](auto& o) { o.fixed_sites = {2, 30}; }), "fixed_sites/1");

@@ -134,7 +134,7 @@ design::Polished polished() {
   polished.target_error = 0.25;
   polished.rounds = {{design::Proposal::search, Eigen::Vector2d(0.25, 0.5), 0.125, std::nullopt, false, "No path.", 2},
                      {design::Proposal::step, Eigen::Vector2d(0.125, 0.5), 0.125, 0.25, true, "", 3}};
-  polished.stopped = design::PolishStop::time_limit;
+  polished.stopped = design::PolishTermination::time_limit;
   return polished;
 }
 

@@ -101,12 +101,12 @@ TEST(VoronoiRequests, CollectEveryFault) {
 }
 
 TEST(VoronoiRequests, AskForNoMoreIterationsThanTheEngineDoes) {
-  const std::string most = std::to_string(voronoi::most_optimization_iterations);
-  const std::string more = std::to_string(voronoi::most_optimization_iterations + 1);
+  const std::string most = std::to_string(voronoi::max_optimization_iterations);
+  const std::string more = std::to_string(voronoi::max_optimization_iterations + 1);
   const auto asking = [](const std::string& number) {
     return two_sites_and(R"("objectives":{"planarity":1},"max_iterations":)" + number);
   };
-  EXPECT_EQ(parse_voronoi_optimization(asking(most), {}).options.max_iterations, voronoi::most_optimization_iterations);
+  EXPECT_EQ(parse_voronoi_optimization(asking(most), {}).options.max_iterations, voronoi::max_optimization_iterations);
   EXPECT_EQ(faults_of_optimization(asking(more)), (Where{"/max_iterations"}));
 }
 

@@ -55,7 +55,7 @@ TEST(WeaveRequests, ReadEveryFieldOfARegularWeave) {
   EXPECT_TRUE(std::isinf(*request.weave.overrides[0].range.forward));
   EXPECT_TRUE(request.weave.overrides[1].slides.empty());
   EXPECT_FALSE(request.weave.overrides[1].range.backward);
-  EXPECT_EQ(request.weave.sliding_share, 0.5);
+  EXPECT_EQ(request.weave.sliding_fraction, 0.5);
   EXPECT_TRUE(request.svg);
   EXPECT_EQ(request.deadline, 9);
 }
@@ -245,7 +245,7 @@ TEST(WeaveRequests, ReadSupportsAndForcesAtEveryKindOfPlace) {
   EXPECT_EQ(moved.support.rotation, Eigen::Vector3d(0, 0, 0.5));
   EXPECT_EQ(std::get<InBox>(request.supports[2].at).upper, Eigen::Vector2d(2, 3));
   ASSERT_EQ(request.forces.size(), 1U);
-  EXPECT_EQ(std::get<StrandShare>(request.forces[0].at).share, 0.5);
+  EXPECT_EQ(std::get<StrandFraction>(request.forces[0].at).share, 0.5);
   EXPECT_EQ(request.forces[0].force, Eigen::Vector3d(0, -1, 0));
 }
 

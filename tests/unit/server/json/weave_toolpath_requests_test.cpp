@@ -134,8 +134,8 @@ TEST(GcodeReportRequests, ReadTheFileAndEveryLimit) {
   EXPECT_EQ(request.limits.bed, Eigen::Vector3d(200, 190, 180));
   EXPECT_EQ(request.limits.filament_diameter, 2.85);
   EXPECT_EQ(request.limits.bead_area, 0.3);
-  EXPECT_EQ(request.limits.least_bead_area, 0.2);
-  EXPECT_EQ(request.limits.least_free_area, 0.1);
+  EXPECT_EQ(request.limits.min_bead_area, 0.2);
+  EXPECT_EQ(request.limits.min_lifted_area, 0.1);
   EXPECT_EQ(request.limits.tolerance, 0.05);
   EXPECT_EQ(request.limits.cold, 190);
   EXPECT_EQ(request.limits.print_speed, 1000);

@@ -23,11 +23,11 @@ using Seen = std::map<std::string, std::string>;
 
 class SharedMaintenanceTest : public SharedStoreTest {
  protected:
-  SharedPlace place() const { return {database_, folder_ / "data"}; }
-  SharedPlace new_place(const std::string& name) const {
+  SharedStoreLocation place() const { return {database_, folder_ / "data"}; }
+  SharedStoreLocation new_place(const std::string& name) const {
     return {PrivatePostgres::of_this_process().new_database(), folder_ / name};
   }
-  static SharedStore::Options options_of(const SharedPlace& place) {
+  static SharedStore::Options options_of(const SharedStoreLocation& place) {
     SharedStore::Options options;
     options.database = place.database;
     options.folder = place.folder;
@@ -94,7 +94,7 @@ class SharedMaintenanceTest : public SharedStoreTest {
     all["order"] = order;
     return all;
   }
-  Seen seen_in(const SharedPlace& place) const {
+  Seen seen_in(const SharedStoreLocation& place) const {
     const SharedStore store(options_of(place));
     return seen(store);
   }
@@ -107,7 +107,7 @@ class SharedMaintenanceTest : public SharedStoreTest {
     return "nothing was thrown";
   }
   static std::string problem(const std::string& sentence) { return "{\"detail\":\"" + sentence + "\"}"; }
-  Check repair(const SharedPlace& place) const { return repair_shared_store(place, {}, problem); }
+  Check repair(const SharedStoreLocation& place) const { return repair_shared_store(place, {}, problem); }
   /// The path of the only file whose name contains these letters.
   static fs::path file_of(const fs::path& folder, const std::string& letters) {
     for (const auto& entry : fs::directory_iterator(folder))
@@ -141,13 +141,13 @@ class Meanwhile {
 struct Damage {
   std::string name;
   std::string sentence;  ///< part of the sentence with which the check reports it
-  std::function<void(const SharedPlace&)> make;
+  std::function<void(const SharedStoreLocation&)> make;
 };
 
 std::vector<Damage> damages() {
   const auto id = sha256("one");
-  const auto file = [](const SharedPlace& place, const std::string& name) { return place.folder / name; };
-  const auto rows = [](const SharedPlace& place, const std::string& sql) {
+  const auto file = [](const SharedStoreLocation& place, const std::string& name) { return place.folder / name; };
+  const auto rows = [](const SharedStoreLocation& place, const std::string& sql) {
     PrivatePostgres::rows(place.database, sql);
   };
   std::vector<Damage> all;
@@ -155,32 +155,37 @@ std::vector<Damage> damages() {
        {"meshes/" + id + ".ply", std::string("results/done.0.result"), std::string("requests/large.request")}) {
     const auto last = fs::path(name).filename().string();
     all.push_back({"missing " + last, "The stored file " + last + " is missing.",
-                   [=](const SharedPlace& place) { fs::remove(file(place, name)); }});
+                   [=](const SharedStoreLocation& place) { fs::remove(file(place, name)); }});
     all.push_back({"changed " + last, "The stored file " + last + " has changed since it was written.",
-                   [=](const SharedPlace& place) { std::ofstream(file(place, name), std::ios::app) << "!"; }});
-    all.push_back(
-        {"shortened " + last, "The stored file " + last + " has changed since it was written.",
-         [=](const SharedPlace& place) { fs::resize_file(file(place, name), fs::file_size(file(place, name)) - 1); }});
+                   [=](const SharedStoreLocation& place) { std::ofstream(file(place, name), std::ios::app) << "!"; }});
+    all.push_back({"shortened " + last, "The stored file " + last + " has changed since it was written.",
+                   [=](const SharedStoreLocation& place) {
+                     fs::resize_file(file(place, name), fs::file_size(file(place, name)) - 1);
+                   }});
     const auto unknown = fs::path(name).parent_path() / ("unknown" + fs::path(name).extension().string());
-    all.push_back({"unknown " + unknown.string(), "does not name the file " + unknown.filename().string(),
-                   [=](const SharedPlace& place) { std::ofstream(file(place, unknown.string())) << "unknown"; }});
-    all.push_back({"other suffix beside " + last, "does not name the file " + last + ".copy",
-                   [=](const SharedPlace& place) { fs::copy(file(place, name), file(place, name + ".copy")); }});
+    all.push_back(
+        {"unknown " + unknown.string(), "does not name the file " + unknown.filename().string(),
+         [=](const SharedStoreLocation& place) { std::ofstream(file(place, unknown.string())) << "unknown"; }});
+    all.push_back(
+        {"other suffix beside " + last, "does not name the file " + last + ".copy",
+         [=](const SharedStoreLocation& place) { fs::copy(file(place, name), file(place, name + ".copy")); }});
   }
-  all.push_back({"result of another hold", "does not name the file done.3.result", [=](const SharedPlace& place) {
-                   fs::copy(file(place, "results/done.0.result"), file(place, "results/done.3.result"));
-                 }});
-  all.push_back({"request of an ended job", "does not name the file done.request", [=](const SharedPlace& place) {
-                   fs::copy(file(place, "requests/large.request"), file(place, "requests/done.request"));
-                 }});
+  all.push_back(
+      {"result of another hold", "does not name the file done.3.result", [=](const SharedStoreLocation& place) {
+         fs::copy(file(place, "results/done.0.result"), file(place, "results/done.3.result"));
+       }});
+  all.push_back(
+      {"request of an ended job", "does not name the file done.request", [=](const SharedStoreLocation& place) {
+         fs::copy(file(place, "requests/large.request"), file(place, "requests/done.request"));
+       }});
   all.push_back({"changed request in the database", "The stored file small.request has changed since it was written.",
-                 [=](const SharedPlace& place) {
+                 [=](const SharedStoreLocation& place) {
                    rows(place, "UPDATE jobs SET request = request || $$!$$::bytea WHERE id = $$small$$");
                  }});
   for (const auto& [table, row, bytes] : {std::tuple("meshes", id, "one"), std::tuple("jobs", std::string("done"), ""),
                                           std::tuple("jobs", std::string("large"), "")}) {
     all.push_back({"bytes of " + row, "The database says that the file " + row,
-                   [=, table = table, row = row](const SharedPlace& place) {
+                   [=, table = table, row = row](const SharedStoreLocation& place) {
                      rows(place, std::string("UPDATE ") + table + " SET bytes = bytes + 5 WHERE id = $$" + row + "$$");
                    }});
   }
@@ -190,7 +195,7 @@ std::vector<Damage> damages() {
                              "result_hash = $$$$ WHERE id = $$empty$$", "state = $$failed$$ WHERE id = $$done$$",
                              "request = $$x$$ WHERE id = $$done$$"}) {
     all.push_back({change, "contradicts itself",
-                   [=](const SharedPlace& place) { rows(place, std::string("UPDATE jobs SET ") + change); }});
+                   [=](const SharedStoreLocation& place) { rows(place, std::string("UPDATE jobs SET ") + change); }});
   }
   return all;
 }
@@ -369,7 +374,7 @@ TEST_F(SharedMaintenanceTest, ReplacesAStoreOnlyWhereItIsToldToAndKeepsWhatWasTh
     store.add_mesh("three", describe);
     store.remove_job("done");
   }
-  const auto refusal = [&](const SharedPlace& place) {
+  const auto refusal = [&](const SharedStoreLocation& place) {
     return message_of([&] { restore_shared_store(folder_ / "backup", place, false); });
   };
   EXPECT_EQ(refusal(place()), "There is something in the database already.");
@@ -410,7 +415,7 @@ TEST_F(SharedMaintenanceTest, RefusesToReplaceOrRepairWhatServersUse) {
 }
 
 TEST_F(SharedMaintenanceTest, RefusesWhatIsNoStoreAndWhatIsNoBackup) {
-  const auto message = [&](const SharedPlace& place) { return message_of([&] { check_shared_store(place); }); };
+  const auto message = [&](const SharedStoreLocation& place) { return message_of([&] { check_shared_store(place); }); };
   const auto empty = new_place("empty");
   fs::create_directories(empty.folder);
   EXPECT_EQ(message(empty), "There is no store in the database.");

@@ -21,7 +21,7 @@ class Faults {
   bool any() const { return total_ > 0; }
   std::size_t total() const { return total_; }
   /// Whether further faults are only counted, and their messages dropped.
-  bool only_counts() const { return details_.size() == max_details; }
+  bool drops_further_details() const { return details_.size() == max_details; }
 
   /// Throws an Error with this code if there are any faults. Its sentence is "<where>: <message> (and 2 more)" for the
   /// first fault, with `whole` in place of an empty where.

@@ -9,6 +9,6 @@ namespace supple {
 /// threads do at the same time.
 ///
 /// The call also seeds rand() anew, so that the result does not depend on earlier draws either.
-std::unique_lock<std::mutex> own_process_random();
+std::unique_lock<std::mutex> lock_process_random();
 
 }  // namespace supple

@@ -15,7 +15,7 @@ namespace supple {
 class StopPace {
  public:
   explicit StopPace(const CancellationToken& cancellation) : cancellation_(cancellation) {}
-  void look() {
+  void check() {
     if ((++calls_ & (period - 1)) == 0) cancellation_.throw_if_requested();
   }
 

@@ -95,7 +95,7 @@ struct DesignOptions {
   Switch envelope = Switch::automatic;
 };
 
-enum class DesignStop {
+enum class DesignTermination {
   converged,           ///< no step reduces the deviation by more than the tolerance
   reached,             ///< the deviation is within the bands, or below 1e-9
   iteration_limit,     ///< max_iterations was reached
@@ -103,7 +103,7 @@ enum class DesignStop {
   no_free_parameters,  ///< all parameters are fixed
   trusted,  ///< the search ended at a design with a smaller deviation; this one has a smaller sqrt(d^2 + u^2)
 };
-std::string_view to_string(DesignStop stop);
+std::string_view to_string(DesignTermination stop);
 
 struct DesignError {
   /// The weighted root mean square of the deviations beyond the bands, each divided by SampledTarget::scale, over all
@@ -141,7 +141,7 @@ struct Design {
   int starts = 0;      ///< number of starting points that were used
   /// The number of strains at which the search evaluated the network. Evaluations for the candidates are not counted.
   std::int64_t evaluations = 0;
-  DesignStop stopped = DesignStop::converged;
+  DesignTermination stopped = DesignTermination::converged;
   std::string message;  ///< sentences for the user about the result; may be empty
   double residual = 0;  ///< largest residual of the equilibria, as neural::uniaxial_residual
   /// Expected error of the samples at which the model is not trusted, relative to the targets' scales: the root mean

@@ -20,13 +20,13 @@ struct MeasuredTable {
     std::vector<double> values;  ///< one for each row; NaN if the cell has no number
     std::size_t number_count() const;
   };
-  std::vector<Column> columns;    ///< at least two, all of the same length
-  char delimiter = ',';           ///< separator of cells: ',', ';', a tab, or ' ' for any number of blanks
-  char decimal_separator = '.';   ///< '.' or ','
-  std::size_t skipped_lines = 0;  ///< lines of text in the whole file that are neither rows nor a header
-  std::size_t odd_lines = 0;      ///< lines with numbers among the block's rows that do not have the form of a row
-  std::size_t block = 0;          ///< index of this block in the file
-  std::size_t blocks = 1;         ///< number of blocks in the file
+  std::vector<Column> columns;      ///< at least two, all of the same length
+  char delimiter = ',';             ///< separator of cells: ',', ';', a tab, or ' ' for any number of blanks
+  char decimal_separator = '.';     ///< '.' or ','
+  std::size_t skipped_lines = 0;    ///< lines of text in the whole file that are neither rows nor a header
+  std::size_t malformed_lines = 0;  ///< lines with numbers among the block's rows that do not have the form of a row
+  std::size_t block = 0;            ///< index of this block in the file
+  std::size_t blocks = 1;           ///< number of blocks in the file
   /// A line of words directly above the rows that cannot be assigned to columns; empty without one.
   std::string unmatched_titles;
   std::string remarks;  ///< text before the rows of the block, without its titles; at most 20 kB

@@ -37,7 +37,7 @@ struct PolishOptions {
   double equilibrium_tolerance = 1e-10;  ///< as DesignOptions::equilibrium_tolerance
 };
 
-enum class PolishStop {
+enum class PolishTermination {
   reached,         ///< the simulated deviation is at most the tolerance
   no_improvement,  ///< no proposal has a smaller simulated deviation
   round_limit,     ///< max_rounds was reached
@@ -45,7 +45,7 @@ enum class PolishStop {
   deadline,        ///< the computation's deadline passed; the result is the best design so far
   not_simulated,   ///< no design that was tried has a structure whose simulation reaches every sample
 };
-std::string_view to_string(PolishStop stop);
+std::string_view to_string(PolishTermination stop);
 
 /// Origin of the parameters of a simulated structure.
 enum class Proposal {
@@ -83,7 +83,7 @@ struct Polished {
   double stress_factor = 1;            ///< youngs_modulus divided by the modulus of the model's data
   std::optional<double> target_error;  ///< simulated deviation of the best design
   std::vector<PolishRound> rounds;     ///< all simulated structures; the first is the design that the search found
-  PolishStop stopped = PolishStop::reached;
+  PolishTermination stopped = PolishTermination::reached;
 };
 using OnPolishRound = std::function<void(const PolishRound& round)>;
 

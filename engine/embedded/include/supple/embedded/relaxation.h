@@ -78,7 +78,7 @@ struct TriangleState {
 };
 
 /// One load increment: how the network followed a moving surface or moved vertices to one of their positions.
-struct FollowedStop {
+struct LoadIncrement {
   double energy = 0;
   double gradient_norm = 0;
   int iterations = 0;
@@ -110,10 +110,10 @@ struct Relaxation {
   std::vector<surface::SurfacePoint> points;
   std::vector<SpringState> springs;
   std::vector<TriangleState> triangles{};
-  double energy = 0;                  ///< of network and host together
-  double network_energy = 0;          ///< of springs and triangles
-  HostState host{};                   ///< empty on a rigid host
-  std::vector<FollowedStop> stops{};  ///< one for each position of a moving host or of moved vertices
+  double energy = 0;                   ///< of network and host together
+  double network_energy = 0;           ///< of springs and triangles
+  HostState host{};                    ///< empty on a rigid host
+  std::vector<LoadIncrement> stops{};  ///< one for each position of a moving host or of moved vertices
   double gradient_norm = 0;
   double gradient_tolerance = 0;  ///< the norm up to which the search has converged
   int iterations = 0;

@@ -22,6 +22,6 @@ void check_seal(const std::filesystem::path& path);
 void check_seal(std::string_view bytes, const std::string& name);
 
 /// Checks a file of a kind that was not sealed in the past: one without a seal passes.
-void check_seal_if_any(const std::filesystem::path& path);
+void check_optional_seal(const std::filesystem::path& path);
 
 }  // namespace supple::files

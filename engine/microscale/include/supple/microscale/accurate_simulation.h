@@ -17,7 +17,7 @@ tiling::MeshOptions extrapolated_mesh();
 SimulationOptions accurate_options(const Material& material = {});
 
 /// The ratio of the estimated error of an extrapolated response to its difference from the response of the mesh itself.
-double extrapolation_error_share();
+double extrapolation_error_ratio();
 
 /// A simulation and the options of its mesh.
 struct AccurateSimulation {

@@ -23,10 +23,10 @@ std::string_view to_string(Quantity quantity);
 /// A state whose error bar is above this limit is not `in_range`: 5 % for a stress under a uniaxial load, 10 % for a
 /// stiffness or for the stress at a given strain, and 0.1 for Poisson's ratio. The largest error of a uniaxial stress
 /// published is 3.57 % [Thesis, sec. 4.4.1]. Errors of tangents are several times as large.
-double trusted_error(Quantity quantity);
+double max_trusted_error(Quantity quantity);
 
 /// A validation of error bars with states of designs that were not used to make the bars.
-struct JudgedBars {
+struct BarCoverage {
   std::int64_t designs = 0;
   std::int64_t states = 0;
   double share = 0;              ///< fraction of the states whose error is within its bar
@@ -37,7 +37,7 @@ struct JudgedBars {
   // Poisson's ratio):
   std::int64_t beyond = 0;
   std::int64_t beyond_in_box = 0;    ///< those of them that are within the ranges of training
-  std::int64_t beyond_in_range = 0;  ///< those in the box whose bar is at most trusted_error
+  std::int64_t beyond_in_range = 0;  ///< those in the box whose bar is at most max_trusted_error
   // The same counts for the other states:
   std::int64_t within = 0;
   std::int64_t within_in_box = 0;
@@ -49,7 +49,7 @@ struct JudgedBars {
 struct BarOffsets {
   std::vector<double> knots;    ///< ratings, increasing
   std::vector<double> offsets;  ///< offsets at the knots; they are linear between knots and constant beyond
-  JudgedBars judged;
+  BarCoverage judged;
 
   double at(double rating) const;
 };

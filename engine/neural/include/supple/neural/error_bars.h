@@ -13,7 +13,7 @@ namespace supple::neural {
 /// The trust in a result of a model.
 struct Trust {
   /// Whether the state is within the ranges of training (neural::in_range) and its error bar, if the model has error
-  /// bars, is at most trusted_error.
+  /// bars, is at most max_trusted_error.
   bool in_range = false;
   /// The error bar, as in Quantity. None if the model has no calibration, or if the state is outside of the ranges of
   /// training, where there were no simulations to calibrate with.

@@ -108,7 +108,7 @@ Eigen::VectorXd mapped(const Network& network, std::span<const double> parameter
 
 /// The network without the correction of the data's discretization error. It is the one to be compared with data from
 /// the mesh of the training data.
-Network as_trained(Network network);
+Network without_mesh_correction(Network network);
 
 /// Throws "model.invalid_network", which names the layer, unless all sizes fit together and all numbers are finite.
 void validate(const Network& network);

@@ -36,11 +36,12 @@ class UniaxialNewton {
   void start_from_rest(const UniaxialPoint& rest);
   /// Starts the search for the equilibrium at a given strain, from the current state.
   void go_to(double axial_strain);
-  /// Changes the direction of the load. The free strains keep their values. `go_straight_to` must be called next.
+  /// Changes the direction of the load. The free strains keep their values. `start_in_one_increment` must be called
+  /// next.
   void turn(const UniaxialFrame& frame) { frame_ = frame; }
   /// Starts the search for the equilibrium at a given strain in one increment. The free strains first change by `step`,
   /// which is shortened to the limit of a step. This suits an energy that has changed a little.
-  void go_straight_to(double axial_strain, const Eigen::Vector2d& step);
+  void start_in_one_increment(double axial_strain, const Eigen::Vector2d& step);
 
   /// Whether the search has not ended.
   bool working() const { return phase_ == Phase::predicting || phase_ == Phase::searching; }

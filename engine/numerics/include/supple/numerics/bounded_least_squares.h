@@ -31,20 +31,20 @@ struct LeastSquaresOptions {
   double initial_radius = 0.25;
 };
 
-enum class LeastSquaresStop {
+enum class LeastSquaresTermination {
   converged,        ///< no step within the bounds predicts a decrease beyond the tolerance
   reached,          ///< |r| <= target
   iteration_limit,  ///< max_iterations were made
   step_too_small,   ///< steps that decrease |r| became shorter than rounding, or r does not exist nearby
 };
-std::string_view to_string(LeastSquaresStop stop);
+std::string_view to_string(LeastSquaresTermination stop);
 
 struct LeastSquaresResult {
   Eigen::VectorXd x;
   double norm = 0;  ///< |r(x)|
   int iterations = 0;
   int evaluations = 0;  ///< number of evaluations of r
-  LeastSquaresStop stopped = LeastSquaresStop::converged;
+  LeastSquaresTermination stopped = LeastSquaresTermination::converged;
   bool defined = true;  ///< false if r does not exist at the start; then nothing was computed
 };
 

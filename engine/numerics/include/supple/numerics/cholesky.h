@@ -45,7 +45,7 @@ class ShiftedCholesky {
 
   /// Makes later orderings faster, perhaps with more entries in the factor. It pays for matrices that are factorized
   /// only a few times.
-  void order_quickly();
+  void use_fast_ordering();
 
   /// Sets the ledger to which the stages "factorization" and "solve" are billed; it must outlive this object. Null
   /// means none.

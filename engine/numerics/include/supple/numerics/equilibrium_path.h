@@ -22,7 +22,7 @@ struct PathOptions {
   int max_iterations = 60;  ///< Newton iterations of one minimization, before its load step is halved
   /// Factor of max_iterations for a minimization that begins at a state to which an unstable equilibrium was left. Such
   /// a state is far from the stable equilibrium, and a shorter load step would not bring it nearer.
-  int more_iterations_after_leaving = 4;
+  int iteration_factor_after_leaving = 4;
   double largest_step = 1;
   double smallest_step = 1e-6;  ///< a load step is not divided below this length
   /// After a load step of at most this many Newton iterations, the next one may be longer by the factor `step_growth`.
@@ -37,20 +37,20 @@ struct PathOptions {
   /// Steps along an unstable mode: length of the first one, in the scene's unit, and maximum number of doublings.
   double first_mode_step = 1e-3;
   int mode_doublings = 10;
-  /// An equilibrium counts as stable if its least curvature is at least -zero_curvature * matrix_scale(H): smaller
+  /// An equilibrium counts as stable if its least curvature is at least -curvature_tolerance * matrix_scale(H): smaller
   /// negative ones are rounding.
-  double zero_curvature = 1e-13;
+  double curvature_tolerance = 1e-13;
 };
 
-enum class PathStop {
+enum class PathTermination {
   converged,
   iteration_limit,  ///< the smallest load step did not converge within the iterations or repetitions
   step_too_small,   ///< no descent direction led to a lower energy
 };
 
 /// What the scene is told about a load step that ended at an equilibrium.
-struct Arrival {
-  double share = 1;         ///< fraction of the announced change of the load, in (0, 1]
+struct LoadStepResult {
+  double fraction = 1;      ///< of the announced change of the load, in (0, 1]
   bool same_branch = true;  ///< whether this load step left no unstable equilibrium
   bool indefinite = false;  ///< whether one of its minimizations met a Hessian that is not positive definite
 };
@@ -59,7 +59,7 @@ struct Arrival {
 /// the next state is predicted, and what is computed at an equilibrium. The path does everything else.
 template <class Scene>
 concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::State state, const Eigen::VectorXd& mode,
-                             const MinimizerResult& result, const Arrival& arrival, double number) {
+                             const MinimizerResult& result, const LoadStepResult& arrival, double number) {
   /// The energy at the current state.
   { scene.objective() } -> std::convertible_to<Objective&>;
   /// The factorization. It keeps its symbolic analysis and, after a minimization, the last factors.
@@ -70,7 +70,7 @@ concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::St
   /// The tolerance of |g| at the current state, in the unit of the energy's gradient.
   { scene.gradient_tolerance() } -> std::convertible_to<double>;
   /// Whether a minimization that converged has to be repeated, because the energy or the tolerance has changed.
-  { scene.unsettled(result) } -> std::convertible_to<bool>;
+  { scene.must_minimize_again(result) } -> std::convertible_to<bool>;
   /// Computes the scene's results at an equilibrium. Returns false if the equilibrium is not stable.
   { scene.finish(result) } -> std::convertible_to<bool>;
   /// Computes the same results at an unstable equilibrium that is not left. Returns false if that is not possible.
@@ -81,7 +81,7 @@ concept PathScene = requires(Scene scene, const Scene& fixed, typename Scene::St
   /// Predicts the equilibrium after this fraction of the announced change, and makes it the current state. Returns
   /// false if the prediction is not a valid state.
   { scene.predict(number) } -> std::convertible_to<bool>;
-  scene.arrived(arrival);
+  scene.finish_load_step(arrival);
   /// `unit_mode` scales a direction of all degrees of freedom such that PathOptions::first_mode_step times it is a
   /// first step. `expand` writes a direction of the unknowns as one of all degrees of freedom.
   { fixed.unit_mode(mode) } -> std::convertible_to<Eigen::VectorXd>;
@@ -107,13 +107,13 @@ class EquilibriumPath {
       : scene_(scene), options_(options), execution_(std::move(execution)), step_(options.largest_step) {}
 
   /// Finds the equilibrium at the present loads. Returns false if none was found; `stopped()` then says why.
-  bool settle() { return minimize(false); }
+  bool find_equilibrium() { return minimize(false); }
 
-  enum class Progress { arrived, underway, failed };
+  enum class Progress { complete, partial, failed };
   /// Makes one load step towards the change that the scene has announced, whose length is `size`. If it fails, the
   /// state from before is restored.
   Progress step(double size) {
-    if (size == 0) return Progress::arrived;
+    if (size == 0) return Progress::complete;
     const Snapshot start = snapshot();
     scene_.begin_step();
     double fraction = std::min(1.0, step_ / size);
@@ -127,15 +127,15 @@ class EquilibriumPath {
         ++counts_.load_steps;
         if (counts_.iterations - before.iterations <= options_.quick_iterations)
           step_ = std::min(options_.largest_step, std::max(step_, fraction * size * options_.step_growth));
-        scene_.arrived({fraction, counts_.branches_left == before.branches_left, indefinite_});
-        return fraction == 1 ? Progress::arrived : Progress::underway;
+        scene_.finish_load_step({fraction, counts_.branches_left == before.branches_left, indefinite_});
+        return fraction == 1 ? Progress::complete : Progress::partial;
       }
-      const PathStop why = termination_;
+      const PathTermination why = termination_;
       restore(start);
       termination_ = why;
       counts_.branches_left = before.branches_left;
       if (fraction * size / 2 < options_.smallest_step) {
-        if (termination_ == PathStop::converged) termination_ = PathStop::step_too_small;
+        if (termination_ == PathTermination::converged) termination_ = PathTermination::step_too_small;
         return Progress::failed;
       }
       fraction /= 2;
@@ -168,7 +168,7 @@ class EquilibriumPath {
     const bool lower = minimize(false) && stable_ && other_energy() < energy - same_energy * std::abs(energy);
     counts_.branches_left = branches + (lower ? 1 : 0);
     if (!lower) restore(found);
-    termination_ = PathStop::converged;
+    termination_ = PathTermination::converged;
     return lower;
   }
 
@@ -177,7 +177,7 @@ class EquilibriumPath {
     State state;
     MinimizerResult result;
     bool stable = true;
-    PathStop stopped = PathStop::converged;
+    PathTermination stopped = PathTermination::converged;
   };
   Snapshot snapshot() const { return {std::as_const(scene_).state(), result_, stable_, termination_}; }
   void restore(const Snapshot& snapshot) {
@@ -188,7 +188,7 @@ class EquilibriumPath {
   }
 
   bool stable() const { return stable_; }
-  PathStop stopped() const { return termination_; }          ///< how the last minimization ended
+  PathTermination stopped() const { return termination_; }   ///< how the last minimization ended
   const MinimizerResult& result() const { return result_; }  ///< result of the last minimization at this state
 
   struct Counts {
@@ -215,11 +215,11 @@ class EquilibriumPath {
     options.saddle_contraction = options_.leave_unstable ? options_.saddle_contraction : 0;
     for (int repeats = 0;;) {
       options.gradient_tolerance = scene_.gradient_tolerance();
-      options.max_iterations = options_.max_iterations * (after_leaving ? options_.more_iterations_after_leaving : 1);
+      options.max_iterations = options_.max_iterations * (after_leaving ? options_.iteration_factor_after_leaving : 1);
       result_ = numerics::minimize(scene_.objective(), options, inner, &scene_.cholesky());
       counts_.iterations += result_.iterations;
       indefinite_ = indefinite_ || result_.indefinite;
-      if (result_.stop == MinimizerStop::saddle) {
+      if (result_.stop == MinimizerTermination::saddle) {
         if (leave_least_stable_mode()) {
           after_leaving = true;
         } else {
@@ -227,15 +227,15 @@ class EquilibriumPath {
         }
         continue;
       }
-      if (result_.stop != MinimizerStop::converged) {
-        termination_ =
-            result_.stop == MinimizerStop::iteration_limit ? PathStop::iteration_limit : PathStop::step_too_small;
+      if (result_.stop != MinimizerTermination::converged) {
+        termination_ = result_.stop == MinimizerTermination::iteration_limit ? PathTermination::iteration_limit
+                                                                             : PathTermination::step_too_small;
         return false;
       }
-      termination_ = PathStop::converged;
-      if (scene_.unsettled(std::as_const(result_))) {
+      termination_ = PathTermination::converged;
+      if (scene_.must_minimize_again(std::as_const(result_))) {
         if (repeats++ < max_repeats) continue;
-        termination_ = PathStop::iteration_limit;
+        termination_ = PathTermination::iteration_limit;
         return false;
       }
       stable_ = scene_.finish(std::as_const(result_));
@@ -254,7 +254,7 @@ class EquilibriumPath {
     const Evaluation evaluation = objective.evaluate(2);
     const std::optional<Mode> mode =
         least_stable_mode(evaluation.hessian, objective.dimension(), scene_.cholesky(), execution_.cancellation);
-    stable_ = mode && mode->curvature >= -options_.zero_curvature * matrix_scale(evaluation.hessian);
+    stable_ = mode && mode->curvature >= -options_.curvature_tolerance * matrix_scale(evaluation.hessian);
     return mode && !stable_ && move_along(scene_.expand(mode->direction));
   }
 
@@ -284,7 +284,7 @@ class EquilibriumPath {
   MinimizerResult result_;
   bool stable_ = true;
   bool indefinite_ = false;
-  PathStop termination_ = PathStop::converged;
+  PathTermination termination_ = PathTermination::converged;
   double step_;  ///< length of the next load step
   Counts counts_;
 };

@@ -52,7 +52,7 @@ struct MinimizerOptions {
   double max_regularization = 1e10;
   /// Newton: if the Hessian is not positive definite, a regularized step has a good direction and a bad length. A step
   /// that is accepted at t = 1 is doubled while the value falls, up to this multiple of d. 1 means never.
-  double longest_expansion = 1;
+  double max_expansion = 1;
   /// Newton: if a step multiplied |g| by at most this, the next direction uses the same factorization again, so that
   /// only gradients are evaluated [Shamanskii1967]. 0 means a factorization in every iteration.
   double reuse_contraction = 0;
@@ -60,11 +60,11 @@ struct MinimizerOptions {
   /// A step creeps if it lowers the value by less than this fraction of a predicted decrease. The prediction is |g .
   /// d|. After a creeping step it is at least half of that step's prediction. A single creeping step is usual at a kink
   /// of the value. Many in succession mean that the steps zigzag across one. 0 means that no step creeps.
-  double creeping_share = 0;
+  double stagnation_fraction = 0;
   /// After this many creeping steps in succession, each further one raises the regularization (Newton) or discards the
-  /// measured curvature (other methods). After max_creeping_steps in succession the search ends with step_too_small.
-  int creeping_steps_without_regularization = 5;
-  int max_creeping_steps = 30;
+  /// measured curvature (other methods). After max_stagnant_steps in succession the search ends with step_too_small.
+  int stagnant_steps_without_regularization = 5;
+  int max_stagnant_steps = 30;
 
   /// Newton: the search ends with `saddle` if |g| falls to this fraction while the regularization of no step is less
   /// than half of that of the step before. The search is then on its way to a saddle, which a step along the direction
@@ -84,16 +84,16 @@ struct MinimizerOptions {
   std::function<void(const MinimizerStep&)> after_step{};
 };
 
-enum class MinimizerStop {
+enum class MinimizerTermination {
   converged,
   step_too_small,  ///< no trial was accepted, or too many steps in succession crept
   saddle,          ///< see MinimizerOptions::saddle_contraction
   iteration_limit
 };
-std::string_view to_string(MinimizerStop stop);
+std::string_view to_string(MinimizerTermination stop);
 
 struct MinimizerResult {
-  MinimizerStop stop = MinimizerStop::iteration_limit;
+  MinimizerTermination stop = MinimizerTermination::iteration_limit;
   int iterations = 0;
   double value = 0;
   double gradient_norm = 0;

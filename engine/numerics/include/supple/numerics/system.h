@@ -25,7 +25,7 @@ struct SystemOptions {
       execution{};  ///< its ledger is billed for every term, and its token stops evaluations; it outlives the system
   /// Derivatives up to this order are evaluated whenever the value is asked for. It pays if most trial states are
   /// accepted and derivatives cost little more than the value.
-  int least_order = 0;
+  int min_order = 0;
   /// The sums of another system with the same unknowns and terms, so that the Hessian's pattern is known. Only one
   /// system may use them at a time.
   std::shared_ptr<EnergySum> sums{};
@@ -95,7 +95,7 @@ class System : public Objective {
     return fraction;
   }
   /// Prepares the terms for the current state, after it was replaced or one of them has changed.
-  void look_around() { look_ahead(state_, state_); }
+  void prepare_terms() { look_ahead(state_, state_); }
 
   Eigen::Index dimension() const override { return unknowns_.size(); }
 
@@ -237,7 +237,7 @@ class System : public Objective {
   /// Evaluates the terms at the trial state if there is one, otherwise at the current state, at least up to this order.
   void evaluate_terms(int order) {
     if (order <= evaluated_order_) return;
-    order = std::max(order, options_.least_order);
+    order = std::max(order, options_.min_order);
     S& state = trial_ ? *trial_ : state_;
     bool& has_frame = trial_ ? trial_has_frame_ : has_frame_;
     if (order >= 1 && !has_frame) {

@@ -33,7 +33,7 @@ struct Outline {
 };
 
 /// An element of which no outline was made.
-struct LeftOut {
+struct OmittedElement {
   std::string element;  ///< its kind and place: "<rect> "a" of line 3"
   std::string reason;
 };
@@ -57,8 +57,8 @@ struct Drawing {
   std::size_t simplified = 0;     ///< corners that were left out to simplify outlines
   double chord_error = 0;         ///< mm, the largest distance of a chord from its curve
   std::vector<std::string> warnings;
-  std::vector<LeftOut> left_out;   ///< the first `max_left_out` elements that were left out
-  std::size_t left_out_count = 0;  ///< number of all of them
+  std::vector<OmittedElement> left_out;  ///< the first `max_left_out` elements that were left out
+  std::size_t left_out_count = 0;        ///< number of all of them
 };
 
 /// Reads the closed curves of a drawing.

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 4> repair_names{"weld", "drop_degenerate"
 constexpr std::string_view automatic_repair_name = "automatic";
 
 struct RepairOptions {
-  static constexpr double largest_weld_tolerance = 0.01;
+  static constexpr double max_weld_tolerance = 0.01;
 
   std::array<bool, repair_names.size()> asked{};  ///< whether each Repair is wanted
   bool automatic = false;                         ///< whether the needed repairs are made; no repair is in `asked` then

@@ -12,7 +12,7 @@ namespace supple::surface {
 /// full turn. At a boundary vertex it is scaled to half a turn, and the other half points out of the surface.
 Eigen::Vector2d cone_coordinates(const VertexCone& cone, double angle);
 /// The factor that scales angles around the cone for these coordinates.
-double cone_stretch(const VertexCone& cone);
+double cone_angle_scale(const VertexCone& cone);
 
 /// Whether the point is exactly at a boundary vertex, or at a vertex whose total angle is not 2 pi.
 bool on_cone_tip(const TriangleMesh& mesh, const SurfacePoint& point);

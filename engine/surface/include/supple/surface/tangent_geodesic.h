@@ -52,18 +52,18 @@ struct TangentGeodesic {
   /// The path after its ends have moved by `step` (tangent coordinates of both) in the plane of the unfolded faces. It
   /// consists of the same straight pieces, and may no longer be the shortest path. The result is in the frames of the
   /// ends before the move. O(1).
-  TangentGeodesic continued(const Eigen::Vector4d& step) const;
+  TangentGeodesic extrapolated(const Eigen::Vector4d& step) const;
   /// The same path in the coordinates before a move that turned the coordinates of the ends by these angles (radians).
-  TangentGeodesic before_turns(double from_turn, double to_turn) const;
+  TangentGeodesic in_frames_before(double from_turn, double to_turn) const;
 };
 
 /// Counts of the methods by which the paths of many pairs were found.
-struct PathsFound {
+struct PathCounts {
   std::int64_t same_face = 0;  ///< paths that are straight within a face
   std::int64_t unfolded = 0;   ///< paths straight within a strip, for which no path outside of the strip can be shorter
   std::int64_t searched = 0;   ///< paths that a search found
 
-  PathsFound& operator+=(const PathsFound& other) {
+  PathCounts& operator+=(const PathCounts& other) {
     same_face += other.same_face;
     unfolded += other.unfolded;
     searched += other.searched;

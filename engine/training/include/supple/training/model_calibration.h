@@ -43,7 +43,7 @@ struct ReferenceData {
 /// same way are within their bars with a probability of at least 90 % (split conformal prediction with groups:
 /// [Vovk2005], [Dunn2022]).
 ///
-/// The coverage of the bars (neural::JudgedBars) is measured on each tenth of the held-out designs, with bars that are
+/// The coverage of the bars (neural::BarCoverage) is measured on each tenth of the held-out designs, with bars that are
 /// made, as above, only from the other nine tenths and the training designs. States of less than min_evaluated_energy
 /// and states where the network finds no equilibrium are left out. Equal input gives equal bars. Takes about 1 ms for
 /// each state.

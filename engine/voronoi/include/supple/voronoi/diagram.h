@@ -22,17 +22,17 @@ enum class DiagramMethod {
 };
 
 /// Minimum of DiagramOptions::border_deviation; at this value an arc has up to a thousand points.
-inline constexpr double least_border_deviation = 1e-7;
+inline constexpr double min_border_deviation = 1e-7;
 
 struct DiagramOptions {
   DiagramMethod method = DiagramMethod::exact;
   /// Allowed relative error of every distance for the method `bounded`, in (0, 1].
   double relative_error = 1e-2;
   /// Maximum distance between a border and the polyline through its points, relative to the diagonal of the mesh's
-  /// bounding box; from least_border_deviation to 1.
+  /// bounding box; from min_border_deviation to 1.
   double border_deviation = 1e-5;
   // Whether the diagram gets the member of the same name, which derivatives need. The method `edges` ignores them.
-  bool vertex_pulls = false;
+  bool vertex_gradients = false;
   bool border_samples = false;
   bool cell_moments = false;
 };
@@ -40,7 +40,7 @@ struct DiagramOptions {
 /// Distance of a point from a site, and its gradients. The gradient by the point is in tangent_frame of the point's
 /// face. The gradient by the site is in tangent_frame of the site's face or, for a site on a vertex, in
 /// cone_coordinates.
-struct SitePull {
+struct SiteDistanceGradient {
   std::int32_t site = -1;
   double distance = 0;
   Eigen::Vector2d by_place = Eigen::Vector2d::Zero();
@@ -50,8 +50,8 @@ struct SitePull {
 /// Gauss-Legendre quadrature point on a border. Each part of a border within a face has three of them, and more where
 /// it is strongly curved.
 struct BorderSample {
-  std::array<SitePull, 2> pulls;  ///< distance gradients of the sites on the left and on the right
-  double weight = 0;              ///< quadrature weight: a length, mesh units
+  std::array<SiteDistanceGradient, 2> gradients;  ///< distance gradients of the sites on the left and on the right
+  double weight = 0;                              ///< quadrature weight: a length, mesh units
 };
 
 /// Integrals over a cell. They are exact where the shortest paths come straight from one unfolded image of the site.
@@ -60,7 +60,7 @@ struct CellMoments {
   double squared_distance = 0;  ///< integral of the squared distance from the site, mesh units to the fourth power
   /// Integral of the distance times its gradient by the site, in the site's tangent coordinates: half the derivative of
   /// squared_distance. Moving borders contribute nothing to it, because a border is equally far from both of its sites.
-  Eigen::Vector2d pull = Eigen::Vector2d::Zero();
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
 };
 
 /// A point of the cells' borders. Borders consist of arcs of hyperbolas. They have bends within faces, where two
@@ -136,7 +136,7 @@ struct Diagram {
   std::vector<Eigen::Vector3d> corners;  ///< of the pieces: barycentric coordinates in their faces
   /// Distance gradients at the Voronoi vertices, one for each entry of DiagramVertex::sites, vertex by vertex. An entry
   /// that is not available has the site -1. Empty unless requested.
-  std::vector<SitePull> vertex_pulls;
+  std::vector<SiteDistanceGradient> vertex_gradients;
   std::vector<BorderSample> border_samples;  ///< empty unless requested
   std::vector<CellMoments> cell_moments;     ///< for each cell; empty unless requested
   double unreached_area = 0;                 ///< area of the components without a site, squared mesh units

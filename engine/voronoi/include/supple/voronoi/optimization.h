@@ -34,7 +34,7 @@ struct OptimizationStep {
 };
 
 /// Maximum of max_iterations; larger values are refused. Optimizations take dozens to hundreds.
-inline constexpr int most_optimization_iterations = 10'000;
+inline constexpr int max_optimization_iterations = 10'000;
 
 /// A pass of single-site moves that lowers the energy by at most this fraction is the last one.
 inline constexpr double min_pass_gain = 1e-3;
@@ -50,7 +50,7 @@ struct OptimizationOptions {
   /// The optimization has converged once |grad E| <= tolerance * sqrt(sites) / (mean cell size).
   double tolerance = 1e-6;
   double border_deviation = DiagramOptions{}.border_deviation;  ///< see DiagramOptions
-  int max_iterations = 100;                                     ///< at most most_optimization_iterations
+  int max_iterations = 100;                                     ///< at most max_optimization_iterations
   /// Sites that do not move.
   std::vector<std::int32_t> fixed_sites;
   /// Called with the state at the start and after every iteration, on the caller's thread.

@@ -16,8 +16,8 @@ struct GcodeLimits {
   Eigen::Vector3d bed{250, 210, 210};  ///< positions lie within (0, 0, 0) and this, mm
   double filament_diameter = 1.75;     ///< mm
   double bead_area = 0.19635;          ///< area of the thickest bead, mm^2
-  double least_bead_area = 0.19635;    ///< area of the thinnest bead that lies on the bed, mm^2
-  double least_free_area = 0.098;      ///< area of the thinnest lifted strand or channel, mm^2
+  double min_bead_area = 0.19635;      ///< area of the thinnest bead that lies on the bed, mm^2
+  double min_lifted_area = 0.098;      ///< area of the thinnest lifted strand or channel, mm^2
   double tolerance = 0.1;              ///< relative deviation of the area of a bead that is allowed
   double cold = 170;                   ///< lowest temperature at which filament may be extruded, degrees Celsius
   double print_speed = 1500;           ///< highest speed while extruding, mm/min

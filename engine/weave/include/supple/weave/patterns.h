@@ -7,7 +7,7 @@
 namespace supple::weave {
 
 /// Maximum number of columns times rows of a sheet.
-inline constexpr int most_pattern_strands = 20'000;
+inline constexpr int max_pattern_strands = 20'000;
 
 /// How two strands of a pattern are connected where they cross.
 enum class Connection {
@@ -38,11 +38,11 @@ enum class SquareType {
 };
 /// Maximum displacement of a sliding crossing of loops, as a fraction of the distance to the next crossing or corner on
 /// either side.
-inline constexpr double sliding_share = 0.7;
+inline constexpr double sliding_fraction = 0.7;
 
 /// Limits the displacement of every member that slides to `fraction` of the distance to the next crossing of its
 /// strand, or to its end, on either side. O(members log members).
-void limit_sliding(Weave& weave, double fraction = sliding_share, const Execution& execution = {});
+void limit_sliding(Weave& weave, double fraction = sliding_fraction, const Execution& execution = {});
 
 /// Squares on a square lattice and others in the middles between them, whose corners overlap by `overlap` in x and y.
 /// The cell has two squares, eight crossings and the side 2 (side - overlap).

@@ -30,13 +30,13 @@ class StrandCurve {
  public:
   /// `points` in mm: at least 2 (open), 3 (closed) or 1 (periodic, with its translation), no two neighbours closer than
   /// 1e-9 times the extent. Throws "weave.invalid_strand", with details at "points/i", and at "points" if the curve
-  /// turns so often that it has more than `most_pieces` pieces. O(pieces), about 2 us for each; checks for a stop
+  /// turns so often that it has more than `max_pieces` pieces. O(pieces), about 2 us for each; checks for a stop
   /// request every few thousand.
   StrandCurve(const std::vector<Eigen::Vector2d>& points, Ends ends,
               const Eigen::Vector2d& translation = Eigen::Vector2d::Zero(), const Execution& execution = {});
 
   /// Maximum number of pieces of a curve. A piece takes some 100 bytes.
-  static constexpr std::size_t most_pieces = 4'000'000;
+  static constexpr std::size_t max_pieces = 4'000'000;
 
   /// The same curve with all lengths multiplied by a positive factor. O(pieces).
   StrandCurve scaled(double factor) const;

@@ -68,7 +68,7 @@ void validate(const Weave& weave, const Execution& execution = {});
 Eigen::Vector2d rest_position(const Weave& weave, const CrossingMember& member);
 
 /// Maximum number of crossings that are found, which is as many as a request may list.
-inline constexpr std::size_t most_crossings = 1'000'000;
+inline constexpr std::size_t max_crossings = 1'000'000;
 /// Maximum number of pairs of pieces of strands that are compared, which takes about a minute.
 inline constexpr std::size_t max_near_pairs = 50'000'000;
 
@@ -80,7 +80,7 @@ inline constexpr std::size_t max_near_pairs = 50'000'000;
 /// pieces, of which k pairs lie near each other, this takes O((n + k) log n) for each copy of the cell that the strands
 /// reach. The search checks for a stop request every few pieces, and reports progress.
 ///
-/// Throws "weave.invalid_layout" with the detail "strands" as soon as more than `most_crossings` are found or more than
+/// Throws "weave.invalid_layout" with the detail "strands" as soon as more than `max_crossings` are found or more than
 /// `max_near_pairs` pairs of pieces were compared.
 std::vector<Crossing> find_crossings(const std::vector<Strand>& strands,
                                      const std::optional<Eigen::Matrix2d>& lattice = std::nullopt,

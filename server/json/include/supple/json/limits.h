@@ -23,7 +23,7 @@ struct Limits {
   double max_deadline = 3600;                 ///< seconds
   double default_deadline = 600;              ///< seconds
   std::size_t max_layout_points = 5'000'000;  ///< points of the polylines of a layout's strands; fixed
-  std::size_t max_load_places = 1'000'000;    ///< points with supports or forces, those in boxes too; fixed
+  std::size_t max_load_points = 1'000'000;    ///< points with supports or forces, those in boxes too; fixed
   std::size_t max_strands = 20'000;           ///< strands of a weave's layout; fixed
   std::size_t max_strand_points = 100'000;    ///< points of all strands of a layout; fixed
   std::size_t max_path_points = 1'000'000;    ///< points of all known paths of a request; fixed

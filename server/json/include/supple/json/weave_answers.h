@@ -23,7 +23,7 @@ std::string write_weave_deformation(const WeaveDeformationRequest& request, cons
                                     const std::vector<weave::CellState>& states, const Bill& bill);
 
 /// A point of a strand with a support. A support with a box has several.
-struct HeldPlace {
+struct SupportPoint {
   int support = 0;  ///< index of the support in the request
   int strand = 0;
   double coordinate = 0;  ///< mm
@@ -31,7 +31,7 @@ struct HeldPlace {
 
 /// `places` has an entry for each support of the engine.
 std::string write_weave_simulation(const WeaveSimulationRequest& request, const weave::Weave& weave,
-                                   const std::vector<HeldPlace>& places, const weave::SimulationResult& result,
+                                   const std::vector<SupportPoint>& places, const weave::SimulationResult& result,
                                    const Bill& bill);
 
 }  // namespace supple::json

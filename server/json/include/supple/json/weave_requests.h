@@ -29,7 +29,7 @@ struct StrandSpec {
   std::optional<double> radius;  ///< mm; the default is the radius of the weave
 };
 
-/// How far a member may slide. A limit that is not given follows from `WeaveSpec::sliding_share`.
+/// How far a member may slide. A limit that is not given follows from `WeaveSpec::sliding_fraction`.
 struct SlidingRange {
   std::optional<double> backward;  ///< infinity for no limit
   std::optional<double> forward;
@@ -96,7 +96,7 @@ struct WeaveSpec {
   double radius = 0.25;
   weave::Material material;
   std::vector<CrossingOverride> overrides;
-  std::optional<double> sliding_share;
+  std::optional<double> sliding_fraction;
 };
 
 struct WeaveLayoutRequest {
@@ -130,7 +130,7 @@ struct StrandCoordinate {
   int strand = 0;
   double coordinate = 0;
 };
-struct StrandShare {
+struct StrandFraction {
   int strand = 0;
   double share = 0;  ///< fraction of the strand's length
 };
@@ -141,7 +141,7 @@ struct InBox {
   Eigen::Vector2d lower{0, 0};
   Eigen::Vector2d upper{0, 0};
 };
-using PlaceSpec = std::variant<StrandCoordinate, StrandShare, AtCrossing, InBox>;
+using PlaceSpec = std::variant<StrandCoordinate, StrandFraction, AtCrossing, InBox>;
 
 struct WeaveSupportSpec {
   PlaceSpec at;

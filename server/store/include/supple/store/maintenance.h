@@ -51,7 +51,7 @@ Copy back_up(const std::filesystem::path& folder, const std::filesystem::path& t
 Copy restore(const std::filesystem::path& from, const std::filesystem::path& folder, bool replace);
 
 /// Location of a shared store; see SharedStore::Options.
-struct SharedPlace {
+struct SharedStoreLocation {
   std::string database;  ///< connection string of libpq
   std::filesystem::path folder;
 };
@@ -59,19 +59,19 @@ struct SharedPlace {
 /// Does for a shared store what check_folder does for a local one: checks the rows, with the requests in the database,
 /// and the folder. Servers may use both meanwhile. Throws "store.unavailable" where the database does not answer, has
 /// no store or one of a later version, or belongs to another folder.
-Check check_shared_store(const SharedPlace& store);
+Check check_shared_store(const SharedStoreLocation& store);
 
 /// Does for a shared store what repair_folder does for a local one. A file that the database does not name is moved
 /// into quarantine. A job has failed if its request is damaged or missing, or if its row contradicts itself. Throws as
 /// check_shared_store does, and "store.unavailable" where a server uses the store: one that has locked the folder, or
 /// one whose lease in the database has not ended.
-Check repair_shared_store(const SharedPlace& store, const std::function<void(const std::string&)>& warn,
+Check repair_shared_store(const SharedStoreLocation& store, const std::function<void(const std::string&)>& warn,
                           const std::function<std::string(const std::string& sentence)>& problem);
 
 /// Does for a shared store what back_up does for a local one, and makes a data folder as that does. It has the rows as
 /// one transaction (REPEATABLE READ) saw them, and all files that they name. Servers that store or remove something
 /// wait while the last few files are copied. The progress of unfinished jobs is not copied.
-Copy back_up_shared_store(const SharedPlace& store, const std::filesystem::path& to);
+Copy back_up_shared_store(const SharedStoreLocation& store, const std::filesystem::path& to);
 
 /// Does what restore does, into a shared store, whose tables and folder are made where they do not exist. Any server
 /// may take the unfinished jobs. The files are copied and compared with their hashes before anything is replaced. A
@@ -79,6 +79,6 @@ Copy back_up_shared_store(const SharedPlace& store, const std::filesystem::path&
 /// quarantine too, as an SQLite database. Throws "store.unavailable" where the store is not empty and `replace` is not
 /// set, and where a server uses it, as repair_shared_store does. If the database is lost during its commit, rows and
 /// files may belong to different stores; the same call with `replace` then restores both.
-Copy restore_shared_store(const std::filesystem::path& from, const SharedPlace& store, bool replace);
+Copy restore_shared_store(const std::filesystem::path& from, const SharedStoreLocation& store, bool replace);
 
 }  // namespace supple::store
