@@ -28,8 +28,8 @@ void print_shell(const char* path, double radius) {
   options.host = embedded::ShellHost{.volume_weight = 1000};
   options.tolerance = 1e-6;
   const embedded::Relaxation rest = embedded::relax(solver, net, options);
-  std::cout << net.points.size() << " knots and " << net.springs.size() << " springs, " << rest.stopped << " after "
-            << rest.iterations << " iterations\n"
+  std::cout << net.points.size() << " knots and " << net.springs.size() << " springs, " << to_string(rest.stopped)
+            << " after " << rest.iterations << " iterations\n"
             << "a vertex of the shell moved by " << rest.host.largest_displacement << " mesh units\n"
             << "the volume is " << rest.host.volume_ratio << " of that at rest\n";
   for (const embedded::HostState::Term& term : rest.host.terms)

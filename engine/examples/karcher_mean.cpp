@@ -24,7 +24,7 @@ int main(int count, char** arguments) try {
   const surface::KarcherMean mean = surface::karcher_mean(mesh, problem);
   std::cout << "the mean lies at " << mean.position.transpose() << ", in face " << index(mean.mean.face) << '\n'
             << "half the mean squared distance is " << mean.objective << '\n'
-            << mean.iterations << " iterations, " << mean.stopped << '\n';
+            << mean.iterations << " iterations, " << to_string(mean.stopped) << '\n';
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';
   return 1;

@@ -28,7 +28,7 @@ void print_chain(const char* path, int first, int last) {
   const embedded::Relaxation rest = embedded::relax(mesh, chain);
   double length = 0;
   for (const embedded::SpringState& spring : rest.springs) length += spring.length;
-  std::cout << rest.iterations << " iterations, " << rest.stopped << "; the points are at rest at\n"
+  std::cout << rest.iterations << " iterations, " << to_string(rest.stopped) << "; the points are at rest at\n"
             << embedded::positions(mesh, rest) << "\nlength of the chain " << length << ", distance of its ends "
             << surface::geodesic_distance(mesh, rest.points.front(), rest.points.back()) << '\n';
 }

@@ -25,8 +25,8 @@ void print_cells(const char* path, int sites) {
   options.tolerance = 1e-4;
   const voronoi::Optimization centroidal = voronoi::optimize(mesh, diagram.sites, options);
   const Eigen::VectorXd even = voronoi::areas_of(centroidal.diagram);
-  std::cout << "around their centres " << even.minCoeff() << " to " << even.maxCoeff() << ", " << centroidal.stopped
-            << " after " << centroidal.iterations << " iterations\n";
+  std::cout << "around their centres " << even.minCoeff() << " to " << even.maxCoeff() << ", "
+            << to_string(centroidal.stopped) << " after " << centroidal.iterations << " iterations\n";
 }
 
 }  // namespace

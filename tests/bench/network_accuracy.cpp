@@ -58,9 +58,9 @@ void study_network_accuracy(const NetworkSettings& settings) {
       const double energy_error = std::abs(run.result.energy / reference.result.energy - 1);
       const double position_error =
           largest_distance(positions_of(*scene.mesh, run.result.points), ends) / scene.mesh->diagonal();
-      table.row({scene.name, number(options.tolerance, 1), std::to_string(run.result.iterations), run.result.stopped,
-                 number(run.result.gradient_norm, 2), number(energy_error, 2), number(position_error, 2),
-                 number(1e3 * run.cpu_seconds)});
+      table.row({scene.name, number(options.tolerance, 1), std::to_string(run.result.iterations),
+                 std::string(to_string(run.result.stopped)), number(run.result.gradient_norm, 2),
+                 number(energy_error, 2), number(position_error, 2), number(1e3 * run.cpu_seconds)});
     }
   }
   report.table(table);
@@ -97,8 +97,9 @@ void study_network_effects(const NetworkSettings& settings) {
       const TimedRun run = fastest_run(settings.brief || mollifier > 0 ? 1 : 5, true, solver, scene.network, options);
       const double ms = 1e3 * run.cpu_seconds;
       table.row({scene.name, strips ? "on" : "off", mollifier > 0 ? number(mollifier, 1) : "off",
-                 std::to_string(run.result.iterations), run.result.stopped, number(run.result.gradient_norm, 2),
-                 number(run.result.energy, 10), number(ms), number(ms / std::max(1, run.result.iterations))});
+                 std::to_string(run.result.iterations), std::string(to_string(run.result.stopped)),
+                 number(run.result.gradient_norm, 2), number(run.result.energy, 10), number(ms),
+                 number(ms / std::max(1, run.result.iterations))});
     };
     row(true, 0);
     row(false, 0);

@@ -121,7 +121,9 @@ void study_host_refinement(const NetworkSettings& settings) {
       const bool last = &own == &best;
       table.row({thick ? "thick" : "thin", count(own.scene.scene.mesh->face_count()),
                  count(unknowns_of(own.scene, found)),
-                 std::to_string(found.iterations) + (found.stopped == "converged" ? "" : ", " + found.stopped),
+                 std::to_string(found.iterations) + (found.stopped == embedded::RelaxationTermination::converged
+                                                         ? ""
+                                                         : ", " + std::string(to_string(found.stopped))),
                  number(1e3 * own.run.cpu_seconds), number(found.energy, 6),
                  last ? "-" : off(found.energy, best.run.result.energy),
                  last ? "-" : off(total_length(found), total_length(best.run.result)),
@@ -185,7 +187,7 @@ void study_host_effects(const NetworkSettings& settings) {
     const auto points = points_of(scene, run.result);
     if (off == "nothing") with_all = points;
     const bool rigid = run.result.host.vertices.empty();
-    table.row({scene.scene.name, off, std::to_string(run.result.iterations), run.result.stopped,
+    table.row({scene.scene.name, off, std::to_string(run.result.iterations), std::string(to_string(run.result.stopped)),
                number(1e3 * run.cpu_seconds), number(1e3 * run.cpu_seconds / std::max(1, run.result.iterations)),
                number(run.result.network_energy, 5), number(total_length(run.result), 4),
                rigid ? "-" : number(run.result.host.largest_displacement),

@@ -326,7 +326,8 @@ void study_host_scenes(const NetworkSettings& settings) {
                count(unknowns_of(scene, run.result)), at ? std::to_string(*at) : "-",
                at ? number(1e3 * run.steps[*at].cpu_seconds) : "-",
                reached(run, tight_host_gradient) ? std::to_string(*reached(run, tight_host_gradient)) : "-",
-               run.result.stopped, number(run.result.host.largest_displacement / scene.scene.mesh->diagonal()),
+               std::string(to_string(run.result.stopped)),
+               number(run.result.host.largest_displacement / scene.scene.mesh->diagonal()),
                number(run.result.host.volume_ratio, 5), number(total_length(run.result), 4), tail_of(run)});
     if (&scene - scenes.data() + 2 >= std::ssize(scenes)) drawing.add(scene, run.result);
   }

@@ -44,7 +44,7 @@ void study_membrane_tolerance(const NetworkSettings& settings) {
       const TimedRun run = fastest_run(settings.brief ? 1 : 7, true, solver, network, options);
       const double off = largest_distance(positions_of(*step.mesh, run.result.points), end);
       table.row({std::to_string(number_of_step), number(options.tolerance, 1), std::to_string(run.result.iterations),
-                 run.result.stopped, number(run.result.gradient_norm, 2),
+                 std::string(to_string(run.result.stopped)), number(run.result.gradient_norm, 2),
                  number(std::abs(run.result.energy - reference.energy) / reference.energy, 2),
                  number(off / step.mesh->diagonal(), 2), number(1e3 * run.cpu_seconds)});
     }

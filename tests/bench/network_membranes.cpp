@@ -82,7 +82,7 @@ PathSummary::PathSummary(const std::vector<PathStep>& path) {
   for (const PathStep& step : path) {
     iterations.push_back(step.result.iterations);
     all_iterations += step.result.iterations;
-    not_converged += step.result.stopped != "converged";
+    not_converged += step.result.stopped != embedded::RelaxationTermination::converged;
     cpu += step.cpu_seconds;
     wall += step.wall_seconds;
     host += step.host_seconds;
@@ -170,8 +170,8 @@ void follow_with_the_host(Report& report, const NetworkSettings& settings,
       for (const embedded::LoadIncrement& stop : found.stops) {
         iterations.push_back(stop.iterations);
         all += stop.iterations;
-        not_converged += stop.stopped == "converged" ? 0 : 1;
-        const bool is_divided = stop.load_steps > 1 || stop.stopped != "converged";
+        not_converged += stop.stopped == embedded::RelaxationTermination::converged ? 0 : 1;
+        const bool is_divided = stop.load_steps > 1 || stop.stopped != embedded::RelaxationTermination::converged;
         divided += is_divided ? 1 : 0;
         if (!is_divided) whole += stop.iterations;
       }
@@ -216,7 +216,8 @@ void measure_time(Report& report, const NetworkSettings& settings, const Stretch
     int all = 0;
     for (int run = 0; run < (settings.brief ? 1 : 7); ++run) {
       std::vector<PathStep> path = follow_path(scene, {});
-      std::erase_if(path, [](const PathStep& step) { return step.result.stopped != "converged"; });
+      std::erase_if(
+          path, [](const PathStep& step) { return step.result.stopped != embedded::RelaxationTermination::converged; });
       const PathSummary summary(path);
       const double seconds = threads == 1 ? summary.cpu : summary.wall;
       if (run > 0 && seconds >= best) continue;

@@ -51,7 +51,7 @@ void study_network_scenes(const NetworkSettings& settings) {
     for (std::size_t i = count_of_steps > 4 ? count_of_steps - 4 : 0; i < count_of_steps; ++i)
       tail += (tail.empty() ? "" : " ") + number(run.steps[i].step.gradient_norm, 2);
     table.row({scene.name, count(scene.mesh->face_count()), count(scene.unknowns()), iterations_6, ms_6, iterations_12,
-               ms_12, run.result.stopped, std::to_string(run.result.at_vertices.size()), tail});
+               ms_12, std::string(to_string(run.result.stopped)), std::to_string(run.result.at_vertices.size()), tail});
   }
   report.target("Scenes near vertices and on edges that reach a gradient of norm below 1e-6", "all",
                 std::to_string(converged) + " of " + std::to_string(scenes.size()), converged == scenes.size());

@@ -160,7 +160,7 @@ void study_designs(const Settings& settings) {
                          found.after.vertex_distance);
     table.row({row.shape, count(row.mesh.face_count()), count(row.sites), row.objective, measure, number(before.mean),
                number(after.mean), number(before.greatest), number(after.greatest), number(before.deviation),
-               number(after.deviation), std::to_string(found.iterations), found.stopped});
+               number(after.deviation), std::to_string(found.iterations), std::string(to_string(found.stopped))});
     times.row({row.shape, count(row.mesh.face_count()), count(row.sites), row.objective, number(1e3 * alone),
                number(1e3 * seconds), number(1e3 * row.thesis_seconds), number(row.thesis_seconds / seconds)});
     if (row.sites < 500) {

@@ -107,6 +107,9 @@ FollowedEquilibrium follow_surface(const RelaxationContext& context, Equilibrium
 FollowedEquilibrium follow_supports(const RelaxationContext& context, Equilibrium start, RelaxationHistory& history,
                                     const Execution& execution);
 
+/// The public name of a minimizer's termination.
+RelaxationTermination relaxation_termination(numerics::MinimizerTermination termination);
+
 /// Describes the end of all phases: lengths, energies, warnings. Adds the effects to the bill.
 Relaxation describe_relaxation(const RelaxationContext& context, const FollowedEquilibrium& found, bool is_mollified,
                                RelaxationHistory history);

@@ -189,6 +189,31 @@ void warn_of_compression(Relaxation& result, std::size_t springs_at_cut_loci, st
 
 }  // namespace
 
+std::string_view to_string(RelaxationTermination termination) {
+  switch (termination) {
+    case RelaxationTermination::converged:
+      return "converged";
+    case RelaxationTermination::cut_locus:
+      return "cut_locus";
+    case RelaxationTermination::step_too_small:
+      return "step_too_small";
+    case RelaxationTermination::iteration_limit:
+      break;
+  }
+  return "iteration_limit";
+}
+
+RelaxationTermination relaxation_termination(numerics::MinimizerTermination termination) {
+  switch (termination) {
+    case numerics::MinimizerTermination::converged:
+      return RelaxationTermination::converged;
+    case numerics::MinimizerTermination::iteration_limit:
+      return RelaxationTermination::iteration_limit;
+    default:
+      return RelaxationTermination::step_too_small;
+  }
+}
+
 Relaxation describe_relaxation(const RelaxationContext& context, const FollowedEquilibrium& found, bool is_mollified,
                                RelaxationHistory history) {
   add_effects(context, is_mollified);
@@ -219,8 +244,8 @@ Relaxation describe_relaxation(const RelaxationContext& context, const FollowedE
       static_cast<std::size_t>(std::ranges::count_if(result.triangles, &TriangleState::at_cut_locus));
   const bool is_at_cut_locus = springs_at_cut_loci + triangles_at_cut_loci > 0;
   result.stopped = end.termination == Termination::step_too_small && is_at_cut_locus
-                       ? "cut_locus"
-                       : std::string(numerics::to_string(end.termination));
+                       ? RelaxationTermination::cut_locus
+                       : relaxation_termination(end.termination);
   warn_of_host(context, result);
   warn_of_jumps(result);
   warn_of_compression(result, springs_at_cut_loci, triangles_at_cut_loci);

@@ -92,7 +92,7 @@ class SupportFollower {
     now_.energy = stop.energy = end.value;
     now_.gradient_norm = stop.gradient_norm = end.gradient.norm();
     now_.iterations += stop.iterations;
-    stop.stopped = std::string(numerics::to_string(now_.termination));
+    stop.stopped = relaxation_termination(now_.termination);
     stop.reached = scene_.load() - (target - 1);
     return stop;
   }

@@ -79,7 +79,7 @@ class SurfaceFollower {
     stop.energy = now_.energy;
     stop.gradient_norm = now_.gradient_norm;
     stop.iterations = now_.iterations - iterations_before;
-    stop.stopped = std::string(numerics::to_string(now_.termination));
+    stop.stopped = relaxation_termination(now_.termination);
     return stop;
   }
 

@@ -18,6 +18,17 @@
 namespace supple::surface {
 namespace {
 
+KarcherTermination termination_of(numerics::MinimizerTermination termination) {
+  switch (termination) {
+    case numerics::MinimizerTermination::converged:
+      return KarcherTermination::converged;
+    case numerics::MinimizerTermination::iteration_limit:
+      return KarcherTermination::iteration_limit;
+    default:
+      return KarcherTermination::step_too_small;
+  }
+}
+
 /// Expected number of positions at which a mean evaluates distances after its start, by method. The choice of the
 /// search uses them. They are rounded means over the benchmark's meshes (docs/bench/karcher.md).
 constexpr std::int64_t expected_evaluations_newton = 9;
@@ -288,7 +299,7 @@ class Search {
     mean_.objective = mean_.history.back().objective;
     mean_.gradient_norm = mean_.history.back().gradient_norm;
     const bool kink = stop == numerics::MinimizerTermination::converged && is_at_kink(evaluated_state());
-    mean_.stopped = kink ? "kink" : std::string(numerics::to_string(stop));
+    mean_.stopped = kink ? KarcherTermination::kink : termination_of(stop);
     return std::move(mean_);
   }
 
@@ -378,6 +389,20 @@ KarcherMean karcher_mean(const GeodesicSolver& solver, const KarcherProblem& pro
                                problem.starts > 1 ? "asked for" : "one start was asked for", problem.starts - 1);
   execution.checkpoint(1, "step");
   return mean;
+}
+
+std::string_view to_string(KarcherTermination termination) {
+  switch (termination) {
+    case KarcherTermination::converged:
+      return "converged";
+    case KarcherTermination::kink:
+      return "kink";
+    case KarcherTermination::step_too_small:
+      return "step_too_small";
+    case KarcherTermination::iteration_limit:
+      break;
+  }
+  return "iteration_limit";
 }
 
 }  // namespace supple::surface

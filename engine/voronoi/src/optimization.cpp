@@ -15,6 +15,17 @@
 namespace supple::voronoi {
 namespace {
 
+OptimizationTermination termination_of(numerics::MinimizerTermination termination) {
+  switch (termination) {
+    case numerics::MinimizerTermination::converged:
+      return OptimizationTermination::converged;
+    case numerics::MinimizerTermination::iteration_limit:
+      return OptimizationTermination::iteration_limit;
+    default:
+      return OptimizationTermination::step_too_small;
+  }
+}
+
 void check(const OptimizationOptions& options, std::size_t sites) {
   std::vector<Error::Detail> faults;
   const ObjectiveWeights& w = options.weights;
@@ -172,7 +183,7 @@ class Search {
       termination = minimize(std::hypot(step_length, pass.step_length));
       if (pass.complete && before - result_.energy <= min_pass_gain * before) break;
     }
-    result_.stopped = numerics::to_string(termination);
+    result_.stopped = termination_of(termination);
   }
 
  private:
@@ -286,6 +297,18 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   result.diagram = std::move(end.evaluation()->diagram);
   result.after = statistics(solver, result.diagram, unreported);
   return result;
+}
+
+std::string_view to_string(OptimizationTermination termination) {
+  switch (termination) {
+    case OptimizationTermination::converged:
+      return "converged";
+    case OptimizationTermination::step_too_small:
+      return "step_too_small";
+    case OptimizationTermination::iteration_limit:
+      break;
+  }
+  return "iteration_limit";
 }
 
 }  // namespace supple::voronoi

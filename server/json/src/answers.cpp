@@ -131,7 +131,7 @@ std::string write_karcher_mean(const KarcherMeanRequest& request, const Triangle
         .field("regularization", step.regularization)
         .end_object();
   }
-  out.end_array().field("stopped", mean.stopped);
+  out.end_array().field("stopped", surface::to_string(mean.stopped));
   out.key("accuracy")
       .begin_object()
       .field("tolerance", request.tolerance)

@@ -76,7 +76,7 @@ void write_host(JsonWriter& out, const embedded::Relaxation& relaxation) {
           .field("iterations", stop.iterations)
           .field("load_steps", stop.load_steps)
           .field("jumps", stop.jumps)
-          .field("stopped", stop.stopped)
+          .field("stopped", embedded::to_string(stop.stopped))
           .field("reached", stop.reached)
           .end_object();
     out.end_array();
@@ -119,7 +119,7 @@ std::string write_embedded_system(const EmbeddedSystemRequest& request, const su
   write_terms(out, options, network, relaxation);
   out.field("gradient_norm", relaxation.gradient_norm).field("iterations", relaxation.iterations);
   write_relaxation_history(out, relaxation.history);
-  out.field("stopped", relaxation.stopped).field("mollified", relaxation.mollified);
+  out.field("stopped", embedded::to_string(relaxation.stopped)).field("mollified", relaxation.mollified);
   write_indices(out.key("at_vertices"), relaxation.at_vertices);
   write_indices(out.key("loose_points"), relaxation.loose_points);
   write_warnings(out, relaxation.warnings);

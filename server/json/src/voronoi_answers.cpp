@@ -243,7 +243,7 @@ std::string write_voronoi_optimization(const VoronoiOptimizationRequest& request
   out.end_array();
   out.field("gradient_norm", optimization.gradient_norm).field("iterations", optimization.iterations);
   write_optimization_history(out, optimization.history);
-  out.field("stopped", optimization.stopped);
+  out.field("stopped", voronoi::to_string(optimization.stopped));
   if (optimization.site_moves.held_searches > 0) write_site_moves(out, optimization.site_moves);
   out.key("statistics").begin_object();
   write_statistics(out, "before", optimization.before);

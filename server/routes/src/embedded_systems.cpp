@@ -110,7 +110,7 @@ store::Result compute(const EmbeddedSystemRequest& request, const store::LoadedM
     return json_result(json::write_embedded_system(request, surface(), built.network, relaxation, triangles, bill));
   }
   auto result = file_result(format->media_type, std::move(body), bill);
-  result.headers.emplace_back("Supple-Stopped", relaxation.stopped);
+  result.headers.emplace_back("Supple-Stopped", embedded::to_string(relaxation.stopped));
   add_largest_distance(result, request.points_in_space);
   return result;
 }

@@ -128,7 +128,7 @@ store::Result compute(const json::VoronoiOptimizationRequest& request,
   if (!format) return json_result(json::write_voronoi_optimization(request, mesh.mesh(), optimization, bill, limits));
   auto result = file_result(format->media_type, std::move(body), bill);
   add_largest_distance(result, request.points_in_space);
-  result.headers.emplace_back("Supple-Stopped", optimization.stopped);
+  result.headers.emplace_back("Supple-Stopped", voronoi::to_string(optimization.stopped));
   return result;
 }
 

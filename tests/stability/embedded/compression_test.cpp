@@ -14,7 +14,7 @@ TEST(HardNetworks, SpringsUnderCompressionEndAtTheCutLocusAndSaySo) {
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     EXPECT_LT(relaxed.energy, relaxed.history.front().energy);
     EXPECT_TRUE(relaxed.springs[0].compressed);
-    EXPECT_NE(relaxed.stopped, "iteration_limit");
+    EXPECT_NE(relaxed.stopped, RelaxationTermination::iteration_limit);
     ASSERT_FALSE(relaxed.warnings.empty());
     EXPECT_NE(relaxed.warnings.front().find("shorter than at rest"), std::string::npos) << relaxed.warnings.front();
   }
@@ -31,7 +31,7 @@ TEST(HardNetworks, PushingSpringsThatHaveRoom) {
   hard.options.max_iterations = 1000;
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
   EXPECT_LT(relaxed.energy, relaxed.history.front().energy);
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_TRUE(std::ranges::any_of(relaxed.springs, &SpringState::compressed));
 }
 
@@ -51,7 +51,7 @@ TEST(HardNetworks, AStraightChainThatBuckles) {
   }
   hard.network.points[3] = hard.near(5, 5.01, 0);
   const Relaxation buckled = relax(hard.solver, hard.network, hard.options);
-  EXPECT_EQ(buckled.stopped, "converged");
+  EXPECT_EQ(buckled.stopped, RelaxationTermination::converged);
   EXPECT_LT(buckled.energy, 1e-12);
   for (const SpringState& spring : buckled.springs) EXPECT_NEAR(spring.length, 1.2, 1e-6);
 }

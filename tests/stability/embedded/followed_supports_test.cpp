@@ -73,7 +73,7 @@ void expect_supports_to_be_followed(const Host& host) {
                                       std::vector<std::function<Vector3d(const Vector3d&)>>{hardly}}) {
             const Relaxation end = hard.follow(motions);
             // If the search at rest did not converge, following goes on with it.
-            const double accuracy = hard.rest.stopped == "converged" ? 1e-7 : 1e-5;
+            const double accuracy = hard.rest.stopped == RelaxationTermination::converged ? 1e-7 : 1e-5;
             EXPECT_NEAR(end.energy, hard.rest.energy, accuracy * hard.rest.energy);
             EXPECT_LT(hard.farthest(end.points), 100 * accuracy * hard.mesh->diagonal());
             EXPECT_EQ(jumps_at_supports(end), 0);
@@ -85,7 +85,7 @@ void expect_supports_to_be_followed(const Host& host) {
             return p + way * std::sin(2 * p.y()) * Vector3d(0.3, 0, 1);
           };
           const Relaxation back = hard.follow({bent, same});
-          if (hard.rest.stopped == "converged" && jumps_at_supports(back) == 0) {
+          if (hard.rest.stopped == RelaxationTermination::converged && jumps_at_supports(back) == 0) {
             EXPECT_NEAR(back.energy, hard.rest.energy, 1e-6 * hard.rest.energy);
             EXPECT_LT(hard.farthest(back.points), 1e-3 * hard.mesh->diagonal());
           }
@@ -123,7 +123,7 @@ void expect_return_or_jump(std::uint64_t seed) {
   }
   hard.options.host = shell;
   const Relaxation rest = relax(hard.solver, hard.network, hard.options);
-  if (rest.stopped != "converged") return;
+  if (rest.stopped != RelaxationTermination::converged) return;
   std::int32_t moved = random.below(vertices);
   while (std::ranges::find(shell.fixed_vertices, moved) != shell.fixed_vertices.end()) moved = random.below(vertices);
   // The vertex's position in equilibrium, to which the reverse motion returns.
@@ -133,7 +133,7 @@ void expect_return_or_jump(std::uint64_t seed) {
   shell.moved_vertices = {{moved, {home, home + way, home}}};
   hard.options.host = shell;
   const Relaxation back = relax(hard.solver, hard.network, hard.options);
-  if (back.stopped != "converged" || back.stops.size() < 3 || jumps_at_supports(back) > 0) return;
+  if (back.stopped != RelaxationTermination::converged || back.stops.size() < 3 || jumps_at_supports(back) > 0) return;
   EXPECT_NEAR(back.energy, back.stops.front().energy, 2e-7 * std::abs(back.energy));
 }
 
@@ -155,7 +155,7 @@ TEST(FollowedSupports, OfAShellThatBucklesCountAJumpThoughThePredictionWasBad) {
   for (const double share : {0.2, 0.4, 0.6, 0.8, 1.0}) {
     SCOPED_TRACE(share);
     const Relaxation back = hard.follow({share * BucklingShell::way_to_buckling, start});
-    EXPECT_EQ(back.stopped, "converged");
+    EXPECT_EQ(back.stopped, RelaxationTermination::converged);
     EXPECT_EQ(jumps_at_supports(back) > 0, back.energy < (1 - 1e-7) * rest) << back.energy << ", before " << rest;
     if (share == 1) {
       EXPECT_EQ(jumps_at_supports(back), 1);

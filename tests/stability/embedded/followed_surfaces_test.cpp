@@ -112,7 +112,7 @@ TEST(FollowedSurface, LossesAreCountedAndNothingElse) {
     Follower hard(seed % 2 == 0 ? testing::torus(9, 5) : testing::icosphere(1));
     draw_network(hard, {.points = 14, .fixed = 2}, random);
     hard.come_to_rest();
-    if (hard.rest.stopped != "converged") continue;
+    if (hard.rest.stopped != RelaxationTermination::converged) continue;
     const Relaxation back = hard.follow({waved(*hard.mesh, 0.02), hard.mesh->positions()});
     const double change = std::abs(back.energy - hard.rest.energy) / hard.rest.energy;
     const bool has_jumped = Follower::jumps_of(back) > 0;
@@ -140,7 +140,7 @@ TEST(FollowedSurface, ANetworkThatCanSpinDoesNotSpin) {
   hard.network.springs = {{0, 1, 1, 1}, {1, 2, 1.1, 1}, {2, 0, 1.2, 1}};
   hard.come_to_rest();
   const Relaxation end = hard.follow({hard.mesh->positions(), scaled(*hard.mesh, 1 + 1e-9), scaled(*hard.mesh, 1.01)});
-  EXPECT_EQ(end.stopped, "converged");
+  EXPECT_EQ(end.stopped, RelaxationTermination::converged);
   EXPECT_EQ(Follower::jumps_of(end), 0);
   EXPECT_LT(hard.farthest(end.points), 0.02 * hard.mesh->diagonal());
 }
@@ -162,7 +162,7 @@ TEST(FollowedSurface, ALoopThatSlipsOffIsCountedAsAJump) {
   }
   for (std::int32_t k = 0; k < 6; ++k) body.network.springs.push_back({k, (k + 1) % 6, 0.2, 1});
   body.come_to_rest();
-  ASSERT_EQ(body.rest.stopped, "converged");
+  ASSERT_EQ(body.rest.stopped, RelaxationTermination::converged);
   const auto lies_at = [&](const surface::TriangleMesh& mesh, const Relaxation& end) {
     return surface::position(mesh, end.points[0]).z();
   };

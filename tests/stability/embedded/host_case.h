@@ -54,7 +54,7 @@ class HostCase {
   /// The equilibrium, after checking that it is one.
   Relaxation solve() const {
     const Relaxation relaxed = relax(solver, network, options);
-    EXPECT_EQ(relaxed.stopped, "converged") << "gradient " << relaxed.gradient_norm;
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged) << "gradient " << relaxed.gradient_norm;
     EXPECT_LE(relaxed.gradient_norm, relaxed.gradient_tolerance);
     EXPECT_LE(relaxed.gradient_norm, 1e-6);
     check_descent(relaxed);

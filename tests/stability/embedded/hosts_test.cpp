@@ -58,7 +58,9 @@ TEST(HardHosts, AMembraneUnderCompressionBlowsItsHostUp) {
     EXPECT_GT(relaxed.host.volume_ratio, 1.05);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
     // The search oscillates across a valley, or ends in it.
-    EXPECT_TRUE(relaxed.stopped == "cut_locus" || relaxed.stopped == "iteration_limit") << relaxed.stopped;
+    EXPECT_TRUE(relaxed.stopped == RelaxationTermination::cut_locus ||
+                relaxed.stopped == RelaxationTermination::iteration_limit)
+        << to_string(relaxed.stopped);
     EXPECT_LT(relaxed.history.back().step_length, 0.05);
     // Stretched instead, the same membrane reaches an equilibrium and compresses its host.
     hard.network.triangles = membrane_at_rest(hard.solver, hard.network.points, corners, 0.9);
@@ -130,7 +132,7 @@ TEST(HardHosts, SpringsAcrossCutLociOfAHostThatMoves) {
       }
       const Relaxation pushed = relax(hard.solver, hard.network, hard.options);
       hard.check_descent(pushed);
-      EXPECT_EQ(pushed.stopped, "cut_locus");
+      EXPECT_EQ(pushed.stopped, RelaxationTermination::cut_locus);
       EXPECT_TRUE(std::ranges::any_of(
           pushed.springs, [](const SpringState& spring) { return spring.compressed && spring.at_cut_locus; }));
     }
@@ -360,8 +362,9 @@ TEST(HardHosts, StiffShellsUnderLooseSpringsConverge) {
     hard.options.host = ShellHost{.thickness = 0.05, .youngs_modulus = 1 / 0.05, .poisson_ratio = 0.3};
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     // On a deformable host, compressed paths are not kept at their cut loci.
-    EXPECT_TRUE(relaxed.stopped == "converged" || relaxed.stopped == "cut_locus")
-        << relaxed.stopped << ", gradient " << relaxed.gradient_norm << " of " << relaxed.gradient_tolerance;
+    EXPECT_TRUE(relaxed.stopped == RelaxationTermination::converged ||
+                relaxed.stopped == RelaxationTermination::cut_locus)
+        << to_string(relaxed.stopped) << ", gradient " << relaxed.gradient_norm << " of " << relaxed.gradient_tolerance;
   }
 }
 

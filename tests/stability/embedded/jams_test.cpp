@@ -31,7 +31,9 @@ void expect_no_jam(std::uint64_t seed, const RandomSprings& drawn) {
   NetworkCase hard(testing::torus(24, 12));
   draw_network(hard, drawn, random);
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-  EXPECT_TRUE(relaxed.stopped == "converged" || relaxed.stopped == "cut_locus") << relaxed.stopped;
+  EXPECT_TRUE(relaxed.stopped == RelaxationTermination::converged ||
+              relaxed.stopped == RelaxationTermination::cut_locus)
+      << to_string(relaxed.stopped);
   Network held = hard.network;
   held.points = relaxed.points;
   for (const std::int32_t end : ends_at_cut_loci(hard.network, relaxed)) held.fixed_points.push_back(end);
@@ -63,9 +65,9 @@ TEST(Jams, RidgesAreLeftOrNamed) {
     NetworkCase hard(is_torus ? testing::torus(9, 5) : testing::icosphere(1));
     draw_network(hard, {.points = 14, .shortest = 0.6, .longest = 1.3, .fixed = 2}, random);
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-    if (relaxed.stopped != "converged" && relaxed.stopped != "cut_locus") {
+    if (relaxed.stopped != RelaxationTermination::converged && relaxed.stopped != RelaxationTermination::cut_locus) {
       ++unfinished;
-      std::cout << "seed " << seed << " " << relaxed.stopped << "\n";
+      std::cout << "seed " << seed << " " << to_string(relaxed.stopped) << "\n";
     }
   }
   EXPECT_LE(unfinished, 2);
@@ -83,7 +85,7 @@ TEST(Jams, AnAnswerAtACutLocusIsNotLeftByAskingAgain) {
     hard.options.mollifier = Switch::off;
     draw_network(hard, {.points = 16, .shortest = 0.5, .longest = seed / 3 % 2 == 0 ? 1.3 : 1.6, .fixed = 2}, random);
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-    if (relaxed.stopped != "cut_locus") continue;
+    if (relaxed.stopped != RelaxationTermination::cut_locus) continue;
     ++jammed;
     hard.network.points = relaxed.points;
     const Relaxation again = relax(hard.solver, hard.network, hard.options);

@@ -42,7 +42,7 @@ TEST(HardMembranes, CompressedWhereThereIsNoRoom) {
     hard.cover(0.2 * mesh.diagonal(), 1.3);
     const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
     EXPECT_LE(relaxed.energy, relaxed.history.front().energy);
-    EXPECT_EQ(relaxed.stopped, "converged");
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
     hard.check(relaxed);
     EXPECT_GT(std::ranges::count_if(relaxed.triangles, &TriangleState::at_cut_locus), 5);
     for (const TriangleState& triangle : relaxed.triangles) EXPECT_GT(triangle.stretches[1], 0);
@@ -76,7 +76,7 @@ TEST(HardMembranes, NearlyIncompressible) {
   hard.options.max_iterations = 1000;
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
   EXPECT_LT(relaxed.energy, relaxed.history.front().energy);
-  EXPECT_NE(relaxed.stopped, "iteration_limit");
+  EXPECT_NE(relaxed.stopped, RelaxationTermination::iteration_limit);
 }
 
 // Hard: a mesh of needles, of whose faces each side crosses dozens.

@@ -53,11 +53,11 @@ struct MovedBar : HostCase {
   /// Also checks that all positions are reached, in equilibrium.
   Relaxation arrive() const {
     const Relaxation found = follow();
-    EXPECT_EQ(found.stopped, "converged");
+    EXPECT_EQ(found.stopped, RelaxationTermination::converged);
     EXPECT_LE(found.gradient_norm, found.gradient_tolerance);
     for (const LoadIncrement& stop : found.stops) {
       EXPECT_EQ(stop.reached, 1);
-      EXPECT_EQ(stop.stopped, "converged");
+      EXPECT_EQ(stop.stopped, RelaxationTermination::converged);
     }
     std::visit(
         [&](const auto& host) {
@@ -109,7 +109,7 @@ TEST(HardMoves, HalfATurnOnTheStraightWay) {
   ASSERT_EQ(found.stops.size(), 1U);
   EXPECT_GT(found.stops[0].reached, 0.4);
   EXPECT_LT(found.stops[0].reached, 0.5);
-  EXPECT_NE(found.stopped, "converged");
+  EXPECT_NE(found.stopped, RelaxationTermination::converged);
 }
 
 // Hard: one end should become its mirror image, which no body can do. The search goes on until the end is flat.
@@ -120,7 +120,7 @@ TEST(HardMoves, SoFarThatTetrahedraWouldBeTurnedInsideOut) {
   ASSERT_EQ(found.stops.size(), 1U);
   EXPECT_GT(found.stops[0].reached, 0.3);
   EXPECT_LT(found.stops[0].reached, 1.0 / 3);
-  EXPECT_NE(found.stopped, "converged");
+  EXPECT_NE(found.stopped, RelaxationTermination::converged);
 }
 
 // Hard: an end is pushed through the other one and out at its back. Contact is neglected, so all tetrahedra can keep

@@ -56,7 +56,7 @@ class NetworkCase {
   /// increased and agrees with its definition, and up to 40 free points have no lower energy in any of 16 directions.
   Relaxation solve() const {
     const Relaxation relaxed = relax(solver, network, options);
-    EXPECT_EQ(relaxed.stopped, "converged");
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
     check(relaxed);
     return relaxed;
   }

@@ -13,7 +13,7 @@ TEST(HardNetworks, WeightsOfTwelveOrdersOfMagnitude) {
     hard.network.springs[i].weight = std::pow(10.0, -6.0 + static_cast<double>(i % 13));
   hard.network.fixed_points = {0, 40, 80};
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_LT(relaxed.energy, relaxed.history.front().energy);
 }
 

@@ -47,7 +47,7 @@ TEST(HardNetworks, StartsWithAllPointsInOnePlace) {
     for (int j = 0; j < i; ++j) hard.network.springs.push_back({i, j, (i + j) % 2 == 0 ? 0.0 : 0.4, 1});
   hard.network.fixed_points = {0};
   const Relaxation relaxed = relax(hard.solver, hard.network, hard.options);
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_LT(relaxed.energy, 0.5 * relaxed.history.front().energy);
 }
 

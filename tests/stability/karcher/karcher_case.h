@@ -39,7 +39,8 @@ class KarcherCase {
   /// radii, not above its start, and an objective that the definition confirms.
   KarcherMean solve() const {
     const KarcherMean mean = karcher_mean(solver, problem);
-    EXPECT_TRUE(mean.stopped == "converged" || mean.stopped == "kink") << mean.stopped;
+    EXPECT_TRUE(mean.stopped == KarcherTermination::converged || mean.stopped == KarcherTermination::kink)
+        << to_string(mean.stopped);
     EXPECT_LE(mean.gradient_norm, problem.tolerance * mesh->diagonal());
     EXPECT_LE(mean.objective, mean.history.front().objective);
     const double rounding = 1e-12 * (1 + mean.objective);

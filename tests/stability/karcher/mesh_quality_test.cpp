@@ -59,7 +59,7 @@ TEST(KarcherMeshQuality, TheMeanScalesWithTheMesh) {
     KarcherProblem problem;
     for (int i = 0; i < 4; ++i) problem.points.push_back(testing::random_point(*mesh, random));
     const KarcherMean mean = karcher_mean(solver, problem);
-    EXPECT_EQ(mean.stopped, "converged") << scale;
+    EXPECT_EQ(mean.stopped, KarcherTermination::converged) << scale;
     if (scale == 1.0) expected = mean.position;
     EXPECT_LT((mean.position / scale - expected).norm(), 1e-8) << scale;
   }

@@ -27,7 +27,7 @@ TEST(KarcherVertex, APinnedMeanIsFoundExactlyAtTheSaddleVertex) {
        {MinimizationMethod::newton, MinimizationMethod::lbfgs, MinimizationMethod::gradient_descent}) {
     c.problem.method = method;
     const KarcherMean mean = c.solve();
-    EXPECT_EQ(mean.stopped, "kink");
+    EXPECT_EQ(mean.stopped, KarcherTermination::kink);
     EXPECT_EQ(mean.position, c.mesh->positions()[0]);
     EXPECT_LE(mean.iterations, 20);
   }
@@ -40,7 +40,7 @@ TEST(KarcherVertex, APinnedMeanStaysAtTheVertexWhileTheWeightsChangeALittleAndLe
   EXPECT_EQ(c.solve().position, c.mesh->positions()[0]);
   c.problem.weights = {10, 1, 1, 1};
   const KarcherMean moved = c.solve();
-  EXPECT_EQ(moved.stopped, "converged");
+  EXPECT_EQ(moved.stopped, KarcherTermination::converged);
   EXPECT_GT((moved.position - c.mesh->positions()[0]).norm(), 0.1);
 }
 

@@ -117,12 +117,12 @@ TEST(SingleMoves, DoNotLowerTheEnergyOfAnAnswerThatCallsItselfDone) {
                               " faces, " + std::to_string(sites.size()) + " sites, " + to_words(options.weights);
     std::cout << scene << std::endl;
     const Optimization answer = optimize(solver, sites, options);
-    const bool is_done = answer.stopped == "step_too_small";
-    const double gain = answer.stopped == "iteration_limit"
+    const bool is_done = answer.stopped == OptimizationTermination::step_too_small;
+    const double gain = answer.stopped == OptimizationTermination::iteration_limit
                             ? 0
                             : gain_of_single_moves(solver, options, answer, is_done ? 0.3 : 0.03, random);
     const double restarted = is_done ? 1 - optimize(solver, answer.diagram.sites, options).energy / answer.energy : 0;
-    std::cout << "  " << answer.stopped << " after " << answer.iterations << " iterations and "
+    std::cout << "  " << to_string(answer.stopped) << " after " << answer.iterations << " iterations and "
               << answer.site_moves.passes << " passes (" << answer.site_moves.tried << " moves) at " << answer.energy
               << " of " << answer.history.front().energy << "; a move gains " << gain << ", a restart " << restarted
               << std::endl;

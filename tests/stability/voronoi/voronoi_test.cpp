@@ -263,7 +263,7 @@ TEST(VoronoiHardCases, DerivativesHoldNextToAChangeOfNeighbours) {
     OptimizationOptions options;
     options.weights.equal_area = 1;
     const Optimization found = optimize(solver, sites, options);
-    EXPECT_EQ(found.stopped, "converged") << offset;
+    EXPECT_EQ(found.stopped, OptimizationTermination::converged) << offset;
     EXPECT_LT(found.after.area.deviation, 1e-6);
   }
 }

@@ -88,7 +88,7 @@ TEST(CutLoci, APushedPointComesToRestOnTheLineWhereTwoPathsAreEquallyLong) {
     const PushedPoint scene{.off = off};
     const Relaxation relaxed = relax(tube.solver, scene.network(tube), {.tolerance = 1e-13, .paths = true});
     const double z = scene.height_at_rest();
-    EXPECT_EQ(relaxed.stopped, "converged") << off;
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged) << off;
     EXPECT_LE(relaxed.iterations, 8) << off;
     EXPECT_LT((surface::position(tube.mesh, relaxed.points[1]) - Vector3d(0.5, 1, z)).norm(), 1e-12) << off;
     EXPECT_NEAR(relaxed.energy, scene.on_line(z)[0], 1e-12);
@@ -106,7 +106,7 @@ TEST(CutLoci, APointThatIsPulledOffTheLineLeavesIt) {
   // The point starts before the line. Its equilibrium is behind it, since the pulling spring is the stronger one there.
   const PushedPoint scene{.hold = 60, .off = 0.4};
   const Relaxation relaxed = relax(tube.solver, scene.network(tube));
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_FALSE(relaxed.springs[0].at_cut_locus);
   EXPECT_LT(surface::position(tube.mesh, relaxed.points[1]).x(), 0.49);
 }
@@ -199,7 +199,7 @@ TEST(CutLoci, ThreePathsHoldAPointThatASpringPushesAsFarAsItCanGo) {
   network.springs = {{0, 1, 4, 1}};
   network.fixed_points = {0};
   const Relaxation relaxed = relax(solver, network);
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_LE(relaxed.iterations, 15);
   EXPECT_TRUE(relaxed.springs[0].at_cut_locus);
   // The distance decreases in every direction.
@@ -222,7 +222,7 @@ TEST(CutLoci, AreFollowedOnASurfaceThatMoves) {
   wider.rest = 4 / 1.3;
   ASSERT_EQ(relaxed.stops.size(), 2U);
   for (const LoadIncrement& stop : relaxed.stops) {
-    EXPECT_EQ(stop.stopped, "converged");
+    EXPECT_EQ(stop.stopped, RelaxationTermination::converged);
     EXPECT_LE(stop.iterations, 8);
     EXPECT_EQ(stop.load_steps, 1);
   }
@@ -247,7 +247,7 @@ TEST(CutLoci, SidesThatPushAreKeptThereInAMembrane) {
     const GeodesicSolver stretched(testing::share(rest.with_positions(positions)));
     relaxed = relax(stretched, network, {.tolerance = 1e-9 / stretched.mesh().diagonal(), .mollifier = Switch::off});
     network.points = relaxed.points;
-    EXPECT_EQ(relaxed.stopped, "converged");
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   }
   EXPECT_LE(relaxed.iterations, 10);
   EXPECT_TRUE(std::ranges::any_of(relaxed.triangles, &TriangleState::at_cut_locus));

@@ -49,7 +49,7 @@ double energy_of(const Relaxation& relaxation) {
 }
 
 void expect_equilibrium(const Relaxation& relaxation) {
-  EXPECT_EQ(relaxation.stopped, "converged");
+  EXPECT_EQ(relaxation.stopped, RelaxationTermination::converged);
   EXPECT_LE(relaxation.gradient_norm, relaxation.gradient_tolerance);
   EXPECT_NEAR(energy_of(relaxation), relaxation.energy, 1e-10 * std::abs(relaxation.energy));
   for (std::size_t i = 1; i < relaxation.history.size(); ++i)
@@ -72,7 +72,7 @@ TEST(Hosts, AShellBulgesBetweenTheSpringsOfATightNetwork) {
   ShellHost kept = soft_shell();
   kept.volume_weight = 1e5;
   const Relaxation full = relax(solver, network, {.host = kept});
-  EXPECT_EQ(full.stopped, "converged");
+  EXPECT_EQ(full.stopped, RelaxationTermination::converged);
   EXPECT_NEAR(full.host.volume_ratio, 1.05, 1e-3);
   EXPECT_GT(found.host.largest_displacement, 0.01);
   // Faces under springs are pulled inwards, and faces between them bulge.
@@ -123,7 +123,7 @@ TEST(Hosts, AStiffOneGivesWayAsLittleAsItIsStiff) {
   for (const double youngs_modulus : {1e4, 1e6, 1e8}) {
     ShellHost shell{.thickness = 0.1, .youngs_modulus = youngs_modulus, .poisson_ratio = 0.3};
     const Relaxation found = relax(solver, network, {.host = shell});
-    EXPECT_EQ(found.stopped, "converged");
+    EXPECT_EQ(found.stopped, RelaxationTermination::converged);
     EXPECT_LT(found.energy, rigid.energy);
     EXPECT_LT(found.host.largest_displacement, 0.1 * last);
     last = found.host.largest_displacement;
@@ -174,8 +174,8 @@ TEST(Hosts, TheSupportsTakeNoForceAndTheirPlaceDoesNotMatter) {
   const Relaxation one = relax(solver, network, {.host = shell});
   shell.fixed_vertices = {7};
   const Relaxation other = relax(solver, network, {.host = shell});
-  EXPECT_EQ(one.stopped, "converged");
-  EXPECT_EQ(other.stopped, "converged");
+  EXPECT_EQ(one.stopped, RelaxationTermination::converged);
+  EXPECT_EQ(other.stopped, RelaxationTermination::converged);
   EXPECT_NEAR(other.energy, one.energy, 1e-9 * one.energy);
   EXPECT_EQ(
       std::ranges::count_if(one.warnings, [](const std::string& warning) { return warning.find("No fixed") == 0; }), 1);
@@ -231,11 +231,11 @@ TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
   RelaxationOptions options{.host = host};
   options.observer = [&](const RelaxationStep&, std::span<const SurfacePoint>, const TriangleMesh&) { ++states; };
   const Relaxation found = relax(solver, network, options);
-  EXPECT_EQ(found.stopped, "converged");
+  EXPECT_EQ(found.stopped, RelaxationTermination::converged);
   ASSERT_EQ(found.stops.size(), 10U);
   int iterations = 0;
   for (const LoadIncrement& stop : found.stops) {
-    EXPECT_EQ(stop.stopped, "converged");
+    EXPECT_EQ(stop.stopped, RelaxationTermination::converged);
     EXPECT_LE(stop.gradient_norm, found.gradient_tolerance);
     iterations += stop.iterations;
   }
@@ -268,8 +268,8 @@ TEST(Hosts, AMovingSurfaceGoesOnWhereItsNetworkCannotFollow) {
   // One iteration is too few for a step of any length.
   const Relaxation found = relax(solver, network, {.host = host, .max_iterations = 1});
   ASSERT_EQ(found.stops.size(), 2U);
-  for (const LoadIncrement& stop : found.stops) EXPECT_EQ(stop.stopped, "iteration_limit");
-  EXPECT_EQ(found.stopped, "iteration_limit");
+  for (const LoadIncrement& stop : found.stops) EXPECT_EQ(stop.stopped, RelaxationTermination::iteration_limit);
+  EXPECT_EQ(found.stopped, RelaxationTermination::iteration_limit);
   EXPECT_EQ(found.host.vertices, host.positions.back());
   // The points are on the surface at its last position, and have the reported energy there.
   const GeodesicSolver last(testing::share(mesh->with_positions(found.host.vertices)));

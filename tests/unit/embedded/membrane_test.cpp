@@ -168,7 +168,7 @@ TEST(Membranes, FollowAUniformStretchOfTheirBorderInThePlane) {
   }
   CostLedger bill;
   const Relaxation relaxed = relax(solver, network, {.tolerance = 1e-12}, {.cost = &bill});
-  EXPECT_EQ(relaxed.stopped, "converged");
+  EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_LE(relaxed.iterations, 12);
   for (std::size_t k = 0; k < moved.size(); ++k) {
     const Eigen::Vector3d p = surface::position(mesh, relaxed.points[k]);
@@ -199,7 +199,7 @@ TEST(Membranes, ConvergeQuadraticallyOnATorus) {
   Network network = membrane_of(solver, points, 0.9);
   network.fixed_points = {0};
   const Relaxation relaxed = relax(solver, network, {.tolerance = 1e-11});
-  ASSERT_EQ(relaxed.stopped, "converged");
+  ASSERT_EQ(relaxed.stopped, RelaxationTermination::converged);
   EXPECT_LE(relaxed.iterations, 25);
   const auto& history = relaxed.history;
   const double before = history[history.size() - 2].gradient_norm;
@@ -226,7 +226,7 @@ TEST(Membranes, ComeToRestWithPointsAtVertices) {
     }
     if (flat) continue;
     const Relaxation relaxed = relax(solver, network, {.tolerance = 1e-10});
-    EXPECT_EQ(relaxed.stopped, "converged") << seed;
+    EXPECT_EQ(relaxed.stopped, RelaxationTermination::converged) << seed;
     // No direction lowers the energy.
     const std::shared_ptr<NetworkEnergy> elements = network_term(solver, network, {false, true, true, true}).energy;
     const auto energy_at = [&](const SurfacePoint& at) {

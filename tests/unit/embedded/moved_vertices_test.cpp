@@ -83,7 +83,7 @@ TEST(MovedVertices, ComeToTheirPositionsAndTheRestOfTheHostAndTheNetworkFollow) 
     host.moved_vertices = bar.right(1, lifted);
     CostLedger cost;
     const Relaxation found = relax(*bar.solver, bar.network, {.host = host}, {.cost = &cost});
-    EXPECT_EQ(found.stopped, "converged");
+    EXPECT_EQ(found.stopped, RelaxationTermination::converged);
     EXPECT_LE(found.gradient_norm, found.gradient_tolerance);
     ASSERT_EQ(found.stops.size(), 1U);
     EXPECT_EQ(found.stops[0].reached, 1);
@@ -100,7 +100,7 @@ TEST(MovedVertices, ComeToTheirPositionsAndTheRestOfTheHostAndTheNetworkFollow) 
     // The number of positions does not change the end.
     host.moved_vertices = bar.right(4, lifted);
     const Relaxation slow = relax(*bar.solver, bar.network, {.host = host});
-    EXPECT_EQ(slow.stopped, "converged");
+    EXPECT_EQ(slow.stopped, RelaxationTermination::converged);
     EXPECT_EQ(slow.stops.size(), 4U);
     EXPECT_NEAR(slow.energy, found.energy, 1e-8 * found.energy);
     // The iterations are those at the start and those of every load increment.
@@ -126,8 +126,8 @@ TEST(MovedVertices, ThatGoTheWayOfARigidBodyTakeAllAlongWithoutAChangeOfEnergy) 
   const Relaxation before = relax(*bar.solver, bar.network, {.host = host});
   for (MovedVertex& one : host.moved_vertices) one.positions[0] = turn * one.positions[0] + Vector3d(5, -3, 2);
   const Relaxation after = relax(*bar.solver, bar.network, {.host = host});
-  EXPECT_EQ(before.stopped, "converged");
-  EXPECT_EQ(after.stopped, "converged");
+  EXPECT_EQ(before.stopped, RelaxationTermination::converged);
+  EXPECT_EQ(after.stopped, RelaxationTermination::converged);
   EXPECT_NEAR(after.energy, before.energy, 1e-9 * before.energy);
   for (std::size_t i = 0; i < before.host.vertices.size(); ++i)
     EXPECT_LT((turn * before.host.vertices[i] + Vector3d(5, -3, 2) - after.host.vertices[i]).norm(), 1e-6);
@@ -255,7 +255,7 @@ TEST(MovedVertices, GoAsFarAsElementsKeepTheirVolumeAndSayHowFar) {
     ASSERT_LE(found.stops.size(), 2U);
     const LoadIncrement& last = found.stops.back();
     EXPECT_LT(last.reached, 1);
-    EXPECT_NE(last.stopped, "converged");
+    EXPECT_NE(last.stopped, RelaxationTermination::converged);
     EXPECT_EQ(found.stopped, last.stopped);
     EXPECT_TRUE(says_how_far(found));
     EXPECT_TRUE(std::isfinite(found.energy));
@@ -334,7 +334,7 @@ TEST(MovedVertices, OfWhichNoneCanGiveWayAreMovedAllTheSame) {
   Network network = bar.network;
   for (std::size_t i = 0; i < network.points.size(); ++i) network.fixed_points.push_back(static_cast<std::int32_t>(i));
   const Relaxation found = relax(*bar.solver, network, {.host = host});
-  EXPECT_EQ(found.stopped, "converged");
+  EXPECT_EQ(found.stopped, RelaxationTermination::converged);
   EXPECT_EQ(found.stops.at(0).reached, 1);
   EXPECT_NEAR(found.host.volume_ratio, std::pow(1.5, 3), 1e-12);
 }

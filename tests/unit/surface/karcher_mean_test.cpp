@@ -63,7 +63,7 @@ TEST(KarcherMean, OfPointsOfAPlaneIsTheirWeightedCentroid) {
         sum += problem.weights.back();
       }
       const KarcherMean mean = karcher_mean(scene.solver, problem);
-      EXPECT_EQ(mean.stopped, "converged");
+      EXPECT_EQ(mean.stopped, KarcherTermination::converged);
       EXPECT_LT((mean.position - centroid / sum).norm(), 1e-9);
       EXPECT_LE(mean.iterations, 2) << "on a plane the objective is one quadratic function";
     }
@@ -74,7 +74,7 @@ TEST(KarcherMean, OfOnePointIsThePoint) {
   Scene scene(testing::icosphere(2));
   const KarcherProblem problem = random_problem(*scene.mesh, 1, 3);
   const KarcherMean mean = karcher_mean(scene.solver, problem);
-  EXPECT_EQ(mean.stopped, "converged");
+  EXPECT_EQ(mean.stopped, KarcherTermination::converged);
   EXPECT_EQ(mean.iterations, 0);
   EXPECT_EQ(mean.objective, 0);
   EXPECT_LT((mean.position - position(*scene.mesh, problem.points[0])).norm(), 1e-15);
@@ -98,7 +98,7 @@ TEST(KarcherMean, OfFiveRandomPointsOnASphereConvergesEveryTime) {
   for (int trial = 0; trial < 100; ++trial) {
     const KarcherProblem problem = random_problem(*scene.mesh, 5, trial);
     const KarcherMean mean = karcher_mean(scene.solver, problem);
-    EXPECT_EQ(mean.stopped, "converged") << trial;
+    EXPECT_EQ(mean.stopped, KarcherTermination::converged) << trial;
     EXPECT_LE(mean.gradient_norm, 1e-9 * scene.mesh->diagonal()) << trial;
     EXPECT_NEAR(mean.objective, objective_at(scene.solver, problem, mean.mean), 1e-12) << trial;
   }
@@ -127,7 +127,7 @@ TEST(KarcherMean, IsTheSameByEveryMethodFromTheSameStartNearIt) {
     for (const MinimizationMethod method : all_methods) {
       problem.method = method;
       const KarcherMean other = karcher_mean(scene.solver, problem);
-      EXPECT_EQ(other.stopped, "converged");
+      EXPECT_EQ(other.stopped, KarcherTermination::converged);
       EXPECT_LT((other.position - newton.position).norm(), 1e-8);
     }
   }
@@ -281,7 +281,7 @@ TEST(KarcherMean, LooksAroundOnlyWhereALowerPlaceCanBeNextToIt) {
   Execution execution;
   execution.cost = &cost;
   const KarcherMean mean = karcher_mean(scene.solver, problem, execution);
-  ASSERT_EQ(mean.stopped, "converged");
+  ASSERT_EQ(mean.stopped, KarcherTermination::converged);
   const auto search = std::find_if(cost.stages().begin(), cost.stages().end(),
                                    [](const CostLedger::Stage& stage) { return stage.name == "search"; });
   ASSERT_NE(search, cost.stages().end());
@@ -304,7 +304,7 @@ TEST(KarcherMean, StopsAtTheIterationLimitAndSaysSo) {
   KarcherProblem problem = random_problem(*scene.mesh, 5, 0);
   problem.max_iterations = 1;
   const KarcherMean mean = karcher_mean(scene.solver, problem);
-  EXPECT_EQ(mean.stopped, "iteration_limit");
+  EXPECT_EQ(mean.stopped, KarcherTermination::iteration_limit);
   EXPECT_EQ(mean.iterations, 1);
 }
 

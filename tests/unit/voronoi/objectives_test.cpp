@@ -91,7 +91,7 @@ TEST(Optimization, MakesAreasEqualInAFewSteps) {
   OptimizationOptions options;
   options.weights.equal_area = 1;
   const Optimization result = optimized(options);
-  EXPECT_EQ(result.stopped, "converged");
+  EXPECT_EQ(result.stopped, OptimizationTermination::converged);
   EXPECT_LE(result.gradient_norm, result.gradient_tolerance);
   EXPECT_LE(result.iterations, 20);
   EXPECT_GT(result.before.area.deviation, 0.01);

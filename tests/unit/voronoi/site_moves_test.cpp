@@ -70,7 +70,7 @@ TEST(SiteMoves, OrSearchesWithHeldSitesLowerTheEnergyWhereNoStepForAllSitesDoes)
   options.weights.planarity = 1;
   options.max_iterations = 160;
   const Optimization answer = optimize(solver, random_sites(solver.mesh(), 20, 1), options);
-  EXPECT_EQ(answer.stopped, "iteration_limit");
+  EXPECT_EQ(answer.stopped, OptimizationTermination::iteration_limit);
   EXPECT_GT(answer.site_moves.held_searches, 0);
   EXPECT_LT(answer.energy, 0.5 * answer.site_moves.energy_before);
   EXPECT_EQ(answer.history.size(), static_cast<std::size_t>(answer.iterations) + 1);
@@ -112,7 +112,7 @@ TEST(SiteMoves, AreNotTriedWhereStepsSuffice) {
   OptimizationOptions options;
   options.weights.equal_area = 1;
   const Optimization answer = optimize(solver, random_sites(solver.mesh(), 30, 1), options);
-  EXPECT_EQ(answer.stopped, "converged");
+  EXPECT_EQ(answer.stopped, OptimizationTermination::converged);
   EXPECT_EQ(answer.site_moves.passes, 0);
 }
 

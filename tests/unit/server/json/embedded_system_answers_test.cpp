@@ -32,7 +32,7 @@ struct SmallNetwork {
     relaxation.gradient_norm = 0.25;
     relaxation.iterations = 1;
     relaxation.history = {{20, 2, 0, 0}, {16, 0.25, 1, 0.5}};
-    relaxation.stopped = "iteration_limit";
+    relaxation.stopped = embedded::RelaxationTermination::iteration_limit;
     relaxation.at_vertices = {0};
     relaxation.loose_points = {1};
     relaxation.warnings = {"One."};

@@ -128,7 +128,7 @@ TEST(VoronoiAnswers, TellWhereAnOptimizationEndedAndHowItGotThere) {
   optimization.gradient_tolerance = 0.125;
   optimization.iterations = 1;
   optimization.history = {{4, 1, 0}, {3, 0.25, 0.5}};
-  optimization.stopped = "iteration_limit";
+  optimization.stopped = voronoi::OptimizationTermination::iteration_limit;
   optimization.before.area.mean = 7;
   optimization.after = small.statistics;
   const auto answer = json::parse(write_voronoi_optimization(request, small.mesh, optimization, {}, {}));

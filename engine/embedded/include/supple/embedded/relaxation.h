@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "supple/base/effect_switch.h"
@@ -77,6 +78,22 @@ struct TriangleState {
   bool at_cut_locus = false;
 };
 
+/// Why a search for an equilibrium ended.
+enum class RelaxationTermination {
+  /// The gradient is within its tolerance. Springs or sides under compression may be at their cut loci, where the force
+  /// on an end is a convex combination over the shortest paths.
+  converged,
+  /// A gradient is left, but no step lowers the energy, since a length under compression is at its cut locus and not
+  /// differentiable. Steps of the other points with the ends of such paths fixed were tried too, and steps of these
+  /// ends
+  /// singly, in pairs and together.
+  cut_locus,
+  step_too_small,
+  iteration_limit
+};
+/// "converged", "cut_locus", "step_too_small" or "iteration_limit".
+std::string_view to_string(RelaxationTermination termination);
+
 /// One load increment: how the network followed a moving surface or moved vertices to one of their positions.
 struct LoadIncrement {
   double energy = 0;
@@ -86,7 +103,7 @@ struct LoadIncrement {
   /// How often the increment lost its equilibrium path, so that network and host went to another equilibrium of less
   /// energy. Under the reverse motion they need not return to where they were.
   int jumps = 0;
-  std::string stopped;  ///< as Relaxation::stopped
+  RelaxationTermination stopped = RelaxationTermination::converged;
   /// Fraction of the increment. It is below 1 if moved vertices cannot go on, because tetrahedra or faces would be
   /// inverted; this is then the last increment.
   double reached = 1;
@@ -118,14 +135,7 @@ struct Relaxation {
   double gradient_tolerance = 0;  ///< the norm up to which the search has converged
   int iterations = 0;
   std::vector<RelaxationStep> history;  ///< the start and every iteration
-  /// Why the search ended:
-  /// - "converged". Springs or sides under compression may be at their cut loci, where the force on an end is a convex
-  ///   combination over the shortest paths.
-  /// - "cut_locus": a gradient is left, but no step lowers the energy, since a length under compression is at its cut
-  ///   locus and not differentiable. Steps of the other points with the ends of such paths fixed were tried too, and
-  ///   steps of these ends singly, in pairs and together.
-  /// - "step_too_small" or "iteration_limit".
-  std::string stopped;
+  RelaxationTermination stopped = RelaxationTermination::converged;
   bool mollified = false;  ///< whether the energy at the end is the mollified one
   /// Points, ascending, that ended exactly at a vertex at which the energy has a kink and no descent direction.
   std::vector<std::int32_t> at_vertices;

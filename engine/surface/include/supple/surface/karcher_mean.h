@@ -1,7 +1,7 @@
 #pragma once
 
 #include <optional>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "supple/base/execution.h"
@@ -37,6 +37,18 @@ struct KarcherStep {
   double regularization = 0;  ///< added to the Hessian's diagonal
 };
 
+/// Why the search for a mean ended.
+enum class KarcherTermination {
+  converged,
+  /// A minimum at a saddle or boundary vertex where E has no derivative: no direction descends, and the gradient norm,
+  /// there the slope of steepest descent, is 0.
+  kink,
+  step_too_small,
+  iteration_limit
+};
+/// "converged", "kink", "step_too_small" or "iteration_limit".
+std::string_view to_string(KarcherTermination termination);
+
 struct KarcherMean {
   SurfacePoint mean;
   Eigen::Vector3d position;
@@ -46,10 +58,7 @@ struct KarcherMean {
   int iterations = 0;                ///< iterations of the search that found this mean
   std::vector<KarcherStep> history;  ///< the start of that search and every iteration
   int start = 0;                     ///< the number of that search, counted from 0
-  /// How the search ended: "converged"; "kink" (a minimum at a saddle or boundary vertex where E has no derivative: no
-  /// direction descends, and gradient_norm, there the slope of steepest descent, is 0); "step_too_small"; or
-  /// "iteration_limit".
-  std::string stopped;
+  KarcherTermination stopped = KarcherTermination::converged;
 };
 
 /// Finds the point of least weighted mean squared geodesic distance. It is a local minimum. The problem may have

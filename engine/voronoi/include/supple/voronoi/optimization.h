@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "supple/voronoi/diagram.h"
@@ -25,6 +26,17 @@ enum class OptimizationMethod {
   gauss_newton,  ///< exact gradients, Gauss-Newton Hessians, one sparse factorization per iteration
   lbfgs
 };
+
+/// Why an optimization ended.
+enum class OptimizationTermination {
+  converged,  ///< the gradient norm is within its tolerance
+  /// Neither a step for all sites nor a pass of single-site moves lowers the energy by more than the fraction
+  /// min_pass_gain.
+  step_too_small,
+  iteration_limit  ///< max_iterations or max_site_move_passes was reached
+};
+/// "converged", "step_too_small" or "iteration_limit".
+std::string_view to_string(OptimizationTermination termination);
 
 /// One entry of the iteration history.
 struct OptimizationStep {
@@ -81,10 +93,7 @@ struct Optimization {
   double gradient_tolerance = 0;
   int iterations = 0;
   std::vector<OptimizationStep> history;
-  /// "converged": the gradient norm is within its tolerance. "step_too_small": neither a step for all sites nor a pass
-  /// of single-site moves lowers the energy by more than the fraction min_pass_gain. "iteration_limit": max_iterations
-  /// or max_site_move_passes was reached.
-  std::string stopped;
+  OptimizationTermination stopped = OptimizationTermination::converged;
   SiteMoveTrials site_moves;  ///< all 0 if steps for all sites sufficed
   DiagramStatistics before;
   DiagramStatistics after;
