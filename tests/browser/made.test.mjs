@@ -155,7 +155,7 @@ describe("the material", () => {
       assert.match(await design.card.locator("summary").textContent(), /5 materials/);
       const [share, density] = [number(await design.fact("Relative density")) / 100, number(await design.fact("Density"))];
       assert.ok(Math.abs(density - 1.01 * share) < 0.006, `${density} of ${share}`);
-      await until(() => /materials=TPU.*found-material=PA12&found-modulus=1600/.test(page.url()), "the materials in the link");
+      await until(() => /materials=name%3DTPU.*found-material=PA12&found-modulus=1600/.test(page.url()), "the materials in the link");
       // After the chosen material was removed, the search chooses another one, with a modulus within its range.
       await design.card.getByRole("button", { name: "Remove material 5" }).click();
       await design.settled();

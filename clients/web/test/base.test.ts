@@ -2,7 +2,6 @@ import { describe, expect, it, vi } from "vitest";
 import { digits, fixed, percent, plain, seconds } from "../src/base/format";
 import { History } from "../src/base/history";
 import { debounce } from "../src/base/debounce";
-import { Latest } from "../src/base/latest";
 import { Sentences } from "../src/base/sentences";
 import { EventReader } from "../src/contract/jobs";
 import { heightDomain, radialDomain, widthDomain } from "../src/base/domains";
@@ -55,51 +54,6 @@ describe("the history", () => {
     expect(history.current).toBe(1);
     history.redo();
     expect(history.current).toBe(3);
-  });
-});
-
-describe("the newest of many wishes", () => {
-  const tick = () => new Promise((resolve) => setTimeout(resolve, 0));
-
-  it("runs next; those between are forgotten, and one runs at a time", async () => {
-    const latest = new Latest();
-    const ran: number[] = [];
-    let end = () => {};
-    let running = 0;
-    for (let k = 0; k < 5; ++k) {
-      latest.submit(async () => {
-        expect(++running).toBe(1);
-        ran.push(k);
-        await new Promise<void>((resolve) => (end = resolve));
-        --running;
-      });
-    }
-    expect(latest.busy).toBe(true);
-    end();
-    await tick();
-    expect(ran).toEqual([0, 4]);
-    end();
-    await tick();
-    expect(latest.busy).toBe(false);
-  });
-
-  it("stops what runs where it is urgent", async () => {
-    const latest = new Latest();
-    let stopped = false;
-    latest.submit((signal) =>
-      new Promise((resolve) =>
-        signal.addEventListener("abort", () => {
-          stopped = true;
-          resolve();
-        })
-      )
-    );
-    let second = false;
-    latest.submit(async () => {
-      second = true;
-    }, true);
-    await tick();
-    expect([stopped, second]).toEqual([true, true]);
   });
 });
 

@@ -42,12 +42,15 @@ describe("the settings of a print", () => {
     const changed = { ...DEFAULT_SETTINGS, "/printer/bed/1": 300, "/printer/name": "Mine", "/printer/channel/shape": "arc", "/overrun/start": 5 };
     expect(withProfile({ ...DEFAULT_SETTINGS, "/overrun/start": 5, "/printer/retraction": 9 }, profileText(changed))).toEqual(changed);
     expect(withProfile({ ...DEFAULT_SETTINGS, "/printer/retraction": 9 }, '{"nozzle_temperature": 210}')).toEqual({ ...DEFAULT_SETTINGS, "/printer/nozzle_temperature": 210 });
-    for (
-      const [text, words] of [["{", "no JSON"], ["[]", "no printer"], ['{"colour": "red"}', "/printer/colour"], ['{"lift": {"run": "far"}}', "/printer/lift/run"], [
-        '{"channel": {"shape": "loop"}}',
-        "/printer/channel/shape",
-      ], ['{"lift": 3}', "/printer/lift"]]
-    ) {
+    const refused = {
+      "{": "no JSON",
+      "[]": "no printer",
+      '{"colour": "red"}': "/printer/colour",
+      '{"lift": {"run": "far"}}': "/printer/lift/run",
+      '{"channel": {"shape": "loop"}}': "/printer/channel/shape",
+      '{"lift": 3}': "/printer/lift",
+    };
+    for (const [text, words] of Object.entries(refused)) {
       expect(() => withProfile(DEFAULT_SETTINGS, text), text).toThrow(words);
     }
   });

@@ -30,12 +30,8 @@ describe("several targets", () => {
 
   it("are the same whatever they are called, and others with another curve, kind, weight or order", () => {
     expect(sameTargets(all, [along, { ...across, name: "Sideways" }, ratio])).toBe(true);
-    for (
-      const other of [[along, across], [across, along, ratio], [along, { ...across, weight: 1 }, ratio], [along, { ...across, points: [...line] }, ratio], [along, {
-        ...across,
-        direction: 1,
-      }, ratio]]
-    ) expect(sameTargets(all, other)).toBe(false);
+    const changed = [{ weight: 1 }, { points: [...line] }, { direction: 1 }].map((change) => [along, { ...across, ...change }, ratio]);
+    for (const other of [[along, across], [across, along, ratio], ...changed]) expect(sameTargets(all, other)).toBe(false);
   });
 
   it("are called by their name, or by what they show", () => {
@@ -60,10 +56,8 @@ describe("a request with several targets", () => {
       samples: 60,
     }]);
     expect(request.also?.[0]).not.toHaveProperty("weight");
-    for (
-      const other of [designRequest(state, "follow", "s"), verificationRequest(state, { family: "IH22", parameters: [0.3] }),
-        polishRequest(state, { family: "IH22", parameters: [0.3] })]
-    ) expect(other.also).toHaveLength(2);
+    const found = { family: "IH22", parameters: [0.3] };
+    for (const other of [designRequest(state, "follow", "s"), verificationRequest(state, found), polishRequest(state, found)]) expect(other.also).toHaveLength(2);
     expect(designRequest({ ...state, ...withTargets([along], 0) }, "search", "s")).not.toHaveProperty("also");
   });
 

@@ -99,9 +99,8 @@ function pythonSpecification({ material, orientation, initial_orientation, beam_
 }
 
 function pythonTarget({ task, direction, strain, strain_measure, target, samples, weight }: RequestedTarget): string {
-  return `supple.Target(${pythonLiteral(task)}, ${pythonLiteral(target.control_points)}, ${
-    keywordArguments({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight })
-  })`;
+  const named = keywordArguments({ direction, strain, strain_measure, interpolation: target.interpolation, samples, weight });
+  return `supple.Target(${pythonLiteral(task)}, ${pythonLiteral(target.control_points)}, ${named})`;
 }
 
 type RequestedRegion = RequestedTarget & RequestedSpecification & { name?: string; family?: string; also?: RequestedTarget[]; initial?: number[]; fixed?: (number | null)[] };

@@ -24,22 +24,22 @@ export function exportMenu(session: DesignSession, verification: Verification, c
   );
 
   function save(kind: "json" | "csv" | "svg"): void {
-    const shown = session.shown.get();
+    const shown = session.results.shown.get();
     if (!shown) return;
     const verified = verification.simulated?.curve ?? null;
     const name = `${shown.found.family}-${shown.task}`;
     if (kind === "json") {
       const { at } = session.state.get();
       // Targets may have been renamed since the answer arrived.
-      const all = session.all.get().map((one, k) => one && { ...one, name: session.targets[k]?.name ?? "" });
+      const all = session.results.all.get().map((one, k) => one && { ...one, name: session.targets[k]?.name ?? "" });
       download(`${name}.json`, "application/json", jsonOf(all[at] ?? shown, verified, all.filter((one, k): one is TargetResponse => one !== null && k !== at)));
     }
-    if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.previous.get(), verified));
+    if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.results.previous.get(), verified));
     if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
     menu.open = false;
   }
 
-  session.shown.watch((shown) => {
+  session.results.shown.watch((shown) => {
     if (!shown) return replace(links);
     const link = (format: "svg" | "dxf" | "stl", words: string) =>
       h("a", {

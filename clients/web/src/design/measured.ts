@@ -1,7 +1,7 @@
 // Measured data that become the target: the table, the settings with which it is read, and the points that are drawn behind the target.
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explainFile, isAbort, Problem } from "../contract/client";
+import { type Client, explainFile, Problem } from "../contract/client";
+import { JobRunner } from "../contract/runner";
 import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
 import type { ControlPoint, DesignState, ProfileKind } from "./state";
@@ -90,14 +90,16 @@ export function reductionSentence(curve: MeasuredCurve, number: (value: number) 
 
 export class Measured {
   readonly data = new Observable<MeasuredData | null>(null);
-  private readonly requests = new Latest();
+  private readonly requests: JobRunner;
   /** The last request, whether or not its answer has arrived. */
   private lastRequest: { readonly table: MeasuredTable; readonly settings: MeasuredSettings } | null = null;
 
   constructor(
     private readonly session: DesignSession,
-    private readonly client: Client,
-  ) {}
+    client: Client,
+  ) {
+    this.requests = new JobRunner(client);
+  }
 
   /** Reads a table and makes it the target. Resolves with the reason for a refusal, or with "". */
   read(table: MeasuredTable, name: string): Promise<string> {
@@ -111,8 +113,8 @@ export class Measured {
     const settings = this.lastRequest?.table === data.table ? this.lastRequest.settings : data.settings;
     // The target of these data is selected, so that they replace no other one.
     const { at, regionAt } = data.kind;
-    if (regionAt !== undefined) this.session.selectRegion(regionAt);
-    if (at !== undefined) this.session.select(at);
+    if (regionAt !== undefined) this.session.regionEdits.select(regionAt);
+    if (at !== undefined) this.session.targetEdits.select(at);
     this.ask(data.table, data.name, {
       ...settings,
       ...change,
@@ -123,7 +125,7 @@ export class Measured {
   }
 
   remove(): void {
-    this.requests.cancel();
+    this.requests.stop();
     this.data.set(null);
   }
 
@@ -132,23 +134,19 @@ export class Measured {
     const { task } = this.session.state.get();
     // Instruments measure elongation and force at the rest width, which is engineering strain. Profiles over direction have no such choice.
     const kind = { task, measure: task === "stress_strain" ? ("engineering" as const) : this.session.state.get().measure };
-    this.requests.submit(async (signal) => {
-      try {
-        const curve = await this.client.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(table, task, settings), { signal });
-        if (signal.aborted) return;
-        const { at, regionAt } = this.session.state.get();
-        this.data.set({ name, table, settings, curve, problem: "", pointers: [], kind: { ...kind, at, regionAt } });
-        const { control_points: points, interpolation } = curve.target;
-        this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
-        done("");
-      } catch (error) {
-        if (signal.aborted || isAbort(error)) return;
-        const pointers = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
-        const known = this.data.get();
-        const sameTable = known?.table === table ? known : null;
-        this.data.set({ name, table, settings, curve: sameTable?.curve ?? null, problem: explainFile(error), pointers, kind: { ...sameTable?.kind, ...kind } });
-        done(explainFile(error));
-      }
+    this.requests.follow(async (run) => {
+      const curve = await run.post<MeasuredCurve>("/v1/measured-curves", measuredRequest(table, task, settings));
+      const { at, regionAt } = this.session.state.get();
+      this.data.set({ name, table, settings, curve, problem: "", pointers: [], kind: { ...kind, at, regionAt } });
+      const { control_points: points, interpolation } = curve.target;
+      this.session.apply({ points: points.map(([x, y]): ControlPoint => [x, y]), interpolation, measure: kind.measure, byHand: false });
+      done("");
+    }, (error) => {
+      const pointers = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
+      const known = this.data.get();
+      const sameTable = known?.table === table ? known : null;
+      this.data.set({ name, table, settings, curve: sameTable?.curve ?? null, problem: explainFile(error), pointers, kind: { ...sameTable?.kind, ...kind } });
+      done(explainFile(error));
     }, true);
   }
 }

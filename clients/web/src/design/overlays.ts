@@ -20,7 +20,7 @@ export class Overlays {
   private at = 0;
 
   constructor(private readonly session: DesignSession) {
-    session.ranking.watch(() => this.show([]));
+    session.results.ranking.watch(() => this.show([]));
     // Responses of the families to another target are other curves.
     session.state.watch(({ at }) => {
       if (at === this.at) return;
@@ -43,12 +43,12 @@ export class Overlays {
 
   private async add(candidate: DesignCandidate): Promise<void> {
     const { family, material } = candidate;
-    const ranking = this.session.ranking.get();
+    const ranking = this.session.results.ranking.get();
     const { at } = this;
     const target = ranking?.targets[at];
     if (!target) return;
     const curve = await this.session.profile(designOf(candidate, ranking), target, ranking.made);
-    if (!curve || ranking !== this.session.ranking.get() || at !== this.at || this.has(family)) return;
+    if (!curve || ranking !== this.session.results.ranking.get() || at !== this.at || this.has(family)) return;
     // Each family may have its own best modulus.
     const name = searchesModulus(ranking.made) ? `${family} of ${modulusWords(material.youngs_modulus)} MPa` : family;
     this.show([...this.overlaid, { ...curve, id: FIRST_COLOUR + this.count++, name, candidate }]);

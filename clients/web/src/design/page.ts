@@ -2,8 +2,8 @@
 import { button } from "../base/controls";
 import { copyMenu } from "../base/copy_as";
 import { h } from "../base/dom";
-import { debounce } from "../base/debounce";
 import { shareButton } from "../base/share";
+import { StateLink } from "../base/state_link";
 import { undoKeys } from "../base/undo_keys";
 import { ConnectionLost, explain } from "../contract/client";
 import type { Page, PageContext } from "../page";
@@ -33,21 +33,21 @@ import { valueTable } from "./value_table";
 import { Verification } from "./verification";
 import { verificationCard } from "./verification_card";
 
-const LINK_PAUSE_MS = 250;
-
 export function designPage({ client, link }: PageContext): Page {
   const session = new DesignSession(client);
+  const hasTarget = () => session.state.get().points.length > 0;
+  const address = new StateLink(link, session.edited, { write: writeLink, read: readLink }, hasTarget);
   const verification = new Verification(session, client);
   const pins = new Pins(session);
   const measured = new Measured(session, client);
   const part = new Part(client);
   const overlays = new Overlays(session);
   const share = shareButton("Copy a link to this design", () => {
-    link.write(writeLink(session.state.get()));
+    address.write();
     return undefined;
   });
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const copied = (write: (state: DesignState, origin: string) => string) => (session.state.get().points.length > 0 ? write(session.state.get(), location.origin) : null);
+  const copied = (write: (state: DesignState, origin: string) => string) => (hasTarget() ? write(session.state.get(), location.origin) : null);
   const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
     pin,
     share,
@@ -73,21 +73,12 @@ export function designPage({ client, link }: PageContext): Page {
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
 
   // Results of an earlier state are dimmed together until the answer to the present state has arrived.
-  for (const part of [session.shown, session.state]) {
+  for (const part of [session.results.shown, session.state]) {
     part.watch(() => {
-      element.classList.toggle("outdated", session.shown.get() !== null && !session.isCurrent);
-      pin.disabled = !session.isCurrent;
+      element.classList.toggle("outdated", session.results.shown.get() !== null && !session.results.isCurrent);
+      pin.disabled = !session.results.isCurrent;
     });
   }
-
-  const linkLater = debounce(() => link.write(writeLink(session.state.get())), LINK_PAUSE_MS);
-  session.state.watch((state) => {
-    if (state.points.length > 0) linkLater.schedule();
-  });
-  // A completed change is written to the address at once, so that a reload does not revert it.
-  session.steps.watch(() => {
-    if (session.state.get().points.length > 0) linkLater.flush();
-  });
 
   const keys = undoKeys(session);
   let started = false;
@@ -95,11 +86,11 @@ export function designPage({ client, link }: PageContext): Page {
     try {
       await session.start(readLink(text));
       started = true;
-      empty.hidden = session.models.length > 0;
+      empty.hidden = session.catalogue.models.length > 0;
       pins.restore();
     } catch (error) {
       // The frame reports a lost connection, and `reconnected` tries again.
-      if (!(error instanceof ConnectionLost)) session.activity.set({ kind: "failed", sentence: explain(error) });
+      if (!(error instanceof ConnectionLost)) session.search.activity.set({ kind: "failed", sentence: explain(error) });
     }
   }
 
@@ -108,16 +99,15 @@ export function designPage({ client, link }: PageContext): Page {
     async open(text) {
       document.addEventListener("keydown", keys);
       if (!started) return start(text);
-      const linked = text === "" || text === writeLink(session.state.get()) ? null : readLink(text);
+      const linked = address.follow(text);
       if (linked) session.apply(linked);
-      else link.write(writeLink(session.state.get()));
     },
     close() {
       document.removeEventListener("keydown", keys);
-      linkLater.cancel();
+      address.close();
     },
     reconnected() {
-      if (started) session.retry();
+      if (started) session.search.retry();
       else void start(link.read());
     },
   };

@@ -19,7 +19,7 @@ export function parameterPanel(session: DesignSession): HTMLElement {
   let family = "";
 
   function build(state: DesignState): void {
-    const model = state.found && session.model(state.found.family);
+    const model = state.found && session.catalogue.model(state.found.family);
     family = state.found?.family ?? "";
     rows = [];
     if (!model) return replace(list);

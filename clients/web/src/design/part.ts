@@ -1,7 +1,7 @@
 // A part made of the shown design: its settings, its requests, and the server's answers.
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, explainFile, isAbort, Problem } from "../contract/client";
+import { type Client, explain, explainFile, Problem } from "../contract/client";
+import { JobRunner } from "../contract/runner";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import type { LayoutChoices, Drawing, PartLayout, RegionLocation } from "./drawing";
 import { DEFAULT_SPECIFICATION, radians } from "./specification";
@@ -162,22 +162,19 @@ export class Part {
   readonly drawingProblem = new Observable<string>("");
   /** Whether a resolution can be chosen: the last drawing states no physical size, or a resolution was chosen for it. */
   readonly resolutionAsked = new Observable<boolean>(false);
-  private readonly requests = new Latest();
-  private readonly drawings = new Latest();
+  private readonly requests: JobRunner;
+  private readonly drawings: JobRunner;
 
-  constructor(private readonly client: Client) {}
+  constructor(private readonly client: Client) {
+    this.requests = new JobRunner(client);
+    this.drawings = new JobRunner(client);
+  }
 
   /** Requests the picture and the measures of the part. A newer request replaces an older one. */
   describe(found: TilingDesign, product: Product | null = null): void {
     const request = { ...partRequest(found, this.settings.get(), product), svg: true };
-    this.requests.submit(async (signal) => {
-      try {
-        const answer = await this.client.post<PartAnswer>("/v1/parts", request, { signal });
-        if (!signal.aborted) this.state.set({ kind: "made", answer });
-      } catch (error) {
-        if (!signal.aborted && !isAbort(error)) this.state.set({ kind: "failed", sentence: explain(error) });
-      }
-    }, true);
+    this.requests.follow(async (run) => this.state.set({ kind: "made", answer: await run.post<PartAnswer>("/v1/parts", request) }),
+      (error) => this.state.set({ kind: "failed", sentence: explain(error) }), true);
   }
 
   /** The part as a file with its name. */
@@ -209,24 +206,20 @@ export class Part {
 
   private readDrawing(text: string, name: string, width: number | null, resolution: number | null): Promise<string> {
     this.lastRequest = { text, name, width, resolution };
-    return new Promise((done) =>
-      this.drawings.submit(async (signal) => {
-        try {
-          const curves = await this.client.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution), { signal });
-          if (signal.aborted) return;
-          if (this.drawing.get()?.text !== text) this.choices.set(NO_CHOICES);
-          this.settings.set({ ...this.settings.get(), kind: "drawing" });
-          this.drawing.set({ name, text, width, resolution, curves });
-          this.resolutionAsked.set(resolution !== null || (curves.format === "svg" && !curves.unit_is_known));
-          this.drawingProblem.set("");
-          done("");
-        } catch (error) {
-          if (signal.aborted || isAbort(error)) return;
-          this.drawingProblem.set(`${name}: ${explainFile(error)}`);
-          this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
-          done(explainFile(error));
-        }
-      }, true)
-    );
+    return new Promise((done) => {
+      this.drawings.follow(async (run) => {
+        const curves = await run.post<Outlines>("/v1/outlines", outlineRequest(text, width, resolution));
+        if (this.drawing.get()?.text !== text) this.choices.set(NO_CHOICES);
+        this.settings.set({ ...this.settings.get(), kind: "drawing" });
+        this.drawing.set({ name, text, width, resolution, curves });
+        this.resolutionAsked.set(resolution !== null || (curves.format === "svg" && !curves.unit_is_known));
+        this.drawingProblem.set("");
+        done("");
+      }, (error) => {
+        this.drawingProblem.set(`${name}: ${explainFile(error)}`);
+        this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
+        done(explainFile(error));
+      }, true);
+    });
   }
 }

@@ -138,9 +138,8 @@ export class PatchView {
   private describeState(state: State): void {
     const [exx, eyy] = state.green_strain;
     const peak = Math.max(0, ...(this.stresses[this.index] ?? []));
-    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${digits(componentAlong(state.green_strain, this.direction))} along the load, stress ${
-      digits(componentAlong(state.stress, this.direction))
-    } MPa`;
+    const [strain, stress] = [state.green_strain, state.stress].map((tensor) => digits(componentAlong(tensor, this.direction)));
+    const words = `State ${this.index + 1} of ${this.states.length}: Green strain ${strain} along the load, stress ${stress} MPa`;
     const extra = [peak > 0 && `at most ${digits(peak)} MPa in the solid`, !state.stable && "unstable", state.contacts > 0 && "in contact"].filter(Boolean);
     this.reading.textContent = `${[words, ...extra].join(", ")}.`;
     this.canvas.setAttribute("aria-label", `The patch at Green strain ${digits(exx)} along x and ${digits(eyy)} along y, coloured by stress`);

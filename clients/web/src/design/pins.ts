@@ -33,7 +33,7 @@ export class Pins {
       const stored = JSON.parse(localStorage.getItem(KEY) ?? "[]") as { name: string; link: string }[];
       for (const { name, link } of stored) {
         const state = readLink(link);
-        if (state?.found && this.session.model(state.found.family)) this.insert(String(name).slice(0, 80), state as Pin["state"]);
+        if (state?.found && this.session.catalogue.model(state.found.family)) this.insert(String(name).slice(0, 80), state as Pin["state"]);
       }
     } catch {
       // the stored text is of another version, or storage is blocked: the list stays empty
@@ -42,8 +42,8 @@ export class Pins {
 
   add(): void {
     const state = this.session.state.get();
-    const shown = this.session.shown.get();
-    if (!state.found || !shown || !this.session.isCurrent || this.list.get().length >= MAX_PINS) return;
+    const shown = this.session.results.shown.get();
+    if (!state.found || !shown || !this.session.results.isCurrent || this.list.get().length >= MAX_PINS) return;
     const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${percent(shown.deviation)} off`;
     // Only the selected region is pinned.
     this.insert(name, { ...withRegions([regionOf(state)], 0), found: state.found });

@@ -13,7 +13,8 @@ import { PolarPlot } from "./polar_plot";
 import type { ProfilePlot } from "./profile_plot";
 import { regionTabs } from "./region_tabs";
 import { labelOf } from "./result_card";
-import type { Activity, DesignSession } from "./session";
+import type { SearchActivity } from "./search";
+import type { DesignSession } from "./session";
 import { errorBand, freshness, modelError } from "./shown";
 import { openCurve, periodicCurve, targetCurve } from "./spline";
 import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } from "./state";
@@ -30,7 +31,7 @@ export class PlotPanel {
   private readonly status = h("div", { class: "status" });
   private readonly reading = h("p", { class: "reading muted" });
   private hovered: number | null = null;
-  private readonly progressRow = new ProgressRow("Progress of the search", () => this.session.cancel());
+  private readonly progressRow = new ProgressRow("Progress of the search", () => this.session.search.cancel());
   private readonly cartesian: ProfilePlot;
   private readonly polar: ProfilePlot;
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
@@ -52,7 +53,7 @@ export class PlotPanel {
     const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
     const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
-    const adopt = button("Take as target", () => session.adoptAsTarget(), { title: "Make the design’s response the target" });
+    const adopt = button("Take as target", () => session.targetEdits.adopt(), { title: "Make the design’s response the target" });
     const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt,
       h("span", { class: "stretch" }), ...tools);
     const region = h("div", { class: "region-panel", id: uniqueId("region") });
@@ -71,10 +72,10 @@ export class PlotPanel {
       if (shownKey !== `${at} ${regionAt}`) this.selected = null;
       shownKey = `${at} ${regionAt}`;
     });
-    for (const part of [session.state, session.shown, session.previous, session.envelope, verification.state, pins.list, overlays.list, measured.data]) {
+    for (const part of [session.state, session.results.shown, session.results.previous, session.results.envelope, verification.state, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());
     }
-    session.activity.watch((activity) => this.showActivity(activity));
+    session.search.activity.watch((activity) => this.showActivity(activity));
     new ResizeObserver(() => this.resize()).observe(this.stage);
   }
 
@@ -110,7 +111,7 @@ export class PlotPanel {
 
   private move(index: number, to: ControlPoint): void {
     const { task, points } = this.session.state.get();
-    const [moved, at] = movePoint(task, points, index, to, this.session.extent);
+    const [moved, at] = movePoint(task, points, index, to, this.session.targetEdits.extent);
     this.session.preview({ points: moved, byHand: false });
     if (at === index) return;
     this.selected = at;
@@ -120,7 +121,7 @@ export class PlotPanel {
 
   private add(at: ControlPoint): void {
     const { task, points } = this.session.state.get();
-    const added = addPoint(task, points, at, this.session.extent);
+    const added = addPoint(task, points, at, this.session.targetEdits.extent);
     if (!added) return announce("There is no room for a control point there.");
     this.session.apply({ points: added[0], byHand: false });
     this.selected = added[1];
@@ -171,13 +172,13 @@ export class PlotPanel {
 
   private view(): PlotView {
     const state = this.session.state.get();
-    const found = this.session.shown.get();
+    const found = this.session.results.shown.get();
     const fresh = freshness(found, state);
     // An outdated design of this family and kind stays visible, dimmed. One of another family is hidden; its curve is the previous one.
     const shown = fresh === "other" ? null : found;
     const polar = isPolar(state.task);
-    const envelope = this.session.envelope.get();
-    const previous = this.session.previous.get();
+    const envelope = this.session.results.envelope.get();
+    const previous = this.session.results.previous.get();
     const fits = envelope && sameProfile(envelope, state) && envelope.family === shown?.found.family;
     return {
       task: state.task,
@@ -188,13 +189,13 @@ export class PlotPanel {
       provisional: shown?.provisional ?? false,
       previous: previous && sameProfile(previous, state) ? previous : null,
       envelope: fits ? envelope : null,
-      uncertainty: shown && errorBand(shown, modelError(this.session.model(shown.found.family), shown)),
+      uncertainty: shown && errorBand(shown, modelError(this.session.catalogue.model(shown.found.family), shown)),
       verified: this.verification.simulated?.curve ?? null,
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
       // Missed samples are marked only if the deviation is larger than the error of the model.
-      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.model(shown.found.family), shown)).verdict !== "within"
+      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.catalogue.model(shown.found.family), shown)).verdict !== "within"
         ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
@@ -214,7 +215,7 @@ export class PlotPanel {
       entry(true, "target", "Target"),
       entry(view.measured.length > 0, "measured", "Measured", "M3 5h0M8 3h0M13 7h0M18 4h0"),
       entry(view.achieved !== null, "achieved",
-        view.uncertainty ? `Design, with ${this.session.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
+        view.uncertainty ? `Design, with ${this.session.results.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.previous !== null, "before", "Before"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z",
@@ -234,23 +235,23 @@ export class PlotPanel {
     const at = (curve: { x: readonly number[]; y: readonly (number | null)[] }) => valueAt(curve, x, polar);
     const parts = [`target ${value(view.target(x))}`];
     if (view.achieved) {
-      const found = this.session.shown.get();
+      const found = this.session.results.shown.get();
       const bar = found?.errorBar ? at({ x: found.x, y: found.errorBar }) : null;
-      parts.push(`${this.session.isCurrent ? "design" : "design before"} ${value(at(view.achieved))}${bar === null ? "" : ` ± ${digits(bar, 2)}`}`);
+      parts.push(`${this.session.results.isCurrent ? "design" : "design before"} ${value(at(view.achieved))}${bar === null ? "" : ` ± ${digits(bar, 2)}`}`);
     }
     for (const pin of view.pins) parts.push(`${pin.name.split(",")[0]} ${value(at(pin))}`);
     replace(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
   }
 
-  private showActivity(activity: Activity): void {
+  private showActivity(activity: SearchActivity): void {
     const { session } = this;
     this.element.setAttribute("aria-busy", String(activity.kind === "busy"));
     if (activity.kind === "failed") {
       announce(activity.sentence);
-      replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.retry()));
+      replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.search.retry()));
     } else if (activity.kind === "stopped") {
-      replace(this.status, h("p", { class: "muted" }, session.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."),
-        button("Search again", () => session.retry()));
+      replace(this.status, h("p", { class: "muted" }, session.results.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."),
+        button("Search again", () => session.search.retry()));
     } else if (activity.kind === "busy" && activity.effort === "search") {
       this.progressRow.show(this.status, activity.stage ? `Searching: ${activity.stage}` : "Searching", activity.progress);
     } else if (activity.kind === "idle") {
@@ -260,9 +261,9 @@ export class PlotPanel {
   }
 
   private tellOutcome(): void {
-    const shown = this.session.shown.get();
+    const shown = this.session.results.shown.get();
     if (!shown || this.dragging) return;
-    const judgement = judge(shown, modelError(this.session.model(shown.found.family), shown));
+    const judgement = judge(shown, modelError(this.session.catalogue.model(shown.found.family), shown));
     const several = shown.targets.length > 1 ? ` ${targetWords(this.session.state.get())}; ${percent(shown.overall)} from all targets` : "";
     const how = `${labelOf(shown, judgement)}: ${percent(shown.deviation)} from the target${several}`;
     announce(`${shown.found.family}, parameters ${shown.found.parameters.map((value) => Number(value.toPrecision(3))).join(", ")}. ${how}.`);

@@ -42,7 +42,7 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
   function show(): void {
     const state = session.state.get();
     const { found, family } = state;
-    const ranked = session.ranking.get();
+    const ranked = session.results.ranking.get();
     // A ranking for other kinds of profiles does not apply to these targets.
     const targets = targetsOf(state);
     const fits = ranked && ranked.targets.length === targets.length && ranked.targets.every((target, k) => sameProfile(target, targets[k]));
@@ -58,7 +58,7 @@ export function rankingList(session: DesignSession, overlays: Overlays): HTMLEle
     replace(list, ...ranking.candidates.map((candidate) => row(candidate, maxDeviation, ranking.made)));
     if (focused >= 0) list.querySelectorAll("button")[focused]?.focus();
   }
-  for (const part of [session.ranking, session.state, overlays.list]) part.watch(show);
+  for (const part of [session.results.ranking, session.state, overlays.list]) part.watch(show);
   return element;
 }
 

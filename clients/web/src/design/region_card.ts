@@ -7,11 +7,12 @@ import type { DesignSession } from "./session";
 
 export function regionCard(session: DesignSession): HTMLElement {
   const list = h("ul", { "aria-label": "Design of each region" });
-  const search = button("Search all regions", () => session.searchRegions(), { title: "Searches for the designs of all regions in one request" });
+  const search = button("Search all regions", () => session.regionEdits.searchAll(), { title: "Searches for the designs of all regions in one request" });
   const element = h("section", { class: "card regions-card", "aria-label": "Regions", hidden: true }, h("h2", {}, "Regions"), list, search);
 
   function show(): void {
-    const { regions, regionShown } = session;
+    const regions = session.regionEdits.all;
+    const regionShown = session.results.ofRegions;
     element.hidden = regions.length === 1;
     if (element.hidden) return;
     const { regionAt } = session.state.get();
@@ -22,7 +23,7 @@ export function regionCard(session: DesignSession): HTMLElement {
     }));
   }
 
-  for (const part of [session.state, session.all, session.regionCache]) part.watch(show);
-  session.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
+  for (const part of [session.state, session.results.all, session.results.regionCache]) part.watch(show);
+  session.search.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
   return element;
 }

@@ -16,16 +16,22 @@ export interface RegionTabs {
 export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTabs {
   const tabs = new Tabs(
     { label: "Regions of the product", noun: "region", addTitle: "Add a further region with a design of its own", maxNameLength: MAX_REGION_NAME_LENGTH, panel },
-    { select: (at) => session.selectRegion(at), add: () => session.addRegion(), rename: (name) => session.renameRegion(name), remove: (at) => session.removeRegion(at) },
+    {
+      select: (at) => session.regionEdits.select(at),
+      add: () => session.regionEdits.add(),
+      rename: (name) => session.regionEdits.rename(name),
+      remove: (at) => session.regionEdits.remove(at),
+    },
   );
   const divide = button("Regions", () => {
-    session.addRegion();
+    session.regionEdits.add();
     tabs.focusSelected();
   }, { kind: "quiet", title: "Divide the product into regions, each with a design of its own" });
   tabs.element.classList.add("regions");
 
   function show(): void {
-    const { regions, regionShown } = session;
+    const regions = session.regionEdits.all;
+    const regionShown = session.results.ofRegions;
     const { regionAt, points } = session.state.get();
     const several = regions.length > 1;
     tabs.element.hidden = !several;
@@ -42,6 +48,6 @@ export function regionTabs(session: DesignSession, panel: HTMLElement): RegionTa
     else panel.removeAttribute("role");
   }
 
-  for (const part of [session.state, session.all, session.regionCache]) part.watch(show);
+  for (const part of [session.state, session.results.all, session.results.regionCache]) part.watch(show);
   return { element: tabs.element, divide };
 }

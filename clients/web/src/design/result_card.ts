@@ -30,16 +30,16 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
   let last: TargetResponse | null = null;
 
   function show(): void {
-    const shown = session.shown.get();
+    const shown = session.results.shown.get();
     const state = session.state.get();
     const fresh = freshness(shown, state);
-    const now = `${fresh} ${state.task} ${state.found?.family} ${session.activity.get().kind} ${state.at} ${session.targets.map(targetWords).join()}`;
+    const now = `${fresh} ${state.task} ${state.found?.family} ${session.search.activity.get().kind} ${state.at} ${session.targets.map(targetWords).join()}`;
     if (now === drawn && shown === last) return;
     [drawn, last] = [now, shown];
     element.setAttribute("aria-busy", String(fresh !== "current"));
     // A design of another family or with another kind of profile is not shown: the sliders do not belong to it.
     if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
-    const error = modelError(session.model(shown.found.family), shown);
+    const error = modelError(session.catalogue.model(shown.found.family), shown);
     const judgement = judge(shown, error);
     const label = fresh === "current" ? chip(shown, worstJudgement(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
     replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, shown), facts(shown, error),
@@ -47,7 +47,7 @@ export function resultCard(session: DesignSession, overlays: Overlays): HTMLElem
       ...(fresh === "current" && !shown.provisional && !shown.byHand && ["close", "out"].includes(judgement.verdict) ? [advice(session, shown)] : []));
   }
 
-  for (const part of [session.shown, session.state, session.activity]) part.watch(show);
+  for (const part of [session.results.shown, session.state, session.search.activity]) part.watch(show);
   return element;
 }
 
@@ -55,8 +55,8 @@ const WORST_FIRST: readonly Verdict[] = ["out", "doubtful", "close", "within"];
 
 /** The judgement of the target that is met worst. */
 function worstJudgement(session: DesignSession, inSight: TargetResponse, judgement: Judgement): Judgement {
-  const all = session.all.get().filter((shown): shown is TargetResponse => shown !== null && sameRequirements(shown, inSight));
-  const judged = all.map((shown) => judge(shown, modelError(session.model(shown.found.family), shown)));
+  const all = session.results.all.get().filter((shown): shown is TargetResponse => shown !== null && sameRequirements(shown, inSight));
+  const judged = all.map((shown) => judge(shown, modelError(session.catalogue.model(shown.found.family), shown)));
   return WORST_FIRST.map((verdict) => judged.find((one) => one.verdict === verdict)).find((one) => one !== undefined) ?? judgement;
 }
 
@@ -64,11 +64,11 @@ function worstJudgement(session: DesignSession, inSight: TargetResponse, judgeme
 function targetList(session: DesignSession, inSight: TargetResponse): HTMLElement | false {
   const { targets } = inSight;
   if (targets.length === 1) return false;
-  const all = session.all.get();
+  const all = session.results.all.get();
   return h("div", { class: "target-errors" }, h("h3", {}, "Targets"), h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
     const shown = all[k];
     const known = shown && sameRequirements(shown, inSight) ? shown : null;
-    const verdict = known && judge(known, modelError(session.model(known.found.family), known));
+    const verdict = known && judge(known, modelError(session.catalogue.model(known.found.family), known));
     return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
       h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
       h("strong", {}, known ? percent(known.deviation) : "–"));
@@ -78,7 +78,7 @@ function targetList(session: DesignSession, inSight: TargetResponse): HTMLElemen
 const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", doubtful: "not certain", out: "out of reach" };
 
 function waitingWords(session: DesignSession): string {
-  return session.activity.get().kind === "busy" ? "Computing" : "Not computed";
+  return session.search.activity.get().kind === "busy" ? "Computing" : "Not computed";
 }
 
 function waiting(session: DesignSession, { found, task }: DesignState): HTMLElement[] {
@@ -147,11 +147,9 @@ function advice(session: DesignSession, shown: TargetResponse): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
   const height = (y: number) => `${digits(y)}${unit && ` ${unit}`}`;
   const at = relaxed && (isPolar(shown.task) ? degrees(relaxed.from[0]) : `a strain of ${digits(relaxed.from[0])}`);
-  return h("div", { class: "advice" }, relaxed &&
-    h("p", {},
-      `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${
-        percent(relaxed.deviation)
-      }.`),
-    h("div", { class: "row" }, button("Snap to the closest reachable", () => session.projectTarget(), { title: "Move the target’s control points onto this design’s response" }),
-      relaxed && button(`Relax point ${relaxed.index + 1}`, () => session.relax(relaxed), { title: `Move control point ${relaxed.index + 1} alone` })));
+  const moved = relaxed && `with ${height(relaxed.to[1])} there instead of ${height(relaxed.from[1])} it would be within ${percent(relaxed.deviation)}`;
+  return h("div", { class: "advice" }, relaxed && h("p", {}, `Control point ${relaxed.index + 1}, at ${at}, keeps this design away most: ${moved}.`),
+    h("div", { class: "row" },
+      button("Snap to the closest reachable", () => session.targetEdits.project(), { title: "Move the target’s control points onto this design’s response" }),
+      relaxed && button(`Relax point ${relaxed.index + 1}`, () => session.targetEdits.relax(relaxed), { title: `Move control point ${relaxed.index + 1} alone` })));
 }

@@ -1,12 +1,13 @@
 // The card with material, orientation, size and limits of the structure. Values are given, or the search chooses them from a range.
 import { Segments, Select } from "../base/controls";
-import { h, uniqueId } from "../base/dom";
+import { h } from "../base/dom";
 import { digits } from "../base/format";
-import { showText } from "../base/writing";
-import { DEFAULT_SPECIFICATION, type Fault, faultOf, isRange, searchesModulus, type Specification, SPECIFICATION_LIMITS, type SpecificationField, modulusOf, modulusWords,
-  orientationOf, PRESETS, type Range, sameSpecification, withFoundValues, type Size } from "./specification";
+import { DEFAULT_SPECIFICATION, type Fault, faultOf, isRange, searchesModulus, type Specification, SPECIFICATION_LIMITS, modulusOf, modulusWords, orientationOf, PRESETS,
+  type Range, sameSpecification, withFoundValues, type Size } from "./specification";
 import { MaterialList } from "./material_list";
 import type { DesignSession } from "./session";
+import type { DesignState } from "./state";
+import { SpecificationFields } from "./specification_fields";
 
 /** The initial range of a searched modulus: the given value divided and multiplied by this factor. */
 const MODULUS_FACTOR = 2;
@@ -20,23 +21,6 @@ const OWN = "own";
 const SEVERAL = "several";
 const DATA = "data";
 
-/** A field with one number, or with two for a range. */
-interface Field {
-  readonly element: HTMLElement;
-  readonly inputs: readonly HTMLInputElement[];
-  readonly problem: HTMLElement;
-}
-
-/** `maxLabel`: accessible name of the second number of a range. `choice`: a control beside the label. */
-function makeField(label: string, changed: () => void, { maxLabel, choice }: { maxLabel?: string; choice?: HTMLElement } = {}): Field {
-  const problem = h("p", { class: "note problem", id: uniqueId("problem"), role: "alert", hidden: true });
-  const input = (name?: string) =>
-    h("input", { type: "number", id: uniqueId("made"), class: "number", step: "any", "aria-label": name, "aria-describedby": problem.id, onchange: changed });
-  const inputs = [input(), ...(maxLabel === undefined ? [] : [input(maxLabel)])];
-  const row = h("div", { class: "made-inputs" }, inputs[0], inputs[1] && h("span", { class: "muted", "aria-hidden": "true" }, "to"), inputs[1]);
-  return { element: h("div", { class: "field" }, h("div", { class: "made-head" }, h("label", { for: inputs[0].id }, label), choice), row, problem), inputs, problem };
-}
-
 function findBox(what: string, changed: (find: boolean) => void): { element: HTMLElement; input: HTMLInputElement } {
   const input = h("input", { type: "checkbox", onchange: () => changed(input.checked) });
   return { input, element: h("label", { class: "checkbox" }, input, h("span", {}, "Find it", h("span", { class: "visually-hidden" }, `: ${what}`))) };
@@ -47,13 +31,20 @@ function rounded(value: number): number {
   return Number(value.toPrecision(DIGITS));
 }
 
-/** A fraction in per cent, without the rounding error of the multiplication. */
-function percentOf(fraction: number): number {
-  return Number((100 * fraction).toPrecision(12));
+/** The change that an entry of the list of materials makes; null if it only leads to the fields. */
+function withMaterial(entry: string, { made, found }: DesignState): Partial<Specification> | null {
+  if (entry === SEVERAL) return { materials: PRESETS };
+  // Values of one's own begin with those that were found.
+  if (entry === OWN && made.materials.length === 0) return null;
+  const { youngsModulus, density } = entry === OWN ? withFoundValues(made, found ?? {}) : (PRESETS.find(({ name }) => name === entry) ?? DEFAULT_SPECIFICATION);
+  return { youngsModulus, density, materials: [] };
 }
 
-function numberIn(input: HTMLInputElement): number {
-  return input.value === "" ? NaN : Number(input.value);
+/** A modulus, or its range if the search is to find it. */
+function withModulus(find: boolean, { made, found }: DesignState): number | Range {
+  const value = modulusOf(made, found);
+  const [min, max] = SPECIFICATION_LIMITS.youngsModulus;
+  return find ? [Math.max(min, rounded(value / MODULUS_FACTOR)), Math.min(max, rounded(value * MODULUS_FACTOR))] : rounded(value);
 }
 
 export function specificationCard(session: DesignSession): HTMLElement {
@@ -64,13 +55,7 @@ export function specificationCard(session: DesignSession): HTMLElement {
     { value: OWN, words: "Other values" },
     { value: SEVERAL, words: "Several: the search chooses" },
   ], (value) => choose(value));
-  const findModulus = findBox("Young’s modulus", (find) => {
-    const { made, found } = session.state.get();
-    const value = modulusOf(made, found);
-    const [min, max] = SPECIFICATION_LIMITS.youngsModulus;
-    const range: Range = [Math.max(min, rounded(value / MODULUS_FACTOR)), Math.min(max, rounded(value * MODULUS_FACTOR))];
-    apply({ youngsModulus: find ? range : rounded(value) }, true);
-  });
+  const findModulus = findBox("Young’s modulus", (find) => apply({ youngsModulus: withModulus(find, session.state.get()) }, true));
   const findOrientation = findBox("orientation", (find) => {
     const { made, found } = session.state.get();
     apply({ orientation: find ? HALF_TURN : rounded((orientationOf(made, found) * 180) / Math.PI) }, true);
@@ -79,20 +64,12 @@ export function specificationCard(session: DesignSession): HTMLElement {
   const materials = new MaterialList((list) =>
     apply({ materials: list, ...(list.length === 0 && { youngsModulus: DEFAULT_SPECIFICATION.youngsModulus, density: DEFAULT_SPECIFICATION.density }) }, true)
   );
-  const fields: Record<Exclude<SpecificationField, "materials">, Field> = {
-    youngsModulus: makeField("Young’s modulus, MPa", () => read(true), { maxLabel: "Young’s modulus at most, MPa", choice: findModulus.element }),
-    density: makeField("Density of the material, g/cm³", () => read(false)),
-    orientation: makeField("Orientation, °", () => read(true), { maxLabel: "Orientation at most, °", choice: findOrientation.element }),
-    size: makeField("Beam width, mm", () => read(true)),
-    relativeDensity: makeField("Relative density from, %", () => read(true), { maxLabel: "Relative density at most, %" }),
-    leastBeamWidth: makeField("Beam width at least, mm", () => read(true)),
-    cellSizes: makeField("Cell size from, mm", () => read(true), { maxLabel: "Cell size at most, mm" }),
-  };
+  const fields = new SpecificationFields((searched) => apply(fields.read(session.state.get().made), searched), findModulus.element, findOrientation.element);
   const element = h("details", { class: "card controls made", "aria-label": "Material and size" }, h("summary", {}, "Material and size ", summary), preset.element,
-    h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."), materials.element, fields.youngsModulus.element,
-    fields.density.element, fields.orientation.element, sizeKind.element, fields.size.element,
+    h("p", { class: "muted" }, "Values of materials are typical ones: those of a print differ, so measure yours."), materials.element, fields.element("youngsModulus"),
+    fields.element("density"), fields.element("orientation"), sizeKind.element, fields.element("size"),
     h("fieldset", { class: "made-limits" }, h("legend", {}, "Limits"), h("p", { class: "muted" }, "The search keeps to designs within them; an empty field is no limit."),
-      fields.relativeDensity.element, fields.leastBeamWidth.element, fields.cellSizes.element));
+      fields.element("relativeDensity"), fields.element("leastBeamWidth"), fields.element("cellSizes")));
 
   /** `searched`: the change affects the search, so that parameters set by hand are searched for again if anything is left to the search. */
   function apply(change: Partial<Specification>, searched: boolean): void {
@@ -107,96 +84,34 @@ export function specificationCard(session: DesignSession): HTMLElement {
     session.apply({ made, ...(asksForSearch && { byHand: false }) });
   }
 
+  function showFault(fault: Fault | null): void {
+    materials.showFault(fault);
+    fields.showFault(fault);
+  }
+
   function choose(value: string): void {
-    if (value === OWN) {
-      // The found values become the given ones.
-      const { made, found } = session.state.get();
-      const { youngsModulus, density } = withFoundValues(made, found ?? {});
-      if (made.materials.length > 0) apply({ youngsModulus, density, materials: [] }, false);
-      return fields.youngsModulus.inputs[0].focus();
-    }
-    if (value === SEVERAL) return apply({ materials: PRESETS }, true);
-    const { youngsModulus, density } = PRESETS.find(({ name }) => name === value) ?? DEFAULT_SPECIFICATION;
-    apply({ youngsModulus, density, materials: [] }, false);
+    const change = withMaterial(value, session.state.get());
+    if (change) apply(change, value === SEVERAL);
+    if (value === OWN) fields.focus("youngsModulus");
   }
 
   function chooseSize(kind: Size["kind"]): void {
-    const measures = session.shown.get()?.measures;
+    const measures = session.results.shown.get()?.measures;
     const value = kind === "beam_width" ? (measures?.beamWidth ?? DEFAULT_SPECIFICATION.size.value) : (measures?.cellSize ?? FIRST_CELL_SIZE);
     apply({ size: { kind, value: rounded(value) }, ...(kind === "beam_width" ? { leastBeamWidth: null } : { cellSizes: null }) }, true);
   }
 
-  /** Applies the values of the fields, unless one is invalid. */
-  function read(searched: boolean): void {
-    const { made } = session.state.get();
-    const pair = ({ inputs: [min, max] }: Field): Range => [numberIn(min), numberIn(max)];
-    // An empty field means no limit; if both are empty, there is no range.
-    const isEmpty = (input: HTMLInputElement): boolean => input.value === "" && !input.validity.badInput;
-    const limits = ({ inputs }: Field, [min, max]: Range, unit: number): Range | null => {
-      if (inputs.every(isEmpty)) return null;
-      const value = (input: HTMLInputElement, otherwise: number) => (isEmpty(input) ? otherwise : numberIn(input) / unit);
-      return [value(inputs[0], min), value(inputs[1], max)];
-    };
-    const [widthInput] = fields.leastBeamWidth.inputs;
-    apply({
-      youngsModulus: isRange(made.youngsModulus) ? pair(fields.youngsModulus) : numberIn(fields.youngsModulus.inputs[0]),
-      density: numberIn(fields.density.inputs[0]),
-      orientation: isRange(made.orientation) ? pair(fields.orientation) : numberIn(fields.orientation.inputs[0]),
-      size: { kind: made.size.kind, value: numberIn(fields.size.inputs[0]) },
-      relativeDensity: limits(fields.relativeDensity, SPECIFICATION_LIMITS.relativeDensity, 100),
-      leastBeamWidth: made.size.kind === "beam_width" || isEmpty(widthInput) ? null : numberIn(widthInput),
-      cellSizes: made.size.kind === "cell_size" ? null : limits(fields.cellSizes, SPECIFICATION_LIMITS.cellSizes, 1),
-    }, searched);
-  }
-
-  function showFault(fault: Fault | null): void {
-    materials.showFault(fault);
-    for (const [name, { inputs, problem }] of Object.entries(fields)) {
-      const isAtFault = fault?.field === name;
-      problem.textContent = isAtFault ? fault.sentence : "";
-      problem.hidden = !isAtFault;
-      for (const input of inputs) {
-        if (isAtFault) input.setAttribute("aria-invalid", "true");
-        else input.removeAttribute("aria-invalid");
-      }
-    }
-  }
-
-  function write({ inputs: [first, second] }: Field, value: number | Range | null, range: boolean): void {
-    showText(first, value === null ? "" : String(isRange(value) ? value[0] : value));
-    if (!second) return;
-    showText(second, value !== null && isRange(value) ? String(value[1]) : "");
-    second.hidden = !range;
-    (second.previousElementSibling as HTMLElement).hidden = !range;
-  }
-
   function show(made: Specification): void {
-    const { youngsModulus, density, orientation, size, relativeDensity, leastBeamWidth, cellSizes } = made;
+    const { youngsModulus, density, orientation, size } = made;
     const several = made.materials.length > 0;
     const known = [{ name: DATA, ...DEFAULT_SPECIFICATION }, ...PRESETS].find((one) => one.youngsModulus === youngsModulus && one.density === density);
     preset.value = several ? SEVERAL : (known?.name ?? OWN);
     materials.show(made.materials);
     materials.element.hidden = !several;
-    fields.youngsModulus.element.hidden = several;
-    fields.density.element.hidden = several;
     findModulus.input.checked = isRange(youngsModulus);
     findOrientation.input.checked = isRange(orientation);
     sizeKind.value = size.kind;
-    write(fields.youngsModulus, youngsModulus, isRange(youngsModulus));
-    write(fields.density, density, false);
-    write(fields.orientation, orientation, isRange(orientation));
-    write(fields.size, size.value, false);
-    (fields.size.element.querySelector("label") as HTMLElement).textContent = size.kind === "beam_width" ? "Beam width, mm" : "Cell size, mm";
-    write(fields.relativeDensity, relativeDensity && [percentOf(relativeDensity[0]), percentOf(relativeDensity[1])], true);
-    write(fields.cellSizes, cellSizes, true);
-    for (const name of ["relativeDensity", "cellSizes"] as const) {
-      fields[name].inputs.forEach((input, k) => {
-        if (made[name]?.[k] === SPECIFICATION_LIMITS[name][k]) showText(input, "");
-      });
-    }
-    fields.cellSizes.element.hidden = size.kind === "cell_size";
-    write(fields.leastBeamWidth, leastBeamWidth, false);
-    fields.leastBeamWidth.element.hidden = size.kind === "beam_width";
+    fields.show(made);
     summary.textContent = specificationWords(made);
     showFault(null);
   }

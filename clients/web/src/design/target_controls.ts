@@ -9,7 +9,7 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
   const task = new Segments(
     "What the target shows",
     TASKS.map((value) => ({ value, words: TASK_WORDS[value].short })),
-    (value) => void session.setTask(value),
+    (value) => void session.targetEdits.setTask(value),
   );
   const direction = new Slider({
     label: "Direction of the load",
@@ -31,7 +31,7 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
   const measure = new Select(
     "Measure of strain",
     [{ value: "green", words: "Green strain, 2nd Piola–Kirchhoff stress" }, { value: "engineering", words: "Engineering strain, force over width" }],
-    (value) => session.setMeasure(value),
+    (value) => session.targetEdits.setMeasure(value),
   );
   const curve = new Select<Interpolation>(
     "Curve between control points",
@@ -62,7 +62,7 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
     curve.value = state.interpolation;
     family.setChoices([
       { value: ANY, words: "Any: the best of all" },
-      ...session.familyModels.map((model) => ({ value: model.family, words: `${model.family} (${parameterCount(model.parameters.lower.length)})` })),
+      ...session.catalogue.familyModels.map((model) => ({ value: model.family, words: `${model.family} (${parameterCount(model.parameters.lower.length)})` })),
     ]);
     family.value = state.family;
     direction.element.hidden = isPolar(state.task);

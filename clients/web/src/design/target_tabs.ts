@@ -8,13 +8,18 @@ import { MAX_NAME_LENGTH, MAX_TARGETS, sameTargets, targetsOf, targetWords } fro
 export function targetTabs(session: DesignSession, panel: HTMLElement): HTMLElement {
   const tabs = new Tabs(
     { label: "Targets of the design", noun: "target", addTitle: "Add a further target of the same design", maxNameLength: MAX_NAME_LENGTH, panel },
-    { select: (at) => session.select(at), add: () => void session.add(), rename: (name) => session.rename(name), remove: (at) => session.remove(at) },
+    {
+      select: (at) => session.targetEdits.select(at),
+      add: () => void session.targetEdits.add(),
+      rename: (name) => session.targetEdits.rename(name),
+      remove: (at) => session.targetEdits.remove(at),
+    },
   );
 
   function show(): void {
     const state = session.state.get();
     const targets = targetsOf(state);
-    const all = session.all.get();
+    const all = session.results.all.get();
     const shown = targets.map((target, k) => {
       const found = all[k];
       const detail = found && targets.length > 1 && sameTargets(found.targets, targets) ? percent(found.deviation) : "";
@@ -23,6 +28,6 @@ export function targetTabs(session: DesignSession, panel: HTMLElement): HTMLElem
     tabs.show(shown, state.at, targets.length < MAX_TARGETS && state.points.length > 0);
   }
 
-  for (const part of [session.state, session.all]) part.watch(show);
+  for (const part of [session.state, session.results.all]) part.watch(show);
   return tabs.element;
 }

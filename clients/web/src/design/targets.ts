@@ -1,6 +1,7 @@
 // Operations on the control points of a target, which keep their x increasing.
+import type { Curve } from "../base/curve";
 import type { StrainMeasure, Task } from "../contract/types";
-import { type ControlPoint, type Interpolation, isPolar } from "./state";
+import { type ControlPoint, type Interpolation, isPolar, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 
 export type Points = readonly ControlPoint[];
@@ -15,6 +16,9 @@ export interface Extent {
   readonly upper: number;
 }
 
+/** Numbers of control points of a target that is made from a profile. */
+const POINTS_OVER_STRAIN = 7;
+const POINTS_OVER_DIRECTIONS = 6;
 /** Relative deviation from a profile up to which control points are added to a target on it. */
 const PROFILE_DEVIATION = 0.01;
 const MAX_PROFILE_POINTS = 24;
@@ -161,6 +165,11 @@ export function targetOnProfile(
     if (deviation(best) <= tolerance) break;
   }
   return best;
+}
+
+/** The target that follows a curve; null without a curve, or if it has too few values. */
+export function targetOnCurve(curve: Curve | null, { task, interpolation }: Pick<Target, "task" | "interpolation">): TargetCurve | null {
+  return curve && targetOnProfile(task, curve.x, curve.y, isPolar(task) ? POINTS_OVER_DIRECTIONS : POINTS_OVER_STRAIN, interpolation);
 }
 
 /** Indices of `count` evenly spaced samples. Over direction, a last sample that repeats the first is left out; over strain, the sample at rest is added. */

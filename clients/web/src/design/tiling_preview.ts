@@ -1,8 +1,8 @@
 // A drawing of the shown design's structure, from the server's file.
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
-import { Latest } from "../base/latest";
-import { type Client, isAbort } from "../contract/client";
+import type { Client } from "../contract/client";
+import { JobRunner } from "../contract/runner";
 import type { Family } from "../contract/types";
 import { DEFAULT_SPECIFICATION, orientationOf } from "./specification";
 import { structurePath } from "./requests";
@@ -50,93 +50,101 @@ function roundLength(length: number): number {
   return [1, 2, 5, 10].reduce((best, factor) => (distance(factor) < distance(best) ? factor : best)) * power;
 }
 
-export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
-  const shape = svg("path", { class: "solid", id: uniqueId("patch"), "fill-rule": "evenodd" });
-  const copies = svg("g", { class: "copies" });
-  const scaleBar = svg("path", { class: "scale-bar" });
-  const scaleWords = svg("text", { class: "scale-words" });
-  const rotated = svg("g", {}, copies, shape);
-  const drawing = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, rotated, scaleBar, scaleWords);
-  const caption = h("figcaption", {});
-  // A short result below the drawing, because the card of the result is far away on a small screen.
-  const live = h("p", { class: "live", "aria-hidden": "true" });
-  const requests = new Latest();
-  let drawnKey = "";
-  let drawnSide = 0;
+/** The picture of a tiling in a window, with a scale bar. */
+class TilingDrawing {
+  private readonly shape = svg("path", { class: "solid", id: uniqueId("patch"), "fill-rule": "evenodd" });
+  private readonly copies = svg("g", { class: "copies" });
+  private readonly scaleBar = svg("path", { class: "scale-bar" });
+  private readonly scaleWords = svg("text", { class: "scale-words" });
+  private readonly rotated = svg("g", {}, this.copies, this.shape);
+  readonly element = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, this.rotated, this.scaleBar, this.scaleWords);
+  /** Side of the drawn window in mm; 0 before the first drawing. */
+  private side = 0;
 
-  /** Whether the tiling is rotated, so that the corners of the window need more copies. */
-  function isTurned(): boolean {
-    return session.state.get().made.orientation !== 0;
-  }
-
-  async function draw(found: TilingDesign, signal: AbortSignal): Promise<void> {
-    const family = session.family(found.family);
-    if (!family) return;
-    const side = windowSize(family);
-    const path = structurePath(found, "svg", [PATCH_CELLS, PATCH_CELLS]);
-    const file = new DOMParser().parseFromString(await (await client.send("GET", path, undefined, { signal })).text(), "image/svg+xml");
-    shape.setAttribute("d", file.querySelector("path")?.getAttribute("d") ?? "");
+  /** Draws a patch from the server's file. `turned`: whether the tiling is rotated, so that the corners of the window need more copies. */
+  draw(text: string, side: number, turned: boolean): void {
+    const file = new DOMParser().parseFromString(text, "image/svg+xml");
+    this.shape.setAttribute("d", file.querySelector("path")?.getAttribute("d") ?? "");
     const translations = translationsOf(file)?.map((length) => PATCH_CELLS * length);
     // The window is a rotated square relative to the tiling.
-    const places = translations ? copiesOf(translations, side * (isTurned() ? Math.SQRT2 : 1)) : [];
-    replace(copies, ...places.map(([x, y]) => svg("use", { href: `#${shape.id}`, x, y })));
-    drawing.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
-    drawing.setAttribute("aria-label", `Tiling ${found.family} with parameters ${found.parameters.map((value) => digits(value)).join(", ")}`);
-    drawnSide = side;
-    drawScale();
+    const places = translations ? copiesOf(translations, side * (turned ? Math.SQRT2 : 1)) : [];
+    replace(this.copies, ...places.map(([x, y]) => svg("use", { href: `#${this.shape.id}`, x, y })));
+    this.element.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
+    this.side = side;
   }
 
-  /** Draws the scale bar. All structures are drawn with the same beam width; the bar shows the true scale. */
-  function drawScale(): void {
-    if (drawnSide === 0) return;
-    const side = drawnSide;
-    const scale = (widthNow() ?? DRAWN_WIDTH) / DRAWN_WIDTH;
+  /** Names the picture for screen readers. */
+  name(words: string): void {
+    this.element.setAttribute("aria-label", words);
+  }
+
+  /** Rotates the tiling counterclockwise; the picture's y axis points down. */
+  turn(angle: number): void {
+    this.rotated.setAttribute("transform", `rotate(${(-angle * 180) / Math.PI})`);
+  }
+
+  /** Draws the scale bar. All structures are drawn with the same beam width; the bar shows the true scale for beams of `width` mm. */
+  scale(width: number): void {
+    const { side } = this;
+    if (side === 0) return;
+    const scale = width / DRAWN_WIDTH;
     const words = roundLength((side > 30 ? 10 : 5) * scale);
     const length = words / scale;
     // The frame is lower than wide and crops the square.
     const at = { x: side / 2 - length - side * 0.05, y: (HEIGHT_RATIO * side) / 2 - side * 0.05 };
-    scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
-    scaleBar.setAttribute("stroke-width", String(side / 120));
-    scaleWords.setAttribute("x", String(at.x));
-    scaleWords.setAttribute("y", String(at.y - side * 0.02));
-    scaleWords.setAttribute("font-size", String(side / 28));
-    scaleWords.textContent = `${digits(words)} mm`;
+    this.scaleBar.setAttribute("d", `M${at.x} ${at.y}h${length}`);
+    this.scaleBar.setAttribute("stroke-width", String(side / 120));
+    this.scaleWords.setAttribute("x", String(at.x));
+    this.scaleWords.setAttribute("y", String(at.y - side * 0.02));
+    this.scaleWords.setAttribute("font-size", String(side / 28));
+    this.scaleWords.textContent = `${digits(words)} mm`;
   }
+}
 
-  /** Width of the beams in mm; null for a given cell size until the structure has been measured. */
-  function widthNow(): number | null {
+export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
+  const drawing = new TilingDrawing();
+  const caption = h("figcaption", {});
+  // A short result below the drawing, because the card of the result is far away on a small screen.
+  const live = h("p", { class: "live", "aria-hidden": "true" });
+  const requests = new JobRunner<object>(client);
+  let drawnKey = "";
+
+  const isTurned = (): boolean => session.state.get().made.orientation !== 0;
+
+  /** Width of the beams in mm. For a given cell size, it is known once the structure has been measured. */
+  function widthNow(): number {
     const { size } = session.state.get().made;
-    return size.kind === "beam_width" ? size.value : (session.shown.get()?.measures.beamWidth ?? null);
+    return (size.kind === "beam_width" ? size.value : session.results.shown.get()?.measures.beamWidth) ?? DRAWN_WIDTH;
   }
 
-  function turn(): void {
-    const { made, found } = session.state.get();
-    // The picture's y axis points down.
-    rotated.setAttribute("transform", `rotate(${(-orientationOf(made, found) * 180) / Math.PI})`);
+  function request(found: TilingDesign): void {
+    const family = session.catalogue.family(found.family);
+    if (!family) return;
+    requests.follow(async (run) => {
+      drawing.draw(await run.text(structurePath(found, "svg", [PATCH_CELLS, PATCH_CELLS])), windowSize(family), isTurned());
+      drawing.name(`Tiling ${found.family} with parameters ${found.parameters.map((value) => digits(value)).join(", ")}`);
+      drawing.scale(widthNow());
+    }, () => {
+      drawnKey = "";
+      // The parameters give no structure: the last drawing stays, and the card of the result reports the fault.
+      drawing.name("No picture of this tiling");
+    });
   }
 
   // The drawing follows the state, whose design may be newer than the shown response.
-  session.state.watch(({ found }) => {
+  session.state.watch(({ found, made }) => {
     if (!found) return;
-    turn();
-    drawScale();
+    drawing.turn(orientationOf(made, found));
+    drawing.scale(widthNow());
     const key = `${found.family} ${found.parameters.join()} ${isTurned()}`;
     if (key === drawnKey) return;
     drawnKey = key;
-    caption.textContent = `${found.family}. ${session.family(found.family)?.description ?? ""}`;
-    requests.submit(async (signal) => {
-      try {
-        await draw(found, signal);
-      } catch (error) {
-        drawnKey = "";
-        // The parameters give no structure: the last drawing stays, and the card of the result reports the fault.
-        if (!isAbort(error)) drawing.setAttribute("aria-label", "No picture of this tiling");
-      }
-    });
+    caption.textContent = `${found.family}. ${session.catalogue.family(found.family)?.description ?? ""}`;
+    request(found);
   });
-  session.shown.watch((shown) => {
-    drawScale();
+  session.results.shown.watch((shown) => {
+    drawing.scale(widthNow());
     if (shown) live.textContent = `${shown.found.family}: ${percent(shown.deviation)} from the target`;
   });
-  return h("figure", { class: "card preview" }, drawing, live, caption);
+  return h("figure", { class: "card preview" }, drawing.element, live, caption);
 }

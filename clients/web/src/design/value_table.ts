@@ -31,7 +31,7 @@ export function valueTable(session: DesignSession): HTMLElement {
   }
 
   function showCurves(): void {
-    const shown = session.shown.get();
+    const shown = session.results.shown.get();
     if (!shown || freshness(shown, session.state.get()) === "other") return replace(curves, h("p", { class: "muted" }, "Not computed yet."));
     const polar = isPolar(shown.task);
     const { y, unit } = TASK_WORDS[shown.task];
@@ -88,12 +88,12 @@ export function valueTable(session: DesignSession): HTMLElement {
     if (text === "" || !Number.isFinite(value)) return showPoints(true);
     const point = state.points[index];
     const to: ControlPoint = axis === 0 ? [isPolar(state.task) ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
-    session.apply({ points: movePoint(state.task, state.points, index, to, session.extent)[0], byHand: false });
+    session.apply({ points: movePoint(state.task, state.points, index, to, session.targetEdits.extent)[0], byHand: false });
     showPoints(true); // shows the clamped value if the entered one was out of bounds
   }
 
   details.addEventListener("toggle", show);
-  session.shown.watch(show);
+  session.results.shown.watch(show);
   session.state.watch(show);
   return details;
 }

@@ -2,8 +2,8 @@
 // (polish). A change of the design ends them.
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import { type Client, explain } from "../contract/client";
+import { JobRunner, type Run } from "../contract/runner";
 import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
@@ -41,7 +41,7 @@ export type PatchState =
 export class Verification {
   readonly state = new Observable<VerificationState>({ kind: "none" });
   readonly patch = new Observable<PatchState>({ kind: "none" });
-  private running: AbortController | null = null;
+  private readonly runner: JobRunner;
   private subject: TargetResponse | null = null;
 
   /** The simulated response to the selected target. */
@@ -52,9 +52,10 @@ export class Verification {
 
   constructor(
     private readonly session: DesignSession,
-    private readonly client: Client,
+    client: Client,
   ) {
-    session.shown.watch((shown) => {
+    this.runner = new JobRunner(client);
+    session.results.shown.watch((shown) => {
       if (this.subject && (!shown || !isSameResult(shown, this.subject))) this.clear();
     });
   }
@@ -69,33 +70,30 @@ export class Verification {
   }
 
   private async simulate(requestOf: (state: DesignState, found: TilingDesign) => DesignRequest): Promise<void> {
-    const shown = this.session.shown.get();
+    const shown = this.session.results.shown.get();
     if (!shown) return;
     this.clear();
     this.subject = shown;
-    this.running = new AbortController();
-    const { signal } = this.running;
     this.state.set({ kind: "running", progress: 0, stage: "", round: null });
     const asked = this.session.state.get();
-    const simulated = await this.simulateProfile(shown, asked, requestOf(asked, shown.found), signal);
-    if (!signal.aborted) await this.simulatePatch(simulated, signal);
+    await this.runner.start(async (run) => {
+      await this.simulatePatch(await this.simulateProfile(shown, asked, requestOf(asked, shown.found), run), run);
+    });
   }
 
   /** Cancels running simulations and removes the results. */
   clear(): void {
-    this.running?.abort();
-    this.running = null;
+    this.runner.stop();
     this.subject = null;
     this.state.set({ kind: "none" });
     this.patch.set({ kind: "none" });
   }
 
   /** Simulates the profile. Returns the response of the design that was simulated last. */
-  private async simulateProfile(shown: TargetResponse, asked: DesignState, request: DesignRequest, signal: AbortSignal): Promise<TargetResponse> {
+  private async simulateProfile(shown: TargetResponse, asked: DesignState, request: DesignRequest, run: Run<object>): Promise<TargetResponse> {
     let count = 0;
     let lastKey = "";
-    const onProgress = ({ progress, stage, partial }: Job) => {
-      if (signal.aborted) return;
+    const onJob = ({ progress, stage, partial }: Job) => {
       let round: PolishRound | null = null;
       if (partial && "round" in partial) {
         // Several events may report the same round.
@@ -107,8 +105,7 @@ export class Verification {
       this.state.set({ kind: "running", progress, stage, round });
     };
     try {
-      const answer = await runJob<DesignAnswer>(this.client, "/v1/designs", request, { signal, onProgress });
-      if (signal.aborted) return shown;
+      const answer = await run.job<DesignAnswer>("/v1/designs", request, { onJob });
       const simulated = simulatedTargets(answer, asked);
       if (!simulated || !answer.polish) {
         this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
@@ -122,24 +119,24 @@ export class Verification {
       if (changed) this.session.setFound(found);
       return polished;
     } catch (error) {
-      if (!isAbort(error) && !signal.aborted) this.state.set({ kind: "failed", sentence: explain(error) });
+      if (run.isCancelled) throw error;
+      this.state.set({ kind: "failed", sentence: explain(error) });
       return shown;
     }
   }
 
-  private async simulatePatch(shown: TargetResponse, signal: AbortSignal): Promise<void> {
+  private async simulatePatch(shown: TargetResponse, run: Run<object>): Promise<void> {
     this.patch.set({ kind: "running", progress: 0 });
-    const onProgress = (job: Job) => {
-      if (!signal.aborted) this.patch.set({ kind: "running", progress: job.progress });
-    };
     try {
       const state = this.session.state.get();
       const request = patchRequest(state, shown.found);
       const direction = patchDirection(state, shown.found);
-      const simulation = await runJob<Simulation>(this.client, "/v1/simulations", request, { signal, onProgress });
-      if (!signal.aborted) this.patch.set({ kind: "done", simulation, direction });
+      const onJob = ({ progress }: Job) => this.patch.set({ kind: "running", progress });
+      const simulation = await run.job<Simulation>("/v1/simulations", request, { onJob });
+      this.patch.set({ kind: "done", simulation, direction });
     } catch (error) {
-      if (!isAbort(error) && !signal.aborted) this.patch.set({ kind: "failed", sentence: explain(error) });
+      if (run.isCancelled) throw error;
+      this.patch.set({ kind: "failed", sentence: explain(error) });
     }
   }
 }

@@ -17,7 +17,7 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const view = new PatchView();
   const patchWords = h("p", { class: "muted" });
 
-  session.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
+  session.results.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
   let lastSeconds: number | null = null;
   const tell = (state: VerificationState) => {
     if (state.kind === "done") lastSeconds = state.seconds;
@@ -30,10 +30,10 @@ export function verificationCard(session: DesignSession, verification: Verificat
     show();
   });
   // The card shows the result for the selected target.
-  session.shown.watch(() => tell(verification.state.get()));
+  session.results.shown.watch(() => tell(verification.state.get()));
   verification.patch.watch((state) => {
     if (state.kind === "done") {
-      const material = session.model(state.simulation.family)?.material;
+      const material = session.catalogue.model(state.simulation.family)?.material;
       view.show(state.simulation, state.direction, material ? { youngsModulus: material.youngs_modulus, poissonRatio: material.poisson_ratio } : null);
     } else view.clear();
     patchWords.textContent = state.kind === "failed" ? state.sentence : "";
@@ -65,11 +65,10 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
 
 /** The sentence about the present state. `lastSeconds`: duration of the last simulation, null before the first. */
 function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null): string {
+  const last = lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`;
   switch (state.kind) {
     case "none":
-      return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${
-        lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`
-      }.`;
+      return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${last}.`;
     case "running":
       if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
       return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";

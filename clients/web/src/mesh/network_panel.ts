@@ -144,12 +144,11 @@ function fixedField(network: NetworkSession): HTMLElement {
   return field.element;
 }
 
+const SPRING_LENGTHS = [{ value: "geodesic", words: "Of the shortest path on the surface" }, { value: "euclidean", words: "Straight through space" }] as const;
+
 function moreControls(network: NetworkSession): HTMLElement {
   const method = new Select<Method>("Method", chooseFrom(METHOD_WORDS, METHODS), (value) => network.change({ method: value }));
-  const length = new Select<SpringLength>("Length of a spring", [{ value: "geodesic", words: "Of the shortest path on the surface" }, {
-    value: "euclidean",
-    words: "Straight through space",
-  }], (value) => network.change({ springLength: value }));
+  const length = new Select<SpringLength>("Length of a spring", SPRING_LENGTHS, (value) => network.change({ springLength: value }));
   const tolerance = new Select<string>("Tolerance of the gradient", powerChoices(TOLERANCES), (value) => network.change({ tolerance: Number(value) }));
   const iterations = new Slider({
     label: "Most iterations",

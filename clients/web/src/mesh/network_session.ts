@@ -1,8 +1,7 @@
 // The network session: constructs, changes, relaxes and saves a network on the present mesh. It does not depend on elements of the page.
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import type { Client } from "../contract/client";
+import { JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
 import type { EmbeddedSystem, EmbeddedSystemRequest, Job, SurfacePoint } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
 import { type Host, hostFault, defaultHost, lowestVertices, connectedSupports, supportPosition, withMovedSupports, withToggledSupport, withSupports } from "./host";
@@ -38,6 +37,7 @@ export interface RelaxationRun {
 export type ClickMode = "add" | "join" | "fix";
 
 export type FileKind = "obj" | "vtu";
+const PATH = "/v1/embedded-systems";
 const FILE_TYPES: Record<FileKind, string> = { obj: "model/obj", vtu: "application/x-vtu+xml" };
 
 export class NetworkSession {
@@ -54,16 +54,20 @@ export class NetworkSession {
   readonly moveTogether = new Observable(true);
   /** The first of two points to join. */
   readonly chosen = new Observable<number | null>(null);
-  private running: AbortController | null = null;
-  private readonly supportRequests = new Latest();
+  /** Runs what the user has asked for. */
+  private readonly runner: JobRunner;
+  /** Computes new equilibria while supports are moved. */
+  private readonly following: JobRunner;
   /** Key of the constructed network. */
   private key = "";
   private mesh = "";
 
   constructor(
     private readonly session: MeshSession,
-    private readonly client: Client,
+    client: Client,
   ) {
+    this.runner = new JobRunner(client, this.activity);
+    this.following = new JobRunner(client, this.activity);
     session.mesh.watch((loaded) => {
       if (!loaded || loaded.info.id === this.mesh) return;
       this.forget();
@@ -170,8 +174,8 @@ export class NetworkSession {
   }
 
   make(): Promise<void> {
-    return this.attempt("Making the network", async (signal) => {
-      await this.constructNetwork(signal);
+    return this.attempt("Making the network", async (run) => {
+      await this.constructNetwork(run);
     });
   }
 
@@ -181,14 +185,14 @@ export class NetworkSession {
    */
   relax(resume = false): Promise<void> {
     const start = resume ? this.relaxing.get()?.answer : null;
-    return this.attempt("Making the network", async (signal) => {
-      const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(signal);
+    return this.attempt("Making the network", async (run) => {
+      const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(run);
       const asked = relaxationRequest(this.mesh, this.state.get(), network);
-      if (!start) return this.runRelaxation(asked, asked, network, network.positions, signal);
+      if (!start) return this.runRelaxation(asked, asked, network, network.positions, run);
       if (startsAtRest(asked)) {
-        return this.runRelaxation({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, signal);
+        return this.runRelaxation({ ...asked, max_iterations: start.iterations + this.state.get().maxIterations }, asked, network, network.positions, run);
       }
-      await this.runRelaxation({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], signal);
+      await this.runRelaxation({ ...asked, points: start.points }, asked, network, start.positions as unknown as Vector[], run);
     });
   }
 
@@ -197,21 +201,14 @@ export class NetworkSession {
     const relaxing = this.relaxing.get();
     const answer = relaxing?.answer;
     if (!relaxing || !answer) return;
-    await this.attempt("Making the file", async (signal) => {
-      const request = fileRequest(relaxing.request, answer.points);
-      const response = await this.client.postResponse("/v1/embedded-systems", request, { signal, headers: { Accept: FILE_TYPES[kind] } });
-      const text = await response.text();
-      if (!signal.aborted) save(text);
-    });
+    const request = fileRequest(relaxing.request, answer.points);
+    await this.attempt("Making the file", async (run) => save(await run.file(PATH, request, FILE_TYPES[kind])));
   }
 
   cancel(): void {
-    this.supportRequests.cancel();
-    this.running?.abort();
-    this.running = null;
-    this.activity.set({ kind: "idle" });
-    const relaxing = this.relaxing.get();
-    if (relaxing && !relaxing.answer) this.relaxing.set(null);
+    this.following.cancel();
+    this.runner.cancel();
+    this.forgetUnfinished();
   }
 
   /**
@@ -219,28 +216,25 @@ export class NetworkSession {
    * shown meanwhile.
    */
   private followSupports(): void {
-    if (this.running) this.cancel();
+    if (this.runner.isRunning) this.cancel();
     const info = this.session.mesh.get()?.info;
     const fault = info && hostFault(this.state.get().host, info);
     if (!info || fault) return this.activity.set(fault ? { kind: "failed", sentence: fault } : { kind: "idle" });
-    this.supportRequests.submit(async (signal) => {
-      try {
-        const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(signal);
-        if (signal.aborted) return;
-        const asked = relaxationRequest(this.mesh, this.state.get(), network);
-        // The last equilibrium is a good start for springs. A membrane cannot use it, because its start defines its rest state.
-        const last = this.relaxing.get();
-        const startPoints = last?.answer && last.network === network && !asked.triangles ? { points: last.answer.points } : {};
-        const request = { ...asked, ...startPoints };
-        const answer = await this.compute(request, "Following the supports", signal);
-        if (signal.aborted) return;
-        this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: [], gradientTolerance: answer.accuracy.gradient_tolerance, answer });
-        this.activity.set({ kind: "idle" });
-      } catch (error) {
-        if (isAbort(error) || signal.aborted) return;
-        this.activity.set({ kind: "failed", sentence: explain(error) });
-      }
+    this.following.follow(async (run) => {
+      const network = this.isMade ? (this.network.get() as Network) : await this.constructNetwork(run);
+      const asked = relaxationRequest(this.mesh, this.state.get(), network);
+      // The last equilibrium is a good start for springs. A membrane cannot use it, because its start defines its rest state.
+      const last = this.relaxing.get();
+      const startPoints = last?.answer && last.network === network && !asked.triangles ? { points: last.answer.points } : {};
+      const request = { ...asked, ...startPoints };
+      const answer = await this.compute(request, "Following the supports", run);
+      this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: [], gradientTolerance: answer.accuracy.gradient_tolerance, answer });
     });
+  }
+
+  private forgetUnfinished(): void {
+    const relaxing = this.relaxing.get();
+    if (relaxing && !relaxing.answer) this.relaxing.set(null);
   }
 
   private forget(): void {
@@ -269,17 +263,16 @@ export class NetworkSession {
     return networkKey(this.session.mesh.get()?.info.id ?? "", this.state.get(), this.session.points.get());
   }
 
-  private async constructNetwork(signal: AbortSignal): Promise<Network> {
+  private async constructNetwork(run: Run<WorkInWords>): Promise<Network> {
     const key = this.currentKey();
     const request = constructionRequest(this.mesh, this.state.get(), this.session.points.get());
-    const answer = await this.compute(request, "Making the network", signal);
+    const answer = await this.compute(request, "Making the network", run);
     const network: Network = {
       points: answer.points as SurfacePoint[],
       positions: answer.positions as unknown as Vector[],
       pairs: answer.springs.map(({ between }) => [between[0], between[1]] as const),
       triangles: request.triangles ? ((answer.triangles ?? []) as unknown as Triple[]) : [],
     };
-    if (signal.aborted) return network;
     this.key = key;
     this.relaxing.set(null);
     this.state.set(withExistingPoints(this.state.get(), network.points.length));
@@ -287,7 +280,7 @@ export class NetworkSession {
     return network;
   }
 
-  private async runRelaxation(request: EmbeddedSystemRequest, asked: EmbeddedSystemRequest, network: Network, start: readonly Vector[], signal: AbortSignal): Promise<void> {
+  private async runRelaxation(request: EmbeddedSystemRequest, asked: EmbeddedSystemRequest, network: Network, start: readonly Vector[], run: Run<WorkInWords>): Promise<void> {
     const frames = new Frames();
     frames.add({ iteration: 0, positions: start });
     const steps: Step[] = [];
@@ -296,7 +289,7 @@ export class NetworkSession {
     const diagonal = this.session.mesh.get()?.info.bounding_box.diagonal ?? 0;
     const gradientTolerance = (request.accuracy?.tolerance ?? 0) * weight * diagonal;
     this.relaxing.set({ request, asked, network, steps, frames: frames.all, gradientTolerance, answer: null });
-    const answer = await this.compute(request, "Relaxing", signal, ({ partial }) => {
+    const answer = await this.compute(request, "Relaxing", run, (partial) => {
       if (!partial || !("gradient_norm" in partial) || "step_length" in partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
       steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
       if (partial.positions && partial.iteration > 0) {
@@ -308,39 +301,25 @@ export class NetworkSession {
       }
       this.relaxing.set({ request, asked, network, steps: [...steps], frames: frames.all, gradientTolerance, answer: null });
     });
-    if (signal.aborted) return;
     this.relaxing.set({ request, asked, network, steps: stepsOf(answer), frames: frames.all, gradientTolerance: answer.accuracy.gradient_tolerance, answer });
   }
 
-  private compute(request: EmbeddedSystemRequest, words: string, signal: AbortSignal, onJob: (job: Job) => void = () => {}): Promise<EmbeddedSystem> {
-    return runJob<EmbeddedSystem>(this.client, "/v1/embedded-systems", request, {
-      signal,
-      onProgress: (job) => {
-        if (signal.aborted) return;
-        onJob(job);
-        const { partial } = job;
+  private compute(request: EmbeddedSystemRequest, words: string, run: Run<WorkInWords>, onPartial: (partial: Job["partial"]) => void = () => {}): Promise<EmbeddedSystem> {
+    return run.job<EmbeddedSystem>(PATH, request, {
+      onJob: ({ partial, progress }) => {
+        onPartial(partial);
         const now = partial && "gradient_norm" in partial ? `${words}, iteration ${partial.iteration}` : words;
-        this.activity.set({ kind: "busy", words: now, progress: job.progress > 0 ? job.progress : null });
+        run.tell({ words: now }, progress > 0 ? progress : null);
       },
     });
   }
 
-  private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
+  private attempt(words: string, task: Task<WorkInWords>): Promise<void> {
     this.cancel();
-    this.running = new AbortController();
-    const { signal } = this.running;
-    this.activity.set({ kind: "busy", words, progress: null });
-    try {
-      await act(signal);
-      if (!signal.aborted) this.activity.set({ kind: "idle" });
-    } catch (error) {
-      if (isAbort(error) || signal.aborted) return;
-      const relaxing = this.relaxing.get();
-      if (relaxing && !relaxing.answer) this.relaxing.set(null);
-      this.activity.set({ kind: "failed", sentence: explain(error) });
-    } finally {
-      if (!signal.aborted) this.running = null;
-    }
+    return this.runner.begin({ words }, task, (error) => {
+      this.forgetUnfinished();
+      this.runner.tellFailure(error);
+    });
   }
 }
 

@@ -8,7 +8,7 @@ import { nameOf } from "./names";
 import { networkPanel } from "./network_panel";
 import type { NetworkSession } from "./network_session";
 import { afterChoice, mayBeRepaired, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
-import { type MeshSession, MAX_STARTS, type Tool } from "./session";
+import { type MeshSession, MAX_STARTS, type Tool, TOOLS } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
 import { isolineSpacing, rampTicks } from "./mesh_data";
 import { projectedOnto, readPlace } from "./point_in_space";
@@ -24,6 +24,7 @@ export interface FieldAppearance {
 }
 
 const FILE_TYPES = ".obj,.off,.ply,.stl";
+const TOOL_WORDS: Record<Tool, string> = { path: "Path", distance: "Distance", mean: "Mean", network: "Network", voronoi: "Voronoi" };
 
 export function meshPanel(
   session: MeshSession,
@@ -108,10 +109,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
     network: "An elastic network or membrane whose points slide on the surface until it is at rest.",
     voronoi: "Cells of the points that are nearer to one site than to any other, by shortest paths; as they are, or optimized.",
   };
-  const tool = new Segments<Tool>("What is computed", [{ value: "path", words: "Path" }, { value: "distance", words: "Distance" }, { value: "mean", words: "Mean" }, {
-    value: "network",
-    words: "Network",
-  }, { value: "voronoi", words: "Voronoi" }], (value) => session.setTool(value));
+  const tool = new Segments<Tool>("What is computed", TOOLS.map((value) => ({ value, words: TOOL_WORDS[value] })), (value) => session.setTool(value));
   const help = h("p", { class: "muted" });
   const starts = new Slider({
     label: "Searches from different starts",

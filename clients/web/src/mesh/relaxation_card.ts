@@ -28,6 +28,9 @@ const MAX_ROWS = 60;
 /** Limit of the points of a network and of the vertices of a host whose positions the server sends in the events of a job. */
 const MAX_SHOWN = 5000;
 
+const SPRING_COLOURS = [{ value: "energy", words: "Energy" }, { value: "length", words: "Length" }] as const;
+const TRIANGLE_COLOURS = [{ value: "stretch", words: "Greater principal stretch" }, { value: "density", words: "Energy per area at rest" }] as const;
+
 export function relaxationCard(network: NetworkSession, view: NetworkView): HTMLElement {
   const plot = new ConvergencePlot();
   const stage = h("div", { class: "convergence-stage" }, plot.element);
@@ -37,33 +40,13 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
   const facts = h("dl", { class: "facts" });
   const notes = h("div", { class: "notes" });
   const slider = h("div");
-  const colours = new Select<ColourBy>("Colour of the springs", [{ value: "energy", words: "Energy" }, { value: "length", words: "Length" }], (value) => view.colourBy.set(value));
-  const scale = legend(SPRING_RAMP);
-  const triangleColours = new Select<TriangleColourBy>("Colour of the triangles", [{ value: "stretch", words: "Greater principal stretch" }, {
-    value: "density",
-    words: "Energy per area at rest",
-  }], (value) => view.triangleColourBy.set(value));
-  const triangleScale = legend(RAMP);
-  const springLegend = h("div", { class: "ramp-choice" }, colours.element, scale.element);
-  const triangleLegend = h("div", { class: "ramp-choice" }, triangleColours.element, triangleScale.element);
+  const colours = colourLegends(view);
   const resumeButton = button("Go on from here", () => void network.relax(true));
-  const file = (kind: FileKind) =>
-    button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), {
-      icon: "download",
-      title: `Save the network as ${kind.toUpperCase()}`,
-    });
-  const files = [file("obj"), file("vtu")];
-  const history = button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" });
-  const request = button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" });
+  const files = fileButtons(network, plot);
   const bill = h("details", { class: "more bill" }, h("summary", {}, "Effects, bill and history"));
-  const side = h("div", { class: "relaxation-side" }, triangleLegend, springLegend, hostLegend(view), slider);
+  const side = h("div", { class: "relaxation-side" }, ...colours.elements, hostLegend(view), slider);
   const card = h("section", { class: "card relaxation", "aria-label": "Relaxation", hidden: true }, h("h2", {}, "Relaxation"), sentence, stale, notes, resumeButton,
-    h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files, history, request), bill);
-
-  function saveRequest(): void {
-    const relaxing = network.relaxing.get();
-    if (relaxing) download("network-request.json", "application/json", `${JSON.stringify(relaxing.request, null, 2)}\n`);
-  }
+    h("div", { class: "relaxation-body" }, stage, facts, side), h("div", { class: "row" }, ...files), bill);
 
   function draw(): void {
     const relaxing = network.relaxing.get();
@@ -95,11 +78,10 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     card.hidden = !relaxing;
     if (!relaxing) return;
     const { answer } = relaxing;
-    triangleLegend.hidden = relaxing.network.triangles.length === 0;
-    springLegend.hidden = relaxing.network.pairs.length === 0 && !triangleLegend.hidden;
+    colours.show(relaxing);
     sentence.textContent = answer ? TERMINATION_SENTENCES[answer.stopped] : runningSentence(relaxing, view.restVertices);
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
-    for (const part of [...files, history, request, resumeButton]) part.disabled = !answer;
+    for (const part of [...files, resumeButton]) part.disabled = !answer;
     resumeButton.hidden = answer?.stopped !== "iteration_limit";
     bill.hidden = !answer;
     showSlider(relaxing);
@@ -110,12 +92,47 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     draw();
   });
   view.frame.watch(draw);
-  view.colourBy.watch((value) => (colours.value = value));
-  view.triangleColourBy.watch((value) => (triangleColours.value = value));
-  view.range.watch((range) => scale.show(range));
-  view.triangleRange.watch((range) => triangleScale.show(range));
   for (const part of [network.state, network.network, network.relaxing]) part.watch(() => (stale.hidden = !network.isStale));
   return card;
+}
+
+/** The colour scales of springs and triangles, with the choice of what they show. */
+function colourLegends(view: NetworkView): { elements: HTMLElement[]; show: (relaxing: RelaxationRun) => void } {
+  const springs = new Select<ColourBy>("Colour of the springs", SPRING_COLOURS, (value) => view.colourBy.set(value));
+  const triangles = new Select<TriangleColourBy>("Colour of the triangles", TRIANGLE_COLOURS, (value) => view.triangleColourBy.set(value));
+  const [springScale, triangleScale] = [legend(SPRING_RAMP), legend(RAMP)];
+  const ofSprings = h("div", { class: "ramp-choice" }, springs.element, springScale.element);
+  const ofTriangles = h("div", { class: "ramp-choice" }, triangles.element, triangleScale.element);
+  view.colourBy.watch((value) => (springs.value = value));
+  view.triangleColourBy.watch((value) => (triangles.value = value));
+  view.range.watch((range) => springScale.show(range));
+  view.triangleRange.watch((range) => triangleScale.show(range));
+  return {
+    elements: [ofTriangles, ofSprings],
+    show({ network }) {
+      ofTriangles.hidden = network.triangles.length === 0;
+      ofSprings.hidden = network.pairs.length === 0 && !ofTriangles.hidden;
+    },
+  };
+}
+
+/** Buttons that save the network, the plot and the request. */
+function fileButtons(network: NetworkSession, plot: ConvergencePlot): HTMLButtonElement[] {
+  const file = (kind: FileKind) =>
+    button(kind.toUpperCase(), () => void network.file(kind, (text) => download(`network.${kind}`, kind === "obj" ? "model/obj" : "application/xml", text)), {
+      icon: "download",
+      title: `Save the network as ${kind.toUpperCase()}`,
+    });
+  const saveRequest = (): void => {
+    const relaxing = network.relaxing.get();
+    if (relaxing) download("network-request.json", "application/json", `${JSON.stringify(relaxing.request, null, 2)}\n`);
+  };
+  return [
+    file("obj"),
+    file("vtu"),
+    button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" }),
+    button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" }),
+  ];
 }
 
 /** A colour scale with the smallest and the largest value at its ends. */

@@ -1,10 +1,9 @@
 // The mesh session: the present mesh, the points that are picked on it, and the server's answers about them.
 import { History } from "../base/history";
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, isAbort, Problem, readJson } from "../contract/client";
-import { runJob } from "../contract/jobs";
-import type { Geodesics, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
+import { type Client, Problem, readJson } from "../contract/client";
+import { type Activity, JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
+import type { Geodesics, Job, KarcherMean, Mesh, Repair, SurfacePoint } from "../contract/types";
 import { facePosition, type MeshData, parsePly, type Vector, vertexPosition } from "./mesh_data";
 import { storeName, nameOf } from "./names";
 import { repairsAgainst, ordered, uploadPath } from "./repair";
@@ -34,7 +33,7 @@ export interface Finding {
 
 export const NO_FINDING: Finding = { paths: [], distances: null, mean: null, facts: [], notes: [] };
 
-export type MeshActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
+export type MeshActivity = Activity<WorkInWords>;
 
 /** A file that was refused for faults that repairs may remove, and the repairs that were chosen before. */
 export interface RefusedUpload {
@@ -67,15 +66,18 @@ export class MeshSession {
   readonly refused = new Observable<RefusedUpload | null>(null);
   readonly steps = new Observable({ undo: false, redo: false });
   private history = new History<readonly SurfacePoint[]>([]);
-  private readonly requests = new Latest();
-  private unanswered = false;
-  /** Counts the requests for meshes, so that answers to earlier ones are ignored. */
-  private requestCount = 0;
+  /** Loads meshes. */
+  private readonly loading: JobRunner;
+  /** Computes findings. */
+  private readonly computing: JobRunner;
 
   constructor(
     private readonly client: Client,
     private readonly read: FindingReaders,
-  ) {}
+  ) {
+    this.loading = new JobRunner(client, this.activity);
+    this.computing = new JobRunner(client, this.activity);
+  }
 
   async list(): Promise<void> {
     try {
@@ -103,19 +105,19 @@ export class MeshSession {
     if (!loaded) return Promise.resolve();
     this.forgetRefused();
     const words = nameOf(loaded.info.id) ?? "the mesh";
-    return this.attempt(`Repairing ${words}`, async (isWanted) => {
+    return this.load(`Repairing ${words}`, async (run) => {
       const content = await this.contentOf(loaded.info);
-      await this.showUploaded(await this.post(content, ["automatic"]), words, isWanted);
+      await this.showUploaded(await this.post(content, ["automatic"]), words, run);
     });
   }
 
   private send(content: Blob, words: string): Promise<void> {
-    return this.attempt(`Uploading ${words}`, async (isWanted) => {
+    return this.load(`Uploading ${words}`, async (run) => {
       const response = await this.post(content, this.repairs.get()).catch((error: unknown) => {
-        if (isWanted()) this.offerRepairs(content, words, error);
+        if (!run.isCancelled) this.offerRepairs(content, words, error);
         throw error;
       });
-      await this.showUploaded(response, words, isWanted);
+      await this.showUploaded(response, words, run);
     });
   }
 
@@ -123,12 +125,16 @@ export class MeshSession {
     return this.client.send("POST", uploadPath(repairs), content, { headers: { "Content-Type": "application/octet-stream" } });
   }
 
-  private async showUploaded(response: Response, words: string, isWanted: () => boolean): Promise<void> {
+  /** Shows an uploaded mesh. The list has it even if it is no longer to be shown. */
+  private async showUploaded(response: Response, words: string, run: Run<WorkInWords>): Promise<void> {
     const info = await readJson<Mesh>(response);
     storeName(info.id, words);
-    await this.show(info, isWanted);
-    if (isWanted()) this.forgetRefused();
-    void this.list();
+    try {
+      await this.show(info, run);
+      this.forgetRefused();
+    } finally {
+      void this.list();
+    }
   }
 
   private async contentOf(info: Mesh): Promise<ArrayBuffer> {
@@ -153,9 +159,9 @@ export class MeshSession {
 
   open(id: string, points: readonly SurfacePoint[] = []): Promise<void> {
     this.forgetRefused();
-    return this.attempt("Loading the mesh", async (isWanted) => {
+    return this.load("Loading the mesh", async (run) => {
       const info = await this.client.get<Mesh>(`/v1/meshes/${id}`);
-      await this.show(info, isWanted, points.filter((point) => existsOn(info, point)));
+      await this.show(info, run, points.filter((point) => existsOn(info, point)));
     });
   }
 
@@ -213,13 +219,12 @@ export class MeshSession {
   }
 
   cancel(): void {
-    ++this.requestCount;
-    this.requests.cancel();
-    this.activity.set({ kind: "idle" });
+    this.loading.cancel();
+    this.computing.cancel();
   }
 
   retry(): void {
-    if (this.unanswered) this.compute();
+    if (this.computing.hasFailed) this.compute();
   }
 
   position(point: SurfacePoint): Vector {
@@ -227,23 +232,14 @@ export class MeshSession {
     return "vertex" in point ? vertexPosition(data, point.vertex) : facePosition(data, point.face, point.barycentric);
   }
 
-  private async attempt(words: string, act: (isWanted: () => boolean) => Promise<void>): Promise<void> {
-    const request = ++this.requestCount;
-    const isWanted = () => request === this.requestCount;
-    this.requests.cancel();
-    this.activity.set({ kind: "busy", words, progress: null });
-    try {
-      await act(isWanted);
-      if (isWanted()) this.activity.set({ kind: "idle" });
-    } catch (error) {
-      if (isWanted()) this.activity.set({ kind: "failed", sentence: explain(error) });
-    }
+  private load(words: string, task: Task<WorkInWords>): Promise<void> {
+    this.computing.stop();
+    return this.loading.begin({ words }, task);
   }
 
   /** Shows a mesh. It is also put into the list at once, before the server's list is read again. */
-  private async show(info: Mesh, isWanted: () => boolean, points: readonly SurfacePoint[] = []): Promise<void> {
-    const data = parsePly(await this.contentOf(info));
-    if (!isWanted()) return;
+  private async show(info: Mesh, run: Run<WorkInWords>, points: readonly SurfacePoint[] = []): Promise<void> {
+    const data = parsePly(await run.unlessCancelled(this.contentOf(info)));
     const known = this.known.get();
     if (!known.some((mesh) => mesh.id === info.id)) this.known.set([info, ...known]);
     this.points.set([]);
@@ -253,52 +249,37 @@ export class MeshSession {
     this.usePoints(points);
   }
 
-  /** Requests a new result. `urgent`: a running request is aborted. It is not urgent while a point is dragged, because then no result would ever appear. */
+  /** Requests a new result. `urgent`: a running request is stopped. It is not urgent while a point is dragged, because then no result would ever appear. */
   private compute(urgent = true): void {
     const mesh = this.mesh.get();
     const points = this.points.get();
     const tool = this.tool.get();
-    const followsPoints = tool !== "network" && tool !== "voronoi";
-    if (!mesh || !followsPoints || points.length < (tool === "distance" ? 1 : 2)) {
-      this.requests.cancel();
-      if (!followsPoints) this.activity.set({ kind: "idle" });
+    if (!mesh || tool === "network" || tool === "voronoi" || points.length < (tool === "distance" ? 1 : 2)) {
+      this.computing.stop();
+      if (!this.loading.isRunning) this.activity.set({ kind: "idle" });
       return this.finding.set(NO_FINDING);
     }
-    this.requests.submit(async (signal) => {
-      this.activity.set({ kind: "busy", words: "Computing", progress: null });
-      try {
-        const finding = await this.ask(tool, mesh.info.id, points, signal);
-        if (signal.aborted) return;
-        this.finding.set(finding);
-        this.unanswered = false;
-        this.activity.set({ kind: "idle" });
-      } catch (error) {
-        if (isAbort(error)) return;
-        this.unanswered = true;
-        this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
-      }
-    }, urgent);
+    this.computing.follow(async (run) => {
+      run.tell({ words: "Computing" });
+      this.finding.set(await this.ask(tool, mesh.info.id, points, run));
+    }, this.computing.tellFault, urgent);
   }
 
-  private async ask(tool: PointTool, mesh: string, points: readonly SurfacePoint[], signal: AbortSignal): Promise<Finding> {
-    const run = <Answer>(path: string, document: unknown) =>
-      runJob<Answer>(this.client, path, document, {
-        signal,
-        wait: IMMEDIATE_SECONDS,
-        onProgress: (job) => this.activity.set({ kind: "busy", words: job.stage || "Computing", progress: job.progress }),
-      });
+  private async ask(tool: PointTool, mesh: string, points: readonly SurfacePoint[], run: Run<WorkInWords>): Promise<Finding> {
+    const onJob = ({ stage, progress }: Job) => run.tell({ words: stage || "Computing" }, progress);
+    const answerOf = <Answer>(path: string, document: unknown) => run.job<Answer>(path, document, { wait: IMMEDIATE_SECONDS, onJob });
     if (tool === "distance") {
       type Field = { distances: (number | null)[]; cost: { seconds: number }; accuracy: { relative_error_bound: number | null } };
-      const field = await run<Field>("/v1/geodesic-fields", { mesh, sources: points });
+      const field = await answerOf<Field>("/v1/geodesic-fields", { mesh, sources: points });
       return this.read.distance(field.distances, field.cost.seconds, field.accuracy.relative_error_bound);
     }
     if (tool === "path") {
       const pairs = points.slice(1).map((to, k) => ({ from: points[k], to }));
-      return this.read.path(await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
+      return this.read.path(await answerOf<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
     }
-    const mean = await run<KarcherMean>("/v1/karcher-means", { mesh, points, starts: this.starts.get() });
+    const mean = await answerOf<KarcherMean>("/v1/karcher-means", { mesh, points, starts: this.starts.get() });
     const pairs = points.map((to) => ({ from: mean.mean, to }));
-    return this.read.mean(mean, await run<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
+    return this.read.mean(mean, await answerOf<Geodesics>("/v1/geodesics", { mesh, pairs, paths: true }));
   }
 }
 

@@ -19,6 +19,7 @@ export const VORONOI_TERMINATIONS: Record<VoronoiOptimization["stopped"], string
   iteration_limit: "The limit of iterations, or of passes over moves of single sites, came first: the sites are not at rest yet.",
 };
 
+const CELL_COLOURS = [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, { value: "none", words: "None" }] as const;
 const FILE_KINDS: readonly (readonly [VoronoiFile, string, string])[] = [
   ["obj", "model/obj", "Save borders and cells as OBJ"],
   ["vtu", "application/xml", "Save cells and borders as VTU"],
@@ -34,10 +35,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
   const facts = h("dl", { class: "facts" });
   const notes = h("div", { class: "notes" });
   const statistics = h("div");
-  const colours = new Select<CellColourBy>("Colour of the cells", [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, {
-    value: "none",
-    words: "None",
-  }], (value) => view.colourBy.set(value));
+  const colours = new Select<CellColourBy>("Colour of the cells", CELL_COLOURS, (value) => view.colourBy.set(value));
   const bar = h("div", { class: "ramp", "aria-hidden": "true" });
   bar.style.background = cssGradient(RAMP);
   const [min, max] = [h("span"), h("span")];

@@ -1,9 +1,8 @@
 // The Voronoi session: sites on the present mesh are scattered, placed, moved and optimized, and the diagram is updated and saved. It
 // does not depend on elements of the page.
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import type { Client } from "../contract/client";
+import { JobRunner, type Run, type Task, type WorkInWords } from "../contract/runner";
 import type { Job, PartialOptimization, SurfacePoint, VoronoiDiagram, VoronoiDiagramRequest, VoronoiOptimization, VoronoiOptimizationRequest,
   VoronoiStatistics } from "../contract/types";
 import type { MeshData, Vector } from "./mesh_data";
@@ -48,14 +47,18 @@ export class VoronoiSession {
   readonly optimizing = new Observable<OptimizationRun | null>(null);
   readonly chosen = new Observable<number | null>(null);
   readonly activity = new Observable<MeshActivity>({ kind: "idle" });
-  private readonly diagramRequests = new Latest();
-  private running: AbortController | null = null;
+  /** Runs what the user has asked for. */
+  private readonly runner: JobRunner;
+  /** Computes diagrams while sites are moved. */
+  private readonly following: JobRunner;
   private mesh = "";
 
   constructor(
     private readonly session: MeshSession,
-    private readonly client: Client,
+    client: Client,
   ) {
+    this.runner = new JobRunner(client, this.activity);
+    this.following = new JobRunner(client, this.activity);
     session.mesh.watch((loaded) => {
       if (!loaded || loaded.info.id === this.mesh) return;
       this.cancel();
@@ -92,9 +95,8 @@ export class VoronoiSession {
   /** Replaces all sites by random ones. */
   scatter(): Promise<void> {
     const { count, seed } = this.state.get();
-    return this.attempt("Scattering sites", async (signal) => {
-      const answer = await this.ask({ ...diagramRequest(this.mesh, this.state.get(), { count, seed }, true) }, signal);
-      if (signal.aborted) return;
+    return this.attempt("Scattering sites", async (run) => {
+      const answer = await this.ask(diagramRequest(this.mesh, this.state.get(), { count, seed }, true), run);
       this.state.set({ ...this.state.get(), scattered: true, fixed: [] });
       this.optimizing.set(null);
       this.chosen.set(null);
@@ -136,23 +138,19 @@ export class VoronoiSession {
   /** Optimizes the sites for the objectives. Intermediate diagrams are shown. */
   optimize(): Promise<void> {
     const request = optimizationRequest(this.mesh, this.state.get(), this.sites.get());
-    return this.attempt("Optimizing", async (signal) => {
+    return this.attempt("Optimizing", async (run) => {
       const steps: VoronoiStep[] = [];
       let seen: PartialOptimization | null = null;
       this.optimizing.set({ request, steps, partial: null, answer: null });
-      const answer = await runJob<VoronoiOptimization>(this.client, PATH.optimizations, request, {
-        signal,
-        onProgress: (job) => {
-          if (signal.aborted) return;
-          const partial = partialOf(job);
-          this.activity.set({ kind: "busy", words: partial ? `Optimizing, iteration ${partial.iteration}` : "Optimizing", progress: job.progress > 0 ? job.progress : null });
-          if (!partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
-          steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
-          if (partial.borders && partial.site_positions) seen = partial;
-          this.optimizing.set({ request, steps: [...steps], partial: seen, answer: null });
-        },
-      });
-      if (signal.aborted) return;
+      const onJob = (job: Job): void => {
+        const partial = partialOf(job);
+        run.tell({ words: partial ? `Optimizing, iteration ${partial.iteration}` : "Optimizing" }, job.progress > 0 ? job.progress : null);
+        if (!partial || (steps.length > 0 && partial.iteration <= steps[steps.length - 1].iteration)) return;
+        steps.push({ iteration: partial.iteration, energy: partial.energy, gradient: partial.gradient_norm });
+        if (partial.borders && partial.site_positions) seen = partial;
+        this.optimizing.set({ request, steps: [...steps], partial: seen, answer: null });
+      };
+      const answer = await run.job<VoronoiOptimization>(PATH.optimizations, request, { onJob });
       const history = answer.history.map(({ energy, gradient_norm }, iteration): VoronoiStep => ({ iteration, energy, gradient: gradient_norm }));
       this.state.set({ ...this.state.get(), scattered: false });
       this.sites.set(answer.sites as SurfacePoint[]);
@@ -163,19 +161,19 @@ export class VoronoiSession {
 
   /** Saves a file of the present diagram. `scale`: millimetres for each mesh unit, for panels. */
   file(kind: VoronoiFile, scale: number, save: (text: string) => void): Promise<void> {
-    return this.attempt("Making the file", async (signal) => {
+    return this.attempt("Making the file", async (run) => {
       const request = { ...diagramRequest(this.mesh, this.state.get(), [...this.sites.get()], false), panel_scale: scale };
-      const response = await this.client.postResponse(PATH.diagrams, request, { signal, headers: { Accept: FILE_TYPES[kind] } });
-      const text = await response.text();
-      if (!signal.aborted) save(text);
+      save(await run.file(PATH.diagrams, request, FILE_TYPES[kind]));
     });
   }
 
   cancel(): void {
-    this.diagramRequests.cancel();
-    this.running?.abort();
-    this.running = null;
-    this.activity.set({ kind: "idle" });
+    this.following.cancel();
+    this.runner.cancel();
+    this.forgetUnfinished();
+  }
+
+  private forgetUnfinished(): void {
     const optimizing = this.optimizing.get();
     if (optimizing && !optimizing.answer) this.optimizing.set(null);
   }
@@ -189,7 +187,7 @@ export class VoronoiSession {
   }
 
   private changeSites(sites: readonly SurfacePoint[], done: boolean): void {
-    if (this.running) this.cancel();
+    if (this.runner.isRunning) this.cancel();
     if (this.optimizing.get()) this.optimizing.set(null);
     if (this.state.get().scattered) this.state.set({ ...this.state.get(), scattered: false });
     this.sites.set(sites);
@@ -199,46 +197,26 @@ export class VoronoiSession {
 
   /** Requests the diagram of the present sites. One request runs at a time, and only the newest waits. */
   private requestDiagram(done: boolean): void {
-    this.diagramRequests.submit(async (signal) => {
+    this.following.follow(async (run) => {
       const sites = this.sites.get();
       if (!this.session.mesh.get() || sites.length === 0) return;
-      try {
-        const answer = await this.ask({ ...diagramRequest(this.mesh, this.state.get(), [...sites], done), keep: true }, signal);
-        // The answer is obsolete if sites were added or removed meanwhile; another request is waiting.
-        if (signal.aborted || this.sites.get().length !== sites.length) return;
-        this.result.set({ diagram: answer, before: null, now: answer.statistics ?? null });
-        this.activity.set({ kind: "idle" });
-      } catch (error) {
-        if (isAbort(error) || signal.aborted) return;
-        this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
-      }
-    });
+      const answer = await this.ask({ ...diagramRequest(this.mesh, this.state.get(), [...sites], done), keep: true }, run);
+      // The answer is obsolete if sites were added or removed meanwhile; another request is waiting.
+      if (this.sites.get().length === sites.length) this.result.set({ diagram: answer, before: null, now: answer.statistics ?? null });
+    }, this.following.tellFault);
   }
 
-  private ask(request: VoronoiDiagramRequest, signal: AbortSignal): Promise<VoronoiDiagram> {
-    return runJob<VoronoiDiagram>(this.client, PATH.diagrams, request, {
-      signal,
-      wait: IMMEDIATE_SECONDS,
-      onProgress: (job) => !signal.aborted && this.activity.set({ kind: "busy", words: job.stage || "Dividing the surface", progress: job.progress > 0 ? job.progress : null }),
-    });
+  private ask(request: VoronoiDiagramRequest, run: Run<WorkInWords>): Promise<VoronoiDiagram> {
+    const onJob = ({ stage, progress }: Job): void => run.tell({ words: stage || "Dividing the surface" }, progress > 0 ? progress : null);
+    return run.job<VoronoiDiagram>(PATH.diagrams, request, { wait: IMMEDIATE_SECONDS, onJob });
   }
 
-  private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
+  private attempt(words: string, task: Task<WorkInWords>): Promise<void> {
     this.cancel();
-    this.running = new AbortController();
-    const { signal } = this.running;
-    this.activity.set({ kind: "busy", words, progress: null });
-    try {
-      await act(signal);
-      if (!signal.aborted) this.activity.set({ kind: "idle" });
-    } catch (error) {
-      if (isAbort(error) || signal.aborted) return;
-      const optimizing = this.optimizing.get();
-      if (optimizing && !optimizing.answer) this.optimizing.set(null);
-      this.activity.set({ kind: "failed", sentence: explain(error) });
-    } finally {
-      if (!signal.aborted) this.running = null;
-    }
+    return this.runner.begin({ words }, task, (error) => {
+      this.forgetUnfinished();
+      this.runner.tellFailure(error);
+    });
   }
 }
 

@@ -1,8 +1,7 @@
 // The selected direction, and the deformed cell under strain along it.
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import { type Client, explain } from "../contract/client";
+import { JobRunner } from "../contract/runner";
 import type { WeaveHomogenization } from "../contract/types";
 import type { Polyline } from "./geometry";
 import { nearestDirection, TERMINATION_WORDS } from "./profile";
@@ -26,13 +25,14 @@ export class DeformedCell {
   readonly cell = new Observable<Cell | null>(null);
   readonly fault = new Observable("");
   private chosen = 0;
-  private readonly requests = new Latest();
+  private readonly requests: JobRunner;
   private requestedKey = "";
 
   constructor(
     private readonly session: WeaveSession,
-    private readonly client: Client,
+    client: Client,
   ) {
+    this.requests = new JobRunner(client);
     session.state.watch(() => this.refresh());
     // A state without a periodic cell or without strands has no deformed cell.
     session.state.watch((state) => {
@@ -75,21 +75,16 @@ export class DeformedCell {
     const direction = this.direction.get();
     if (!isPeriodic(state) || !hasStrands(state)) {
       this.requestedKey = "";
-      return this.requests.cancel();
+      return this.requests.stop();
     }
     const key = `${profileKey(state)} ${direction}`;
     if (key === this.requestedKey) return;
     this.requestedKey = key;
-    this.requests.submit(async (signal) => {
-      try {
-        const request = cellRequest(state, direction);
-        const answer = await runJob<WeaveHomogenization>(this.client, "/v1/weave-homogenizations", request, { signal, wait: 5 });
-        if (!signal.aborted) this.show(state, direction, answer);
-      } catch (error) {
-        if (isAbort(error)) return;
-        this.requestedKey = "";
-        this.fault.set(explain(error));
-      }
+    this.requests.follow(async (run) => {
+      this.show(state, direction, await run.job<WeaveHomogenization>("/v1/weave-homogenizations", cellRequest(state, direction), { wait: 5 }));
+    }, (error) => {
+      this.requestedKey = "";
+      this.fault.set(explain(error));
     });
   }
 

@@ -103,9 +103,8 @@ export class LayerView {
   private sentence({ stage, lowest, highest, length, travels, moves }: Layer): string {
     const heights = highest > lowest ? `${digits(lowest)} to ${digits(highest)} mm` : `${digits(lowest)} mm`;
     const part = this.moves < moves.length ? `, of which ${this.moves} of ${moves.length} moves are shown` : "";
-    return `Layer ${this.layer + 1} of ${this.plan?.layers.length ?? 0}: ${STAGE_WORDS[stage]}, nozzle at ${heights}; ${longWords(length)} printed, ${travels} ${
-      travels === 1 ? "travel" : "travels"
-    }${part}.`;
+    const printed = `${longWords(length)} printed, ${travels} ${travels === 1 ? "travel" : "travels"}${part}`;
+    return `Layer ${this.layer + 1} of ${this.plan?.layers.length ?? 0}: ${STAGE_WORDS[stage]}, nozzle at ${heights}; ${printed}.`;
   }
 }
 

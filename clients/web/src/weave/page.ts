@@ -2,8 +2,8 @@
 import { announce } from "../base/announce";
 import { button } from "../base/controls";
 import { h } from "../base/dom";
-import { debounce } from "../base/debounce";
 import { shareButton } from "../base/share";
+import { StateLink } from "../base/state_link";
 import { undoKeys } from "../base/undo_keys";
 import type { Page, PageContext } from "../page";
 import { cellView } from "./cell_view";
@@ -20,12 +20,13 @@ import { ProfileCard } from "./profile_card";
 import { WeaveSession } from "./session";
 import { sheetCard } from "./sheet_card";
 import { SheetSession } from "./sheet_session";
-import { DEFAULT_STATE, isPeriodic } from "./state";
+import { DEFAULT_STATE, isPeriodic, type WeaveState } from "./state";
 import { strandPanel } from "./strand_panel";
 import { valueTable } from "./value_table";
 import { weaveControls } from "./weave_controls";
 
-const LINK_PAUSE_MS = 250;
+/** A weave that is too long for a link has none. */
+const LINK_TEXT = { write: (state: WeaveState) => (isShareable(state) ? writeLink(state) : ""), read: readLink };
 
 export function weavePage({ client, link }: PageContext): Page {
   let started = false;
@@ -38,9 +39,9 @@ export function weavePage({ client, link }: PageContext): Page {
   const draft = new Draft(session);
   const editor = new LayoutEditor(session, draft);
   const profile = new ProfileCard(session, deformed, pins);
-  const writeNow = () => (isShareable(session.state.get()) ? link.write(writeLink(session.state.get())) : link.write(""));
+  const address = new StateLink(link, session, LINK_TEXT, () => started);
   const share = shareButton("Copy a link to this weave", () => {
-    writeNow();
+    address.write();
     return isShareable(session.state.get()) ? undefined : "Too long for a link: export the request";
   });
   const cell = cellView(session, deformed);
@@ -49,40 +50,15 @@ export function weavePage({ client, link }: PageContext): Page {
     { class: "weave-page" },
     h("h1", { class: "visually-hidden" }, "Weave"),
     h("div", { class: "column left" }, weaveControls(session), strandPanel(session, draft), pinList(pins)),
-    h("div", { class: "column" }, h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(), h("div", { class: "panels" }, editor.element, cell)),
-      profile.element, valueTable(session), sheetCard(session, sheet, dialog.open)),
+    h("div", { class: "column" },
+      h("section", { class: "card", "aria-label": "Layout and deformed cell" }, toolbar(session, pins, share, exportMenu(session, profile, client, dialog.open)),
+        h("div", { class: "panels" }, editor.element, cell)), profile.element, valueTable(session), sheetCard(session, sheet, dialog.open)),
     dialog.element,
   );
 
   // Only a periodic cell has a stiffness over direction. The panel of the cell explains this for other weaves.
   session.state.watch((state) => {
     profile.element.hidden = !isPeriodic(state);
-  });
-
-  function toolbar(): HTMLElement {
-    const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
-    const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
-    const reset = button("Crossings as the pattern has them", () => session.apply({ overrides: [] }));
-    const pin = button("Pin", () => {
-      if (!pins.add()) announce("There is nothing to pin yet, or there are too many pins.");
-    }, { icon: "pin", title: "Pin this weave to compare others with it" });
-    session.steps.watch((steps) => {
-      undo.disabled = !steps.undo;
-      redo.disabled = !steps.redo;
-    });
-    session.state.watch((state) => (reset.disabled = state.overrides.length === 0));
-    session.profile.watch((shown) => (pin.disabled = !shown));
-    return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, share,
-      exportMenu(session, profile, client, dialog.open));
-  }
-
-  const linkLater = debounce(writeNow, LINK_PAUSE_MS);
-  session.state.watch(() => {
-    if (started) linkLater.schedule();
-  });
-  // A completed change is written to the address at once, so that a reload does not revert it.
-  session.steps.watch(() => {
-    if (started) linkLater.flush();
   });
 
   const undoKey = undoKeys(session);
@@ -100,13 +76,12 @@ export function weavePage({ client, link }: PageContext): Page {
         pins.restore();
         return session.start(readLink(text) ?? DEFAULT_STATE);
       }
-      const linked = text === "" || text === writeLink(session.state.get()) ? null : readLink(text);
+      const linked = address.follow(text);
       if (linked) session.apply(linked);
-      else writeNow();
     },
     close() {
       document.removeEventListener("keydown", keys);
-      linkLater.cancel();
+      address.close();
       if (dialog.element.open) dialog.element.close();
     },
     reconnected() {
@@ -116,4 +91,20 @@ export function weavePage({ client, link }: PageContext): Page {
       deformed.retry();
     },
   };
+}
+
+function toolbar(session: WeaveSession, pins: Pins, ...tools: HTMLElement[]): HTMLElement {
+  const undo = button("", () => session.undo(), { icon: "undo", title: "Undo (Ctrl+Z)" });
+  const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
+  const reset = button("Crossings as the pattern has them", () => session.apply({ overrides: [] }));
+  const pin = button("Pin", () => {
+    if (!pins.add()) announce("There is nothing to pin yet, or there are too many pins.");
+  }, { icon: "pin", title: "Pin this weave to compare others with it" });
+  session.steps.watch((steps) => {
+    undo.disabled = !steps.undo;
+    redo.disabled = !steps.redo;
+  });
+  session.state.watch((state) => (reset.disabled = state.overrides.length === 0));
+  session.profile.watch((shown) => (pin.disabled = !shown));
+  return h("div", { class: "toolbar", role: "toolbar", "aria-label": "Weave" }, undo, redo, h("span", { class: "gap" }), reset, h("span", { class: "stretch" }), pin, ...tools);
 }

@@ -5,7 +5,7 @@ import { download } from "../base/download";
 import { ProgressRow } from "../base/progress_row";
 import { LayerView } from "./layer_view";
 import { printFacts, printerWords, printNotes } from "./print_facts";
-import type { PrintSession } from "./print_session";
+import { type Fault, faultsOf, type PrintSession } from "./print_session";
 import { printerForm } from "./printer_form";
 import { fieldsAt } from "./printer";
 
@@ -52,6 +52,18 @@ export function printDialog(print: PrintSession, name: () => string): PrintDialo
     if (!current) saved.textContent = "";
   }
 
+  /** The sentence of a failure, and the faults of no field of the form: those of a setting are shown at its field. */
+  function failure(sentence: string, faults: readonly Fault[]): (HTMLElement | false)[] {
+    const told = faults.filter((fault) => fieldsAt(fault.pointer).length === 0).slice(0, MAX_FAULTS);
+    const list = h("ul", { class: "violations" }, ...told.map(({ pointer, words }) => h("li", {}, `${pointer}: ${words}`)));
+    const isCut = faults.length > told.length && told.length === MAX_FAULTS;
+    return [
+      h("div", { class: "note", role: "alert" }, h("p", {}, sentence), told.length > 1 && list, isCut && h("p", {}, `${faults.length} places in all`)),
+      // After a fault of a setting, the next change of settings tries again.
+      faults.length === 0 && button("Try again", () => print.retry()),
+    ];
+  }
+
   print.plan.watch((now) => {
     view.show(now);
     view.element.hidden = facts.hidden = now === null;
@@ -64,17 +76,8 @@ export function printDialog(print: PrintSession, name: () => string): PrintDialo
     show();
   });
   print.activity.watch((activity) => {
-    if (activity.kind === "idle") replace(status);
-    else if (activity.kind === "busy") progressRow.show(status, activity.words, activity.progress);
-    else {
-      // Faults of a setting are shown at its field instead.
-      const faults = activity.faults.filter((fault) => fieldsAt(fault.pointer).length === 0).slice(0, MAX_FAULTS);
-      replace(status,
-        h("div", { class: "note", role: "alert" }, h("p", {}, activity.sentence), faults.length > 1 && h("ul", { class: "violations" }, ...faults.map(({ pointer, words }) =>
-          h("li", {}, `${pointer}: ${words}`)
-        )), activity.faults.length > faults.length && faults.length === MAX_FAULTS && h("p", {}, `${activity.faults.length} places in all`)), // After a fault of a setting, the next change of settings tries again.
-        activity.faults.length === 0 && button("Try again", () => print.retry()));
-    }
+    if (activity.kind === "busy") progressRow.show(status, activity.words, activity.progress);
+    else replace(status, ...(activity.kind === "failed" ? failure(activity.sentence, faultsOf(activity)) : []));
     show();
   });
   // Key events stay in the dialog, so that shortcuts such as undo do not change the page below it.

@@ -1,9 +1,8 @@
 // The print session: settings, the server's plan, and the G-code file. It does not depend on elements of the page.
 import { debounce } from "../base/debounce";
-import { Latest } from "../base/latest";
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort, Problem } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import { type Client, Problem } from "../contract/client";
+import { type Activity, JobRunner, type Run, type WorkInWords } from "../contract/runner";
 import type { WeaveToolpath, WeaveToolpathRequest } from "../contract/types";
 import { DEFAULT_SETTINGS, storedSettings, type PrintSettings, toolpathRequest, type Value, withProfile } from "./printer";
 import type { WeaveSession } from "./session";
@@ -29,25 +28,28 @@ export interface Fault {
   readonly words: string;
 }
 
-export type PrintActivity =
-  | { kind: "idle" }
-  | { kind: "busy"; words: string; progress: number | null }
-  | { kind: "failed"; sentence: string; faults: readonly Fault[] };
+/** The faults of single fields for which the server has refused a request. */
+export function faultsOf(activity: Activity<WorkInWords>): Fault[] {
+  if (activity.kind !== "failed" || !(activity.error instanceof Problem)) return [];
+  return (activity.error.document.errors ?? []).map(({ pointer, detail }) => ({ pointer: pointer ?? "", words: detail }));
+}
 
 export class PrintSession {
   readonly settings: Observable<PrintSettings>;
   /** The newest plan. It is of earlier settings until the server has answered. */
   readonly plan = new Observable<Plan | null>(null);
-  readonly activity = new Observable<PrintActivity>({ kind: "idle" });
-  private readonly requests = new Latest();
+  readonly activity: Observable<Activity<WorkInWords>>;
+  private readonly runner: JobRunner;
   private readonly later = debounce(() => this.ask(), PAUSE_MS);
   private sheet: SheetLayout | null = null;
   private isOpen = false;
 
   constructor(
     private readonly session: WeaveSession,
-    private readonly client: Client,
+    client: Client,
   ) {
+    this.runner = new JobRunner(client);
+    this.activity = this.runner.activity;
     this.settings = new Observable(storedSettings(stored()));
   }
 
@@ -68,8 +70,7 @@ export class PrintSession {
   end(): void {
     this.isOpen = false;
     this.later.cancel();
-    this.requests.cancel();
-    this.activity.set({ kind: "idle" });
+    this.runner.cancel();
   }
 
   change(pointer: string, value: Value): void {
@@ -85,7 +86,7 @@ export class PrintSession {
     try {
       this.applySettings(withProfile(this.settings.get(), text));
     } catch (error) {
-      this.activity.set({ kind: "failed", sentence: explain(error), faults: [] });
+      this.runner.tellFailure(error);
     }
   }
 
@@ -97,9 +98,9 @@ export class PrintSession {
   save(take: (gcode: string) => void): void {
     if (!this.isCurrent) return;
     const settings = this.settings.get();
-    this.attempt("Writing the file", async (signal) => {
-      const { gcode } = await this.compute(settings, ["gcode"], "Writing the file", signal);
-      if (!signal.aborted && gcode !== undefined) take(gcode);
+    void this.runner.begin({ words: "Writing the file" }, async (run) => {
+      const { gcode } = await this.compute(settings, ["gcode"], "Writing the file", run);
+      if (gcode !== undefined) take(gcode);
     });
   }
 
@@ -116,43 +117,22 @@ export class PrintSession {
   private ask(): void {
     this.later.cancel();
     const settings = this.settings.get();
-    this.attempt("Laying out the sheet", async (signal) => {
-      this.sheet ??= await layOutSheet(this.client, this.session.state.get(), signal);
+    void this.runner.begin({ words: "Laying out the sheet" }, async (run) => {
+      this.sheet ??= await layOutSheet(run, this.session.state.get());
       const { layout } = this.sheet;
-      const toolpath = await this.compute(settings, ["moves"], "Planning the print", signal);
-      if (signal.aborted) return;
+      const toolpath = await this.compute(settings, ["moves"], "Planning the print", run);
       const warnings = [unknownWords(this.sheet), ...layout.warnings].filter((words) => words !== "");
       this.plan.set({ settings, toolpath, layers: layersOf(toolpath.moves ?? []), warnings });
     });
   }
 
-  private compute(settings: PrintSettings, include: WeaveToolpathRequest["include"], words: string, signal: AbortSignal): Promise<WeaveToolpath> {
+  private compute(settings: PrintSettings, include: WeaveToolpathRequest["include"], words: string, run: Run<WorkInWords>): Promise<WeaveToolpath> {
     if (!this.sheet) throw new Error("There is no sheet yet.");
-    return runJob<WeaveToolpath>(this.client, "/v1/weave-toolpaths", toolpathRequest(this.sheet.weave, settings, include), {
-      signal,
+    return run.job<WeaveToolpath>("/v1/weave-toolpaths", toolpathRequest(this.sheet.weave, settings, include), {
       wait: IMMEDIATE_SECONDS,
-      onProgress: (job) => {
-        if (!signal.aborted) this.activity.set({ kind: "busy", words: job.stage ? `${words}: ${job.stage}` : words, progress: job.progress });
-      },
+      onJob: ({ stage, progress }) => run.tell({ words: stage ? `${words}: ${stage}` : words }, progress),
     });
   }
-
-  private attempt(words: string, act: (signal: AbortSignal) => Promise<void>): void {
-    this.requests.submit(async (signal) => {
-      this.activity.set({ kind: "busy", words, progress: null });
-      try {
-        await act(signal);
-        if (!signal.aborted) this.activity.set({ kind: "idle" });
-      } catch (error) {
-        if (!isAbort(error) && !signal.aborted) this.activity.set({ kind: "failed", sentence: explain(error), faults: faultsOf(error) });
-      }
-    }, true);
-  }
-}
-
-function faultsOf(error: unknown): Fault[] {
-  if (!(error instanceof Problem)) return [];
-  return (error.document.errors ?? []).map(({ pointer, detail }) => ({ pointer: pointer ?? "", words: detail }));
 }
 
 function stored(): string | null {

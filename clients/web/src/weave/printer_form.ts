@@ -3,7 +3,7 @@ import { button, Checkbox, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { download } from "../base/download";
 import { showText } from "../base/writing";
-import type { PrintSession } from "./print_session";
+import { faultsOf, type PrintSession } from "./print_session";
 import { type Field, type FieldGroup, fieldsAt, PRINT_FIELDS, profileText, type Value } from "./printer";
 
 interface Row {
@@ -34,7 +34,7 @@ export function printerForm(print: PrintSession): HTMLElement {
     for (const [pointer, row] of rows) if (pointer.startsWith("/frame/")) row.element.hidden = settings["/frame"] !== true;
   });
   print.activity.watch((activity) => {
-    const faults = activity.kind === "failed" ? activity.faults : [];
+    const faults = faultsOf(activity);
     // A fault that applies to several fields, such as those of the bed, is shown at the first one.
     const first = faults.map((fault) => ({ words: fault.words, pointer: fieldsAt(fault.pointer)[0]?.pointer }));
     for (const [pointer, row] of rows) row.tell(first.filter((fault) => fault.pointer === pointer).map((fault) => fault.words));

@@ -9,7 +9,7 @@ import type { DeformedCell } from "./deformed_cell";
 import type { Pins } from "./pins";
 import { type ChartView, PolarChart } from "./polar_chart";
 import { extremes, gapWords, nearestDirection, poissonCurve, type Profile, youngsCurve } from "./profile";
-import { type Activity, profileKey, type WeaveSession } from "./session";
+import { type ProfileActivity, profileKey, type WeaveSession } from "./session";
 import { isPeriodic, STRAIN_LIMITS, usableStrain } from "./state";
 
 const MIN_SIDE = 220;
@@ -125,7 +125,7 @@ export class ProfileCard {
     this.charts[index].resize(Math.max(MIN_SIDE, Math.floor(width)), Math.max(MIN_SIDE, Math.floor(height)));
   }
 
-  private showActivity(activity: Activity): void {
+  private showActivity(activity: ProfileActivity): void {
     const { session } = this;
     this.element.setAttribute("aria-busy", String(activity.kind === "busy"));
     if (activity.kind === "failed") {

@@ -1,9 +1,8 @@
 // The weave session: the state, the server's layout and profile, and the running computation. It does not depend on elements of the page.
-import { History } from "../base/history";
-import { Latest } from "../base/latest";
+import { EditedState } from "../base/edited_state";
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import { type Client, ConnectionLost, explain } from "../contract/client";
+import { type Activity, JobRunner, type Run } from "../contract/runner";
 import type { WeaveHomogenization, WeaveLayout } from "../contract/types";
 import { carriedOverrides, type LayoutResult } from "./carried";
 import { nextConnection, withConnection } from "./connections";
@@ -14,15 +13,12 @@ import { DEFAULT_STATE, type FreeLayout, isPeriodic, type WeaveState } from "./s
 /** Time in seconds after which a computation becomes a job with progress. */
 const IMMEDIATE_SECONDS = 0.4;
 
-export type Activity =
-  | { kind: "idle" }
-  | { kind: "busy"; directions: number; progress: number | null }
-  | { kind: "failed"; sentence: string };
-
-export interface Steps {
-  undo: boolean;
-  redo: boolean;
+/** Computing a profile in some number of directions. */
+export interface ProfileWork {
+  readonly directions: number;
 }
+
+export type ProfileActivity = Activity<ProfileWork>;
 
 /** A key of all that the profile depends on, except the directions. States with the same key have the same profile. */
 export function profileKey(state: WeaveState): string {
@@ -30,63 +26,61 @@ export function profileKey(state: WeaveState): string {
 }
 
 export class WeaveSession {
-  readonly state = new Observable<WeaveState>(DEFAULT_STATE);
+  private readonly edited = new EditedState<WeaveState>(DEFAULT_STATE);
+  readonly state = this.edited.state;
+  readonly steps = this.edited.steps;
   readonly laidOut = new Observable<LayoutResult | null>(null);
   /** Why the state has no layout; empty if it has one. */
   readonly fault = new Observable("");
   /** The newest profile. It is of an earlier state until the server has answered. */
   readonly profile = new Observable<Profile | null>(null);
-  readonly activity = new Observable<Activity>({ kind: "idle" });
-  readonly steps = new Observable<Steps>({ undo: false, redo: false });
+  readonly activity: Observable<ProfileActivity>;
 
-  private readonly layouts = new Latest();
-  private readonly profiles = new Latest();
-  private history = new History<WeaveState>(DEFAULT_STATE);
-  private inGesture = false;
-  /** Whether a request with many directions is running. A newer request aborts it at once. */
-  private isFineRunning = false;
-  private unanswered = false;
+  private readonly layouts: JobRunner;
+  private readonly profiles: JobRunner<ProfileWork>;
+  /** Whether the last request had many directions. A newer one stops it at once. */
+  private isFine = false;
   /** The layout whose connections are carried over to the next layout; null if none are. */
   private carrySource: LayoutResult | null = null;
 
-  constructor(private readonly client: Client) {}
+  constructor(client: Client) {
+    this.layouts = new JobRunner(client);
+    this.profiles = new JobRunner(client);
+    this.activity = this.profiles.activity;
+  }
 
   start(state: WeaveState): void {
-    this.history = new History(state);
-    this.state.set(state);
-    this.publishSteps();
+    this.edited.begin(state);
     this.refresh();
   }
 
   /** Shows an intermediate state of a change, for example of a slider. */
   preview(change: Partial<WeaveState>): void {
-    this.inGesture = true;
-    this.state.set({ ...this.state.get(), ...change });
+    this.edited.beginChange();
+    this.edited.change(change);
     this.refresh();
   }
 
   /** Ends a change, which becomes one step of the history. */
   finish(): void {
-    if (!this.inGesture) return;
-    this.inGesture = false;
-    this.push();
+    if (this.edited.endChange()) this.push();
   }
 
   /** Makes a change without intermediate states. */
   apply(change: Partial<WeaveState>): void {
     this.finish();
-    this.state.set({ ...this.state.get(), ...change });
+    this.edited.change(change);
     this.push();
   }
 
   undo(): void {
     this.finish();
-    if (this.history.undo()) this.restore();
+    this.edited.undo((state) => this.restore(state));
   }
 
   redo(): void {
     this.finish();
-    if (this.history.redo()) this.restore();
+    this.edited.redo((state) => this.restore(state));
   }
 
   /** Replaces the user-drawn strands. Crossings that stay in place keep their connection. */
@@ -106,29 +100,22 @@ export class WeaveSession {
 
   cancel(): void {
     this.profiles.cancel();
-    this.activity.set({ kind: "idle" });
   }
 
   /** Repeats the requests that a lost connection or a fault has ended. */
   retry(): void {
-    if (this.unanswered || this.activity.get().kind === "failed") this.refresh();
+    if (this.layouts.hasFailed || this.profiles.hasFailed) this.refresh();
   }
 
   private push(): void {
-    this.history.push(this.state.get());
-    this.publishSteps();
+    this.edited.push();
     this.refresh();
   }
 
-  private restore(): void {
+  private restore(state: WeaveState): void {
     this.carrySource = null;
-    this.state.set(this.history.current);
-    this.publishSteps();
+    this.state.set(state);
     this.refresh();
-  }
-
-  private publishSteps(): void {
-    this.steps.set({ undo: this.history.canUndo, redo: this.history.canRedo });
   }
 
   private refresh(): void {
@@ -139,28 +126,23 @@ export class WeaveSession {
   private askLayout(): void {
     const state = this.state.get();
     if (!hasStrands(state)) {
-      this.layouts.cancel();
+      this.layouts.stop();
       this.carrySource = null;
       this.laidOut.set(null);
       return this.fault.set("");
     }
     const request = layoutRequest(state);
     const known = this.laidOut.get();
-    if (known && !this.layouts.busy && JSON.stringify(layoutRequest(known.state)) === JSON.stringify(request)) {
+    if (known && !this.layouts.isRunning && JSON.stringify(layoutRequest(known.state)) === JSON.stringify(request)) {
       return this.fault.set("");
     }
-    this.layouts.submit(async (signal) => {
-      try {
-        const layout = await this.client.post<WeaveLayout>("/v1/weave-layouts", request, { signal });
-        if (signal.aborted) return;
-        this.fault.set("");
-        if (!this.carryConnections(state, layout)) this.laidOut.set({ state, layout });
-      } catch (error) {
-        if (isAbort(error)) return;
-        this.unanswered = true;
-        this.carrySource = null;
-        if (!(error instanceof ConnectionLost)) this.fault.set(explain(error));
-      }
+    this.layouts.follow(async (run) => {
+      const layout = await run.post<WeaveLayout>("/v1/weave-layouts", request);
+      this.fault.set("");
+      if (!this.carryConnections(state, layout)) this.laidOut.set({ state, layout });
+    }, (error) => {
+      this.carrySource = null;
+      if (!(error instanceof ConnectionLost)) this.fault.set(explain(error));
     });
   }
 
@@ -173,8 +155,7 @@ export class WeaveSession {
     if (state.overrides.length > 0) return false;
     const overrides = carriedOverrides(from, { state: asked, layout });
     if (overrides.length === 0) return false;
-    this.state.set({ ...state, overrides });
-    if (!this.inGesture) this.history.amend(this.state.get());
+    this.edited.amend({ ...state, overrides });
     this.refresh();
     return true;
   }
@@ -183,53 +164,26 @@ export class WeaveSession {
     const state = this.state.get();
     if (!isPeriodic(state) || !hasStrands(state)) {
       this.profiles.cancel();
-      this.profile.set(null);
-      return this.activity.set({ kind: "idle" });
+      return this.profile.set(null);
     }
     const key = profileKey(state);
     const shown = this.profile.get();
-    if (shown?.key === key && !shown.provisional && !this.profiles.busy) return;
-    this.profiles.submit(async (signal) => {
-      try {
-        if (this.profile.get()?.key !== key) await this.requestCoarse(state, key, signal);
-        const superseded = signal.aborted || profileKey(this.state.get()) !== key;
-        if (!superseded && this.profile.get()?.provisional) await this.requestFine(state, key, signal);
-        if (!signal.aborted) this.unanswered = false;
-        if (!signal.aborted) this.activity.set({ kind: "idle" });
-      } catch (error) {
-        this.fail(error);
-      } finally {
-        this.isFineRunning = false;
-      }
-    }, this.isFineRunning);
+    if (shown?.key === key && !shown.provisional && !this.profiles.isRunning) return;
+    this.profiles.follow(async (run) => {
+      this.isFine = false;
+      if (this.profile.get()?.key !== key) this.profile.set(profileOf(await this.homogenize(state, COARSE_DIRECTIONS, run), key, true));
+      const isSuperseded = profileKey(this.state.get()) !== key;
+      if (isSuperseded || !this.profile.get()?.provisional) return;
+      this.isFine = true;
+      this.profile.set(profileOf(await this.homogenize(state, FINE_DIRECTIONS, run), key, false));
+    }, this.profiles.tellFault, this.isFine);
   }
 
-  private async requestCoarse(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
-    this.activity.set({ kind: "busy", directions: COARSE_DIRECTIONS, progress: null });
-    const answer = await this.homogenize(state, COARSE_DIRECTIONS, signal);
-    if (!signal.aborted) this.profile.set(profileOf(answer, key, true));
-  }
-
-  private async requestFine(state: WeaveState, key: string, signal: AbortSignal): Promise<void> {
-    this.isFineRunning = true;
-    this.activity.set({ kind: "busy", directions: FINE_DIRECTIONS, progress: null });
-    const answer = await this.homogenize(state, FINE_DIRECTIONS, signal);
-    if (!signal.aborted) this.profile.set(profileOf(answer, key, false));
-  }
-
-  private homogenize(state: WeaveState, directions: number, signal: AbortSignal): Promise<WeaveHomogenization> {
-    return runJob<WeaveHomogenization>(this.client, "/v1/weave-homogenizations", homogenizationRequest(state, directions), {
-      signal,
+  private homogenize(state: WeaveState, directions: number, run: Run<ProfileWork>): Promise<WeaveHomogenization> {
+    run.tell({ directions });
+    return run.job<WeaveHomogenization>("/v1/weave-homogenizations", homogenizationRequest(state, directions), {
       wait: IMMEDIATE_SECONDS,
-      onProgress: (job) => {
-        if (!signal.aborted) this.activity.set({ kind: "busy", directions, progress: job.progress });
-      },
+      onJob: ({ progress }) => run.tell({ directions }, progress),
     });
-  }
-
-  private fail(error: unknown): void {
-    if (isAbort(error)) return;
-    this.unanswered = true;
-    this.activity.set(error instanceof ConnectionLost ? { kind: "idle" } : { kind: "failed", sentence: explain(error) });
   }
 }

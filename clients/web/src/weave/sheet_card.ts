@@ -36,12 +36,10 @@ export function sheetCard(session: WeaveSession, sheet: SheetSession, print: () 
     });
   }
   sheet.activity.watch((activity) => {
-    if (activity.kind === "idle") return replace(status);
-    if (activity.kind === "failed") {
-      announce(activity.sentence);
-      return replace(status, h("p", { class: "note" }, activity.sentence));
-    }
-    progressRow.show(status, activity.words, activity.progress);
+    if (activity.kind === "busy") return progressRow.show(status, activity.words, activity.progress);
+    if (activity.kind !== "failed") return replace(status);
+    announce(activity.sentence);
+    replace(status, h("p", { class: "note" }, activity.sentence));
   });
   return h("section", { class: "card sheet", "aria-label": "Sheet under load" }, h("h2", {}, "Sheet under load"), sheetControls(session, sheet, print), status, stale, body);
 }

@@ -1,5 +1,5 @@
 // The layout of a finite sheet, connected as the cell is, for simulations and prints.
-import type { Client } from "../contract/client";
+import type { Run } from "../contract/runner";
 import type { Weave, WeaveLayout } from "../contract/types";
 import { layoutRequest } from "./requests";
 import { sheetOverrides, sheetWeave } from "./sheet";
@@ -13,8 +13,8 @@ export interface SheetLayout {
   readonly unknown: number;
 }
 
-export async function layOutSheet(client: Client, state: WeaveState, signal: AbortSignal): Promise<SheetLayout> {
-  const lay = (weave: unknown) => client.post<WeaveLayout>("/v1/weave-layouts", { weave }, { signal });
+export async function layOutSheet(run: Run<object>, state: WeaveState): Promise<SheetLayout> {
+  const lay = (weave: unknown) => run.post<WeaveLayout>("/v1/weave-layouts", { weave });
   const weave = sheetWeave(state);
   const layout = await lay(weave);
   if (!isPeriodic(state)) return { weave, layout, unknown: 0 };

@@ -1,7 +1,7 @@
 // The sheet session: lays out a sheet and simulates it under load. It does not depend on elements of the page.
 import { Observable } from "../base/observable";
-import { type Client, explain, isAbort } from "../contract/client";
-import { runJob } from "../contract/jobs";
+import type { Client } from "../contract/client";
+import { type Activity, JobRunner, type Run, type WorkInWords } from "../contract/runner";
 import type { WeaveLayout, WeaveSimulation, WeaveSimulationRequest } from "../contract/types";
 import { layoutRequest } from "./requests";
 import type { WeaveSession } from "./session";
@@ -19,8 +19,6 @@ export interface SheetResult {
   readonly unknown: number;
 }
 
-export type SheetActivity = { kind: "idle" } | { kind: "busy"; words: string; progress: number | null } | { kind: "failed"; sentence: string };
-
 /** A key of all that the result depends on. */
 export function sheetKey(state: WeaveState): string {
   const { columns, rows, load, amount } = state.sheet;
@@ -29,21 +27,24 @@ export function sheetKey(state: WeaveState): string {
 
 export class SheetSession {
   readonly result = new Observable<SheetResult | null>(null);
-  readonly activity = new Observable<SheetActivity>({ kind: "idle" });
-  private running: AbortController | null = null;
+  readonly activity: Observable<Activity<WorkInWords>>;
+  private readonly runner: JobRunner;
 
   constructor(
     private readonly session: WeaveSession,
-    private readonly client: Client,
-  ) {}
+    client: Client,
+  ) {
+    this.runner = new JobRunner(client);
+    this.activity = this.runner.activity;
+  }
 
   run(): Promise<void> {
-    return this.attempt("Laying out the sheet", async (signal) => {
+    return this.runner.begin({ words: "Laying out the sheet" }, async (run) => {
       const state = this.session.state.get();
-      const { weave, layout, unknown } = await layOutSheet(this.client, state, signal);
+      const { weave, layout, unknown } = await layOutSheet(run, state);
       const request = simulationRequest(state, weave, layout);
-      const answer = await this.simulate(request, "Simulating", signal);
-      if (!signal.aborted) this.result.set({ state, request, layout, answer, unknown });
+      const answer = await this.simulate(request, "Simulating", run);
+      this.result.set({ state, request, layout, answer, unknown });
     });
   }
 
@@ -51,38 +52,20 @@ export class SheetSession {
   async file(kind: "obj" | "vtu", index: number, save: (text: string) => void): Promise<void> {
     const result = this.result.get();
     if (!result) return;
-    await this.attempt("Making the file", async (signal) => {
-      const answer = await this.simulate({ ...result.request, deformed: kind }, "Making the file", signal);
+    await this.runner.begin({ words: "Making the file" }, async (run) => {
+      const answer = await this.simulate({ ...result.request, deformed: kind }, "Making the file", run);
       const text = answer.states[index]?.[kind];
-      if (text !== undefined && !signal.aborted) save(text);
+      if (text !== undefined) save(text);
     });
   }
 
   cancel(): void {
-    this.running?.abort();
-    this.running = null;
-    this.activity.set({ kind: "idle" });
+    this.runner.cancel();
   }
 
-  private simulate(request: WeaveSimulationRequest, words: string, signal: AbortSignal): Promise<WeaveSimulation> {
-    return runJob<WeaveSimulation>(this.client, "/v1/weave-simulations", request, {
-      signal,
-      onProgress: (job) => {
-        if (!signal.aborted) this.activity.set({ kind: "busy", words: job.stage ? `${words}: ${job.stage}` : words, progress: job.progress });
-      },
+  private simulate(request: WeaveSimulationRequest, words: string, run: Run<WorkInWords>): Promise<WeaveSimulation> {
+    return run.job<WeaveSimulation>("/v1/weave-simulations", request, {
+      onJob: ({ stage, progress }) => run.tell({ words: stage ? `${words}: ${stage}` : words }, progress),
     });
-  }
-
-  private async attempt(words: string, act: (signal: AbortSignal) => Promise<void>): Promise<void> {
-    this.cancel();
-    this.running = new AbortController();
-    const { signal } = this.running;
-    this.activity.set({ kind: "busy", words, progress: null });
-    try {
-      await act(signal);
-      if (!signal.aborted) this.activity.set({ kind: "idle" });
-    } catch (error) {
-      if (!isAbort(error) && !signal.aborted) this.activity.set({ kind: "failed", sentence: explain(error) });
-    }
   }
 }
