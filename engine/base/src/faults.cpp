@@ -9,12 +9,11 @@ void Faults::add(std::string where, std::string message) {
   if (details_.size() < max_details) details_.push_back({std::move(where), std::move(message)});
 }
 
-void Faults::throw_if_any(const std::string& code, const std::string& whole) const {
-  if (total_ == 0) return;
+std::string Faults::sentence(const std::string& whole) const {
   const Error::Detail& first = details_.front();
   std::string sentence = (first.where.empty() ? whole : first.where) + ": " + first.message;
   if (total_ > 1) sentence += " (and " + std::to_string(total_ - 1) + " more)";
-  throw Error(code, sentence, details_);
+  return sentence;
 }
 
 }  // namespace supple

@@ -281,9 +281,9 @@ std::string HelperProcesses::run(std::string_view task, std::string_view request
   } const replacement{*this, process};
   const auto ended = [&] {
     const std::string ending = process->ending();
-    return Error("server.helper_ended", "The helper process that ran the task " + std::string(task) + " ended with " +
-                                            ending + "; its memory is limited to " + std::to_string(options_.memory) +
-                                            " bytes (0: not at all).");
+    return HelperEnded("server.helper_ended", "The helper process that ran the task " + std::string(task) +
+                                                  " ended with " + ending + "; its memory is limited to " +
+                                                  std::to_string(options_.memory) + " bytes (0: not at all).");
   };
 
   const std::string head = ByteWriter().size(task.size() + request.size() + sizeof(std::uint64_t)).text(task).take();

@@ -83,15 +83,16 @@ const Design& BestDesign::get() const {
   if (found_) return best_;
   const std::string& family = problem_.space.model.family;
   if (beyond_limits_)
-    throw Error("design.beyond_limits",
-                "No design of the family " + family +
-                    " that was tried keeps within the limits. Of the one that comes closest to the target, this is "
-                    "beyond them: " +
-                    *beyond_limits_,
-                {{"limits", *beyond_limits_}});
-  throw Error("design.no_equilibrium",
-              "No design of the family " + family +
-                  " that was tried can be built and has an equilibrium at every sample of the targets.");
+    throw BeyondLimits(
+        "design.beyond_limits",
+        "No design of the family " + family +
+            " that was tried keeps within the limits. Of the one that comes closest to the target, this is "
+            "beyond them: " +
+            *beyond_limits_,
+        {{"limits", *beyond_limits_}});
+  throw NoDesign("design.no_equilibrium",
+                 "No design of the family " + family +
+                     " that was tried can be built and has an equilibrium at every sample of the targets.");
 }
 
 }  // namespace supple::design

@@ -137,7 +137,7 @@ void add_counts(Design& best, const Design& other) {
 Design best_of_materials(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
                          const ModulusChoice& materials, const Execution& execution, const OnProgress& progress) {
   std::optional<Design> best;
-  std::optional<Error> refusal;
+  std::exception_ptr refusal;
   double min_reported_deviation = std::numeric_limits<double>::infinity();
   OnProgress improvements;
   if (progress)
@@ -161,14 +161,13 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
       const bool is_better = !best || merit(design) < merit(*best);
       if (best) add_counts(is_better ? design : *best, is_better ? *best : design);
       if (is_better) best = std::move(design);
-    } catch (const Error& error) {
-      if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
-      if (!refusal) refusal = error;
+    } catch (const NoDesign&) {
+      if (!refusal) refusal = std::current_exception();
     }
     const bool is_good = best && best->reached && best->error.relative_rms <= good_deviation && best->uncertainty == 0;
     if (is_good && options.multi_start != Switch::on) break;
   }
-  if (!best) throw Error(*refusal);
+  if (!best) std::rethrow_exception(refusal);
   return *std::move(best);
 }
 

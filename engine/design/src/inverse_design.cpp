@@ -44,7 +44,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   std::vector<CostLedger> bills(spaces.size());
   std::mutex mutex;
   std::optional<double> best;
-  std::optional<Error> beyond_limits;
+  std::optional<BeyondLimits> beyond_limits;
   std::size_t done = 0;
   const bool several = spaces.size() > 1;
   DesignOptions space_options = options;
@@ -67,10 +67,12 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     try {
       found[i] = find_design(spaces[i], problem, space_options, inner, report_space);
       found[i]->space = i;
-    } catch (const Error& error) {
-      if (!several || (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits")) throw;
+    } catch (const BeyondLimits& refusal) {
+      if (!several) throw;
       const std::lock_guard lock(mutex);
-      if (error.code() == "design.beyond_limits" && !beyond_limits) beyond_limits = error;
+      if (!beyond_limits) beyond_limits = refusal;
+    } catch (const NoDesign&) {
+      if (!several) throw;
     }
     if (!several || !execution.progress) return;
     const std::lock_guard lock(mutex);
@@ -82,14 +84,15 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     if (found[i]) ranking.push_back(std::move(*found[i]));
   }
   if (ranking.empty() && beyond_limits)
-    throw Error(
+    throw BeyondLimits(
         "design.beyond_limits",
         "No design of any family that was tried keeps within the limits. Of the closest one of a family, this is "
         "beyond them: " +
             beyond_limits->details().front().message,
         beyond_limits->details());
   if (ranking.empty())
-    throw Error("design.no_equilibrium", "No design that was tried has an equilibrium at every sample of the targets.");
+    throw NoDesign("design.no_equilibrium",
+                   "No design that was tried has an equilibrium at every sample of the targets.");
   const auto expected = [](const Design& design) {
     return expected_deviation(design.error.relative_rms, design.model_error, design.uncertainty);
   };

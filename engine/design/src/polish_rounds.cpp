@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "supple/base/error.h"
+#include "supple/microscale/simulation_error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::design {
 namespace {
@@ -124,8 +126,9 @@ void PolishRounds::run_simulation(const Eigen::VectorXd& parameters, SimulatedDe
       record(std::move(round), begin);
     }
     throw;
-  } catch (const Error& error) {
-    if (!error.code().starts_with("tiling.") && !error.code().starts_with("simulation.")) throw;
+  } catch (const tiling::TilingError& error) {
+    round.reason = error.what();
+  } catch (const microscale::SimulationError& error) {
     round.reason = error.what();
   }
 }

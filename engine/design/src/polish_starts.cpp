@@ -105,8 +105,7 @@ std::optional<OtherStarts::Minimum> OtherStarts::minimum_of(const DesignProblem&
     const Design found = find_design(space_, problem, options, Execution{rounds_.cancellation()});
     return Minimum{model.normalized(FreeParameters::all_of(found.parameters, found.orientation)),
                    found.error.relative_rms};
-  } catch (const Error& error) {
-    if (error.code() != "design.no_equilibrium" && error.code() != "design.beyond_limits") throw;
+  } catch (const NoDesign&) {
     return std::nullopt;
   }
 }

@@ -11,6 +11,7 @@
 #include "modulus_choice.h"
 #include "supple/base/error.h"
 #include "supple/tiling/structure.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::design {
 namespace {
@@ -148,8 +149,7 @@ StructureMeasures measures_of(const tiling::Family& family, const Eigen::VectorX
 void add_measures_or_message(const DesignSpace& space, Design& design) {
   try {
     design.measures = measures_of(tiling::family(space.model.family), design.parameters);
-  } catch (const Error& error) {
-    if (error.code().rfind("tiling.", 0) != 0) throw;
+  } catch (const tiling::TilingError& error) {
     design.message +=
         (design.message.empty() ? "" : " ") + ("There is no such structure: " + std::string(error.what()));
   }

@@ -160,7 +160,8 @@ PlanarMesh triangulate(const std::vector<PlanarFace>& faces,
       messages += outcome_of(session, algorithm, "no mesh");
     }
   }
-  throw Error("tiling.meshing_failed", "The structure could not be meshed." + messages, {{"parameters", messages}});
+  throw MeshingFailed("tiling.meshing_failed", "The structure could not be meshed." + messages,
+                      {{"parameters", messages}});
 }
 
 }  // namespace supple::meshing

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::microscale {
 namespace {
@@ -37,8 +38,8 @@ std::optional<tiling::PeriodicMesh> mesh_if_refinable(const tiling::Structure& s
   options.max_nodes = std::max(1, options.max_nodes / 4);
   try {
     return tiling::mesh_structure(structure, options, execution);
-  } catch (const Error& error) {
-    if (error.code() != "tiling.mesh_too_large" || options.mesh_size > max_size) throw;
+  } catch (const tiling::MeshTooLarge&) {
+    if (options.mesh_size > max_size) throw;
     return std::nullopt;
   }
 }

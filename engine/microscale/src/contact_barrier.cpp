@@ -6,6 +6,7 @@
 
 #include "contact_geometry.h"
 #include "supple/base/error.h"
+#include "supple/microscale/simulation_error.h"
 
 namespace supple::microscale {
 namespace {
@@ -24,7 +25,8 @@ void check(const ContactOptions& options) {
   if (!(options.range > 0)) details.push_back({"contact/range", "must be positive"});
   if (!(options.rest_fraction > 0 && options.rest_fraction < 1))
     details.push_back({"contact/rest_fraction", "must lie between 0 and 1"});
-  if (!details.empty()) throw Error("simulation.invalid_option", "Options of the contact are out of range.", details);
+  if (!details.empty())
+    throw SimulationError("simulation.invalid_option", "Options of the contact are out of range.", details);
 }
 
 using Vector6 = InsideDistance::Vector6;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "supple/base/faults.h"
+#include "supple/microscale/simulation_error.h"
 
 namespace supple::microscale {
 namespace {
@@ -103,7 +104,7 @@ int size(const Load& load) {
 LoadTargets targets_of(const Load& load) {
   Faults faults;
   LoadTargets result = std::visit([&faults](const auto& kind) { return targets(kind, faults); }, load);
-  faults.throw_if_any("simulation.invalid_load");
+  faults.throw_if_any<SimulationError>("simulation.invalid_load");
   return result;
 }
 

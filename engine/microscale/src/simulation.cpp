@@ -14,6 +14,7 @@
 #include "load_targets.h"
 #include "patch_stability.h"
 #include "supple/base/faults.h"
+#include "supple/microscale/simulation_error.h"
 
 namespace supple::microscale {
 namespace {
@@ -31,7 +32,7 @@ void check(const SimulationOptions& options) {
                  "must lie within [1, 10000]");
   faults.require(options.max_load_step >= 1e-5 && options.max_load_step <= 10, "max_load_step",
                  "must lie within [1e-5, 10]");
-  faults.throw_if_any("simulation.invalid_option");
+  faults.throw_if_any<SimulationError>("simulation.invalid_option");
 }
 
 }  // namespace

@@ -362,8 +362,7 @@ Model read_model(std::string_view bytes, const std::string& name, const Executio
   const std::string written = [&] {
     try {
       return helpers->run(read_task, bytes, execution);
-    } catch (const Error& error) {
-      if (error.code() != "server.helper_ended") throw;
+    } catch (const HelperEnded&) {
       throw Error("file.unreadable", name + ": it is damaged: the process that reads it ends.");
     }
   }();

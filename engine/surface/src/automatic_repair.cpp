@@ -6,24 +6,18 @@
 
 #include "mesh_cracks.h"
 #include "supple/base/error.h"
+#include "supple/surface/mesh_error.h"
 #include "supple/surface/mesh_repair.h"
 
 namespace supple::surface {
 namespace {
-
-/// Whether repairs may remove this fault.
-bool is_repairable(const Error& fault) {
-  return fault.code() == "mesh.degenerate_face" || fault.code() == "mesh.non_manifold_edge" ||
-         fault.code() == "mesh.non_manifold_vertex" || fault.code() == "mesh.not_orientable";
-}
 
 /// The fault that TriangleMesh::build finds, or nothing. Throws faults that no repair removes.
 std::optional<Error> fault_of(const TriangleSoup& soup, const Execution& execution) {
   try {
     TriangleMesh::build(soup.positions, soup.faces, {}, execution);
     return std::nullopt;
-  } catch (const Error& fault) {
-    if (!is_repairable(fault)) throw;
+  } catch (const RepairableFault& fault) {
     return fault;
   }
 }
@@ -47,8 +41,9 @@ std::optional<Repaired> try_repairs(const TriangleSoup& soup, std::size_t first,
     Repaired repaired{soup, {}};
     try {
       repaired.outcome = repair_mesh(repaired.soup, options, limits, execution);
-    } catch (const Error& fault) {
-      if (!is_repairable(fault) && fault.code() != "mesh.empty" && fault.code() != "mesh.too_large") throw;
+    } catch (const RepairableFault&) {
+      return std::nullopt;
+    } catch (const MeshSizeError&) {
       return std::nullopt;
     }
     if (repaired.outcome.made(static_cast<Repair>(step)) && !fault_of(repaired.soup, execution)) return repaired;
@@ -106,8 +101,7 @@ TriangleMesh build_with_advice(const TriangleSoup& soup, const MeshLimits& limit
   try {
     // The soup is copied, because it is needed for repairs if there is a fault.
     return TriangleMesh::build(soup.positions, soup.faces, soup.warnings, execution);
-  } catch (const Error& fault) {
-    if (!is_repairable(fault)) throw;
+  } catch (const RepairableFault& fault) {
     const auto repaired = attempt_repairs(soup, fault, limits, execution).repaired;
     throw with_advice(fault, repaired ? "uploaded with repair=" + names_of(repaired->outcome) + " the mesh is sound"
                                       : no_repair_helps);

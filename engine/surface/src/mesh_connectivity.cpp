@@ -5,6 +5,7 @@
 
 #include "mesh_faults.h"
 #include "supple/base/stop_pace.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
@@ -81,8 +82,8 @@ std::vector<Index> pair_halfedges(Index vertex_count, const std::vector<Triangle
           return {name_of_edge(v, w), "is shared by " + std::to_string(halfedges.size()) + " faces"};
         });
       });
-  faults.throw_if_any("mesh.non_manifold_edge", "edge is shared by more than two faces",
-                      "edges are shared by more than two faces");
+  faults.throw_if_any<RepairableFault>("mesh.non_manifold_edge", "edge is shared by more than two faces",
+                                       "edges are shared by more than two faces");
   return partners;
 }
 
@@ -136,8 +137,8 @@ Orientation orient_faces(std::vector<Triangle>& faces, std::vector<Index>& partn
     result.turned_faces += turned;
     ++result.component_count;
   }
-  faults.throw_if_any("mesh.not_orientable", "edge keeps the surface from being oriented",
-                      "edges keep the surface from being oriented");
+  faults.throw_if_any<RepairableFault>("mesh.not_orientable", "edge keeps the surface from being oriented",
+                                       "edges keep the surface from being oriented");
   if (result.turned_faces == 0) return result;
 
   std::vector<Index> renumbered(partners.size());
@@ -179,8 +180,8 @@ std::vector<Index> find_fans(Index vertex_count, const std::vector<Triangle>& fa
                                      std::to_string(degree[v]) + " faces form the first)"};
     });
   }
-  faults.throw_if_any("mesh.non_manifold_vertex", "vertex joins fans of faces that share no edge",
-                      "vertices join fans of faces that share no edge");
+  faults.throw_if_any<RepairableFault>("mesh.non_manifold_vertex", "vertex joins fans of faces that share no edge",
+                                       "vertices join fans of faces that share no edge");
   return outgoing;
 }
 

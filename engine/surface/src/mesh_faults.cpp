@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "supple/base/stop_pace.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
@@ -16,13 +17,13 @@ std::string triple(const Triangle& face) {
 }
 
 void check_sizes(std::size_t vertices, std::size_t faces) {
-  if (vertices == 0) throw Error("mesh.empty", "The mesh has no vertices.", {{"vertices", "is empty"}});
-  if (faces == 0) throw Error("mesh.empty", "The mesh has no faces.", {{"faces", "is empty"}});
+  if (vertices == 0) throw MeshSizeError("mesh.empty", "The mesh has no vertices.", {{"vertices", "is empty"}});
+  if (faces == 0) throw MeshSizeError("mesh.empty", "The mesh has no faces.", {{"faces", "is empty"}});
   // Halfedges and vertices are numbered by int32.
   constexpr std::size_t limit = std::numeric_limits<std::int32_t>::max() / 3;
   for (const auto& [name, count] : {std::pair{"vertices", vertices}, std::pair{"faces", faces}}) {
     if (count > limit) {
-      throw Error(
+      throw MeshSizeError(
           "mesh.too_large",
           "The mesh has " + std::to_string(count) + " " + name + ", the limit is " + std::to_string(limit) + ".",
           {{name, std::to_string(count) + " is above the limit of " + std::to_string(limit)}});
@@ -137,7 +138,7 @@ void check_areas(const std::vector<Eigen::Vector3d>& positions, const std::vecto
                   triple(faces[f])};
     });
   }
-  faults.throw_if_any("mesh.degenerate_face", "face is degenerate", "faces are degenerate");
+  faults.throw_if_any<RepairableFault>("mesh.degenerate_face", "face is degenerate", "faces are degenerate");
 }
 
 }  // namespace supple::surface

@@ -4,6 +4,7 @@
 
 #include "mesh_reading.h"
 #include "supple/base/error.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
@@ -183,13 +184,12 @@ std::optional<OffKeyword> read_off_keyword(std::string_view word) {
 TriangleSoup read_off(std::string_view bytes, const MeshLimits& limits, const Execution& execution) {
   try {
     return OffReader(bytes, Layout::lines, limits, execution).read();
-  } catch (const Error& fault) {
-    if (fault.code() != "mesh.malformed") throw;
+  } catch (const MalformedMesh&) {
     // Most malformed files are malformed in either layout, and then the error of the usual layout is thrown.
     try {
       return OffReader(bytes, Layout::words, limits, execution).read();
-    } catch (const Error& other) {
-      if (other.code() != "mesh.malformed") throw;
+    } catch (const MalformedMesh&) {
+      // It is malformed in either layout.
     }
     throw;
   }

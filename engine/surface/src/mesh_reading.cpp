@@ -6,13 +6,14 @@
 #include "mesh_faults.h"
 #include "polygon_cutter.h"
 #include "supple/base/error.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
 
 [[noreturn]] void throw_too_large(std::int64_t count, std::int64_t limit, const std::string& what) {
   const std::string over = std::to_string(count) + " " + what + ", the limit is " + std::to_string(limit);
-  throw Error("mesh.too_large", "The mesh has at least " + over + ".", {{what, over}});
+  throw MeshSizeError("mesh.too_large", "The mesh has at least " + over + ".", {{what, over}});
 }
 
 void check_limit(std::int64_t count, std::int64_t limit, const char* what) {

@@ -12,6 +12,7 @@
 #include "near_points.h"
 #include "supple/base/error.h"
 #include "supple/base/stop_pace.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
@@ -166,7 +167,7 @@ void check_vertex_count(std::int64_t count, const MeshLimits& limits) {
   if (count <= limits.vertices) return;
   const std::string over =
       std::to_string(count) + " vertices after the repairs, the limit is " + std::to_string(limits.vertices);
-  throw Error("mesh.too_large", "The mesh has " + over + ".", {{"vertices", over}});
+  throw MeshSizeError("mesh.too_large", "The mesh has " + over + ".", {{"vertices", over}});
 }
 
 void report_in_warnings(const RepairOutcome& outcome, std::vector<std::string>& warnings) {
@@ -250,7 +251,8 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
         drop_faces(soup.faces, outcome.new_faces, [&](std::size_t f) { return !duplicate[f]; });
   }
   if (soup.faces.empty()) {
-    throw Error("mesh.empty", "The repairs leave no face: all are degenerate.", {{"faces", "are all degenerate"}});
+    throw MeshSizeError("mesh.empty", "The repairs leave no face: all are degenerate.",
+                        {{"faces", "are all degenerate"}});
   }
   for (const Triangle& face : soup.faces) {
     for (const Index v : face) has_faces[v] = 1;

@@ -6,12 +6,14 @@
 #include <optional>
 
 #include "supple/base/error.h"
+#include "supple/surface/mesh_error.h"
 
 namespace supple::surface {
 namespace {
 
 [[noreturn]] void throw_malformed(std::string where, const std::string& message) {
-  throw Error("mesh.malformed", "The mesh file is malformed at " + where + ": " + message + ".", {{where, message}});
+  throw MalformedMesh("mesh.malformed", "The mesh file is malformed at " + where + ": " + message + ".",
+                      {{where, message}});
 }
 
 // std::from_chars accepts no leading plus, but files may have one.

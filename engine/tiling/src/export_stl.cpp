@@ -10,6 +10,7 @@
 #include "polygon.h"
 #include "solid_files.h"
 #include "solid_patch.h"
+#include "triangulation.h"
 
 namespace supple::tiling {
 namespace {
@@ -51,7 +52,7 @@ meshing::PlanarMesh caps_of(const std::vector<Face>& faces) {
   Bounds bounds;
   for (const Face& face : faces) bounds.include(face[0]);
   const double size = 2 * (bounds.upper - bounds.lower).norm();
-  return meshing::triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
+  return triangulate(faces, [size](const Eigen::Vector2d&) { return size; });
 }
 
 std::string stl_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,

@@ -7,6 +7,7 @@
 #include "family_table.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -60,7 +61,7 @@ void check_bounds(const Family& family, std::span<const double> parameters, doub
     message << "Family " << family.id << " has " << family.parameters.size()
             << (family.parameters.size() == 1 ? " parameter" : " parameters") << ", but " << parameters.size()
             << (parameters.size() == 1 ? " was given." : " were given.");
-    throw Error("tiling.parameter_count", message.str(), {{"parameters", message.str()}});
+    throw TilingError("tiling.parameter_count", message.str(), {{"parameters", message.str()}});
   }
   std::vector<Error::Detail> details;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
@@ -74,9 +75,9 @@ void check_bounds(const Family& family, std::span<const double> parameters, doub
     }
   }
   if (details.empty()) return;
-  throw Error("tiling.parameter_out_of_bounds",
-              "Family " + family.id + ": parameter " + details[0].where.substr(11) + " " + details[0].message + ".",
-              details);
+  throw TilingError(
+      "tiling.parameter_out_of_bounds",
+      "Family " + family.id + ": parameter " + details[0].where.substr(11) + " " + details[0].message + ".", details);
 }
 
 void check_area(const Family& family, const Tiling& tiling) {
@@ -86,7 +87,8 @@ void check_area(const Family& family, const Tiling& tiling) {
     std::ostringstream message;
     message << "The tile has " << 100 * ratio << " % of the default tile's area; the least allowed is "
             << 100 * min_area_ratio << " %.";
-    throw Error("tiling.cell_too_small", "Family " + family.id + ": " + message.str(), {{"parameters", message.str()}});
+    throw TilingError("tiling.cell_too_small", "Family " + family.id + ": " + message.str(),
+                      {{"parameters", message.str()}});
   }
 }
 
@@ -103,8 +105,9 @@ const Family& family(std::string_view id) {
   if (found != all.end()) return *found;
   std::string known;
   for (const Family& candidate : all) known += (known.empty() ? "" : ", ") + candidate.id;
-  throw Error("tiling.family_not_found", "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
-              {{"family", "must be one of " + known}});
+  throw TilingError("tiling.family_not_found",
+                    "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
+                    {{"family", "must be one of " + known}});
 }
 
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin) {

@@ -1,6 +1,7 @@
 #include "supple/tiling/helper_tasks.h"
 
 #include "file_makers.h"
+#include "helper_run.h"
 #include "part_tasks.h"
 #include "structure_codec.h"
 
@@ -32,7 +33,7 @@ std::string write_file(std::string_view task, Make make, const Structure& struct
   ByteWriter request;
   write(request, structure);
   write(request, options);
-  return helpers->run(task, request.take(), execution);
+  return run_task(*helpers, task, request.take(), execution);
 }
 
 HelperTask file_task(Make make) {
@@ -74,7 +75,7 @@ PeriodicMesh mesh_structure(const Structure& structure, const MeshOptions& optio
   ByteWriter request;
   write(request, structure);
   write(request, options);
-  const std::string answer = helpers->run(mesh_task, request.take(), execution);
+  const std::string answer = run_task(*helpers, mesh_task, request.take(), execution);
   ByteReader reader(answer);
   return read_mesh(reader);
 }

@@ -10,6 +10,7 @@
 #include "file_makers.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -34,7 +35,7 @@ void check(const MeshOptions& options) {
           "must lie between 0.001 and 1, but is " + std::to_string(options.corner_size));
   require(options.max_nodes > 0, "max_nodes", "must be positive, but is " + std::to_string(options.max_nodes));
   if (details.empty()) return;
-  throw Error("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".", details);
+  throw TilingError("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".", details);
 }
 
 void check_number_of_nodes(double nodes, const MeshOptions& options, const char* kind) {
@@ -42,7 +43,7 @@ void check_number_of_nodes(double nodes, const MeshOptions& options, const char*
   std::ostringstream message;
   message.precision(3);
   message << "The mesh " << kind << " " << nodes << " nodes; the limit is " << options.max_nodes << ".";
-  throw Error("tiling.mesh_too_large", message.str(), {{"mesh_size", message.str()}});
+  throw MeshTooLarge("tiling.mesh_too_large", message.str(), {{"mesh_size", message.str()}});
 }
 
 double twice_area(const PeriodicMesh& mesh, int t) {
@@ -55,7 +56,7 @@ void check_area(const PeriodicMesh& mesh, const Structure& structure) {
   if (std::abs(solid_area - structure.solid_area) <= filled_area_tolerance * structure.cell_area) return;
   std::ostringstream message;
   message << "The triangles cover " << solid_area << " mm^2 of a solid of " << structure.solid_area << " mm^2.";
-  throw Error("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
+  throw TilingError("tiling.mesh_not_periodic", message.str(), {{"parameters", message.str()}});
 }
 
 }  // namespace
@@ -94,7 +95,7 @@ PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second) {
   // Shifts have 8 bits, which limits the number of cells.
   constexpr int max_cells = 100;
   if (first < 1 || second < 1 || first > max_cells || second > max_cells) {
-    throw Error(
+    throw TilingError(
         "tiling.mesh_option", "A patch has 1 to 100 cells along each translation.",
         {{"cells", "must be from 1 to 100, but are " + std::to_string(first) + " x " + std::to_string(second)}});
   }

@@ -5,7 +5,7 @@
 
 #include "cell_meshes.h"
 #include "polygon.h"
-#include "supple/meshing/planar_mesh.h"
+#include "triangulation.h"
 
 namespace supple::tiling {
 namespace {
@@ -173,7 +173,7 @@ TriangleSoup mesh_by_parallelogram(const Structure& structure, SizeField size) {
       polygon = std::move(divided);
     }
   }
-  meshing::PlanarMesh mesh = meshing::triangulate(faces, size);
+  meshing::PlanarMesh mesh = triangulate(faces, size);
   for (const Eigen::Vector2d& p : mesh.points) soup.seam.push_back(best.distance(p) < cut_tolerance);
   soup.points = std::move(mesh.points);
   soup.triangles = std::move(mesh.triangles);

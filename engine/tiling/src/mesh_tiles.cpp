@@ -4,7 +4,7 @@
 
 #include "cell_meshes.h"
 #include "polygon.h"
-#include "supple/meshing/planar_mesh.h"
+#include "triangulation.h"
 
 namespace supple::tiling {
 namespace {
@@ -49,7 +49,7 @@ TriangleSoup mesh_by_tiles(const Structure& structure, SizeField size) {
     Face face = {divided_outline(structure.tiling.tiles[tile], size.max_size())};
     for (const Polygon& hole : holes) face.push_back(divided_hole(hole, size));
     outline_points.push_back(face[0].size());
-    tile_meshes.push_back(meshing::triangulate({face}, size));
+    tile_meshes.push_back(triangulate({face}, size));
   }
   TriangleSoup soup;
   for (const Placement& placement : structure.tiling.placements) {

@@ -1,6 +1,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "helper_run.h"
 #include "part_codec.h"
 #include "part_tasks.h"
 #include "polygon.h"
@@ -8,6 +9,7 @@
 #include "supple/base/error.h"
 #include "supple/base/helper_processes.h"
 #include "supple/tiling/part.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -46,7 +48,7 @@ meshing::PlanarMesh caps(const std::vector<SolidFace>& faces, const Execution& e
   if (!helpers) return caps_of(faces);
   ByteWriter request;
   write(request, faces);
-  const std::string answer = helpers->run(caps_task, request.take(), execution);
+  const std::string answer = run_task(*helpers, caps_task, request.take(), execution);
   ByteReader reader(answer);
   return read_planar_mesh(reader);
 }
@@ -83,7 +85,7 @@ Part make_part(const PartDesign& design, const Execution& execution) {
   if (!helpers || is_small) return make_part_here(design);
   ByteWriter request;
   write(request, design);
-  const std::string answer = helpers->run(part_task, request.take(), execution);
+  const std::string answer = run_task(*helpers, part_task, request.take(), execution);
   ByteReader reader(answer);
   return read_part(reader);
 }
@@ -108,8 +110,8 @@ std::string part_step(const Part& part, const Execution& execution) {
   if (corners > max_step_corners) {
     const std::string numbers =
         std::to_string(corners) + " corners, and a STEP file has at most " + std::to_string(max_step_corners);
-    throw Error("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
-                {{"beam_width", "the part has " + numbers}});
+    throw TilingError("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
+                      {{"beam_width", "the part has " + numbers}});
   }
   return step_of(part.faces, part.thickness, title_of(part), execution);
 }

@@ -8,6 +8,7 @@
 
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -30,7 +31,8 @@ void check(const ExportOptions& options) {
     details.push_back({"height", "must be above 0 and at most 1000 mm, but is " + std::to_string(options.height)});
   }
   if (details.empty()) return;
-  throw Error("tiling.export_option", "Export option " + details[0].where + " " + details[0].message + ".", details);
+  throw TilingError("tiling.export_option", "Export option " + details[0].where + " " + details[0].message + ".",
+                    details);
 }
 
 }  // namespace

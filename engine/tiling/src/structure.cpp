@@ -9,6 +9,7 @@
 #include "beams.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -152,8 +153,8 @@ void check_holes_are_open(const Structure& structure) {
     std::ostringstream message;
     message << "Beams of " << structure.beam_width << " mm leave no hole in a tile of "
             << area(structure.tiling.tiles[structure.tiling.placements[k].tile]) << " mm^2.";
-    throw Error("tiling.hole_closed", "Family " + structure.family + ": " + message.str(),
-                {{"parameters", message.str()}});
+    throw TilingError("tiling.hole_closed", "Family " + structure.family + ": " + message.str(),
+                      {{"parameters", message.str()}});
   };
   // Tiles that overlap share holes, each of which is listed with only one of them.
   const auto closed = [](const std::vector<Polygon>& holes) { return holes.empty(); };
@@ -315,8 +316,7 @@ bool can_be_built(const Family& family, std::span<const double> parameters) {
     if (tiles_cross && has_hole_near_cell(tiling, printed_beam_width)) return true;
     make_structure(family, parameters);
     return true;
-  } catch (const Error& error) {
-    if (!error.code().starts_with("tiling.")) throw;
+  } catch (const TilingError&) {
     return false;
   }
 }

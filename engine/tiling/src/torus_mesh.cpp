@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
 namespace {
@@ -28,7 +29,7 @@ struct TorusPoint {
 
 LatticeShift to_shift(const Eigen::Vector2i& shift) {
   if (shift.cwiseAbs().maxCoeff() > 127) {
-    throw Error("tiling.mesh_not_periodic", "A tile reaches over more than 127 translations of its cell.");
+    throw TilingError("tiling.mesh_not_periodic", "A tile reaches over more than 127 translations of its cell.");
   }
   return {static_cast<std::int8_t>(shift[0]), static_cast<std::int8_t>(shift[1])};
 }
@@ -159,7 +160,7 @@ PeriodicMesh wrap(const TriangleSoup& soup, const Eigen::Matrix2d& lattice, doub
     if (details.empty()) details.push_back({"outline", "has not the length of the holes' sides"});
   }
   if (!details.empty()) {
-    throw Error(
+    throw TilingError(
         "tiling.mesh_not_periodic",
         "The mesh does not close over the sides of tiles: the " + details[0].where + " " + details[0].message + ".",
         details);

@@ -23,11 +23,16 @@ class Faults {
   /// Whether further faults are only counted, and their messages dropped.
   bool drops_further_details() const { return details_.size() == max_details; }
 
-  /// Throws an Error with this code if there are any faults. Its sentence is "<where>: <message> (and 2 more)" for the
-  /// first fault, with `whole` in place of an empty where.
-  void throw_if_any(const std::string& code, const std::string& whole = "The input") const;
+  /// Throws an error of this type and code if there are any faults. Its sentence is "<where>: <message> (and 2 more)"
+  /// for the first fault, with `whole` in place of an empty where.
+  template <class Thrown = Error>
+  void throw_if_any(const std::string& code, const std::string& whole = "The input") const {
+    if (any()) throw Thrown(code, sentence(whole), details_);
+  }
 
  private:
+  std::string sentence(const std::string& whole) const;
+
   std::vector<Error::Detail> details_;
   std::size_t total_ = 0;
 };

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "supple/base/error.h"
 #include "supple/base/execution.h"
 
 namespace supple {
@@ -18,6 +19,12 @@ struct HelperOptions {
   std::string program;       ///< the file of a program that calls `serve_as_helper`
   int processes = 0;         ///< processes at the same time; below 1 means one for each core
   std::uint64_t memory = 0;  ///< bytes of address space of each process; 0 means no limit
+};
+
+/// The process that ran a task ended before it answered ("server.helper_ended").
+class HelperEnded : public Error {
+ public:
+  using Error::Error;
 };
 
 /// Processes that run what cannot be stopped within this process: libraries that do not check for stop requests, such

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "supple/base/effect_switch.h"
+#include "supple/base/error.h"
 #include "supple/base/execution.h"
 #include "supple/design/candidates.h"
 #include "supple/design/target.h"
@@ -166,6 +167,18 @@ struct DesignProgress {
   int iteration = 0;
 };
 using OnProgress = std::function<void(const DesignProgress&)>;
+
+/// No design that was tried can be built and has an equilibrium at every sample ("design.no_equilibrium").
+class NoDesign : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Every design with such equilibria violates the limits ("design.beyond_limits").
+class BeyondLimits : public NoDesign {
+ public:
+  using NoDesign::NoDesign;
+};
 
 /// Finds tiling parameters whose response follows the targets: the bi-level problems [Thesis, eqs. 4.9, 4.10 and 4.12],
 /// several of them at once. The outer problem is solved by numerics::minimize_least_squares with the total derivatives

@@ -5,7 +5,15 @@
 #include <functional>
 #include <vector>
 
+#include "supple/base/error.h"
+
 namespace supple::meshing {
+
+/// No method of gmsh triangulates a region ("tiling.meshing_failed").
+class MeshingFailed : public Error {
+ public:
+  using Error::Error;
+};
 
 struct PlanarMesh {
   std::vector<Eigen::Vector2d> points;        ///< first those of the boundary, in the given order, then those inside
@@ -21,7 +29,7 @@ using PlanarFace = std::vector<std::vector<Eigen::Vector2d>>;
 /// because points inside are rounded to 2^-32 of it. Faces that touch have nodes of their own.
 ///
 /// gmsh has one global state. The process has one owner of it, whose callers wait for each other. gmsh prints nothing,
-/// reads no file and installs no signal handler. Throws "tiling.meshing_failed" with gmsh's message.
+/// reads no file and installs no signal handler. Throws MeshingFailed with gmsh's message.
 PlanarMesh triangulate(const std::vector<PlanarFace>& faces, const std::function<double(const Eigen::Vector2d&)>& size);
 
 }  // namespace supple::meshing
