@@ -1,5 +1,6 @@
 // The search for the best design of one family.
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <optional>
 #include <string>
