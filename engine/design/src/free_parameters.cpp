@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::design {
 namespace {
@@ -15,8 +16,8 @@ void check_bounds(const neural::Network& network, std::string where, Eigen::Inde
                   std::vector<Error::Detail>& faults) {
   const double rounding = bound_rounding * (network.upper[k] - network.lower[k]);
   if (value >= network.lower[k] - rounding && value <= network.upper[k] + rounding) return;
-  faults.push_back({std::move(where), "must be within [" + std::to_string(network.lower[k]) + ", " +
-                                          std::to_string(network.upper[k]) + "], got " + std::to_string(value)});
+  faults.push_back({std::move(where), "must be within [" + number_text(network.lower[k]) + ", " +
+                                          number_text(network.upper[k]) + "], got " + number_text(value)});
 }
 
 }  // namespace

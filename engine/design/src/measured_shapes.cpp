@@ -8,6 +8,7 @@
 #include "measured_lines.h"
 #include "measured_numbers.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::design {
 namespace {
@@ -113,14 +114,8 @@ char decimal_of(std::span<const std::string_view> lines, char delimiter, const C
   if (delimiter == ',' && !has_quoted_comma) return '.';
   const auto point = number_in(evidence.ambiguous, '.', blank_thousands),
              comma = number_in(evidence.ambiguous, ',', blank_thousands);
-  const auto without_trailing_zeros = [](double value) {
-    std::string text = std::to_string(value);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.ends_with('.')) text.pop_back();
-    return text;
-  };
-  refuse_decimals(quoted(evidence.ambiguous) + " is " + without_trailing_zeros(point->value) + " with the one and " +
-                  without_trailing_zeros(comma->value) + " with the other, and no other number of the file tells");
+  refuse_decimals(quoted(evidence.ambiguous) + " is " + number_text(point->value) + " with the one and " +
+                  number_text(comma->value) + " with the other, and no other number of the file tells");
 }
 
 }  // namespace

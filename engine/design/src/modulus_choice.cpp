@@ -5,6 +5,7 @@
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::design {
 namespace {
@@ -80,7 +81,7 @@ ModulusChoice::ModulusChoice(const std::vector<Range>& moduli, double model_modu
     const auto [min_modulus, max_modulus] = moduli_[i];
     if (min_modulus > 0 && min_modulus <= max_modulus && std::isfinite(max_modulus)) continue;
     const std::string text =
-        "must be positive and not decrease, got " + std::to_string(min_modulus) + " to " + std::to_string(max_modulus);
+        "must be positive and not decrease, got " + number_text(min_modulus) + " to " + number_text(max_modulus);
     throw Error("design.invalid_modulus", "The range of Young's modulus " + text + ".",
                 {{"moduli/" + std::to_string(i), text}});
   }

@@ -9,6 +9,7 @@
 #include "profile_trust.h"
 #include "sampled_profile.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::design {
 namespace {
@@ -72,9 +73,9 @@ std::vector<Sample> samples_of(const ProfileSamples& samples) {
   const auto [min_strain, max_strain] = strain_limits(samples.measure);
   const auto check = [&, low = min_strain, high = max_strain](double strain, const std::string& where) {
     if (strain > low && strain <= high) return;
-    const std::string limits = "above " + std::to_string(low) + " and at most " + std::to_string(high);
+    const std::string limits = "above " + number_text(low) + " and at most " + number_text(high);
     throw Error("model.invalid_load", "A strain along the load must be " + limits + ".",
-                {{where, "must be " + limits + ", got " + std::to_string(strain)}});
+                {{where, "must be " + limits + ", got " + number_text(strain)}});
   };
   std::vector<Sample> result(samples.x.size());
   const bool over_strain = samples.task == Task::stress_strain;

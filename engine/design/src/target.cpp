@@ -7,6 +7,7 @@
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::design {
 namespace {
@@ -24,8 +25,8 @@ void check_strains(const Target& target, std::vector<Error::Detail>& faults) {
   const auto [min_strain, max_strain] = strain_limits(target.measure);
   const auto check = [&faults, low = min_strain, high = max_strain](double strain, const std::string& where) {
     if (strain > low && strain <= high) return;
-    faults.push_back({where, "must be a strain above " + std::to_string(low) + " and at most " + std::to_string(high) +
-                                 ", got " + std::to_string(strain)});
+    faults.push_back({where, "must be a strain above " + number_text(low) + " and at most " + number_text(high) +
+                                 ", got " + number_text(strain)});
   };
   if (over_directions(target.task)) return check(target.strain, "strain");
   for (std::size_t i = 0; i < target.control_points.size() && faults.size() < 20; ++i)
@@ -42,7 +43,7 @@ void check(const Target& target) {
     if (!(points[i].cwiseAbs().maxCoeff() <= largest_coordinate))
       faults.push_back({where, "must have coordinates from -1e6 to 1e6"});
     else if (i > 0 && !(points[i][0] - points[i - 1][0] > min_fraction_of_range * range))
-      faults.push_back({where + "/0", "must be greater than the x before it, " + std::to_string(points[i - 1][0]) +
+      faults.push_back({where + "/0", "must be greater than the x before it, " + number_text(points[i - 1][0]) +
                                           ", by more than a billionth of the range of all"});
   }
   if (faults.empty() && over_directions(target.task) && !(points.back()[0] < points.front()[0] + period))

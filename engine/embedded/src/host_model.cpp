@@ -12,6 +12,7 @@
 #include "solid_elements.h"
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "supple/surface/self_crossings.h"
 
 namespace supple::embedded {
@@ -23,13 +24,13 @@ using Eigen::Vector3d;
 constexpr double min_area_fraction = 1e-6;
 
 void require_positive(Faults& faults, const std::string& where, double value) {
-  faults.require(std::isfinite(value) && value > 0, where, "is " + std::to_string(value) + ", but must be positive");
+  faults.require(std::isfinite(value) && value > 0, where, "is " + number_text(value) + ", but must be positive");
 }
 
 void check_material(Faults& faults, double youngs_modulus, double poisson_ratio) {
   require_positive(faults, "host/youngs_modulus", youngs_modulus);
   faults.require(poisson_ratio > -1 && poisson_ratio < 0.5, "host/poisson_ratio",
-                 "is " + std::to_string(poisson_ratio) + ", but must be above -1 and below 0.5");
+                 "is " + number_text(poisson_ratio) + ", but must be above -1 and below 0.5");
 }
 
 void check(const ShellHost& shell) {
@@ -37,7 +38,7 @@ void check(const ShellHost& shell) {
   require_positive(faults, "host/thickness", shell.thickness);
   check_material(faults, shell.youngs_modulus, shell.poisson_ratio);
   faults.require(std::isfinite(shell.volume_weight) && shell.volume_weight >= 0, "host/volume_weight",
-                 "is " + std::to_string(shell.volume_weight) + ", but must not be negative");
+                 "is " + number_text(shell.volume_weight) + ", but must not be negative");
   require_positive(faults, "host/volume_scale", shell.volume_scale);
   faults.throw_if_any("host.invalid", "The host");
 }
@@ -46,7 +47,7 @@ void check(const SolidHost& solid) {
   Faults faults;
   check_material(faults, solid.youngs_modulus, solid.poisson_ratio);
   faults.require(std::isfinite(solid.element_size) && solid.element_size >= 0, "host/element_size",
-                 "is " + std::to_string(solid.element_size) + ", but must not be negative");
+                 "is " + number_text(solid.element_size) + ", but must not be negative");
   faults.require(solid.gravity.allFinite(), "host/gravity", "is not finite");
   for (std::size_t i = 0; i < solid.regions.size(); ++i) {
     const std::string where = "host/regions/" + std::to_string(i);

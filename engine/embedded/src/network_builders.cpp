@@ -10,6 +10,7 @@
 
 #include "supple/base/error.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "supple/base/random.h"
 #include "supple/base/seeded_hash.h"
 #include "supple/surface/exponential_map.h"
@@ -145,7 +146,7 @@ std::vector<SurfacePoint> points_in_faces(const TriangleMesh& mesh, const Eigen:
 std::vector<SurfacePoint> poisson_disk_points(const surface::GeodesicSolver& solver, double radius, std::uint64_t seed,
                                               std::size_t max_points, const Execution& execution) {
   if (!std::isfinite(radius) || radius <= 0)
-    throw Error("network.radius", "The radius must be positive.", {{"points/radius", "is " + std::to_string(radius)}});
+    throw Error("network.radius", "The radius must be positive.", {{"points/radius", "is " + number_text(radius)}});
   const TriangleMesh& mesh = solver.mesh();
   double area = 0;
   for (std::int32_t f = 0; f < mesh.face_count(); ++f) area += face_area(mesh, f);

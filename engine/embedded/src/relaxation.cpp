@@ -8,6 +8,7 @@
 
 #include "relaxation_phases.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/base/part_of_execution.h"
 
 namespace supple::embedded {
@@ -23,12 +24,12 @@ void check_options(const RelaxationOptions& options) {
     throw Error("network.invalid_option", "An option of the relaxation is out of range.", {{field, what}});
   };
   if (!std::isfinite(options.tolerance) || options.tolerance < 0)
-    refuse("accuracy/tolerance", "is " + std::to_string(options.tolerance) + ", but must be finite and not negative");
+    refuse("accuracy/tolerance", "is " + number_text(options.tolerance) + ", but must be finite and not negative");
   if (options.max_iterations < 0)
     refuse("max_iterations", "is " + std::to_string(options.max_iterations) + ", but must not be negative");
   if (!(options.mollifier_length > 0 && options.mollifier_length <= 0.5))
     refuse("accuracy/mollifier_length",
-           "is " + std::to_string(options.mollifier_length) + ", but must be above 0 and at most 0.5");
+           "is " + number_text(options.mollifier_length) + ", but must be above 0 and at most 0.5");
 }
 
 void check_host(const RelaxationOptions& options, const Network& network) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/base/threads.h"
 #include "supple/dataset/dataset_file.h"
 #include "supple/dataset/journal.h"
@@ -206,7 +207,7 @@ MakeResult make_dataset(const DatasetOptions& options, const std::filesystem::pa
 RenewResult renew_dataset(const Dataset& old, const RenewOptions& renew, const std::filesystem::path& path,
                           const CancellationToken& cancellation, MakeListener* listener) {
   if (!(renew.tolerance > 0 && renew.tolerance < 1)) {
-    const std::string message = "must lie between 0 and 1, but is " + std::to_string(renew.tolerance);
+    const std::string message = "must lie between 0 and 1, but is " + number_text(renew.tolerance);
     throw Error("dataset.invalid_option", "Option tolerance " + message + ".", {{"tolerance", message}});
   }
   const DatasetOptions options = options_of(old.recipe, old.selection);

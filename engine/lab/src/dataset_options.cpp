@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/tiling/family.h"
 
 namespace supple::lab {
@@ -142,9 +143,8 @@ void check_part(const DatasetOptions& options, const tiling::Family& family, std
     const double tolerance = 1e-9 * (upper - lower);
     if (!(from >= lower - margin - tolerance && from < to && to <= upper + margin + tolerance))
       details.push_back({"part_lower[" + std::to_string(k) + "]",
-                         "must be below part_upper, both within [" + std::to_string(lower - margin) + ", " +
-                             std::to_string(upper + margin) + "], got " + std::to_string(from) + " and " +
-                             std::to_string(to)});
+                         "must be below part_upper, both within [" + number_text(lower - margin) + ", " +
+                             number_text(upper + margin) + "], got " + number_text(from) + " and " + number_text(to)});
   }
 }
 
@@ -194,7 +194,7 @@ void check(const DatasetOptions& options) {
           "must lie within [0, shards - 1], got " + std::to_string(options.shard) + " of " +
               std::to_string(options.shards));
   require(options.box_margin >= 0 && options.box_margin <= 0.5, "box_margin",
-          "must lie within [0, 0.5], got " + std::to_string(options.box_margin));
+          "must lie within [0, 0.5], got " + number_text(options.box_margin));
   require(options.parameters.empty() || options.parameters.size() == family.parameters.size(), "parameters",
           "the family " + options.family + " has " + std::to_string(family.parameters.size()) + " parameters, got " +
               std::to_string(options.parameters.size()));

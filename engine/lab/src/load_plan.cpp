@@ -5,6 +5,7 @@
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/base/random.h"
 
 namespace supple::lab {
@@ -124,13 +125,12 @@ void check(const LoadPlanOptions& options) {
   std::vector<Error::Detail> details;
   const auto count = [&](const char* where, int value, int min_value) {
     if (value < min_value || value > 1000)
-      details.push_back(
-          {where, "must lie within [" + std::to_string(min_value) + ", 1000], got " + std::to_string(value)});
+      details.push_back({where, "must lie within [" + number_text(min_value) + ", 1000], got " + number_text(value)});
   };
   const auto within = [&](const char* where, double value, double low, double high) {
     if (!(value >= low && value <= high))
-      details.push_back({where, "must lie within [" + std::to_string(low) + ", " + std::to_string(high) + "], got " +
-                                    std::to_string(value)});
+      details.push_back(
+          {where, "must lie within [" + number_text(low) + ", " + number_text(high) + "], got " + number_text(value)});
   };
   count("tension_paths", options.tension_paths, 0);
   count("compression_paths", options.compression_paths, 0);

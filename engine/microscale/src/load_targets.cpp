@@ -5,6 +5,7 @@
 #include <string>
 
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "supple/microscale/simulation_error.h"
 
 namespace supple::microscale {
@@ -15,9 +16,7 @@ constexpr double min_stretch = 0.2;
 constexpr double max_stretch = 4;
 constexpr int max_states = 100'000;
 
-std::string range() {
-  return "must be within [" + std::to_string(min_stretch) + ", " + std::to_string(max_stretch) + "]";
-}
+std::string range() { return "must be within [" + number_text(min_stretch) + ", " + number_text(max_stretch) + "]"; }
 
 bool in_range(double stretch) { return stretch >= min_stretch && stretch <= max_stretch; }
 
@@ -57,7 +56,7 @@ LoadTargets targets(const GreenStrainLoad& load, Faults& faults) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(c);
     const Eigen::Vector2d stretches = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
     for (const double stretch : stretches)
-      if (!in_range(stretch)) faults.add(where, "its principal stretch " + std::to_string(stretch) + " " + range());
+      if (!in_range(stretch)) faults.add(where, "its principal stretch " + number_text(stretch) + " " + range());
     result.gradients.emplace_back(eigen.eigenvectors() * stretches.asDiagonal() * eigen.eigenvectors().transpose());
   }
   return result;
@@ -87,7 +86,7 @@ LoadTargets targets(const BiaxialLoad& load, Faults& faults) {
     for (int k = 0; k < 2; ++k)
       if (!in_range(s[k]))
         faults.add("biaxial/stretches/" + std::to_string(i) + "/" + std::to_string(k),
-                   range() + ", got " + std::to_string(s[k]));
+                   range() + ", got " + number_text(s[k]));
     result.gradients.emplace_back(s[0] * frame.d * frame.d.transpose() + s[1] * frame.n * frame.n.transpose());
   }
   return result;

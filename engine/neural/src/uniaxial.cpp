@@ -4,6 +4,7 @@
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::neural {
 namespace {
@@ -41,7 +42,7 @@ std::vector<UniaxialState> uniaxial_path(const BasicEvaluator<Real>& evaluator,
   for (std::size_t i = 0; i < green_strains.size(); ++i)
     if (!(green_strains[i] > -0.5) || !std::isfinite(green_strains[i]))
       throw Error("model.invalid_load", "A Green strain along the load must be above -0.5, where the length vanishes.",
-                  {{"green_strains/" + std::to_string(i), "> -0.5, got " + std::to_string(green_strains[i])}});
+                  {{"green_strains/" + std::to_string(i), "> -0.5, got " + number_text(green_strains[i])}});
   typename BasicEvaluator<Real>::Workspace workspace;
   Evaluation evaluation;
   const auto evaluate_at = [&](const Eigen::Vector3d& strain) -> UniaxialPoint {

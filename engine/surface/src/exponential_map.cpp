@@ -11,6 +11,7 @@
 #include "halfedge_frame.h"
 #include "planar_cross.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/base/stop_pace.h"
 #include "triangle_area.h"
 
@@ -249,7 +250,7 @@ ExponentialMap exponential_map(const TriangleMesh& mesh, const SurfacePoint& sta
     pace.check();
     if (crossings > max_crossings) {
       throw Error("exponential_map.too_long", "The path crosses more than " + std::to_string(max_crossings) + " edges.",
-                  {{"tangent", "has length " + std::to_string(requested_length) + ", too long for the limit of " +
+                  {{"tangent", "has length " + number_text(requested_length) + ", too long for the limit of " +
                                    std::to_string(max_crossings) + " edge crossings (max_crossings)"}});
     }
     const std::array<Vector2d, 3> sides = plane_sides(mesh, state.halfedge);

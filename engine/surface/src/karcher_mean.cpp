@@ -11,6 +11,7 @@
 #include "karcher_vertex_search.h"
 #include "squared_distances.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/surface/exponential_map.h"
 #include "supple/surface/vertex_cone.h"
@@ -91,7 +92,7 @@ std::vector<double> checked_weights(const KarcherProblem& problem) {
 void check_options(const KarcherProblem& problem) {
   if (!std::isfinite(problem.tolerance) || problem.tolerance < 0)
     throw Error("karcher.invalid_option", "The tolerance must be finite and not negative.",
-                {{"tolerance", "is " + std::to_string(problem.tolerance)}});
+                {{"tolerance", "is " + number_text(problem.tolerance)}});
   if (problem.max_iterations < 0)
     throw Error("karcher.invalid_option", "The number of iterations must not be negative.",
                 {{"max_iterations", "is " + std::to_string(problem.max_iterations)}});

@@ -5,6 +5,7 @@
 
 #include "halfedge_frame.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 
 namespace supple::surface {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr double barycentric_tolerance = 1e-5;
 
 std::string text(const Eigen::Vector3d& b) {
-  return "[" + std::to_string(b[0]) + ", " + std::to_string(b[1]) + ", " + std::to_string(b[2]) + "]";
+  return "[" + number_text(b[0]) + ", " + number_text(b[1]) + ", " + number_text(b[2]) + "]";
 }
 
 }  // namespace

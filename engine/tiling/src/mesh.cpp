@@ -10,6 +10,7 @@
 #include "file_makers.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
@@ -30,9 +31,9 @@ void check(const MeshOptions& options) {
     if (!holds) details.push_back({where, message});
   };
   require(options.mesh_size > 0 && std::isfinite(options.mesh_size), "mesh_size",
-          "must be a positive number, but is " + std::to_string(options.mesh_size));
+          "must be a positive number, but is " + number_text(options.mesh_size));
   require(options.corner_size >= min_corner_size && options.corner_size <= 1, "corner_size",
-          "must lie between 0.001 and 1, but is " + std::to_string(options.corner_size));
+          "must lie between 0.001 and 1, but is " + number_text(options.corner_size));
   require(options.max_nodes > 0, "max_nodes", "must be positive, but is " + std::to_string(options.max_nodes));
   if (details.empty()) return;
   throw TilingError("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".", details);

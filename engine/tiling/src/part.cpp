@@ -14,6 +14,7 @@
 #include "part_tasks.h"
 #include "polygon.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
@@ -52,16 +53,15 @@ void check_polygon(const Polygon& polygon, const std::string& place, Faults& fau
 }
 
 void check_length(double value, double lower, double upper, const std::string& place, Faults& faults) {
-  faults.require(
-      value >= lower && value <= upper, place,
-      "must be from " + std::to_string(lower) + " to " + std::to_string(upper) + " mm, got " + std::to_string(value));
+  faults.require(value >= lower && value <= upper, place,
+                 "must be from " + number_text(lower) + " to " + number_text(upper) + " mm, got " + number_text(value));
 }
 
 void check_filling(const Filling& filling, const PartDesign& design, const std::string& folder, Faults& faults) {
   check_length(filling.beam_width, 0.01, 100, folder + "beam_width", faults);
   faults.require(design.smallest_wall <= filling.beam_width, "smallest_wall",
-                 "must be at most the width of the beams, " + std::to_string(filling.beam_width) + " mm, got " +
-                     std::to_string(design.smallest_wall));
+                 "must be at most the width of the beams, " + number_text(filling.beam_width) + " mm, got " +
+                     number_text(design.smallest_wall));
 }
 
 std::size_t corners_of(const PartDesign& design) {

@@ -8,6 +8,7 @@
 
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/base/number_text.h"
 #include "supple/tiling/tiling_error.h"
 
 namespace supple::tiling {
@@ -28,7 +29,7 @@ void check(const ExportOptions& options) {
   check_count("first", options.first);
   check_count("second", options.second);
   if (!(options.height > 0 && options.height <= max_height)) {
-    details.push_back({"height", "must be above 0 and at most 1000 mm, but is " + std::to_string(options.height)});
+    details.push_back({"height", "must be above 0 and at most 1000 mm, but is " + number_text(options.height)});
   }
   if (details.empty()) return;
   throw TilingError("tiling.export_option", "Export option " + details[0].where + " " + details[0].message + ".",

@@ -1,6 +1,7 @@
 #include "supple/weave/printer_profile.h"
 #include "own_gcode.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 
 #include <cmath>
 #include <numbers>
@@ -15,22 +16,12 @@ constexpr double max_length = 100;       ///< limit of the sizes of beads, lifts
 constexpr double max_speed = 100'000;    ///< mm/min
 constexpr double max_temperature = 500;  ///< degrees Celsius
 
-/// A number in decimals without zeros at its end.
-std::string short_text(double value) {
-  std::string text = std::to_string(value);
-  if (text.find('.') != std::string::npos) {
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-  }
-  return text;
-}
-
 /// Requires a value within [low, high], or (low, high] if it must be `positive`.
 void check_range(Faults& faults, double value, const char* where, double low, double high, const char* unit,
                  bool positive = false) {
   faults.require(value >= low && value <= high && !(positive && value <= 0), where,
-                 std::string("must lie within ") + (positive ? "(" : "[") + short_text(low) + ", " + short_text(high) +
-                     "] " + unit + ", got " + short_text(value));
+                 std::string("must lie within ") + (positive ? "(" : "[") + number_text(low) + ", " +
+                     number_text(high) + "] " + unit + ", got " + number_text(value));
 }
 
 bool printable(const std::string& text) {

@@ -12,6 +12,7 @@
 
 #include "natural_units.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "weave_run.h"
 
 namespace supple::weave {
@@ -25,7 +26,7 @@ void check_place(const Weave& weave, int strand, double coordinate, const std::s
   if (!known) return;
   const double length = weave.strands[static_cast<std::size_t>(strand)].curve.length();
   faults.require(coordinate >= 0 && coordinate <= length, where + "/coordinate",
-                 "must lie within [0, " + std::to_string(length) + "] mm");
+                 "must lie within [0, " + number_text(length) + "] mm");
 }
 
 void check(const Weave& weave, const SheetLoad& load) {
@@ -189,7 +190,7 @@ SimulationResult simulate(const Weave& weave, const SheetLoad& load, const Equil
     result.unknowns = std::max(result.unknowns, static_cast<int>(run.objective().dimension()));
     result.states.push_back(std::move(state));
     if (arrived) continue;
-    result.message = "The path could not be followed beyond " + std::to_string(run.fraction()) +
+    result.message = "The path could not be followed beyond " + number_text(run.fraction()) +
                      " of the loads: the load step was halved down to its limit without convergence (" +
                      std::string(to_string(result.states.back().stopped)) + ").";
     break;

@@ -11,6 +11,7 @@
 #include "print_order.h"
 #include "strand_path.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 #include "toolpath_statistics.h"
 
 namespace supple::weave {
@@ -32,7 +33,7 @@ void check(const ToolpathOptions& options, const Weave& weave, const PrinterProf
   Faults faults;
   const auto length = [&](double value, const std::string& where, double minimum = 0) {
     faults.require(value >= minimum && value <= max_option, where,
-                   "must lie within [" + mm(minimum) + ", " + mm(max_option) + "], got " + std::to_string(value));
+                   "must lie within [" + mm(minimum) + ", " + mm(max_option) + "], got " + number_text(value));
   };
   const auto overrun = [&](const Overrun& o, const std::string& where) {
     length(o.start, where + "/start");

@@ -1,5 +1,6 @@
 #include "supple/weave/weave.h"
 #include "supple/base/faults.h"
+#include "supple/base/number_text.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -38,8 +39,8 @@ void check_member(const Weave& weave, const CrossingMember& member, std::size_t 
     return faults.add(place(crossing, index) + "/strand", "names no strand");
   const StrandCurve& curve = weave.strands[static_cast<std::size_t>(member.strand)].curve;
   if (!(member.coordinate >= 0 && member.coordinate <= curve.length()))
-    faults.add(place(crossing, index) + "/coordinate", "must lie within [0, " + std::to_string(curve.length()) +
-                                                           "] mm, got " + std::to_string(member.coordinate));
+    faults.add(place(crossing, index) + "/coordinate",
+               "must lie within [0, " + number_text(curve.length()) + "] mm, got " + number_text(member.coordinate));
   if (!member.shift.isZero() && !weave.lattice) faults.add(place(crossing, index) + "/shift", "needs a lattice");
   if (!(member.backward >= 0 && member.forward >= 0))
     faults.add(place(crossing, index), "slides by ranges that must not be negative");
