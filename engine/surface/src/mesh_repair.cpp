@@ -163,6 +163,31 @@ void write_vertex_map(const std::vector<Triangle>& given_faces, const std::vecto
   }
 }
 
+/// Removes the vertices that were welded to others or have lost all of their faces. Returns the new index of each
+/// vertex; -1 for a removed one.
+std::vector<Index> remove_vertices(TriangleSoup& soup, const std::vector<Index>& first,
+                                   const std::vector<std::uint8_t>& had_faces,
+                                   const std::vector<std::uint8_t>& has_faces, RepairOutcome& outcome) {
+  const auto given = static_cast<Index>(soup.positions.size());
+  std::vector<Index> new_index(given, -1);
+  Index retained = 0;
+  for (Index v = 0; v < given; ++v) {
+    if (first[v] != v) {
+      ++outcome.welded_vertices;
+    } else if (had_faces[v] && !has_faces[v]) {
+      ++outcome.removed_vertices;
+    } else {
+      new_index[v] = retained;
+      soup.positions[retained++] = soup.positions[v];
+    }
+  }
+  soup.positions.resize(retained);
+  for (Triangle& face : soup.faces) {
+    for (Index& v : face) v = new_index[v];
+  }
+  return new_index;
+}
+
 void check_vertex_count(std::int64_t count, const MeshLimits& limits) {
   if (count <= limits.vertices) return;
   const std::string over =
@@ -258,22 +283,8 @@ RepairOutcome repair_mesh(TriangleSoup& soup, const RepairOptions& options, cons
     for (const Index v : face) has_faces[v] = 1;
   }
 
-  std::vector<Index> new_index(given, -1);
-  Index retained = 0;
-  for (Index v = 0; v < given; ++v) {
-    if (first[v] != v) {
-      ++outcome.welded_vertices;
-    } else if (had_faces[v] && !has_faces[v]) {
-      ++outcome.removed_vertices;
-    } else {
-      new_index[v] = retained;
-      soup.positions[retained++] = soup.positions[v];
-    }
-  }
-  soup.positions.resize(retained);
-  for (Triangle& face : soup.faces) {
-    for (Index& v : face) v = new_index[v];
-  }
+  const std::vector<Index> new_index = remove_vertices(soup, first, had_faces, has_faces, outcome);
+  const auto retained = static_cast<Index>(soup.positions.size());
 
   std::vector<Index> copies;
   if (options.has(Repair::split_non_manifold)) {
