@@ -46,7 +46,7 @@ http::PiecewiseBody body_of(store::OpenContent content);
 
 http::Response json_response(std::string body, int status = 200);
 
-/// Which entries of a list a request asks for: at most `limit` (1 to 1000, the default is 100), after the entry
+/// The entries of a list that a request asks for: at most `limit` (1 to 1000, the default is 100), after the entry
 /// `after`. Throws "request.invalid_parameter", also for parameters other than these and `more`.
 struct Page {
   std::size_t limit = 100;
