@@ -203,8 +203,8 @@ class EquilibriumPath {
   void set_branches_left(int branches) { counts_.branches_left = branches; }
 
  private:
-  /// Maximum number of repetitions of one minimization at the scene's request (`unsettled`). A state that is still
-  /// unsettled then is no equilibrium of the scene.
+  /// Maximum number of repetitions of one minimization at the scene's request (`must_minimize_again`). A state that has
+  /// to be minimized again then is no equilibrium of the scene.
   static constexpr int max_repeats = 10;
 
   /// `after_leaving`: whether an unstable equilibrium was just left, so that the state may be far from equilibrium.
