@@ -153,7 +153,7 @@ export class Search {
   }
 }
 
-/** Whether each parameter of a design is fixed. Those of another family, or of another number of parameters, are free. */
+/** Whether each parameter of a design is fixed. Parameters of another family, or of another number, are free. */
 function fixedOf({ found, fixed }: Region, { family, parameters }: Pick<TilingDesign, "family" | "parameters">): readonly boolean[] {
   return found?.family === family && fixed.length === parameters.length ? fixed : parameters.map(() => false);
 }
