@@ -109,7 +109,7 @@ export class JobRunner<Work extends object = WorkInWords> {
   }
 
   /**
-   * Runs a task when the running one has ended; `urgent`: the running one is aborted. Of several tasks that arrive meanwhile only the newest
+   * Runs a task when the running one has ended; `urgent`: the running one is aborted. Only the newest of the tasks that arrive meanwhile
    * is run, so that the requests of a dragged pointer do not accumulate.
    */
   follow(task: Task<Work>, failed: (error: unknown) => void = this.tellFailure, urgent = false): void {
