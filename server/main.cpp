@@ -51,7 +51,7 @@ std::string host_in_url(const std::string& host) {
 store::ModelStore::Options model_options(const ServerOptions& server) {
   store::ModelStore::Options options;
   options.folder = server.models;
-  options.max_file = server.max_model;
+  options.max_file_bytes = server.max_model;
   options.describe = json::write_model;
   options.log = [](store::ModelStore::Level level, const std::string& text) {
     level == store::ModelStore::Level::warning ? spdlog::warn(text) : spdlog::info(text);
@@ -163,7 +163,7 @@ class Process {
   void open() {
     models_ = std::make_unique<store::ModelStore>(model_options(options_));  // it reads files while the store opens
     store_ = open_store();
-    meshes_ = std::make_unique<store::MeshCache>(*store_, options_.mesh_memory);
+    meshes_ = std::make_unique<store::MeshCache>(store_->meshes(), options_.mesh_memory);
     models_->wait_until_read();
     services_.store = store_.get();
     services_.meshes = meshes_.get();
@@ -207,7 +207,7 @@ class Process {
 
   void remove_unused_meshes() {
     if (options_.mesh_retention <= 0) return;
-    const auto removed = meshes_->remove_unused(*store_, options_.mesh_retention);
+    const auto removed = meshes_->remove_unused(options_.mesh_retention);
     if (removed > 0) spdlog::info("{} meshes that nobody used are removed (--mesh-retention)", removed);
   }
 

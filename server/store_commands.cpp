@@ -38,7 +38,7 @@ void add_store_options(CLI::App& app, store::SharedStoreLocation& place, const s
       ->envname("SUPPLE_DATABASE");
 }
 
-std::string text_of(const store::Copy& copy) {
+std::string text_of(const store::CopyReport& copy) {
   return std::to_string(copy.files) + " files, " + std::to_string(copy.bytes) + " bytes";
 }
 

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
-from typing import Callable, Dict, Iterator
+from typing import Callable, Dict, Iterator, NamedTuple, Tuple
 
 import pytest
 import requests
@@ -24,20 +24,37 @@ FIELDS = "/v1/geodesic-fields"
 NewServer = Callable[..., ServerProcess]
 
 
+class SmallDisk(NamedTuple):
+    """A disk of 64 MiB, which is the data folder of the test's servers."""
+    data: Path  # for the servers
+    path: Path  # of the same folder, for the test
+    prefix: "Tuple[str, ...]" = ()  # of the command that starts a server
+
+
 @pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk of 64 MiB for the data folder of the test's servers. SUPPLE_TEST_SMALL_DISK names one if the tests' user cannot mount any."""
+def small_disk(tmp_path: Path) -> Iterator[SmallDisk]:
+    """A user who is not root mounts it in namespaces of a process that holds them. SUPPLE_TEST_SMALL_DISK names one where nobody may mount."""
     if mounted := os.environ.get("SUPPLE_TEST_SMALL_DISK"):
-        yield Path(mounted)
+        yield SmallDisk(Path(mounted), Path(mounted))
         for path in Path(mounted).iterdir():
             shutil.rmtree(path) if path.is_dir() else path.unlink()
         return
     folder = tmp_path / "disk"
     folder.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64m", "tmpfs", str(folder)], capture_output=True).returncode:
-        pytest.skip("mounting takes root")
-    yield folder
-    subprocess.run(["umount", "--lazy", str(folder)], check=True)
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64m", "tmpfs", str(folder)], capture_output=True).returncode == 0:
+        yield SmallDisk(folder, folder)
+        subprocess.run(["umount", "--lazy", str(folder)], check=True)
+        return
+    mount = 'mount -t tmpfs -o size=64m tmpfs "$0" && echo mounted && exec sleep infinity'
+    with subprocess.Popen(["unshare", "--user", "--map-root-user", "--mount", "sh", "-c", mount, str(folder)],
+                          stdout=subprocess.PIPE) as holder:
+        try:
+            assert holder.stdout is not None
+            assert holder.stdout.readline() == b"mounted\n", "mounting takes root, or user namespaces"
+            yield SmallDisk(folder, Path(f"/proc/{holder.pid}/root{folder}"),
+                            ("nsenter", "--user", "--preserve-credentials", "--mount", "--target", str(holder.pid)))
+        finally:
+            holder.kill()
 
 
 def fill(folder: Path) -> Path:
@@ -49,14 +66,14 @@ def fill(folder: Path) -> Path:
     return ballast
 
 
-def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, new_server: NewServer,
+def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: SmallDisk, new_server: NewServer,
                                                               contract: Contract) -> None:
-    server = new_server("--min-free", "1mb", data=str(small_disk))
+    server = new_server("--min-free", "1mb", data=str(small_disk.data), prefix=small_disk.prefix)
     api = Api(server, contract)
     mesh = api.upload(*bumpy_sphere(7))
     job = api.post(FIELDS, {"mesh": mesh, "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
     api.wait_for_job(job, ("running",))
-    ballast = fill(small_disk)
+    ballast = fill(small_disk.path)
     document = api.wait_for_job(job)
     assert (document["state"], document["error"]["code"]) == ("failed", "store.full")
     assert api.get(f"/v1/jobs/{job}/result").status_code == 507
@@ -73,15 +90,15 @@ def test_a_job_that_ends_on_a_full_disk_fails_with_the_reason(small_disk: Path, 
     server.stop()
 
 
-def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: Path, new_server: NewServer, contract: Contract) -> None:
-    api = Api(new_server("--min-free", "1mb", data=str(small_disk)), contract)
+def test_a_full_disk_lets_jobs_and_meshes_be_deleted(small_disk: SmallDisk, new_server: NewServer, contract: Contract) -> None:
+    api = Api(new_server("--min-free", "1mb", data=str(small_disk.data), prefix=small_disk.prefix), contract)
     meshes = [api.upload(*flat_grid(8)), api.upload(*sphere(2))]
     job = api.post(FIELDS, {"mesh": meshes[0], "sources": [{"vertex": 0}]}, headers=ASYNC).json()["id"]
     api.wait_for_job(job)
     # Several removals exhaust the free space in the database's log, and one reserve.
     for path in (f"/v1/jobs/{job}", *(f"/v1/meshes/{mesh}" for mesh in meshes)):
-        wait_for_reserve(small_disk)
-        ballast = fill(small_disk)
+        wait_for_reserve(small_disk.path)
+        ballast = fill(small_disk.path)
         assert api.delete(path).status_code == 204
         ballast.unlink()
     assert new_upload(api, 7).status_code == 201

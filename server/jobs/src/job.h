@@ -1,17 +1,18 @@
 #pragma once
 
-#include <algorithm>
-#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
+#include "supple/base/error.h"
 #include "supple/base/progress.h"
 #include "supple/jobs/job_queue.h"
+#include "watchdog.h"
 
 namespace supple::jobs {
 
@@ -19,80 +20,74 @@ using Clock = Watchdog::Clock;
 using store::JobState;
 using store::Result;
 
-/// The code of what a stop at the server's end throws.
-constexpr const char* stopped_by_shutdown = "server.shutting_down";
-constexpr std::chrono::milliseconds progress_period{100};  // between two published states of progress
-
 inline Clock::duration duration(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 inline bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
 
-/// The problem of a job that did not run to its end and is not run again.
-inline problem::Problem interrupted() {
-  return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
-}
-
-/// What a client is told whose computation was to stop.
-problem::Problem problem_of_stop(StopReason reason);
-
 [[noreturn]] inline void throw_not_found(const std::string& id) {
   throw Error("job.not_found", "There is no job " + id + ".");
 }
 
-/// All members but the token and what is atomic are guarded by the queue's mutex, which others hold while they write.
-struct JobQueue::Job final : ProgressSink {
-  Job(JobQueue& owner, Computation work) : queue(owner), computation(std::move(work)) {}
+/// How far a job of this process is on its way to its end.
+enum class Phase {
+  queued,    ///< waits for a worker
+  starting,  ///< has a worker, which tells the store so
+  running,   ///< is computed; in a shared store, no other server takes it before the lease of this one ends
+  ending,    ///< one thread has the right to end it, and stores how it ended
+  ended,     ///< the store or the journal has its end
+  released,  ///< belongs to the next process or to another server
+};
 
-  void report(double fraction, std::string_view name) override {
-    const auto now = Clock::now();
-    if (now - last_report < progress_period && last_report != Clock::time_point{}) return;
-    last_report = now;
-    const std::lock_guard lock(queue.mutex_);
-    progress = std::clamp(fraction, progress, 1.0);
-    stage = name;
-    ++version;
-    queue.changed_.notify_all();
-  }
+/// Whether the store has the row of a job. Clients may ask for a job with a row.
+enum class Row { none, being_written, written };
 
-  /// The latest result is not left out: what was published within the period waits for the next report.
-  void publish(std::string_view text) override {
-    const std::lock_guard lock(queue.mutex_);
-    partial = text;
-    const auto now = Clock::now();
-    if (now - last_published < progress_period) return;
-    last_published = now;
-    ++version;
-    queue.changed_.notify_all();
-  }
+class JobBoard;
 
-  JobQueue& queue;
-  Computation computation;
+/// A job of this process. The mutex of the board guards what is neither constant nor said to have one thread.
+struct Job final : ProgressSink {
+  Job(JobBoard& the_board, Watchdog& watchdog, Computation the_computation, store::JobRecord the_record,
+      bool with_request, Row the_row)
+      : board(the_board),
+        id(the_record.id),
+        computation(std::move(the_computation)),
+        has_request(with_request),
+        earlier_attempts(the_record.attempts),
+        due(Clock::now() + duration(computation.deadline)),
+        watch(std::in_place, watchdog, Watchdog::Watch{token, due, {}}),
+        record(std::move(the_record)),
+        row(the_row) {}
+
+  void report(double fraction, std::string_view name) override;
+  void publish(std::string_view text) override;
+
+  JobBoard& board;
+  const std::string id;
+  const Computation computation;
+  const bool has_request;      ///< whether a later process can make it again
+  const int earlier_attempts;  ///< starts in earlier processes, and on other servers
+  const CancellationToken token;
+  const Clock::time_point due;           ///< when its deadline passes
+  std::optional<Watchdog::Guard> watch;  ///< dropped by the thread that ends the job
+  std::uint64_t number_in_session = 0;   ///< set before any thread may end the job
+  Clock::time_point last_report{};       ///< used by the computing thread alone
+  Clock::time_point last_published{};    ///< used by the computing thread alone
+  std::uint64_t shared_version = 0;      ///< version that other servers know; used by the lease keeper alone
+
   store::JobRecord record;
-  CancellationToken token;
-  Clock::time_point due{};  // when its deadline passes
-  std::unique_ptr<Watchdog::Guard> watch;
-  bool computing = false;                      // a worker runs it
-  std::optional<Clock::time_point> left_at{};  // by its client, before it was visible
-  Clock::time_point ended_at{};                // when it was finished, whatever its worker does
-  Clock::time_point last_report{};             // of the computing thread alone
-  Clock::time_point last_published{};
+  Phase phase = Phase::queued;
+  Row row = Row::none;
+  std::optional<Clock::time_point> left_at{};  ///< when the client hung up that waited for a job without a row
+  Clock::time_point ended_at{};                ///< when it ended, whether or not its computation has stopped
   double progress = 0;
   std::string stage;
   std::string partial;
-  std::uint64_t in_session = 0;
   std::uint64_t version = 1;
-  std::uint64_t shared_version = 0;    // that other servers of a shared store were told of
-  bool visible = false;                // in the store, and clients may ask for it
-  bool kept = false;                   // so is its request: a later process can make it again
-  std::atomic<bool> runs_here{false};  // in a shared store no other server can take it, unless this one is given up
-  bool dismissed = false;              // by a client: however its computation ends, that is its state
-  bool lost = false;                   // to another server of a shared store: how it ends here is of no account
-  bool finishing = false;              // one thread writes how it ended
-  bool finished = false;               // also once it was dismissed
-  std::optional<Result> result;        // of one that is not visible
+  std::optional<Result> result;  ///< result of a job without a row
   std::exception_ptr failure;
 };
+
+using JobPointer = std::shared_ptr<Job>;
 
 }  // namespace supple::jobs

@@ -1,10 +1,12 @@
-#include "supple/jobs/watchdog.h"
+#include "watchdog.h"
 
+#include <utility>
 #include <vector>
 
 namespace supple::jobs {
 
-Watchdog::Watchdog(std::function<void()> look) : look_(std::move(look)), thread_([this] { run(); }) {}
+Watchdog::Watchdog(std::function<void()> at_each_check)
+    : at_each_check_(std::move(at_each_check)), thread_([this] { run(); }) {}
 
 Watchdog::~Watchdog() {
   {
@@ -17,18 +19,18 @@ Watchdog::~Watchdog() {
 
 std::uint64_t Watchdog::add(Watch watch) {
   const std::lock_guard lock(mutex_);
-  watches_.emplace(++next_id_, Entry{std::move(watch)});
+  watches_.emplace(++last_id_, Entry{std::move(watch)});
   if (asleep_) wake_.notify_one();
-  return next_id_;
+  return last_id_;
 }
 
 void Watchdog::remove(std::uint64_t id) {
   std::unique_lock lock(mutex_);
-  told_.wait(lock, [this, id] { return telling_ != id; });
+  reported_.wait(lock, [this, id] { return reporting_ != id; });
   watches_.erase(id);
 }
 
-void Watchdog::look_at(Entry& entry, Clock::time_point now) {
+void Watchdog::check(Entry& entry, Clock::time_point now) {
   const auto& [token, deadline, hung_up, overdue] = entry.watch;
   if (deadline && now >= *deadline) {
     token.request(StopReason::deadline);
@@ -40,52 +42,57 @@ void Watchdog::look_at(Entry& entry, Clock::time_point now) {
   }
 }
 
-void Watchdog::tell_overdue(std::unique_lock<std::mutex>& lock, Clock::time_point now) {
+void Watchdog::report_overdue(std::unique_lock<std::mutex>& lock, Clock::time_point now) {
   std::vector<std::uint64_t> late;
   for (auto& [id, entry] : watches_) {
-    if (entry.told || !entry.watch.overdue || entry.stopped.reason == StopReason::none) continue;
+    if (entry.is_reported || !entry.watch.overdue || entry.stopped.reason == StopReason::none) continue;
     if (now - entry.stopped.since >= patience) late.push_back(id);
   }
   for (const auto id : late) {
     const auto found = watches_.find(id);
     if (found == watches_.end()) continue;
     auto& entry = found->second;
-    entry.told = true;
-    telling_ = id;
+    entry.is_reported = true;
+    reporting_ = id;
     lock.unlock();
     try {
       entry.watch.overdue(entry.stopped);
     } catch (...) {
-      // There is no memory for it: whoever waits goes on waiting.
+      // There is no memory for the report. Whoever waits for the computation goes on waiting.
     }
     lock.lock();
-    telling_ = 0;
-    told_.notify_all();
+    reporting_ = 0;
+    reported_.notify_all();
   }
 }
 
 void Watchdog::run() {
-  // Stays awake for a while after the last watch: computations come in bursts, and waking costs them a system call.
-  constexpr int idle_rounds_before_sleep = 50;
-  int idle_rounds = 0;
+  // The thread stays awake for a while after the last watch: computations come in bursts, and waking it takes them a
+  // system call.
+  constexpr int max_idle_checks = 50;
+  int idle_checks = 0;
   std::unique_lock lock(mutex_);
   while (!ending_) {
-    idle_rounds = watches_.empty() ? idle_rounds + 1 : 0;
-    if (idle_rounds > idle_rounds_before_sleep) {
+    idle_checks = watches_.empty() ? idle_checks + 1 : 0;
+    if (idle_checks > max_idle_checks) {
       asleep_ = true;
       wake_.wait(lock, [this] { return ending_ || !watches_.empty(); });
       asleep_ = false;
-      idle_rounds = 0;
+      idle_checks = 0;
     }
     wake_.wait_for(lock, period, [this] { return ending_; });
-    if (look_) {
+    if (at_each_check_) {
       lock.unlock();
-      look_();
+      try {
+        at_each_check_();
+      } catch (...) {
+        // There is no memory for it. The next check tries again.
+      }
       lock.lock();
     }
     const auto now = Clock::now();
-    for (auto& [id, entry] : watches_) look_at(entry, now);
-    tell_overdue(lock, now);
+    for (auto& [id, entry] : watches_) check(entry, now);
+    report_overdue(lock, now);
   }
 }
 

@@ -64,7 +64,7 @@ http::Response store_mesh(Services& services, const http::Request& request, cons
   auto report = surface::report(*mesh, execution);
   const auto cracks = surface::crack_warnings(*mesh, execution);
   report.warnings.insert(report.warnings.end(), cracks.begin(), cracks.end());
-  const auto [record, is_new] = services.store->add_mesh(
+  const auto [record, is_new] = services.store->meshes().add_mesh(
       surface::write_ply(*mesh, execution),
       [&](const std::string& id, std::int64_t created) { return json::write_mesh(id, created, report); }, request.key);
   services.meshes->put(record.id, std::make_shared<const store::LoadedMesh>(mesh));
@@ -97,14 +97,14 @@ http::Response list(const Services& services, const http::Request& request) {
   require_ready(services);
   const auto page = read_page(request);
   return page_response(
-      "meshes", services.store->meshes(page.limit + 1, page.after, owner_filter(request)), page,
+      "meshes", services.store->meshes().meshes(page.limit + 1, page.after, owner_filter(request)), page,
       [](const auto& record) { return record.description; }, [](const auto& record) { return record.id; });
 }
 
 http::Response show_mesh(const Services& services, const http::Request& request) {
   require_ready(services);
   require_mesh(services, request, mesh_parameter(request));
-  const auto record = services.store->mesh(mesh_parameter(request));
+  const auto record = services.store->meshes().mesh(mesh_parameter(request));
   if (!record) throw_not_found(mesh_parameter(request));
   if (matches(request.header("If-None-Match"), record->id)) return not_modified(record->id);
   auto response = json_response(record->description);
@@ -118,7 +118,7 @@ http::Response content(const Services& services, const http::Request& request) {
   const auto type = http::negotiate(request.header("Accept"), {"model/ply", "model/obj"});
   if (!type) throw Error("http.not_acceptable", "A mesh's content is sent as model/ply or model/obj.");
   require_mesh(services, request, id);
-  if (!services.store->mesh(id)) throw_not_found(id);
+  if (!services.store->meshes().mesh(id)) throw_not_found(id);
   const bool as_obj = *type == "model/obj";
   // One tag for each representation: the bytes differ.
   const std::string tag = as_obj ? id + "-obj" : id;
@@ -129,7 +129,7 @@ http::Response content(const Services& services, const http::Request& request) {
     if (as_obj)
       response.body = surface::write_obj(services.meshes->get(id, execution)->mesh(), execution);
     else
-      response.piecewise_body = body_of(services.store->open_mesh_content(id, execution.cancellation));
+      response.piecewise_body = body_of(services.store->meshes().open_mesh_content(id, execution.cancellation));
   });
   response.set_header("ETag", quoted(tag));
   response.set_header("Vary", "Accept");
@@ -141,9 +141,9 @@ http::Response remove_mesh(Services& services, const http::Request& request) {
   const auto& id = mesh_parameter(request);
   const auto& owner = owner_filter(request);
   require_mesh(services, request, id);
-  const bool goes = owner.empty() || services.store->is_last_owner_of_mesh(id, owner);
+  const bool goes = owner.empty() || services.store->meshes().is_last_owner_of_mesh(id, owner);
   if (goes && services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
-  if (!services.store->remove_mesh(id, owner)) throw_not_found(id);
+  if (!services.store->meshes().remove_mesh(id, owner)) throw_not_found(id);
   if (goes) services.meshes->forget(id);
   http::Response response;
   response.status = 204;

@@ -26,7 +26,7 @@ http::Response health(const Services& services) {
 /// The disk of the data folder. Throws "store.unavailable" if the database does not answer, "store.full" if nothing
 /// more can be stored.
 store::DiskSpace check_store(const Services& services) {
-  services.store->job({});  // there is no such job, but only a database that answers knows
+  services.store->jobs().job({});  // there is no such job, but only a database that answers knows
   const auto disk = store::disk_space(services.data);
   if (disk.free < services.limits.min_free) {
     constexpr int retry_after = 60;  // seconds: somebody has to make room

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 /// Copies the database as it is now, and then the files that it names. Meanwhile jobs may end or be removed, and their
 /// files with them. Therefore the database is copied again, and with it the new files, until no file is missing, or
 /// only files that the original database still names. Those are faults. Each pass has less to copy.
-Copy copy(const DataPaths& from, const DataPaths& to) {
+CopyReport copy(const DataPaths& from, const DataPaths& to) {
   const Database original(from.database());
   const auto rows = catalogue_of(original);
   const auto is_outdated = [&](const StoredFile& file) { return !rows.contains(file) || fs::exists(file.path(from)); };
@@ -36,7 +36,7 @@ Copy copy(const DataPaths& from, const DataPaths& to) {
 
 }  // namespace
 
-Copy back_up(const fs::path& folder, const fs::path& to) {
+CopyReport back_up(const fs::path& folder, const fs::path& to) {
   const DataPaths from{folder};
   if (!fs::exists(from.database()))
     throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
@@ -47,7 +47,7 @@ Copy back_up(const fs::path& folder, const fs::path& to) {
   return copied;
 }
 
-Copy restore(const fs::path& from, const fs::path& data, bool replace) {
+CopyReport restore(const fs::path& from, const fs::path& data, bool replace) {
   require_backup({from});
   if (!replace) require_empty(data);
   const DataFolder folder(data, {});

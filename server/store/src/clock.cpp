@@ -28,7 +28,7 @@ ProcessClock::ProcessClock(const Source& wall, Source elapsed)
 
 std::int64_t now_milliseconds() { return process_clock().now(); }
 
-std::int64_t machine_start() { return process_clock().origin(); }
+std::int64_t machine_start_time() { return process_clock().origin(); }
 
 std::string machine_start_id() {
   std::ifstream file("/proc/sys/kernel/random/boot_id");

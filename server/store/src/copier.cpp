@@ -69,7 +69,7 @@ void copy_database(const fs::path& from, const fs::path& to) {
   Statement(target, "PRAGMA journal_mode = DELETE").run();
 }
 
-Copy Copier::finish(const std::vector<StoredFile>& missing) {
+CopyReport Copier::finish(const std::vector<StoredFile>& missing) {
   for (const auto& file : missing) copy_.faults.push_back(missing_file_message(file.path(from_).filename().string()));
   remove_obsolete_copies();
   for (const auto& path : other_files(from_)) {

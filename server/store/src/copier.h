@@ -38,7 +38,7 @@ class Copier {
 
   /// Completes the copy, whose database is in place and whose files are copied. Removes copies that only earlier states
   /// of the database named, copies the other files of the data folder, and reports what is missing.
-  Copy finish(const std::vector<StoredFile>& missing);
+  CopyReport finish(const std::vector<StoredFile>& missing);
 
  private:
   void remove_obsolete_copies();
@@ -48,7 +48,7 @@ class Copier {
   std::string (*const stem_)(const StoredFile&);
   std::set<std::filesystem::path> copied_;   ///< paths of the copies
   std::set<std::filesystem::path> current_;  ///< paths of the copies that the last call of copy_files wants
-  Copy copy_;
+  CopyReport copy_;
 };
 
 }  // namespace supple::store

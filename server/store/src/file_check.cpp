@@ -15,13 +15,14 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = StoredFile::Kind;
 
-void count(const StoredFile& file, Check& check) {
+void count(const StoredFile& file, CheckReport& check) {
   ++(file.kind == Kind::mesh ? check.meshes : file.kind == Kind::result ? check.results : check.requests);
 }
 
 /// While a server adds or removes a file, the file may exist without its row for a moment. Therefore only files that
 /// have no row in two scans count.
-void find_orphans(const DataPaths& paths, const Catalogue& catalogue, const std::set<fs::path>& named, Check& check) {
+void find_orphans(const DataPaths& paths, const Catalogue& catalogue, const std::set<fs::path>& named,
+                  CheckReport& check) {
   const auto first = orphaned_files(paths, catalogue.contains, named);
   if (first.empty()) return;
   constexpr std::chrono::milliseconds between_file_and_row{500};
@@ -68,7 +69,7 @@ std::vector<fs::path> orphaned_files(const DataPaths& paths, const std::function
   return unknown;
 }
 
-void check_files(const DataPaths& paths, const Catalogue& catalogue, Check& check) {
+void check_files(const DataPaths& paths, const Catalogue& catalogue, CheckReport& check) {
   std::set<fs::path> named;
   for (const auto& file : catalogue.files()) {
     named.insert(file.path(paths));

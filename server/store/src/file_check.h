@@ -22,6 +22,6 @@ std::vector<std::filesystem::path> orphaned_files(const DataPaths& paths,
 
 /// Compares every file that a catalogue names with its hash, and looks for files that it does not name. Servers may add
 /// and remove files meanwhile. Adds what it finds to `check`.
-void check_files(const DataPaths& paths, const Catalogue& catalogue, Check& check);
+void check_files(const DataPaths& paths, const Catalogue& catalogue, CheckReport& check);
 
 }  // namespace supple::store

@@ -15,11 +15,11 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Checks a folder that will be repaired. A lost database is then one of the faults, for the files are still there.
-Check check_before_repair(const fs::path& folder) {
+CheckReport check_before_repair(const fs::path& folder) {
   const DataPaths paths{folder};
   if (fs::exists(paths.database()) || !fs::exists(paths.meshes()) || !fs::exists(paths.results()))
     return check_folder(folder);
-  Check check;
+  CheckReport check;
   check.faults.push_back("There is no database in " + folder.string() + ".");
   return check;
 }
@@ -49,11 +49,11 @@ void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
 
 }  // namespace
 
-Check check_folder(const fs::path& folder) {
+CheckReport check_folder(const fs::path& folder) {
   const DataPaths paths{folder};
   if (!fs::exists(paths.database()))
     throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
-  Check check;
+  CheckReport check;
   try {
     const Database database(paths.database());
     database.check();
@@ -64,8 +64,8 @@ Check check_folder(const fs::path& folder) {
   return check;
 }
 
-Check repair_folder(const fs::path& data, const LocalStore::Recovery& recovery,
-                    const std::function<std::string(const std::string&)>& problem) {
+CheckReport repair_folder(const fs::path& data, const LocalStore::Recovery& recovery,
+                          const std::function<std::string(const std::string&)>& problem) {
   auto check = check_before_repair(data);
   const DataFolder folder(data, recovery.warn);
   repair(folder, recovery, problem);

@@ -35,20 +35,20 @@ surface::TriangleMesh load_stored_mesh(std::string_view ply, const Execution& ex
 
 std::shared_ptr<const LoadedMesh> MeshCache::touch(const std::string& id, Entry& entry) {
   if (!entry.mesh) return nullptr;
-  store_.use_mesh(id);
+  store_.note_mesh_use(id);
   recent_.splice(recent_.begin(), recent_, entry.position);
   return entry.mesh;
 }
 
 std::shared_ptr<const LoadedMesh> MeshCache::find(const std::string& id) {
-  if (!store_.still_has_mesh(id)) forget(id);
+  if (!store_.may_have_mesh(id)) forget(id);
   const std::lock_guard lock(mutex_);
   const auto slot = entries_.find(id);
   return slot == entries_.end() ? nullptr : touch(id, *slot->second);
 }
 
 std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Execution& execution) {
-  if (!store_.still_has_mesh(id)) forget(id);
+  if (!store_.may_have_mesh(id)) forget(id);
   std::shared_ptr<Entry> entry;
   {
     const std::lock_guard lock(mutex_);
@@ -56,35 +56,43 @@ std::shared_ptr<const LoadedMesh> MeshCache::get(const std::string& id, const Ex
     if (!slot) slot = std::make_shared<Entry>();
     entry = slot;
     if (auto mesh = touch(id, *entry)) return mesh;
+    ++entry->calls;
   }
-  std::shared_ptr<const LoadedMesh> mesh;
-  try {
-    const auto loading = lock_stoppably(entry->loading, execution.cancellation);
-    {
-      const std::lock_guard lock(mutex_);
-      if (entry->mesh) return entry->mesh;
+  struct Leave {
+    MeshCache& cache;
+    const std::string& id;
+    const std::shared_ptr<Entry>& entry;
+    ~Leave() {
+      const std::lock_guard lock(cache.mutex_);
+      cache.leave(id, entry);
     }
-    execution.cancellation.throw_if_requested();
-    mesh = std::make_shared<const LoadedMesh>(std::make_shared<const surface::TriangleMesh>(
-        load_stored_mesh(store_.mesh_content(id, execution.cancellation), execution)));
-    store_.use_mesh(id);
+  } const leaving{*this, id, entry};
+  return load(id, entry, execution);
+}
+
+std::shared_ptr<const LoadedMesh> MeshCache::load(const std::string& id, const std::shared_ptr<Entry>& entry,
+                                                  const Execution& execution) {
+  const auto loading = lock_stoppably(entry->loading, execution.cancellation);
+  {
     const std::lock_guard lock(mutex_);
-    // If the mesh was forgotten meanwhile, it has been removed. It then serves the requests that asked before, and is
-    // not cached.
-    const auto slot = entries_.find(id);
-    if (slot != entries_.end() && slot->second == entry && !entry->mesh) insert(id, *entry, mesh);
-  } catch (...) {
-    const std::lock_guard lock(mutex_);
-    const auto slot = entries_.find(id);
-    // The references of the map and of this call. Further ones belong to waiting calls; the next of them loads the
-    // mesh.
-    constexpr long references_without_waiters = 2;
-    if (slot != entries_.end() && slot->second == entry && !entry->mesh &&
-        entry.use_count() == references_without_waiters)
-      entries_.erase(slot);
-    throw;
+    if (entry->mesh) return entry->mesh;
   }
+  execution.cancellation.throw_if_requested();
+  auto mesh = std::make_shared<const LoadedMesh>(std::make_shared<const surface::TriangleMesh>(
+      load_stored_mesh(store_.mesh_content(id, execution.cancellation), execution)));
+  store_.note_mesh_use(id);
+  const std::lock_guard lock(mutex_);
+  // If the mesh was forgotten meanwhile, it has been removed. It then serves the requests that asked before, and is not
+  // cached.
+  const auto slot = entries_.find(id);
+  if (slot != entries_.end() && slot->second == entry && !entry->mesh) insert(id, *entry, mesh);
   return mesh;
+}
+
+void MeshCache::leave(const std::string& id, const std::shared_ptr<Entry>& entry) {
+  if (--entry->calls > 0 || entry->mesh) return;
+  const auto slot = entries_.find(id);
+  if (slot != entries_.end() && slot->second == entry) entries_.erase(slot);
 }
 
 void MeshCache::put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh) {
@@ -119,15 +127,15 @@ void MeshCache::forget(const std::string& id) {
   entries_.erase(slot);
 }
 
-std::size_t MeshCache::remove_unused(Store& store, double seconds) {
-  const auto ids = store.remove_unused_meshes(now_milliseconds() - static_cast<std::int64_t>(1000 * seconds));
+std::size_t MeshCache::remove_unused(double seconds) {
+  const auto ids = store_.remove_unused_meshes(now_milliseconds() - static_cast<std::int64_t>(1000 * seconds));
   for (const auto& id : ids) forget(id);
   return ids.size();
 }
 
 MeshCache::Size MeshCache::size() const {
   const std::lock_guard lock(mutex_);
-  return {recent_.size(), bytes_};
+  return {recent_.size(), bytes_, entries_.size() - recent_.size()};
 }
 
 }  // namespace supple::store

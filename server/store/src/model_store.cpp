@@ -86,6 +86,8 @@ void ModelStore::run() {
     } catch (const std::exception& error) {
       // There may be too little memory, for example. The loaded models stay, and the next scan tries again.
       options_.log(Level::warning, std::string("the folder of models was not read to its end: ") + error.what());
+    } catch (...) {
+      options_.log(Level::warning, "the folder of models was not read to its end");
     }
     std::unique_lock lock(mutex_);
     if (!read_once_) {
@@ -158,9 +160,9 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
   std::shared_ptr<const LoadedModel> loaded;
   std::string reason;
   try {
-    if (stamp.size > options_.max_file) {
+    if (stamp.size > options_.max_file_bytes) {
       throw Error("file.unreadable", "it has " + std::to_string(stamp.size) + " bytes, the limit is " +
-                                         std::to_string(options_.max_file) + " (setting --max-model)");
+                                         std::to_string(options_.max_file_bytes) + " (setting --max-model)");
     }
     const std::string bytes = content(path);
     auto hash = sha256(bytes);

@@ -1,7 +1,10 @@
 #include "supple/store/records.h"
 
+#include <openssl/rand.h>
+
 #include <algorithm>
 #include <array>
+#include <stdexcept>
 
 namespace supple::store {
 namespace {
@@ -16,6 +19,18 @@ std::optional<JobState> state_of(std::string_view name) {
   const auto found = std::find(state_names.begin(), state_names.end(), name);
   if (found == state_names.end()) return std::nullopt;
   return static_cast<JobState>(found - state_names.begin());
+}
+
+std::string random_id() {
+  std::array<unsigned char, 16> bytes{};
+  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
 }
 
 }  // namespace supple::store

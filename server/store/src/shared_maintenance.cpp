@@ -133,7 +133,7 @@ class Repair {
 
  private:
   void repair_rows() {
-    Check ignored;
+    CheckReport ignored;
     for (const auto& row : faulty_rows(transaction_, ignored)) {
       fail_job(transaction_, row.id, problem_(row.fault));
       if (row.request.empty()) continue;
@@ -178,7 +178,7 @@ void copy_most_files(Copier& copier, MaintenanceDatabase& database) {
 
 /// Copies a backup into a folder within the shared folder. Its rows are in an SQLite database there, with the present
 /// tables.
-Copy stage(const DataPaths& from, const DataPaths& staging) {
+CopyReport stage(const DataPaths& from, const DataPaths& staging) {
   make_folders(staging);
   copy_database(from.database(), staging.database());
   Database database(staging.database());
@@ -214,11 +214,11 @@ void replace_store(pqxx::work& transaction, const DataPaths& paths, const DataPa
 
 }  // namespace
 
-Check check_shared_store(const SharedStoreLocation& store) {
+CheckReport check_shared_store(const SharedStoreLocation& store) {
   const DataPaths paths{store.folder};
   MaintenanceDatabase database(store);
   database.require_store(paths);
-  Check check;
+  CheckReport check;
   for (auto& row : database.transaction([&](pqxx::work& rows) {
          check = {};
          return faulty_rows(rows, check);
@@ -228,8 +228,8 @@ Check check_shared_store(const SharedStoreLocation& store) {
   return check;
 }
 
-Check repair_shared_store(const SharedStoreLocation& store, const std::function<void(const std::string&)>& warn,
-                          const std::function<std::string(const std::string&)>& problem) {
+CheckReport repair_shared_store(const SharedStoreLocation& store, const std::function<void(const std::string&)>& warn,
+                                const std::function<std::string(const std::string&)>& problem) {
   {
     MaintenanceDatabase database(store);
     database.require_store({store.folder});
@@ -249,7 +249,7 @@ Check repair_shared_store(const SharedStoreLocation& store, const std::function<
   return check;
 }
 
-Copy back_up_shared_store(const SharedStoreLocation& store, const fs::path& to) {
+CopyReport back_up_shared_store(const SharedStoreLocation& store, const fs::path& to) {
   const DataPaths paths{store.folder};
   MaintenanceDatabase database(store);
   database.require_store(paths);
@@ -275,7 +275,7 @@ Copy back_up_shared_store(const SharedStoreLocation& store, const fs::path& to) 
   return copy;
 }
 
-Copy restore_shared_store(const fs::path& from, const SharedStoreLocation& store, bool replace) {
+CopyReport restore_shared_store(const fs::path& from, const SharedStoreLocation& store, bool replace) {
   require_backup({from});
   const DataFolder folder(store.folder, {});
   const auto& paths = folder.paths();

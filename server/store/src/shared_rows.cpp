@@ -81,7 +81,7 @@ bool is_named_by_shared_rows(pqxx::work& transaction, const StoredFile& file) {
   return false;
 }
 
-std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, Check& check) {
+std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, CheckReport& check) {
   std::vector<FaultyRow> faulty;
   for_each_row(transaction, "id, state, finished > 0, result_hash <> ''", "jobs", contradiction, rows_without_requests,
                [&](const pqxx::row& row) {

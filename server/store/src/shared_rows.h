@@ -26,7 +26,7 @@ struct FaultyRow {
 };
 
 /// Checks each job, and each request that is in the database. The requests are counted in `check`.
-std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, Check& check);
+std::vector<FaultyRow> faulty_rows(pqxx::work& transaction, CheckReport& check);
 
 /// Writes all rows into a new database of a data folder, in the tables of LocalStore.
 void write_rows(pqxx::work& transaction, const std::filesystem::path& database);

@@ -1,10 +1,6 @@
 #include "shared_schema.h"
 
-#include <openssl/rand.h>
-
-#include <array>
 #include <filesystem>
-#include <stdexcept>
 
 #include "file_access.h"
 #include "supple/base/error.h"
@@ -114,12 +110,6 @@ void require_version_and_folder(const pqxx::row& row, const DataPaths& paths) {
 
 }  // namespace
 
-std::string random_id() {
-  std::array<unsigned char, 16> bytes{};
-  if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
-  return sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()}).substr(0, 32);
-}
-
 void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   const auto& paths = folder.paths();
   require_no_own_database(paths);
@@ -189,7 +179,7 @@ JobRecord read_shared_job(const pqxx::row& row) {
   job.attempts = static_cast<int>(integer());
   job.idempotency_key = text();
   job.request_hash = text();
-  job.hold = integer();
+  job.fencing_token = integer();
   return job;
 }
 
@@ -201,7 +191,7 @@ bool insert_shared_job(pqxx::work& transaction, const JobRecord& job, std::int64
       "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) ON CONFLICT DO NOTHING",
       job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
       job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
-      job.idempotency_key, job.request_hash, bytes, holder, job.hold);
+      job.idempotency_key, job.request_hash, bytes, holder, job.fencing_token);
   if (rows.affected_rows() == 0) return false;
   if (!request.empty()) {
     transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,

@@ -9,9 +9,6 @@
 
 namespace supple::store {
 
-/// 32 random hexadecimal digits.
-std::string random_id();
-
 /// Makes the tables of a shared store where they are missing, and ties database and folder to each other, so that
 /// neither is used with another one. Throws "store.unavailable" for tables of a later version and for a folder of
 /// another database.

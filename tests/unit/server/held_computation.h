@@ -5,10 +5,10 @@
 
 namespace supple {
 
-/// What computations wait at that look at no token: they go on once a test lets them.
+/// A gate at which computations wait that do not check for a stop request. They go on when a test opens it.
 class Gate {
  public:
-  /// Called by a computation.
+  /// Waits until the gate is open for one more. Called by a computation.
   void pass() {
     std::unique_lock lock(mutex_);
     ++arrived_;
@@ -16,17 +16,17 @@ class Gate {
     changed_.wait(lock, [this] { return open_ > 0; });
     --open_;
   }
-  /// Waits until so many have come in all.
+  /// Waits until so many computations have arrived in all.
   void wait_for(int arrived) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [&] { return arrived_ >= arrived; });
   }
-  /// How many have come in.
+  /// Number of computations that have arrived in all.
   int arrived() {
     const std::lock_guard lock(mutex_);
     return arrived_;
   }
-  /// Lets so many go on.
+  /// Lets `count` computations go on.
   void open(int count = 1) {
     const std::lock_guard lock(mutex_);
     open_ += count;

@@ -25,11 +25,11 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr double soon = 0.05;    // seconds: a deadline that passes
-constexpr auto patience = 100s;  // for what happens at some time
+constexpr double short_deadline = 0.05;  // seconds
+constexpr auto patience = 100s;          // time that a test waits for what has to happen
 
-/// Immediate computations that look at no token, and who waits for them.
-class AbandonmentTest : public testing::Test {
+/// Tests of immediate computations that do not check for a stop request, and of their callers.
+class AbandonmentTest : public ::testing::Test {
  protected:
   AbandonmentTest() {
     std::string pattern = (fs::temp_directory_path() / "supple_abandoned_XXXXXX").string();
@@ -83,7 +83,7 @@ class AbandonmentTest : public testing::Test {
               changed_.notify_all();
             }};
   }
-  /// What the client of the computation with this number, counted from 1, was told while that is held.
+  /// The answer that the client of the computation with this number, counted from 1, gets in its place.
   Told wait_until_told(std::size_t number = 1) {
     std::unique_lock lock(mutex_);
     EXPECT_TRUE(changed_.wait_for(lock, patience, [&] { return told_.size() >= number; }));
@@ -102,12 +102,12 @@ class AbandonmentTest : public testing::Test {
     EXPECT_TRUE(condition());
   }
 
-  /// Computes on a thread of its own, and waits until it does.
-  void begin_held(std::function<bool()> hung_up = {}, double deadline = soon) {
+  /// Starts a computation on a thread of its own, and waits until it is held at the gate.
+  void begin_held(std::function<bool()> hung_up = {}, double deadline = short_deadline) {
     threads_.emplace_back([this, deadline, hung_up = std::move(hung_up)] {
       const log::Context context("request", "0123");
       std::string code;
-      // Where the machine is so busy that the deadline passes before it runs, once more.
+      // On a busy machine the deadline may pass before the computation runs; then it is tried again.
       for (bool runs = false; !runs;) code = code_of([&] { queue().run_now(held(runs, deadline), client(hung_up)); });
       const std::lock_guard lock(mutex_);
       codes_.push_back(code);
@@ -147,7 +147,7 @@ class AbandonmentTest : public testing::Test {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Told> told_;
-  std::vector<std::string> codes_;  ///< that held computations ended with
+  std::vector<std::string> codes_;  ///< codes of the errors with which held computations ended
   std::vector<std::string> log_;
 };
 
@@ -205,7 +205,7 @@ TEST_F(AbandonmentTest, NoMoreSlotsAreGivenUpThanThereAre) {
     }
     EXPECT_EQ(replaced, slots);
     EXPECT_EQ(queue().abandoned(), static_cast<std::size_t>(2 * slots));
-    EXPECT_EQ(run_another(soon), "job.deadline_exceeded") << "it has no slot";
+    EXPECT_EQ(run_another(short_deadline), "job.deadline_exceeded") << "it has no slot";
     gate_.open();
     EXPECT_EQ(run_another(), "42") << "one has returned, whichever it was";
     gate_.open(2 * slots - 1);
@@ -223,7 +223,7 @@ TEST_F(AbandonmentTest, SlotsAreNoMoreThanBeforeOnceTheAbandonedComputationHasRe
   gate_.open();
   wait_until_returned();
   begin_held({}, 60);
-  EXPECT_EQ(run_another(soon), "job.deadline_exceeded");
+  EXPECT_EQ(run_another(short_deadline), "job.deadline_exceeded");
 }
 
 TEST_F(AbandonmentTest, AComputationThatStopsInTimeIsNotAbandoned) {
@@ -234,7 +234,7 @@ TEST_F(AbandonmentTest, AComputationThatStopsInTimeIsNotAbandoned) {
           std::this_thread::sleep_for(1ms);
         }
       },
-      soon);
+      short_deadline);
   EXPECT_EQ(code_of([&] { queue().run_now(stopping, client()); }), "job.deadline_exceeded");
   EXPECT_TRUE(told_.empty());
   EXPECT_TRUE(log_.empty());
@@ -262,10 +262,10 @@ TEST_F(AbandonmentTest, TheEndOfTheServerDoesNotWaitForAnAbandonedComputation) {
   EXPECT_LT(Clock::now() - begin, 10min);
 }
 
-/// Jobs that look at no token, on one worker.
+/// Tests of jobs that do not check for a stop request, on one worker.
 class AbandonedJobTest : public AbandonmentTest {
  protected:
-  std::string submit_held(double deadline = soon) {
+  std::string submit_held(double deadline = short_deadline) {
     auto job = computation(
         [this](const Execution& execution) {
           gate_.pass();
@@ -275,7 +275,7 @@ class AbandonedJobTest : public AbandonmentTest {
         deadline);
     return queue().submit(std::move(job)).record.id;
   }
-  /// Held, and begun however busy the machine is.
+  /// Submits a job that is held at the gate, again if the machine is so busy that its deadline passes before it runs.
   std::string begin_held_job() {
     ++begun_;
     while (true) {
@@ -381,7 +381,7 @@ TEST_F(AbandonedJobTest, WhoWaitsForAJobThatIsHeldIsToldOfItsDeadline) {
         gate_.pass();
         return store::Result{"text/plain", {}, "late"};
       },
-      soon);
+      short_deadline);
   EXPECT_EQ(code_of([&] { queue().run_within(std::move(job), 60, {}); }), "job.deadline_exceeded");
 }
 

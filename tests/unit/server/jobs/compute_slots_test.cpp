@@ -1,4 +1,4 @@
-#include "supple/jobs/compute_slots.h"
+#include "compute_slots.h"
 
 #include <gtest/gtest.h>
 

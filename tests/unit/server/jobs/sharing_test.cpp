@@ -21,12 +21,12 @@ using store::JobState;
 using testing::PrivatePostgres;
 using testing::TemporaryFolder;
 
-/// What the computations of all servers do together.
+/// The computations of all servers.
 struct Work {
   std::mutex mutex;
-  std::map<std::string, int> completed;  ///< how often each request was computed to its end
+  std::map<std::string, int> completed;  ///< number of times that each request was computed to its end
   std::atomic<int> running{0};
-  std::atomic<bool> go_on{true};  ///< computations of "waits" wait for it
+  std::atomic<bool> go_on{true};  ///< whether computations of the request "waits" end
 };
 
 /// A server without HTTP: a queue over its store.
@@ -67,7 +67,7 @@ class Server {
     options.lease = lease;
     return options;
   }
-  /// "waits" waits for the test; all else answers with itself.
+  /// Answers with the request, which is "waits" for a computation that waits for the test.
   Computation computation(const std::string& body) {
     return {"geodesics", "mesh", 60, [this, body](const Execution& execution) {
               ++work_.running;
@@ -135,7 +135,7 @@ TEST_F(SharingTest, TellsHowFarAJobOfAnotherServerIs) {
   const auto one = server();
   const auto id = one->submit("waits");
   wait_until_running(1);
-  const auto two = server();  // which would have taken a job that waits
+  const auto two = server();  // it starts late, since it would have taken a job that waits
   std::uint64_t version = 0;
   JobStatus status;
   for (int i = 0; i < 50 && status.stage.empty(); ++i) status = two->queue().wait_for_change(id, version, 0.3);
@@ -154,7 +154,7 @@ TEST_F(SharingTest, DismissesAJobOfAnotherServer) {
   const auto one = server();
   const auto id = one->submit("waits");
   wait_until_running(1);
-  const auto two = server();  // which would have taken a job that waits
+  const auto two = server();  // it starts late, since it would have taken a job that waits
   const auto dismissed = two->queue().remove(id);
   ASSERT_TRUE(dismissed);
   EXPECT_EQ(dismissed->record.state, JobState::dismissed);
@@ -204,7 +204,7 @@ TEST_F(SharingTest, LeavesJobsToOthersAtItsEnd) {
 }
 
 TEST_F(SharingTest, RunsJobsAgainWhoseServerIsLost) {
-  // A server that has a job and says nothing: a store without its queue.
+  // A store without a queue is a server that has jobs and does not renew its leases.
   store::SharedStore::Options options;
   options.database = database_;
   options.folder = folder_ / "data";
@@ -214,16 +214,16 @@ TEST_F(SharingTest, RunsJobsAgainWhoseServerIsLost) {
   job.id = "lost";
   job.kind = "geodesics";
   job.deadline = 60;
-  lost.add_job(job, lost.keep_request(job, {"POST", "/v1/x", {}, "text/plain", {}}, "body"));
+  lost.jobs().add_job(job, lost.blobs().store_request(job, {"POST", "/v1/x", {}, "text/plain", {}}, "body"));
   job.state = JobState::running;
   job.attempts = 1;
-  EXPECT_TRUE(lost.note_progress(job));
+  EXPECT_TRUE(lost.jobs().update_job(job));
   job.id = "given up";
   job.state = JobState::accepted;
-  lost.add_job(job, lost.keep_request(job, {"POST", "/v1/x", {}, "text/plain", {}}, "body"));
+  lost.jobs().add_job(job, lost.blobs().store_request(job, {"POST", "/v1/x", {}, "text/plain", {}}, "body"));
   job.state = JobState::running;
   job.attempts = 3;
-  EXPECT_TRUE(lost.note_progress(job));
+  EXPECT_TRUE(lost.jobs().update_job(job));
 
   const auto other = server();
   EXPECT_EQ(other->wait_until("lost", JobState::successful).record.state, JobState::successful);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <thread>
+#include <vector>
 
 #include "supple/base/error.h"
 #include "supple/store/local_store.h"
@@ -26,7 +28,7 @@ class MeshCacheTest : public testing::Test {
   /// Adds a right triangle with legs of length `size`.
   std::string add_triangle(double size) {
     const auto mesh = surface::TriangleMesh::build({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
-    return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+    return store_.meshes().add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
   }
 
   /// Adds a flat square of so many cells along each side.
@@ -41,7 +43,7 @@ class MeshCacheTest : public testing::Test {
         grid.faces.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
       }
     const auto mesh = surface::TriangleMesh::build(std::move(grid.positions), std::move(grid.faces));
-    return store_.add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
+    return store_.meshes().add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
   }
 
   fs::path folder_;
@@ -49,7 +51,7 @@ class MeshCacheTest : public testing::Test {
 };
 
 TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
-  MeshCache cache(store_, 1 << 20);
+  MeshCache cache(store_.meshes(), 1 << 20);
   const auto id = add_triangle(1);
   std::vector<std::shared_ptr<const LoadedMesh>> got(8);
   std::vector<std::thread> threads;
@@ -60,7 +62,7 @@ TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
 }
 
 TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOneMakesIt) {
-  MeshCache cache(store_, 1 << 30);
+  MeshCache cache(store_.meshes(), 1 << 30);
   const auto mesh = cache.get(add_grid(100));
   const Execution stopped;
   stopped.cancellation.request(StopReason::cancelled);
@@ -74,7 +76,7 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOne
 
 TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
   const auto id = add_grid(400);  // 320,000 faces, which load in a tenth of a second or more
-  MeshCache cache(store_, 1 << 30);
+  MeshCache cache(store_.meshes(), 1 << 30);
   const auto code_of = [&](const Execution& execution) -> std::string {
     try {
       cache.get(id, execution);
@@ -104,7 +106,7 @@ TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
 }
 
 TEST_F(MeshCacheTest, AStopEndsTheMakingOfASolverAndTheNextOneMakesIt) {
-  MeshCache cache(store_, 1 << 30);
+  MeshCache cache(store_.meshes(), 1 << 30);
   const auto mesh = cache.get(add_grid(200));
   const Execution stopped;
   stopped.cancellation.request(StopReason::deadline);
@@ -114,7 +116,7 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfASolverAndTheNextOneMakesIt) {
 }
 
 TEST_F(MeshCacheTest, ManyThreadsAskForOneSolver) {
-  MeshCache cache(store_, 1 << 20);
+  MeshCache cache(store_.meshes(), 1 << 20);
   const auto mesh = cache.get(add_triangle(1));
   std::vector<const surface::GeodesicSolver*> solvers(8);
   std::vector<std::thread> threads;
@@ -125,7 +127,7 @@ TEST_F(MeshCacheTest, ManyThreadsAskForOneSolver) {
 }
 
 TEST_F(MeshCacheTest, LetsGoOfTheMeshThatWasNotUsedForLongest) {
-  MeshCache cache(store_, 2 * 700);
+  MeshCache cache(store_.meshes(), 2 * 700);
   const auto a = add_triangle(1);
   const auto b = add_triangle(2);
   const auto c = add_triangle(3);
@@ -139,13 +141,13 @@ TEST_F(MeshCacheTest, LetsGoOfTheMeshThatWasNotUsedForLongest) {
 }
 
 TEST_F(MeshCacheTest, HoldsTheLastMeshHoweverLargeItIs) {
-  MeshCache cache(store_, 1);
+  MeshCache cache(store_.meshes(), 1);
   const auto id = add_triangle(1);
   EXPECT_EQ(cache.get(id), cache.get(id));
 }
 
 TEST_F(MeshCacheTest, SaysThatThereIsNoSuchMesh) {
-  MeshCache cache(store_, 1 << 20);
+  MeshCache cache(store_.meshes(), 1 << 20);
   try {
     cache.get(std::string(64, '0'));
     FAIL() << "nothing was thrown";
@@ -155,11 +157,31 @@ TEST_F(MeshCacheTest, SaysThatThereIsNoSuchMesh) {
   EXPECT_EQ(cache.size().meshes, 0U);
 }
 
+TEST_F(MeshCacheTest, KeepsNoTraceOfAMeshThatNoneOfManyThreadsCouldLoad) {
+  MeshCache cache(store_.meshes(), 1 << 20);
+  for (int round = 0; round < 200; ++round) {
+    std::atomic<int> failed{0};
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 8; ++i) {
+      threads.emplace_back([&] {
+        try {
+          cache.get(std::string(64, '0'));
+        } catch (const Error&) {
+          ++failed;
+        }
+      });
+    }
+    for (auto& thread : threads) thread.join();
+    ASSERT_EQ(failed, 8);
+    ASSERT_EQ(cache.size().loading, 0U);
+  }
+}
+
 TEST_F(MeshCacheTest, LoadsAMeshThatWasAcceptedUnderHigherLimits) {
-  MeshCache cache(store_, 1 << 20);
+  MeshCache cache(store_.meshes(), 1 << 20);
   // The file has only a header: the error shows that its numbers were accepted and the vertices are missing.
   const auto head = [this](const std::string& vertices) {
-    return store_
+    return store_.meshes()
         .add_mesh("ply\nformat binary_little_endian 1.0\nelement vertex " + vertices +
                       "\nproperty double x\nproperty double y\nproperty double z\nelement face 1\n"
                       "property list uchar int vertex_indices\nend_header\n",
@@ -177,10 +199,10 @@ TEST_F(MeshCacheTest, LoadsAMeshThatWasAcceptedUnderHigherLimits) {
 }
 
 TEST_F(MeshCacheTest, ForgetsADeletedMesh) {
-  MeshCache cache(store_, 1 << 20);
+  MeshCache cache(store_.meshes(), 1 << 20);
   const auto id = add_triangle(1);
   cache.get(id);
-  store_.remove_mesh(id);
+  store_.meshes().remove_mesh(id);
   cache.forget(id);
   EXPECT_THROW(cache.get(id), Error);
   EXPECT_EQ(cache.size().bytes, 0);

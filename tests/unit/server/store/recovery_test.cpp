@@ -13,29 +13,29 @@ TEST_F(StoreTest, LosesNothingThatWasFinishedWhenTheProcessIsKilled) {
   const pid_t child = fork();
   if (child == 0) {
     LocalStore store(folder_);
-    store.add_mesh("abc", describe);
+    store.meshes().add_mesh("abc", describe);
     auto job = new_job("done");
-    store.add_job(job);
-    store.add_job(new_job("open"));
+    store.jobs().add_job(job);
+    store.jobs().add_job(new_job("open"));
     job.state = JobState::successful;
     const Result result{"text/plain", {}, "result"};
-    store.finish_job(job, &result);
+    store.jobs().finish_job(job, &result);
     ::kill(::getpid(), SIGKILL);
   }
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFSIGNALED(status));
   LocalStore store(folder_);
-  EXPECT_EQ(store.meshes(10, "").size(), 1U);
-  EXPECT_EQ(store.job_result("done").body.text(), "result");
-  ASSERT_EQ(store.unfinished_jobs().size(), 1U);
-  EXPECT_EQ(store.unfinished_jobs()[0].id, "open");
+  EXPECT_EQ(store.meshes().meshes(10, "").size(), 1U);
+  EXPECT_EQ(store.blobs().job_result("done").body.text(), "result");
+  ASSERT_EQ(store.jobs().unfinished_jobs().size(), 1U);
+  EXPECT_EQ(store.jobs().unfinished_jobs()[0].id, "open");
 }
 
 TEST_F(StoreTest, RemovesOnlyWhatWasNeverAcknowledged) {
   {
     LocalStore store(folder_);
-    store.add_job(new_job("open"));
+    store.jobs().add_job(new_job("open"));
   }
   for (const char* name : {"meshes/ab.ply.0.part", "results/x.result.1.part", "results/open.result"})
     std::ofstream(folder_ / name) << "x";
@@ -56,7 +56,7 @@ TEST_F(StoreTest, MovesUnknownFilesIntoQuarantine) {
   { const LocalStore store(folder_, recovery()); }
   std::ofstream(folder_ / "results" / "x.result") << "second";
   const LocalStore store(folder_, recovery());
-  EXPECT_TRUE(store.meshes(10, "").empty());
+  EXPECT_TRUE(store.meshes().meshes(10, "").empty());
   EXPECT_TRUE(fs::is_empty(folder_ / "meshes"));
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
   const auto kept = quarantined();
@@ -69,15 +69,15 @@ TEST_F(StoreTest, IndexesMeshesAgainWhoseDatabaseIsLost) {
   MeshRecord before;
   {
     LocalStore store(folder_);
-    before = store.add_mesh("abc", describe).first;
+    before = store.meshes().add_mesh("abc", describe).first;
   }
   fs::remove(folder_ / "supple.sqlite");
   const LocalStore store(folder_, recovery());
-  const auto after = store.mesh(before.id);
+  const auto after = store.meshes().mesh(before.id);
   ASSERT_TRUE(after);
   EXPECT_EQ(after->description, before.description);
   EXPECT_NEAR(static_cast<double>(after->created), static_cast<double>(before.created), 5000);
-  EXPECT_EQ(store.mesh_content(before.id), "abc");
+  EXPECT_EQ(store.meshes().mesh_content(before.id), "abc");
 }
 
 TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
@@ -97,21 +97,21 @@ TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {
     std::string mesh;
     {
       LocalStore store(folder_);
-      mesh = store.add_mesh("abc", describe).first.id;
+      mesh = store.meshes().add_mesh("abc", describe).first.id;
       auto job = new_job("j");
-      store.add_job(job);
+      store.jobs().add_job(job);
       job.state = JobState::successful;
       const Result result{"text/plain", {}, "42"};
-      store.finish_job(job, &result);
+      store.jobs().finish_job(job, &result);
     }
     damage();
     LocalStore store(folder_, recovery());
-    EXPECT_EQ(store.mesh_content(mesh), "abc") << name;
-    EXPECT_EQ(store.meshes(10, "").size(), 1U) << name;
-    EXPECT_EQ(store.job_result("j").body.text(), "42") << name;
+    EXPECT_EQ(store.meshes().mesh_content(mesh), "abc") << name;
+    EXPECT_EQ(store.meshes().meshes(10, "").size(), 1U) << name;
+    EXPECT_EQ(store.blobs().job_result("j").body.text(), "42") << name;
     EXPECT_EQ(quarantined().size(), 1U) << name << ": the database";
     EXPECT_NE(warnings_.at(0).find("damaged"), std::string::npos) << warnings_.at(0);
-    EXPECT_EQ(store.add_mesh("more", describe).second, true) << name << ": it is a store again";
+    EXPECT_EQ(store.meshes().add_mesh("more", describe).second, true) << name << ": it is a store again";
   }
 }
 
@@ -126,18 +126,18 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
       job.client = "127.0.0.1";
       job.session = "line\nend: \\";
       job.attempts = 1;
-      store.add_job(job);
+      store.jobs().add_job(job);
       job.state = JobState::successful;
       job.started = 2000;
       job.finished = 3000;
       job.expires = 4'000'000'000'000;
-      store.finish_job(job, &result);
+      store.jobs().finish_job(job, &result);
       before.push_back(job);
     }
   }
   fs::remove(folder_ / "supple.sqlite");
   const LocalStore store(folder_, recovery());
-  const auto after = store.jobs({}, 10, "");
+  const auto after = store.jobs().jobs({}, 10, "");
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < after.size(); ++i) {
     const auto& expected = before[before.size() - 1 - i];
@@ -145,7 +145,7 @@ TEST_F(StoreTest, AnswersResultsOfALostDatabaseAgainInTheirOrder) {
     EXPECT_EQ(after[i].state, JobState::successful);
     EXPECT_EQ(after[i].session, expected.session);
     EXPECT_EQ(after[i].expires, expected.expires);
-    const auto again = store.job_result(expected.id);
+    const auto again = store.blobs().job_result(expected.id);
     EXPECT_EQ(again.body.text(), result.body);
     EXPECT_EQ(again.content_type, result.content_type);
     EXPECT_EQ(again.headers, result.headers);
@@ -157,10 +157,10 @@ TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
     LocalStore store(folder_);
     for (const char* id : {"head", "body", "name"}) {
       auto job = new_job(id);
-      store.add_job(job);
+      store.jobs().add_job(job);
       job.state = JobState::successful;
       const Result result{"text/plain", {}, "forty-two"};
-      store.finish_job(job, &result);
+      store.jobs().finish_job(job, &result);
     }
   }
   const auto change = [&](const char* id, std::string_view from, std::string_view to) {
@@ -176,7 +176,7 @@ TEST_F(StoreTest, PutsChangedResultsOfALostDatabaseIntoQuarantine) {
   fs::rename(folder_ / "results" / "name.result", folder_ / "results" / "other.result");
   fs::remove(folder_ / "supple.sqlite");
   const LocalStore store(folder_, recovery());
-  EXPECT_TRUE(store.jobs({}, 10, "").empty());
+  EXPECT_TRUE(store.jobs().jobs({}, 10, "").empty());
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
   EXPECT_EQ(quarantined().size(), 3U);
 }
@@ -185,10 +185,10 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
   {
     LocalStore store(folder_);
     auto job = new_job("old");
-    store.add_job(job);
+    store.jobs().add_job(job);
     job.state = JobState::successful;
     const Result result{"text/plain", {{"A", "1"}}, "42"};
-    store.finish_job(job, &result);
+    store.jobs().finish_job(job, &result);
   }
   const auto change = [&](const char* statement) { Database(folder_ / "supple.sqlite").execute(statement); };
   for (const char* statement :
@@ -198,9 +198,9 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
   std::ofstream(folder_ / "results" / "old.result") << "42";  // a file of version 1, which is the body alone
   {
     LocalStore store(folder_, recovery());
-    EXPECT_EQ(store.job_result("old").body.text(), "42");
-    store.add_job(new_job("new"));
-    EXPECT_EQ(store.unfinished_jobs().size(), 1U);
+    EXPECT_EQ(store.blobs().job_result("old").body.text(), "42");
+    store.jobs().add_job(new_job("new"));
+    EXPECT_EQ(store.jobs().unfinished_jobs().size(), 1U);
     EXPECT_TRUE(warnings_.empty());
   }
   change("PRAGMA user_version = 3");
@@ -216,26 +216,26 @@ TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
   std::int64_t expires = 0;
   {
     LocalStore store(folder_, recovery());
-    store.add_mesh("abc", describe);
+    store.meshes().add_mesh("abc", describe);
     auto job = new_job("j");
-    store.add_job(job);
-    store.add_job(new_job("unfinished"));
+    store.jobs().add_job(job);
+    store.jobs().add_job(new_job("unfinished"));
     job.state = JobState::failed;
     job.finished = now_milliseconds();
     job.expires = expires = job.finished + 1'000'000;
-    store.finish_job(job, nullptr);
+    store.jobs().finish_job(job, nullptr);
   }
   set_clock_back_then(-eight_days);
   {
     LocalStore store(folder_, recovery());
-    EXPECT_EQ(store.job("j")->expires, expires + eight_days) << "it has got no older";
-    EXPECT_EQ(store.job("unfinished")->expires, 0);
-    EXPECT_TRUE(store.remove_unused_meshes(now_milliseconds() + eight_days - 1'000'000).empty());
+    EXPECT_EQ(store.jobs().job("j")->expires, expires + eight_days) << "it has got no older";
+    EXPECT_EQ(store.jobs().job("unfinished")->expires, 0);
+    EXPECT_TRUE(store.meshes().remove_unused_meshes(now_milliseconds() + eight_days - 1'000'000).empty());
     ASSERT_EQ(warnings_.size(), 1U);
     EXPECT_NE(warnings_[0].find("691200 s"), std::string::npos) << warnings_[0];
   }
   set_clock_back_then(30'000);
-  EXPECT_EQ(LocalStore(folder_, recovery()).job("j")->expires, expires + eight_days) << "seconds are no setting";
+  EXPECT_EQ(LocalStore(folder_, recovery()).jobs().job("j")->expires, expires + eight_days) << "seconds are no setting";
 }
 
 }  // namespace

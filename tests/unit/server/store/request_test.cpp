@@ -21,33 +21,33 @@ TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
     LocalStore store(folder_);
     for (const char* id : {"first", "second", "ended", "removed"}) {
       const auto job = new_job(id);
-      store.add_job(job, store.keep_request(job, request, body_));
+      store.jobs().add_job(job, store.blobs().store_request(job, request, body_));
     }
-    store.keep_request(new_job("never added"), request, body_);
-    auto job = *store.job("second");
+    store.blobs().store_request(new_job("never added"), request, body_);
+    auto job = *store.jobs().job("second");
     job.state = JobState::running;
     job.started = 5;
     job.attempts = 2;
-    store.note_progress(job);
-    job = *store.job("ended");
+    store.jobs().update_job(job);
+    job = *store.jobs().job("ended");
     job.state = JobState::failed;
     job.finished = 1000;
-    store.finish_job(job, nullptr);
-    store.note_progress(new_job("ended"));
-    EXPECT_EQ(store.job("ended")->state, JobState::failed) << "it has finished";
-    store.remove_job("removed");
-    EXPECT_FALSE(store.has_request("ended"));
-    EXPECT_FALSE(store.has_request("removed"));
+    store.jobs().finish_job(job, nullptr);
+    store.jobs().update_job(new_job("ended"));
+    EXPECT_EQ(store.jobs().job("ended")->state, JobState::failed) << "it has finished";
+    store.jobs().remove_job("removed");
+    EXPECT_FALSE(store.blobs().has_request("ended"));
+    EXPECT_FALSE(store.blobs().has_request("removed"));
   }
   const LocalStore store(folder_, recovery());
-  EXPECT_FALSE(store.has_request("never added"));
-  const auto unfinished = store.unfinished_jobs();
+  EXPECT_FALSE(store.blobs().has_request("never added"));
+  const auto unfinished = store.jobs().unfinished_jobs();
   ASSERT_EQ(unfinished.size(), 2U);
   EXPECT_EQ(unfinished[0].id, "first");
   EXPECT_EQ(unfinished[1].id, "second");
   EXPECT_EQ(unfinished[1].state, JobState::running);
   EXPECT_EQ(unfinished[1].attempts, 2);
-  const auto kept = store.job_request("first");
+  const auto kept = store.blobs().job_request("first");
   EXPECT_EQ(kept.body, body_);
   EXPECT_EQ(kept.request.method, "POST");
   EXPECT_EQ(kept.request.path, "/v1/geodesics");
@@ -56,9 +56,9 @@ TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
   EXPECT_EQ(kept.request.accept, "text/csv");
   std::ofstream(folder_ / "requests" / "first.request", std::ios::app) << " ";
   if (GetParam() > 256 << 10) {
-    EXPECT_EQ(code_of([&] { store.job_request("first"); }), "store.corrupted");
+    EXPECT_EQ(code_of([&] { store.blobs().job_request("first"); }), "store.corrupted");
   } else {
-    EXPECT_EQ(store.job_request("first").body, body_) << "the database has it";
+    EXPECT_EQ(store.blobs().job_request("first").body, body_) << "the database has it";
   }
 }
 
@@ -69,7 +69,7 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
     for (const char* id : {"b", "a"}) {
       auto job = new_job(id);
       job.created = id[0] == 'b' ? 1000 : 2000;
-      store.add_job(job, store.keep_request(job, {"POST", "/x", {{"a", "1"}}, {}, {}}, body_));
+      store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/x", {{"a", "1"}}, {}, {}}, body_));
     }
     ::kill(::getpid(), SIGKILL);
   }
@@ -80,11 +80,11 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
   for (const char* when : {"damaged", "lost"}) {
     {
       const LocalStore store(folder_, recovery());
-      const auto unfinished = store.unfinished_jobs();
+      const auto unfinished = store.jobs().unfinished_jobs();
       ASSERT_EQ(unfinished.size(), 2U) << when;
       EXPECT_EQ(unfinished[0].id, "b") << "the oldest first";
-      EXPECT_EQ(store.job_request("a").body, body_);
-      EXPECT_EQ(store.job_request("a").request.query.at("a"), "1");
+      EXPECT_EQ(store.blobs().job_request("a").body, body_);
+      EXPECT_EQ(store.blobs().job_request("a").request.query.at("a"), "1");
       EXPECT_EQ(quarantined().size(), 1U) << when << ": the damaged database alone";
     }
     fs::remove(folder_ / "supple.sqlite");
@@ -94,12 +94,12 @@ TEST_P(RequestTest, OutlivesTheDatabaseWhetherTheProcessEndsOrIsKilled) {
 TEST_P(RequestTest, HasNoFileOnceItsJobHasEndedOrWasNotAdded) {
   LocalStore store(folder_);
   auto job = new_job("ended");
-  store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body_));
-  store.keep_request(new_job("not added"), {"POST", "/x", {}, {}, {}}, body_);
-  store.drop_request("not added");
+  store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/x", {}, {}, {}}, body_));
+  store.blobs().store_request(new_job("not added"), {"POST", "/x", {}, {}, {}}, body_);
+  store.blobs().remove_request("not added");
   job.state = JobState::failed;
   job.finished = 1000;
-  store.finish_job(job, nullptr);
+  store.jobs().finish_job(job, nullptr);
   EXPECT_TRUE(fs::is_empty(folder_ / "requests"));
   EXPECT_EQ(store.usage().requests, 0);
 }
@@ -111,7 +111,7 @@ TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
     LocalStore store(folder_);
     for (const char* id : {"missing", "cut off"}) {
       const auto job = new_job(id);
-      store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, body));
+      store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/x", {}, {}, {}}, body));
     }
   }
   fs::remove(file("missing"));
@@ -120,7 +120,7 @@ TEST_F(StoreTest, WritesSpareFilesOfRequestsAgainThatAreMissingOrCutOff) {
   EXPECT_TRUE(warnings_.empty());
   fs::remove(folder_ / "supple.sqlite");
   const LocalStore store(folder_, recovery());
-  for (const char* id : {"missing", "cut off"}) EXPECT_EQ(store.job_request(id).body, body) << id;
+  for (const char* id : {"missing", "cut off"}) EXPECT_EQ(store.blobs().job_request(id).body, body) << id;
 }
 
 TEST_F(StoreTest, KnowsAJobByItsKeyOfIdempotencyAlsoWithoutTheDatabase) {
@@ -129,25 +129,25 @@ TEST_F(StoreTest, KnowsAJobByItsKeyOfIdempotencyAlsoWithoutTheDatabase) {
   job.request_hash = "hash";
   {
     LocalStore store(folder_);
-    EXPECT_TRUE(store.add_job(job, store.keep_request(job, {"POST", "/x", {}, {}, {}}, "body")));
+    EXPECT_TRUE(store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/x", {}, {}, {}}, "body")));
     auto again = job;
     again.id = "second";
-    EXPECT_FALSE(store.add_job(again));
-    EXPECT_FALSE(store.job("second").has_value());
-    EXPECT_FALSE(store.job_of_key("").has_value()) << "jobs without a key are not one job";
-    EXPECT_FALSE(store.job_of_key("another").has_value());
+    EXPECT_FALSE(store.jobs().add_job(again));
+    EXPECT_FALSE(store.jobs().job("second").has_value());
+    EXPECT_FALSE(store.jobs().job_of_key("").has_value()) << "jobs without a key are not one job";
+    EXPECT_FALSE(store.jobs().job_of_key("another").has_value());
   }
   {
     const LocalStore store(folder_);
-    EXPECT_EQ(store.job_of_key("key")->id, "first");
-    EXPECT_EQ(store.job_of_key("key")->request_hash, "hash");
+    EXPECT_EQ(store.jobs().job_of_key("key")->id, "first");
+    EXPECT_EQ(store.jobs().job_of_key("key")->request_hash, "hash");
   }
   fs::remove(folder_ / "supple.sqlite");
   LocalStore store(folder_, recovery());
-  EXPECT_EQ(store.job_of_key("key")->id, "first");
-  EXPECT_EQ(store.job_of_key("key")->request_hash, "hash");
-  EXPECT_TRUE(store.remove_job("first"));
-  EXPECT_TRUE(store.add_job(job)) << "it is forgotten with the job";
+  EXPECT_EQ(store.jobs().job_of_key("key")->id, "first");
+  EXPECT_EQ(store.jobs().job_of_key("key")->request_hash, "hash");
+  EXPECT_TRUE(store.jobs().remove_job("first"));
+  EXPECT_TRUE(store.jobs().add_job(job)) << "it is forgotten with the job";
 }
 
 }  // namespace

@@ -39,25 +39,26 @@ class SharedMaintenanceTest : public SharedStoreTest {
     job.session = "session";
     job.idempotency_key = "key of " + id;
     job.request_hash = "hash";
-    store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {{"a", "b=c"}}, "text/plain", "*/*"}, body));
+    store.jobs().add_job(
+        job, store.blobs().store_request(job, {"POST", "/v1/x", {{"a", "b=c"}}, "text/plain", "*/*"}, body));
     return job;
   }
   static void finish(Store& store, const JobRecord& job, const std::string& answer) {
     const Result result{"text/plain", {{"X-Name", "a: b"}}, answer};
-    store.finish_job(ended(job), &result);
+    store.jobs().finish_job(ended(job), &result);
   }
   static void fail(Store& store, JobRecord job) {
     job = ended(job);
     job.state = JobState::failed;
     job.error = "{\"code\":\"x\"}";
     job.error_status = 422;
-    store.finish_job(job, nullptr);
+    store.jobs().finish_job(job, nullptr);
   }
   /// Adds meshes, small and large requests, results and failures, some of owners and some of none.
   static void fill(Store& store) {
-    store.add_mesh("one", describe);
-    store.add_mesh("two", describe, "alice");
-    store.add_mesh("two", describe, "bob");
+    store.meshes().add_mesh("one", describe);
+    store.meshes().add_mesh("two", describe, "alice");
+    store.meshes().add_mesh("two", describe, "bob");
     waiting(store, "small", std::string("with \0 and \x80", 12));
     waiting(store, "large", std::string(300'000, 'x'));
     finish(store, waiting(store, "done", "body"), "answer");
@@ -67,13 +68,13 @@ class SharedMaintenanceTest : public SharedStoreTest {
   static Seen seen(const Store& store) {
     Seen all;
     std::string order;
-    for (const auto& mesh : store.meshes(100, {})) {
+    for (const auto& mesh : store.meshes().meshes(100, {})) {
       order += mesh.id + " ";
-      all["mesh " + mesh.id] = store.mesh_content(mesh.id) + std::to_string(mesh.created) + mesh.description;
+      all["mesh " + mesh.id] = store.meshes().mesh_content(mesh.id) + std::to_string(mesh.created) + mesh.description;
       for (const char* owner : {"alice", "bob"})
-        all["mesh " + mesh.id] += store.owns_mesh(mesh.id, owner) ? owner : "nobody";
+        all["mesh " + mesh.id] += store.meshes().owns_mesh(mesh.id, owner) ? owner : "nobody";
     }
-    for (const auto& job : store.jobs({}, 100, {})) {
+    for (const auto& job : store.jobs().jobs({}, 100, {})) {
       order += job.id + " ";
       auto& text = all["job " + job.id];
       for (const auto& part : {job.kind, job.mesh, std::string(state_name(job.state)), job.error, job.client,
@@ -84,10 +85,10 @@ class SharedMaintenanceTest : public SharedStoreTest {
         text += std::to_string(number) + "|";
       text += std::to_string(job.deadline);
       if (job.finished == 0) {
-        const auto request = store.job_request(job.id);
+        const auto request = store.blobs().job_request(job.id);
         text += request.body + request.request.path + request.request.query.at("a");
       } else if (job.state == JobState::successful) {
-        const auto result = store.job_result(job.id);
+        const auto result = store.blobs().job_result(job.id);
         text += result.content_type + result.headers.at(0).second + result.body.text();
       }
     }
@@ -107,7 +108,7 @@ class SharedMaintenanceTest : public SharedStoreTest {
     return "nothing was thrown";
   }
   static std::string problem(const std::string& sentence) { return "{\"detail\":\"" + sentence + "\"}"; }
-  Check repair(const SharedStoreLocation& place) const { return repair_shared_store(place, {}, problem); }
+  CheckReport repair(const SharedStoreLocation& place) const { return repair_shared_store(place, {}, problem); }
   /// The path of the only file whose name contains these letters.
   static fs::path file_of(const fs::path& folder, const std::string& letters) {
     for (const auto& entry : fs::directory_iterator(folder))
@@ -223,7 +224,7 @@ TEST_F(SharedMaintenanceTest, FindsAndRepairsEveryClassOfDamage) {
     EXPECT_EQ(repair(place).faults, found.faults);
     EXPECT_EQ(check_shared_store(place).faults, std::vector<std::string>()) << "after the repair";
     SharedStore store(options_of(place));
-    EXPECT_EQ(store.mesh_content(sha256("two")), "two");
+    EXPECT_EQ(store.meshes().mesh_content(sha256("two")), "two");
   }
 }
 
@@ -240,13 +241,13 @@ TEST_F(SharedMaintenanceTest, RepairDeletesNoFileAndFailsWhatIsLost) {
   EXPECT_EQ(quarantined_in(in_data("quarantine")),
             (std::multiset<std::string>{"damaged mesh", "damaged result", "unknown mesh", "damaged request"}));
   SharedStore store(options());
-  EXPECT_FALSE(store.mesh(one_).has_value()) << "it can be sent again";
-  const auto failed = store.job("done");
+  EXPECT_FALSE(store.meshes().mesh(one_).has_value()) << "it can be sent again";
+  const auto failed = store.jobs().job("done");
   EXPECT_EQ(failed->state, JobState::failed);
   EXPECT_EQ(failed->error_status, 500);
   EXPECT_NE(failed->error.find("done.0.result has changed"), std::string::npos) << failed->error;
-  EXPECT_EQ(store.job("small")->state, JobState::failed);
-  EXPECT_EQ(store.job_result("empty").body.text(), "");
+  EXPECT_EQ(store.jobs().job("small")->state, JobState::failed);
+  EXPECT_EQ(store.blobs().job_result("empty").body.text(), "");
 }
 
 TEST_F(SharedMaintenanceTest, RefusesWhatALostServerSaysAfterARepair) {
@@ -257,20 +258,20 @@ TEST_F(SharedMaintenanceTest, RefusesWhatALostServerSaysAfterARepair) {
   fs::remove(in_data("lock"));  // as if the server were on another machine whose file system has no locks
   repair(place());
   const Result result{"text/plain", {}, "answer"};
-  EXPECT_FALSE(lost.finish_job(ended(job), &result));
+  EXPECT_FALSE(lost.jobs().finish_job(ended(job), &result));
   SharedStore other(options());
-  EXPECT_EQ(other.take_jobs(1).size(), 1U);
+  EXPECT_EQ(other.leases()->lease_jobs(1).size(), 1U);
 }
 
 TEST_F(SharedMaintenanceTest, FindsNothingWrongWhileServersStoreAndRemove) {
   SharedStore one(options());
   SharedStore two(options());
   const Meanwhile writer([&](int i) {
-    const auto mesh = one.add_mesh("mesh " + std::to_string(i), describe).first.id;
+    const auto mesh = one.meshes().add_mesh("mesh " + std::to_string(i), describe).first.id;
     const auto id = std::to_string(i);
     finish(one, waiting(one, id, std::string(i % 7 == 0 ? 300'000 : 10, 'x')), "answer");
-    two.remove_mesh(mesh);
-    two.remove_job(id);
+    two.meshes().remove_mesh(mesh);
+    two.jobs().remove_job(id);
   });
   for (int i = 0; i < 40; ++i) EXPECT_EQ(check_shared_store(place()).faults, std::vector<std::string>());
 }
@@ -295,7 +296,7 @@ TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
   EXPECT_EQ(check_shared_store(shared).faults, std::vector<std::string>());
   EXPECT_TRUE(fs::exists(shared.folder / "keys"));
   EXPECT_FALSE(fs::exists(shared.folder / "restoring"));
-  EXPECT_EQ(SharedStore(options_of(shared)).take_jobs(10).size(), 2U) << "any server may run them";
+  EXPECT_EQ(SharedStore(options_of(shared)).leases()->lease_jobs(10).size(), 2U) << "any server may run them";
 
   restore(folder_ / "backup", folder_ / "local", false);
   {
@@ -312,17 +313,17 @@ TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
 /// Each job exists only while its mesh does: a backup that mixes two moments has a job without its mesh.
 TEST_F(SharedMaintenanceTest, BacksUpOneMomentWhileServersStoreAndRemove) {
   SharedStore store(options());
-  for (int i = 0; i < 60; ++i) store.add_mesh("constant " + std::to_string(i), describe);
+  for (int i = 0; i < 60; ++i) store.meshes().add_mesh("constant " + std::to_string(i), describe);
   constexpr int backups = 8;
   {
     const Meanwhile writer([&](int i) {
       auto job = new_job("job " + std::to_string(i));
-      job.mesh = store.add_mesh("mesh " + std::to_string(i), describe).first.id;
-      store.add_job(job, store.keep_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"},
-                                            std::string(i % 5 == 0 ? 300'000 : 10, 'x')));
+      job.mesh = store.meshes().add_mesh("mesh " + std::to_string(i), describe).first.id;
+      store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"},
+                                                            std::string(i % 5 == 0 ? 300'000 : 10, 'x')));
       finish(store, job, "answer " + std::to_string(i));
-      store.remove_job("job " + std::to_string(i - 1));
-      store.remove_mesh(sha256("mesh " + std::to_string(i - 1)));
+      store.jobs().remove_job("job " + std::to_string(i - 1));
+      store.meshes().remove_mesh(sha256("mesh " + std::to_string(i - 1)));
     });
     for (int i = 0; i < backups; ++i) {
       const auto to = folder_ / ("backup" + std::to_string(i));
@@ -371,8 +372,8 @@ TEST_F(SharedMaintenanceTest, ReplacesAStoreOnlyWhereItIsToldToAndKeepsWhatWasTh
     fill(store);
     before = seen(store);
     back_up_shared_store(place(), folder_ / "backup");
-    store.add_mesh("three", describe);
-    store.remove_job("done");
+    store.meshes().add_mesh("three", describe);
+    store.jobs().remove_job("done");
   }
   const auto refusal = [&](const SharedStoreLocation& place) {
     return message_of([&] { restore_shared_store(folder_ / "backup", place, false); });

@@ -33,11 +33,11 @@ class SharedStoreTest : public StoreTest {
   /// Adds a job that the server runs.
   static JobRecord running(SharedStore& server, const std::string& id) {
     auto job = new_job(id);
-    server.add_job(job, "request");
+    server.jobs().add_job(job, "request");
     job.state = JobState::running;
     job.started = now_milliseconds();
     job.attempts = 1;
-    EXPECT_TRUE(server.note_progress(job));
+    EXPECT_TRUE(server.jobs().update_job(job));
     return job;
   }
   static JobRecord ended(JobRecord job) {

@@ -7,30 +7,30 @@ namespace {
 
 TEST_F(StoreTest, NamesAMeshByTheHashOfItsContent) {
   LocalStore store(folder_);
-  const auto [record, is_new] = store.add_mesh("abc", describe);
+  const auto [record, is_new] = store.meshes().add_mesh("abc", describe);
   EXPECT_TRUE(is_new);
   EXPECT_EQ(record.id, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(store.mesh_content(record.id), "abc");
+  EXPECT_EQ(store.meshes().mesh_content(record.id), "abc");
 }
 
 TEST_F(StoreTest, KeepsAMeshThatIsAddedTwiceOnce) {
   LocalStore store(folder_);
-  const auto first = store.add_mesh("abc", describe).first;
-  const auto [second, is_new] = store.add_mesh("abc", describe);
+  const auto first = store.meshes().add_mesh("abc", describe).first;
+  const auto [second, is_new] = store.meshes().add_mesh("abc", describe);
   EXPECT_FALSE(is_new);
   EXPECT_EQ(second.created, first.created);
-  EXPECT_EQ(store.meshes(10, "").size(), 1U);
+  EXPECT_EQ(store.meshes().meshes(10, "").size(), 1U);
 }
 
 TEST_F(StoreTest, ListsInPagesTheNewestFirst) {
   LocalStore store(folder_);
   std::vector<std::string> ids;
-  for (const char* content : {"a", "b", "c"}) ids.push_back(store.add_mesh(content, describe).first.id);
-  const auto page = store.meshes(2, "");
+  for (const char* content : {"a", "b", "c"}) ids.push_back(store.meshes().add_mesh(content, describe).first.id);
+  const auto page = store.meshes().meshes(2, "");
   ASSERT_EQ(page.size(), 2U);
   EXPECT_EQ(page[0].id, ids[2]);
   EXPECT_EQ(page[1].id, ids[1]);
-  const auto rest = store.meshes(2, page[1].id);
+  const auto rest = store.meshes().meshes(2, page[1].id);
   ASSERT_EQ(rest.size(), 1U);
   EXPECT_EQ(rest[0].id, ids[0]);
 }
@@ -40,17 +40,17 @@ TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
   std::string content;
   for (int i = 0; content.size() < 3'000'000; ++i)
     content += std::to_string(i) + "\n";  // several pieces, the last one short
-  const auto mesh = store.add_mesh(content, describe).first.id;
+  const auto mesh = store.meshes().add_mesh(content, describe).first.id;
   auto job = new_job("j");
   job.session = std::string(100'000, 's');  // the header of its file is longer than the part that is read at first
-  store.add_job(job);
+  store.jobs().add_job(job);
   job.state = JobState::successful;
   const Result result{"text/plain", {}, content};
-  store.finish_job(job, &result);
-  const auto ply = store.open_mesh_content(mesh);
-  const auto body = store.job_result("j").body;
-  store.remove_mesh(mesh);
-  store.remove_job("j");
+  store.jobs().finish_job(job, &result);
+  const auto ply = store.meshes().open_mesh_content(mesh);
+  const auto body = store.blobs().job_result("j").body;
+  store.meshes().remove_mesh(mesh);
+  store.jobs().remove_job("j");
   for (const auto& open : {ply, body}) {
     EXPECT_EQ(open.size(), content.size());
     EXPECT_TRUE(open.text() == content);
@@ -58,58 +58,58 @@ TEST_F(StoreTest, OpensWhatCanBeReadInPiecesWhateverBecomesOfItsName) {
     open.read(2'500'000, piece.data(), piece.size());
     EXPECT_EQ(piece, content.substr(2'500'000, 10));
   }
-  EXPECT_EQ(code_of([&] { store.open_mesh_content(mesh); }), "mesh.not_found");
-  EXPECT_EQ(code_of([&] { store.job_result("j"); }), "job.not_found");
+  EXPECT_EQ(code_of([&] { store.meshes().open_mesh_content(mesh); }), "mesh.not_found");
+  EXPECT_EQ(code_of([&] { store.blobs().job_result("j"); }), "job.not_found");
 }
 
 TEST_F(StoreTest, FindsAnOpenedFileThatHasChangedInAnyPiece) {
   LocalStore store(folder_);
   const std::string content(3'000'000, 'x');
-  const auto id = store.add_mesh(content, describe).first.id;
+  const auto id = store.meshes().add_mesh(content, describe).first.id;
   for (const std::size_t at : {0, 1'500'000, 2'999'999}) {
     auto changed = content;
     changed[at] = 'y';
     std::ofstream(folder_ / "meshes" / (id + ".ply"), std::ios::binary) << changed;
-    EXPECT_EQ(code_of([&] { store.open_mesh_content(id); }), "store.corrupted") << at;
+    EXPECT_EQ(code_of([&] { store.meshes().open_mesh_content(id); }), "store.corrupted") << at;
   }
   std::ofstream(folder_ / "meshes" / (id + ".ply"), std::ios::binary) << content.substr(1);
-  EXPECT_EQ(code_of([&] { store.open_mesh_content(id); }), "store.corrupted") << "shorter";
-  store.add_mesh(content, describe);
-  const auto open = store.open_mesh_content(id);
+  EXPECT_EQ(code_of([&] { store.meshes().open_mesh_content(id); }), "store.corrupted") << "shorter";
+  store.meshes().add_mesh(content, describe);
+  const auto open = store.meshes().open_mesh_content(id);
   fs::resize_file(folder_ / "meshes" / (id + ".ply"), 1000);
   EXPECT_EQ(code_of([&] { open.text(); }), "store.corrupted") << "while it is read";
 }
 
 TEST_F(StoreTest, FindsAChangedFileByItsHash) {
   LocalStore store(folder_);
-  const auto id = store.add_mesh("abc", describe).first.id;
+  const auto id = store.meshes().add_mesh("abc", describe).first.id;
   std::ofstream(folder_ / "meshes" / (id + ".ply")) << "abd";
-  EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
-  store.add_mesh("abc", describe);
-  EXPECT_EQ(store.mesh_content(id), "abc") << "uploading again repairs it";
+  EXPECT_EQ(code_of([&] { store.meshes().mesh_content(id); }), "store.corrupted");
+  store.meshes().add_mesh("abc", describe);
+  EXPECT_EQ(store.meshes().mesh_content(id), "abc") << "uploading again repairs it";
   fs::remove(folder_ / "meshes" / (id + ".ply"));
-  EXPECT_EQ(code_of([&] { store.mesh_content(id); }), "store.corrupted");
+  EXPECT_EQ(code_of([&] { store.meshes().mesh_content(id); }), "store.corrupted");
 }
 
 TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
   std::string mesh;
   {
     LocalStore store(folder_);
-    mesh = store.add_mesh("abc", describe).first.id;
+    mesh = store.meshes().add_mesh("abc", describe).first.id;
     auto job = new_job("j1");
-    store.add_job(job);
+    store.jobs().add_job(job);
     job.state = JobState::successful;
     job.finished = job.created + 5;
     const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
-    store.finish_job(job, &result);
+    store.jobs().finish_job(job, &result);
   }
   LocalStore store(folder_);
-  EXPECT_EQ(store.mesh_content(mesh), "abc");
-  const auto job = store.job("j1");
+  EXPECT_EQ(store.meshes().mesh_content(mesh), "abc");
+  const auto job = store.jobs().job("j1");
   ASSERT_TRUE(job);
   EXPECT_EQ(job->state, JobState::successful);
   EXPECT_EQ(job->deadline, 1.5);
-  const auto result = store.job_result("j1");
+  const auto result = store.blobs().job_result("j1");
   EXPECT_EQ(result.body.text(), std::string("\0\n\xFF", 3));
   EXPECT_EQ(result.headers, (std::vector<std::pair<std::string, std::string>>{{"A", "1"}, {"B", "x: y"}}));
 }
@@ -126,7 +126,7 @@ TEST_F(StoreTest, SaysThatAFolderCannotBeMade) {
 
 TEST_F(StoreTest, LetsOnlyItsUserReadItsFiles) {
   LocalStore store(folder_);
-  const auto mesh = store.add_mesh("abc", describe).first.id;
+  const auto mesh = store.meshes().add_mesh("abc", describe).first.id;
   for (const auto& path : {folder_ / "supple.sqlite", folder_ / "lock", folder_ / "meshes" / (mesh + ".ply")})
     EXPECT_EQ(fs::status(path).permissions(), fs::perms::owner_read | fs::perms::owner_write) << path;
 }
@@ -153,28 +153,28 @@ TEST_F(StoreTest, RemovesExpiredJobsAndTheOldestBeyondTheLimit) {
   LocalStore store(folder_);
   for (int i = 0; i < 5; ++i) {
     auto job = new_job("j" + std::to_string(i));
-    store.add_job(job);
+    store.jobs().add_job(job);
     if (i == 4) continue;
     job.state = JobState::failed;
     job.finished = 1000;
     job.expires = i == 3 ? 1500 : 5000;
-    store.finish_job(job, nullptr);
+    store.jobs().finish_job(job, nullptr);
   }
-  EXPECT_EQ(store.remove_expired_jobs(2000, 3), 2U) << "j3 has expired; j0 is the oldest of four";
-  EXPECT_FALSE(store.job("j0"));
-  EXPECT_TRUE(store.job("j1"));
-  EXPECT_FALSE(store.job("j3"));
-  EXPECT_TRUE(store.job("j4")) << "an unfinished job is never removed";
+  EXPECT_EQ(store.jobs().remove_expired_jobs(2000, 3), 2U) << "j3 has expired; j0 is the oldest of four";
+  EXPECT_FALSE(store.jobs().job("j0"));
+  EXPECT_TRUE(store.jobs().job("j1"));
+  EXPECT_FALSE(store.jobs().job("j3"));
+  EXPECT_TRUE(store.jobs().job("j4")) << "an unfinished job is never removed";
 }
 
 TEST_F(StoreTest, KeepsNoResultOfAJobThatWasRemovedMeanwhile) {
   LocalStore store(folder_);
   auto job = new_job("j");
-  store.add_job(job);
-  EXPECT_TRUE(store.remove_job("j"));
-  EXPECT_FALSE(store.remove_job("j"));
+  store.jobs().add_job(job);
+  EXPECT_TRUE(store.jobs().remove_job("j"));
+  EXPECT_FALSE(store.jobs().remove_job("j"));
   const Result result{"text/plain", {}, "late"};
-  store.finish_job(job, &result);
+  store.jobs().finish_job(job, &result);
   EXPECT_TRUE(fs::is_empty(folder_ / "results"));
 }
 

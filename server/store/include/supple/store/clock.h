@@ -34,7 +34,7 @@ std::int64_t now_milliseconds();
 
 /// Start of the machine in milliseconds since 1970, by the clock of now_milliseconds(). Another process computes the
 /// same value unless the machine's clock is set in between.
-std::int64_t machine_start();
+std::int64_t machine_start_time();
 /// Random id that the kernel gives to each start of the machine; empty where the system has none.
 std::string machine_start_id();
 

@@ -58,7 +58,7 @@ class LoadedMesh {
 /// the computation ends, whatever the limit. The mesh that was used last is always cached.
 class MeshCache {
  public:
-  MeshCache(const Store& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
+  MeshCache(MeshStore& store, std::int64_t max_bytes) : store_(store), max_bytes_(max_bytes) {}
 
   /// The mesh if it is cached, otherwise null. Takes microseconds.
   std::shared_ptr<const LoadedMesh> find(const std::string& id);
@@ -70,27 +70,36 @@ class MeshCache {
   /// Caches a mesh that is in memory already.
   void put(const std::string& id, std::shared_ptr<const LoadedMesh> mesh);
   void forget(const std::string& id);
-  /// Removes the meshes that nobody has used for so many seconds from `store` and from the cache. Returns their number.
-  std::size_t remove_unused(Store& store, double seconds);
+  /// Removes the meshes that nobody has used for so many seconds from the store and from the cache. Returns their
+  /// number.
+  std::size_t remove_unused(double seconds);
 
   struct Size {
     std::size_t meshes = 0;
     std::int64_t bytes = 0;
+    std::size_t loading = 0;  ///< meshes that are being loaded
   };
   Size size() const;
 
  private:
   struct Entry {
     StoppableMutex loading;
+    int calls = 0;  ///< calls of get() that load the mesh or wait for it
     std::shared_ptr<const LoadedMesh> mesh;
     std::int64_t bytes = 0;
     std::list<std::string>::iterator position;
   };
-  /// The entry's mesh, which is marked as used now; null where it is not loaded. Requires the mutex.
+  /// Loads the mesh of an entry, unless another call has loaded it.
+  std::shared_ptr<const LoadedMesh> load(const std::string& id, const std::shared_ptr<Entry>& entry,
+                                         const Execution& execution);
+  // The caller of the following functions holds the mutex.
+  /// The entry's mesh, which is marked as used now; null where it is not loaded.
   std::shared_ptr<const LoadedMesh> touch(const std::string& id, Entry& entry);
+  /// A call of get() ends. The last one removes an entry for which no call has loaded a mesh.
+  void leave(const std::string& id, const std::shared_ptr<Entry>& entry);
   void insert(const std::string& id, Entry& entry, std::shared_ptr<const LoadedMesh> mesh);
 
-  const Store& store_;
+  MeshStore& store_;
   const std::int64_t max_bytes_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<Entry>> entries_;

@@ -41,7 +41,7 @@ class ModelStore {
   struct Options {
     std::filesystem::path folder;  ///< no models where it is empty
     std::chrono::milliseconds period{2000};
-    std::int64_t max_file = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
+    std::int64_t max_file_bytes = 256LL << 20;  ///< bytes; larger files count as damaged; setting --max-model
     /// Time limit for reading one file, which takes effect only where a helper process reads. A file that takes
     /// longer counts as damaged.
     std::chrono::seconds max_read_time{60};

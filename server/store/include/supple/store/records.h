@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,9 @@ enum class JobState { accepted, running, successful, failed, dismissed };
 
 std::string_view state_name(JobState state);
 std::optional<JobState> state_of(std::string_view name);
+
+/// 128 random bits of the system, hexadecimal.
+std::string random_id();
 
 /// What is stored of a job. Times are in milliseconds since 1970, and 0 for what has not happened yet.
 struct JobRecord {
@@ -40,14 +44,14 @@ struct JobRecord {
   int attempts = 0;             ///< number of starts, except those that a shutdown of the server interrupted
   std::string idempotency_key;  ///< hash of the access key and the idempotency key; empty where none was sent
   std::string request_hash;     ///< hash of the request that came with that key
-  std::int64_t hold = 0;        ///< fencing token of its lease, in a shared store
+  std::int64_t fencing_token = 0;  ///< number of its lease, in a shared store
 };
 
 /// A job that is leased to a server of a shared store. If another server has taken the job since, its fencing token has
 /// grown.
-struct HeldJob {
+struct LeasedJob {
   std::string id;
-  std::int64_t hold = 0;
+  std::int64_t fencing_token = 0;
 };
 
 /// Progress of a job.

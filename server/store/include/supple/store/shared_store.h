@@ -38,47 +38,16 @@ class SharedStore final : public Store {
   explicit SharedStore(const Options& options);
   ~SharedStore() override;
 
-  std::pair<MeshRecord, bool> add_mesh(const std::string& ply, const DescribeMesh& describe,
-                                       const std::string& owner = {}) override;
-  std::optional<MeshRecord> mesh(const std::string& id) const override;
-  std::vector<MeshRecord> meshes(std::size_t limit, const std::string& after,
-                                 const std::string& owner = {}) const override;
-  std::string mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const override;
-  OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation = {}) const override;
-  bool remove_mesh(const std::string& id, const std::string& owner = {}) override;
-  bool owns_mesh(const std::string& id, const std::string& owner) const override;
-  bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const override;
-  void use_mesh(const std::string& id) const override;
-  std::vector<std::string> remove_unused_meshes(std::int64_t before) override;
-  std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) override;
-  void drop_request(const std::string& id) override;
-  bool has_request(const std::string& id) const override;
-  StoredRequest job_request(const std::string& id) const override;
-  bool add_job(const JobRecord& job, const std::string& request = {}) override;
-  bool note_progress(const JobRecord& job) override;
-  bool finish_job(const JobRecord& job, const Result* result) override;
-  std::optional<JobRecord> job(const std::string& id) const override;
-  std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
-                              const std::string& owner = {}) const override;
-  std::optional<JobRecord> job_of_key(const std::string& key) const override;
-  bool owns_job(const std::string& id, const std::string& owner) const override;
-  StoredResult job_result(const std::string& id) const override;
-  bool remove_job(const std::string& id) override;
-  std::vector<JobRecord> unfinished_jobs() const override;
-  std::size_t remove_expired_jobs(std::int64_t now, std::size_t max_count) override;
-  void take_reserve() override;
+  MeshStore& meshes() const override;
+  JobStore& jobs() const override;
+  BlobStore& blobs() const override;
+  LeaseStore* leases() const override;
+  void refill_reserve() override {}
   Usage usage() const override;
-  bool is_shared() const override { return true; }
-  std::vector<HeldJob> keep_holds(const std::vector<JobProgress>& running) override;
-  std::vector<JobRecord> take_jobs(std::size_t max_count) override;
-  std::optional<JobProgress> job_progress(const std::string& id) const override;
-  std::optional<JobRecord> dismiss_job(const std::string& id, std::int64_t finished, std::int64_t expires) override;
-  bool has_unfinished_job_on(const std::string& mesh) const override;
-  bool still_has_mesh(const std::string& id) const override;
 
  private:
-  struct Implementation;
-  std::unique_ptr<Implementation> implementation_;
+  struct Parts;
+  const std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace supple::store

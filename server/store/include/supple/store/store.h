@@ -24,7 +24,7 @@ struct Quota {
   std::int64_t mesh_bytes = 0;  ///< bytes of meshes; setting --max-mesh-bytes
   /// Limit for one owner: the meshes that it owns, each counted in full, and results and requests of its jobs; setting
   /// --max-stored of its key. Called from any thread.
-  std::function<std::int64_t(const std::string& owner)> of_owner{};
+  std::function<std::int64_t(const std::string& owner)> owner_limit{};
 };
 
 /// Nine tenths of the size of the disk that a data folder is on, or would be on; 0 where it is unknown. Present free
@@ -43,20 +43,10 @@ struct Usage {
   std::int64_t total() const { return meshes + results + requests + database + quarantine; }
 };
 
-/// Durable storage of meshes, jobs, their requests and their results.
-///
-/// If new bytes would exceed the quota, the oldest results expire. Where that does not free enough, ProblemError
-/// "store.quota" is thrown. The limit of one owner works alike, with its own results and "store.key_quota".
-///
-/// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
-/// throws Error "store.full" where the disk is full, "store.unavailable" where the disk or the database fails
-/// otherwise. Any thread may call; calls run one after the other.
-class Store {
+/// Meshes and their owners.
+class MeshStore {
  public:
-  Store() = default;
-  virtual ~Store() = default;
-  Store(const Store&) = delete;
-  Store& operator=(const Store&) = delete;
+  virtual ~MeshStore() = default;
 
   using DescribeMesh = std::function<std::string(const std::string& id, std::int64_t created)>;
   /// Stores a mesh, whose id is the hash of `ply`, with the description that `describe` makes. Returns the record, and
@@ -79,27 +69,26 @@ class Store {
   /// Whether remove_mesh for this owner would remove the mesh itself.
   virtual bool is_last_owner_of_mesh(const std::string& id, const std::string& owner) const = 0;
   /// Notes that a mesh is used now, in a microsecond. The database gets the time before unused meshes are removed.
-  virtual void use_mesh(const std::string& id) const = 0;
+  virtual void note_mesh_use(const std::string& id) const = 0;
   /// Removes the meshes that nobody has used since `before`, in milliseconds since 1970, and on which no unfinished job
   /// works. Returns their ids.
   virtual std::vector<std::string> remove_unused_meshes(std::int64_t before) = 0;
+  /// False where another server has removed the mesh, which may take a second to be noticed.
+  virtual bool may_have_mesh(const std::string& /*id*/) const { return true; }
+};
 
-  /// Stores the request from which a later process can make the job again. A large one goes to a file, durably once
-  /// this returns. A small one is returned for add_job, which stores it in the database with the job; a local store
-  /// also writes a copy to a file, in case the database is lost. If the job is not added, the caller drops the request.
-  virtual std::string keep_request(const JobRecord& job, const JobRequest& request, std::string_view body) = 0;
-  virtual void drop_request(const std::string& id) = 0;
-  virtual bool has_request(const std::string& id) const = 0;
-  /// Throws "store.corrupted".
-  virtual StoredRequest job_request(const std::string& id) const = 0;
+/// Jobs and their owners.
+class JobStore {
+ public:
+  virtual ~JobStore() = default;
 
-  /// Adds a job with its owner; durable once this returns. `request` is what keep_request has returned. False, and
+  /// Adds a job with its owner; durable once this returns. `request` is what store_request has returned. False, and
   /// nothing is added, where another job has the same idempotency key.
   virtual bool add_job(const JobRecord& job, const std::string& request = {}) = 0;
   /// Stores state, start and attempts of an unfinished job; does nothing for a finished one. They survive the end of
   /// the process, but not necessarily of the machine. In a shared store, a job in the state "accepted" is given back
   /// for any server to take. False where another server has taken or ended the job.
-  virtual bool note_progress(const JobRecord& job) = 0;
+  virtual bool update_job(const JobRecord& job) = 0;
   /// Commits the end of a job, with its result if it has one, and removes its request. Durable once this returns.
   /// False, and nothing changes, where the job is gone or another server has it.
   virtual bool finish_job(const JobRecord& job, const Result* result) = 0;
@@ -111,9 +100,6 @@ class Store {
   /// The job with this idempotency key.
   virtual std::optional<JobRecord> job_of_key(const std::string& key) const = 0;
   virtual bool owns_job(const std::string& id, const std::string& owner) const = 0;
-  /// The result of a job. Its body has been compared with its hash, and is open; that takes a mebibyte of memory for
-  /// any size. Throws "job.not_found", "store.corrupted".
-  virtual StoredResult job_result(const std::string& id) const = 0;
   virtual bool remove_job(const std::string& id) = 0;
   /// Jobs that an earlier process left unfinished, the oldest first. A shared store returns none, for other servers may
   /// run them.
@@ -121,31 +107,70 @@ class Store {
   /// Removes finished jobs that have expired by `now`, and the oldest finished ones beyond `max_count`. Returns their
   /// number.
   virtual std::size_t remove_expired_jobs(std::int64_t now, std::size_t max_count) = 0;
+};
 
-  /// Whether several servers use the store. Only then the members down to still_has_mesh do something: each job is
-  /// leased to one server, which has to report every few seconds.
-  virtual bool is_shared() const { return false; }
+/// Requests and results of jobs.
+class BlobStore {
+ public:
+  virtual ~BlobStore() = default;
+
+  /// Stores the request from which a later process can make the job again. A large one goes to a file, durably once
+  /// this returns. A small one is returned for add_job, which stores it in the database with the job; a local store
+  /// also writes a copy to a file, in case the database is lost. If the job is not added, the caller removes the
+  /// request.
+  virtual std::string store_request(const JobRecord& job, const JobRequest& request, std::string_view body) = 0;
+  virtual void remove_request(const std::string& id) = 0;
+  virtual bool has_request(const std::string& id) const = 0;
+  /// Throws "store.corrupted".
+  virtual StoredRequest job_request(const std::string& id) const = 0;
+  /// The result of a job. Its body has been compared with its hash, and is open; that takes a mebibyte of memory for
+  /// any size. Throws "job.not_found", "store.corrupted".
+  virtual StoredResult job_result(const std::string& id) const = 0;
+};
+
+/// The leases of jobs, where several servers use the store. Each job is leased to one server, which has to renew its
+/// leases every few seconds.
+class LeaseStore {
+ public:
+  virtual ~LeaseStore() = default;
+
   /// Renews the lease of this server, and stores the progress of its jobs and the times at which meshes were used.
   /// Returns the jobs that are leased to it.
-  virtual std::vector<HeldJob> keep_holds(const std::vector<JobProgress>& /*running*/) { return {}; }
+  virtual std::vector<LeasedJob> renew_leases(const std::vector<JobProgress>& running) = 0;
   /// Leases jobs to this server, the oldest first: those of servers that have not been heard of, then those that wait
   /// at other servers.
-  virtual std::vector<JobRecord> take_jobs(std::size_t /*max_count*/) { return {}; }
+  virtual std::vector<JobRecord> lease_jobs(std::size_t max_count) = 0;
   /// Progress of a job that another server runs.
-  virtual std::optional<JobProgress> job_progress(const std::string& /*id*/) const { return std::nullopt; }
+  virtual std::optional<JobProgress> job_progress(const std::string& id) const = 0;
   /// Ends an unfinished job as dismissed, whichever server has it. Nullopt where there is no such job.
-  virtual std::optional<JobRecord> dismiss_job(const std::string& /*id*/, std::int64_t /*finished*/,
-                                               std::int64_t /*expires*/) {
-    return std::nullopt;
-  }
-  virtual bool has_unfinished_job_on(const std::string& /*mesh*/) const { return false; }
-  /// False where another server has removed the mesh, which may take a second to be noticed.
-  virtual bool still_has_mesh(const std::string& /*id*/) const { return true; }
+  virtual std::optional<JobRecord> dismiss_job(const std::string& id, std::int64_t finished, std::int64_t expires) = 0;
+  virtual bool has_unfinished_job_on(const std::string& mesh) const = 0;
+};
+
+/// Durable storage of meshes and jobs, in parts.
+///
+/// If new bytes would exceed the quota, the oldest results expire. Where that does not free enough, ProblemError
+/// "store.quota" is thrown. The limit of one owner works alike, with its own results and "store.key_quota".
+///
+/// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
+/// of every part throws Error "store.full" where the disk is full, "store.unavailable" where the disk or the database
+/// fails otherwise. Any thread may call; calls run one after the other.
+class Store {
+ public:
+  Store() = default;
+  virtual ~Store() = default;
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  virtual MeshStore& meshes() const = 0;
+  virtual JobStore& jobs() const = 0;
+  virtual BlobStore& blobs() const = 0;
+  /// Null where one server alone uses the store.
+  virtual LeaseStore* leases() const { return nullptr; }
 
   /// Makes the reserve file again, which was deleted on a full disk, once there is space. Takes a microsecond where it
   /// exists.
-  virtual void take_reserve() = 0;
-
+  virtual void refill_reserve() = 0;
   /// The bytes that are stored now. Takes a few microseconds.
   virtual Usage usage() const = 0;
 };

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <algorithm>
+#include <condition_variable>
+#include <list>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "supple/base/cancellation.h"
+
+namespace supple::jobs {
+
+/// Limits how many immediate computations run at the same time. Of those that wait, the first one of the client with
+/// the fewest running ones is next, so that a client that sends many does not take the slots from others. A computation
+/// that does not stop takes no slot either, as long as there are no more such computations than slots; otherwise
+/// threads would be used up by computations that nobody waits for. Any thread may call.
+class ComputeSlots {
+ public:
+  explicit ComputeSlots(int count) : count_(count) {}
+
+  /// Takes a slot for its lifetime.
+  class Slot {
+   public:
+    /// Waits for a slot. Throws the error of a stop request that comes meanwhile. All clients that are not told apart
+    /// have the name "".
+    Slot(ComputeSlots& slots, const CancellationToken& token, std::string client = {})
+        : slots_(slots), client_(std::move(client)) {
+      slots_.acquire(token, client_);
+    }
+    ~Slot() { slots_.release(client_, is_given_up_); }
+    Slot(const Slot&) = delete;
+    Slot& operator=(const Slot&) = delete;
+
+    /// The computation does not stop: another one may run in its place, unless too many are given up. To be called once
+    /// at most, from any thread.
+    void give_up() {
+      is_given_up_ = true;
+      slots_.give_up_one();
+    }
+
+   private:
+    bool is_given_up_ = false;
+    ComputeSlots& slots_;
+    const std::string client_;
+  };
+
+  /// Number of computations that run or wait, with those that do not stop.
+  int in_use() const;
+
+ private:
+  void acquire(const CancellationToken& token, const std::string& client);
+  void release(const std::string& client, bool is_given_up);
+  void give_up_one();
+  // The caller of the following functions holds the mutex.
+  int free() const { return count_ + std::min(given_up_, count_) - running_; }
+  /// The computation that runs next; the end where none waits.
+  std::list<std::string>::const_iterator next() const;
+
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::list<std::string> waiting_;  // clients of the computations that wait, in the order of arrival
+  std::map<std::string, int> running_of_client_;
+  const int count_;
+  int running_ = 0;
+  int given_up_ = 0;  // running computations whose slots are given up
+};
+
+}  // namespace supple::jobs

@@ -1,0 +1,114 @@
+#include "fair_queue.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supple::jobs {
+namespace {
+
+problem::ProblemError queue_full(const std::string& detail, double limit, double value, const std::string& setting,
+                                 int retry_after) {
+  return problem::ProblemError({"job.queue_full",
+                                detail + " (setting " + setting + ").",
+                                {},
+                                problem::Limit{limit, value, setting},
+                                retry_after});
+}
+
+}  // namespace
+
+void FairQueue::require_place(const Computation& computation) const {
+  // There is a place once one of the workers has taken the next job.
+  constexpr double max_seconds = 3600;
+  const double seconds = std::clamp(mean_seconds_ / options_.workers, 1.0, max_seconds);
+  const int retry_after = static_cast<int>(std::ceil(seconds));
+  const auto is_of_client = [&](const Entry& entry) { return entry.job->computation.client == computation.client; };
+  if (const auto limit = computation.max_waiting;
+      limit > 0 && std::count_if(entries_.begin(), entries_.end(), is_of_client) >= limit) {
+    throw problem::ProblemError({"job.client_queue_full",
+                                 std::to_string(limit) + " jobs of this key wait for a worker, its limit (setting "
+                                                         "--max-waiting-jobs of its key).",
+                                 {},
+                                 problem::Limit{1.0 * limit, 1.0 * limit + 1, "--max-waiting-jobs"},
+                                 retry_after});
+  }
+  if (entries_.size() >= options_.max_queue) {
+    const auto limit = static_cast<double>(options_.max_queue);
+    throw queue_full("The queue holds " + std::to_string(options_.max_queue) + " jobs, its limit", limit, limit + 1,
+                     "--max-queue", retry_after);
+  }
+  if (const auto bytes = bytes_ + computation.bytes; bytes > options_.max_queue_bytes) {
+    throw queue_full("With this job those that wait would hold " + std::to_string(bytes) +
+                         " bytes of memory, their limit is " + std::to_string(options_.max_queue_bytes),
+                     static_cast<double>(options_.max_queue_bytes), static_cast<double>(bytes), "--max-queue-bytes",
+                     retry_after);
+  }
+}
+
+std::deque<FairQueue::Entry>::iterator FairQueue::find(const Job& job) {
+  return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.job.get() == &job; });
+}
+
+void FairQueue::add(const JobPointer& job, bool is_paused) {
+  entries_.push_back({job, is_paused});
+  bytes_ += job->computation.bytes;
+}
+
+void FairQueue::pause(const Job& job, bool is_paused) {
+  if (const auto entry = find(job); entry != entries_.end()) entry->is_paused = is_paused;
+}
+
+void FairQueue::remove(const Job& job) {
+  const auto entry = find(job);
+  if (entry == entries_.end()) return;
+  bytes_ -= job.computation.bytes;
+  entries_.erase(entry);
+}
+
+bool FairQueue::is_last_attempt(const Job& job) const {
+  return job.earlier_attempts > 0 && job.earlier_attempts + 1 >= options_.max_attempts;
+}
+
+int FairQueue::running_jobs_of(const std::string& client) const {
+  const auto found = running_.find(client);
+  return found == running_.end() ? 0 : found->second;
+}
+
+JobPointer FairQueue::next() const {
+  const Entry* next = nullptr;
+  int fewest = 0;
+  for (const auto& entry : entries_) {
+    if (entry.is_paused || (last_attempt_runs_ && is_last_attempt(*entry.job))) continue;
+    const int running = running_jobs_of(entry.job->computation.client);
+    if (next && running >= fewest) continue;
+    next = &entry;
+    fewest = running;
+  }
+  return next ? next->job : nullptr;
+}
+
+std::vector<JobPointer> FairQueue::stopped_jobs() const {
+  std::vector<JobPointer> stopped;
+  for (const auto& entry : entries_)
+    if (!entry.is_paused && entry.job->token.requested()) stopped.push_back(entry.job);
+  return stopped;
+}
+
+std::vector<JobPointer> FairQueue::jobs() const {
+  std::vector<JobPointer> jobs;
+  for (const auto& entry : entries_) jobs.push_back(entry.job);
+  return jobs;
+}
+
+void FairQueue::begin(const Job& job) { ++running_[job.computation.client]; }
+
+void FairQueue::end(const std::string& client) {
+  if (const auto count = running_.find(client); --count->second == 0) running_.erase(count);
+}
+
+void FairQueue::note_time(double seconds) {
+  constexpr double weight_of_latest = 0.1;
+  mean_seconds_ += weight_of_latest * (seconds - mean_seconds_);
+}
+
+}  // namespace supple::jobs

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "job.h"
+
+namespace supple::jobs {
+
+/// The jobs that wait for a worker, in the order of their arrival, and the number of running jobs of each client. It
+/// belongs to the scheduler, whose mutex guards it.
+class FairQueue {
+ public:
+  explicit FairQueue(const QueueOptions& options) : options_(options) {}
+
+  /// Throws "job.queue_full" if there is no place for the job, and "job.client_queue_full" if too many jobs of its
+  /// client wait.
+  void require_place(const Computation& computation) const;
+  /// A job that `is_paused` has its place, and is not run.
+  void add(const JobPointer& job, bool is_paused);
+  void pause(const Job& job, bool is_paused);
+  void remove(const Job& job);
+  /// The job to run next: the first one of the client with the fewest running jobs. Last attempts run one at a time.
+  /// Null where no job may run now.
+  JobPointer next() const;
+  /// The jobs that are not paused and whose stop has been requested.
+  std::vector<JobPointer> stopped_jobs() const;
+  std::vector<JobPointer> jobs() const;
+  std::size_t size() const { return entries_.size(); }
+
+  void begin(const Job& job);
+  /// A worker is free again whose job was one of this client.
+  void end(const std::string& client);
+  bool is_last_attempt(const Job& job) const;
+  void set_last_attempt_runs(bool runs) { last_attempt_runs_ = runs; }
+  /// Notes the seconds that a worker took for a job, from which clients are told when to try again.
+  void note_time(double seconds);
+
+ private:
+  struct Entry {
+    JobPointer job;
+    bool is_paused = false;
+  };
+  std::deque<Entry>::iterator find(const Job& job);
+  int running_jobs_of(const std::string& client) const;
+
+  const QueueOptions& options_;
+  std::deque<Entry> entries_;
+  std::int64_t bytes_ = 0;  // bytes of memory that the jobs hold
+  std::map<std::string, int> running_;
+  bool last_attempt_runs_ = false;
+  double mean_seconds_ = 0;  // moving average of the time that a worker takes for a job
+};
+
+}  // namespace supple::jobs

@@ -1,0 +1,220 @@
+#include "job_runner.h"
+
+#include <system_error>
+#include <utility>
+
+#include "run_computation.h"
+#include "supple/log/context.h"
+#include "supple/store/clock.h"
+
+namespace supple::jobs {
+namespace {
+
+problem::Problem interrupted() {
+  return {"job.interrupted", "The server stopped before the job had finished.", {}, {}, {}};
+}
+
+problem::Problem given_up(int attempts, int limit) {
+  return {"job.given_up",
+          "The server ended " + std::to_string(attempts) + " times while this job ran; it is not run again (setting " +
+              "--max-attempts).",
+          {},
+          problem::Limit{static_cast<double>(limit), static_cast<double>(attempts), "--max-attempts"},
+          {}};
+}
+
+bool is_shutdown(const problem::Problem& problem) { return problem.code == "server.shutting_down"; }
+
+}  // namespace
+
+JobRunner::JobRunner(store::Store& store, const QueueOptions& options, Watchdog& watchdog, JobBoard& board,
+                     Scheduler& scheduler, Journal& journal, const AbandonmentLog& log, JobQueue::Observe observe,
+                     JobQueue::Remake remake)
+    : store_(store),
+      options_(options),
+      watchdog_(watchdog),
+      board_(board),
+      scheduler_(scheduler),
+      journal_(journal),
+      log_(log),
+      observe_(std::move(observe)),
+      remake_(std::move(remake)) {}
+
+JobRunner::~JobRunner() {
+  scheduler_.end();
+  for (auto& worker : workers_)
+    if (worker.thread.joinable()) worker.thread.join();
+}
+
+JobPointer JobRunner::make_job(Computation computation, bool has_request, Row row) const {
+  store::JobRecord record;
+  record.id = store::random_id();
+  record.kind = computation.kind;
+  record.mesh = computation.mesh;
+  record.created = store::now_milliseconds();
+  record.deadline = computation.deadline;
+  record.client = computation.client;
+  record.session = computation.session;
+  record.owner = computation.owner;
+  record.idempotency_key = computation.idempotency_key;
+  record.request_hash = computation.request_hash;
+  return std::make_shared<Job>(board_, watchdog_, std::move(computation), std::move(record), has_request, row);
+}
+
+void JobRunner::take_over(store::JobRecord record) {
+  std::optional<problem::Problem> problem;
+  if (!remake_ || !store_.blobs().has_request(record.id)) {
+    problem = interrupted();
+  } else if (record.state == JobState::running && record.attempts >= options_.max_attempts) {
+    problem = given_up(record.attempts, options_.max_attempts);
+  }
+  if (problem) {
+    const log::Context context("job", record.id);
+    journal_.set_end(record, JobState::failed, problem);
+    journal_.end(record, nullptr);
+    return;
+  }
+  record.state = JobState::accepted;
+  record.started = 0;
+  auto computation = computation_again(record);
+  scheduler_.adopt(
+      std::make_shared<Job>(board_, watchdog_, std::move(computation), std::move(record), true, Row::written));
+}
+
+/// The request is read once a worker has the job. Until then it takes no memory, and a fault of the request counts as
+/// an attempt.
+Computation JobRunner::computation_again(const store::JobRecord& record) {
+  Computation computation{record.kind, record.mesh, record.deadline, {}, record.session, record.client};
+  computation.run = [this, record](const Execution& execution) {
+    auto request = store_.blobs().job_request(record.id);
+    return remake_(record, std::move(request), execution).run(execution);
+  };
+  return computation;
+}
+
+void JobRunner::work(Scheduler::Seat& seat) {
+  while (const auto task = scheduler_.take(seat)) {
+    const auto& job = task->job;
+    if (!task->record || journal_.update(*task->record)) {
+      board_.set_running(*job);
+      run(job, seat);
+    } else {
+      lose(job);
+    }
+    if (const auto abandoned = scheduler_.leave(seat)) {
+      const log::Context context("job", job->id);
+      log_.note_returned(job->computation, *abandoned);
+    }
+  }
+}
+
+void JobRunner::run(const JobPointer& job, Scheduler::Seat& seat) {
+  const log::Context context("job", job->id);
+  std::optional<Result> result;
+  std::exception_ptr failure;
+  try {
+    job->token.throw_if_requested();
+    Execution execution;
+    execution.cancellation = job->token;
+    execution.progress = job.get();
+    result = run_computation(job->computation, execution, options_.memory);
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  scheduler_.set_computed(seat);
+  end(job, failure ? JobState::failed : JobState::successful, std::move(result), failure);
+}
+
+void JobRunner::end(const JobPointer& job, JobState state, std::optional<Result> result, std::exception_ptr failure) {
+  auto claim = board_.claim_end(*job);
+  if (!claim) return;
+  if (state == JobState::dismissed) job->token.request(StopReason::cancelled);
+  scheduler_.forget(*job);
+  bool is_ended = false;
+  try {
+    is_ended = store_end(job, *claim, state, std::move(result), std::move(failure));
+  } catch (...) {
+    board_.release(*job);  // so that nobody waits for its end; the next process runs it again
+    throw;
+  }
+  if (!is_ended) board_.release(*job);
+  job->watch.reset();
+  if (is_ended) observe_(claim->record);
+}
+
+bool JobRunner::store_end(const JobPointer& job, JobBoard::Claim& claim, JobState state, std::optional<Result> result,
+                          std::exception_ptr failure) {
+  auto& record = claim.record;
+  std::optional<problem::Problem> problem;
+  if (failure) problem = problem::problem_of(failure);
+  if (problem && is_shutdown(*problem)) {
+    if (claim.has_row && job->has_request) {
+      if (record.state == JobState::running) {
+        record.state = JobState::accepted;
+        record.started = 0;
+        --record.attempts;
+      }
+      journal_.update(record);  // also if it waits: in a shared store, another server may take it now
+      return false;
+    }
+    problem = interrupted();
+  }
+  journal_.set_end(record, state, problem);
+  if (claim.has_row && !journal_.end(record, result ? &*result : nullptr)) return false;
+  board_.complete(*job, record, std::move(result), std::move(failure));
+  return true;
+}
+
+bool JobRunner::dismiss(const JobPointer& job) {
+  end(job, JobState::dismissed, std::nullopt, nullptr);
+  return board_.has_ended(*job);
+}
+
+void JobRunner::lose(const JobPointer& job) {
+  if (!board_.claim_end(*job)) return;
+  job->token.request(StopReason::cancelled);
+  scheduler_.forget(*job);
+  board_.release(*job);
+  job->watch.reset();
+}
+
+void JobRunner::end_stopped(const JobPointer& job) {
+  const log::Context context("job", job->id);
+  end(job, JobState::failed, std::nullopt, failure_of_stop(job->token.reason()));
+}
+
+void JobRunner::add_workers() {
+  for (auto missing = scheduler_.missing_workers(); missing > 0; --missing) {
+    auto& worker = workers_.emplace_back(Worker{scheduler_.add_seat()});
+    try {
+      worker.thread = std::thread([this, &seat = worker.seat] { work(seat); });
+    } catch (...) {
+      scheduler_.remove_seat(worker.seat);
+      workers_.pop_back();
+      throw;
+    }
+  }
+}
+
+void JobRunner::abandon_late_jobs() {
+  const auto late = scheduler_.abandon_late_jobs();
+  try {
+    add_workers();
+  } catch (const std::system_error&) {
+    // The system gives no further thread now. Jobs wait for the workers that there are.
+  }
+  for (const auto& one : late)
+    if (one.is_abandoned) log_.note_abandoned("job=" + one.job->id + " ", one.job->computation, one.since);
+  for (const auto& one : late) {
+    const log::Context context("job", one.job->id);
+    end(one.job, JobState::failed, std::nullopt, failure_of_stop(one.since.reason));
+  }
+}
+
+void JobRunner::end_workers() {
+  scheduler_.end();
+  for (auto& worker : workers_)
+    if (worker.thread.joinable() && !scheduler_.is_abandoned(worker.seat)) worker.thread.join();
+}
+
+}  // namespace supple::jobs

@@ -1,0 +1,383 @@
+// The parts of a queue, each by itself.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "journal.h"
+#include "scheduler.h"
+#include "store_doubles.h"
+#include "supple/json/answers.h"
+#include "support/temporary_folder.h"
+
+namespace supple::jobs {
+namespace {
+
+/// A board and a scheduler without workers.
+class JobPartsTest : public ::testing::Test {
+ protected:
+  JobPointer job(const std::string& id, Computation computation = {}, Row row = Row::none, int attempts = 0) {
+    store::JobRecord record;
+    record.id = id;
+    record.mesh = computation.mesh;
+    record.attempts = attempts;
+    return std::make_shared<Job>(board_, watchdog_, std::move(computation), std::move(record), false, row);
+  }
+  static Computation of_client(const std::string& client, std::int64_t bytes = 0, int max_waiting = 0) {
+    Computation computation;
+    computation.client = client;
+    computation.bytes = bytes;
+    computation.max_waiting = max_waiting;
+    return computation;
+  }
+  static std::optional<problem::Problem> refusal(const FairQueue& queue, const Computation& computation) {
+    try {
+      queue.require_place(computation);
+    } catch (const problem::ProblemError& error) {
+      return error.problem();
+    }
+    return std::nullopt;
+  }
+  static std::string id_of(const JobPointer& job) { return job ? job->id : ""; }
+
+  QueueOptions options_;
+  Watchdog watchdog_;
+  Sessions sessions_;
+  JobBoard board_{false};
+  Scheduler scheduler_{options_, board_, sessions_};
+};
+
+TEST_F(JobPartsTest, AQueueGivesTheFirstJobOfTheClientWithTheFewestThatIsNotPaused) {
+  FairQueue queue(options_);
+  const auto a1 = job("a1", of_client("a"));
+  const auto a2 = job("a2", of_client("a"));
+  const auto b = job("b", of_client("b"));
+  for (const auto& one : {a1, a2, b}) queue.add(one, false);
+  EXPECT_EQ(id_of(queue.next()), "a1");
+  queue.pause(*a1, true);
+  EXPECT_EQ(id_of(queue.next()), "a2");
+  queue.pause(*a1, false);
+  queue.remove(*a1);
+  queue.begin(*a1);
+  EXPECT_EQ(id_of(queue.next()), "b");
+  queue.begin(*b);
+  EXPECT_EQ(id_of(queue.next()), "a2") << "both have one";
+  queue.end("a");
+  queue.remove(*a2);
+  queue.pause(*b, true);
+  EXPECT_EQ(queue.next(), nullptr);
+  EXPECT_EQ(queue.size(), 1U);
+  EXPECT_EQ(queue.jobs(), std::vector{b});
+  b->token.request(StopReason::cancelled);
+  EXPECT_TRUE(queue.stopped_jobs().empty()) << "it is paused";
+  queue.pause(*b, false);
+  EXPECT_EQ(queue.stopped_jobs(), std::vector{b});
+}
+
+TEST_F(JobPartsTest, AQueueGivesNoLastAttemptBesideAnother) {
+  options_.max_attempts = 3;
+  FairQueue queue(options_);
+  const auto last = job("last", {}, Row::written, 2);
+  const auto other = job("other", {}, Row::written, 1);
+  EXPECT_TRUE(queue.is_last_attempt(*last));
+  EXPECT_FALSE(queue.is_last_attempt(*other));
+  for (const auto& one : {last, other}) queue.add(one, false);
+  queue.set_last_attempt_runs(true);
+  EXPECT_EQ(id_of(queue.next()), "other");
+  queue.set_last_attempt_runs(false);
+  EXPECT_EQ(id_of(queue.next()), "last");
+  options_.max_attempts = 1;
+  EXPECT_FALSE(queue.is_last_attempt(*job("new"))) << "a first attempt is not suspect";
+}
+
+TEST_F(JobPartsTest, AQueueSaysWhenThereIsAPlaceAgain) {
+  options_.workers = 2;
+  options_.max_queue = 2;
+  options_.max_queue_bytes = 100;
+  FairQueue queue(options_);
+  const auto a = job("a", of_client("a", 60));
+  queue.add(a, true);
+  EXPECT_FALSE(refusal(queue, of_client("a", 40, 2)));
+  EXPECT_EQ(refusal(queue, of_client("a", 40, 1))->code, "job.client_queue_full");
+  EXPECT_FALSE(refusal(queue, of_client("b", 40, 1)));
+  EXPECT_EQ(refusal(queue, of_client("b", 41))->retry_after, 1);
+  for (int i = 0; i < 1000; ++i) queue.note_time(10);
+  EXPECT_EQ(refusal(queue, of_client("b", 41))->retry_after, 5) << "half the mean of one worker";
+  queue.note_time(20);
+  EXPECT_EQ(refusal(queue, of_client("b", 41))->retry_after, 6) << "10 s + a tenth of the difference, by two workers";
+  for (int i = 0; i < 1000; ++i) queue.note_time(1e6);
+  EXPECT_EQ(refusal(queue, of_client("b", 41))->retry_after, 3600);
+  queue.add(job("b", of_client("b")), false);
+  EXPECT_EQ(refusal(queue, of_client("c"))->code, "job.queue_full");
+  queue.remove(*a);
+  EXPECT_FALSE(refusal(queue, of_client("c", 100)));
+}
+
+TEST_F(JobPartsTest, AComputationThatLeavesLateDoesNotTakeTheSessionFromALaterOne) {
+  const CancellationToken first;
+  const CancellationToken second;
+  const CancellationToken third;
+  const auto number = sessions_.enter("s", first);
+  sessions_.enter("s", second);
+  EXPECT_EQ(first.reason(), StopReason::superseded);
+  sessions_.leave("s", number);
+  sessions_.enter("t", third);
+  EXPECT_FALSE(second.requested());
+  const auto last = sessions_.enter("s", third);
+  EXPECT_EQ(second.reason(), StopReason::superseded) << "it was still the latest one";
+  sessions_.leave("s", last);
+  sessions_.enter("s", first);
+  EXPECT_FALSE(third.requested()) << "it has left";
+  sessions_.enter("", second);
+  sessions_.enter("", third);
+  EXPECT_FALSE(third.requested());
+}
+
+TEST_F(JobPartsTest, OneThreadAloneMayEndAJobAndTheOthersWaitForIt) {
+  const auto one = job("a", {}, Row::written);
+  board_.add(one);
+  const auto claim = board_.claim_end(*one);
+  ASSERT_TRUE(claim);
+  EXPECT_TRUE(claim->has_row);
+  EXPECT_FALSE(board_.start(*one)) << "it does not run any more";
+  std::atomic<bool> is_over{false};
+  std::thread other([&] {
+    EXPECT_FALSE(board_.claim_end(*one));
+    EXPECT_FALSE(board_.begin_row(*one));
+    EXPECT_TRUE(is_over);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  is_over = true;
+  board_.complete(*one, claim->record, std::nullopt, nullptr);
+  other.join();
+  EXPECT_TRUE(board_.has_ended(*one));
+  EXPECT_FALSE(board_.has("a"));
+  EXPECT_TRUE(board_.wait_until_over(*one, Clock::now()));
+}
+
+TEST_F(JobPartsTest, NobodyEndsAJobWhileItsRowIsBeingWritten) {
+  const auto one = job("a");
+  board_.add(one);
+  EXPECT_EQ(board_.find("a"), nullptr);
+  EXPECT_TRUE(board_.begin_row(*one));
+  EXPECT_EQ(board_.find("a"), one);
+  EXPECT_TRUE(board_.leased_jobs().empty()) << "the store may not have it yet";
+  std::atomic<bool> is_written{false};
+  std::thread other([&] {
+    EXPECT_TRUE(board_.claim_end(*one)->has_row);
+    EXPECT_TRUE(is_written);
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  is_written = true;
+  board_.row_written(*one);
+  other.join();
+}
+
+TEST_F(JobPartsTest, AJobWithoutARowIsReleasedIfItWaitsAndStoppedIfItRuns) {
+  const auto waits = job("waits");
+  const auto runs = job("runs");
+  for (const auto& one : {waits, runs}) board_.add(one);
+  EXPECT_FALSE(board_.start(*runs)->record) << "the store is told nothing";
+  EXPECT_TRUE(board_.row_failed(*waits));
+  EXPECT_FALSE(board_.row_failed(*runs));
+  EXPECT_TRUE(waits->token.requested());
+  EXPECT_TRUE(runs->token.requested());
+  EXPECT_FALSE(board_.has("waits"));
+  EXPECT_TRUE(board_.has("runs"));
+  EXPECT_FALSE(board_.has_ended(*waits)) << "it is released";
+}
+
+TEST_F(JobPartsTest, TheBoardShowsProgressThatNeverFallsAndTellsTheKeeperWhatIsNew) {
+  Computation computation;
+  computation.mesh = "m";
+  const auto one = job("a", std::move(computation), Row::written);
+  board_.add(one);
+  EXPECT_TRUE(board_.is_mesh_in_use("m"));
+  EXPECT_FALSE(board_.is_mesh_in_use("n"));
+  EXPECT_FALSE(board_.leased_jobs().at(0).progress) << "it waits";
+  EXPECT_EQ(board_.start(*one)->record->attempts, 1);
+  board_.set_progress(*one, 0.5, "half");
+  board_.set_progress(*one, 0.25, "next");
+  auto leased = board_.leased_jobs().at(0);
+  EXPECT_EQ(leased.progress->fraction, 0.5);
+  EXPECT_EQ(leased.progress->stage, "next");
+  one->shared_version = leased.version;
+  EXPECT_FALSE(board_.leased_jobs().at(0).progress);
+  board_.set_partial(*one, "{}", false);
+  EXPECT_FALSE(board_.leased_jobs().at(0).progress) << "it is told with the next change";
+  board_.set_partial(*one, "{\"a\":1}", true);
+  EXPECT_EQ(board_.leased_jobs().at(0).progress->partial, "{\"a\":1}");
+  std::uint64_t version = 0;
+  EXPECT_EQ(board_.wait_for_change(*one, version, 60)->record.state, JobState::running);
+  const auto seen = version;
+  EXPECT_TRUE(board_.wait_for_change(*one, version, 0));
+  EXPECT_EQ(version, seen);
+  board_.release(*one);
+  EXPECT_FALSE(board_.wait_for_change(*one, version, 60));
+}
+
+TEST_F(JobPartsTest, InASharedStoreMemoryKnowsTheStatusOfRunningJobsAlone) {
+  JobBoard shared(true);
+  const auto one = job("a", {}, Row::written);
+  shared.add(one);
+  EXPECT_FALSE(shared.status_in_memory("a"));
+  shared.start(*one);
+  EXPECT_FALSE(shared.status_in_memory("a")) << "the store is told of its start now";
+  shared.set_running(*one);
+  EXPECT_TRUE(shared.status_in_memory("a"));
+  shared.claim_end(*one);
+  EXPECT_FALSE(shared.status_in_memory("a"));
+  shared.set_running(*one);
+  EXPECT_FALSE(shared.status_in_memory("a")) << "it stays ending";
+  EXPECT_FALSE(shared.status_in_memory("b"));
+}
+
+TEST_F(JobPartsTest, AComputationIsOverdueASecondAfterItsDeadlineItsEndOrItsClientsLeaving) {
+  const auto now = Clock::now();
+  const auto later = now + std::chrono::seconds(3);
+  const auto runs = job("runs");
+  EXPECT_FALSE(board_.overdue(*runs, later));
+  EXPECT_EQ(board_.overdue(*runs, runs->due + Watchdog::patience)->reason, StopReason::deadline);
+  EXPECT_FALSE(board_.overdue(*runs, runs->due)) << "it has a second to stop";
+  board_.begin_row(*runs);
+  EXPECT_FALSE(board_.overdue(*runs, runs->due + Watchdog::patience)) << "its row is being written";
+  board_.row_written(*runs);
+  board_.set_client_left(*runs);
+  EXPECT_EQ(runs->token.reason(), StopReason::cancelled);
+  EXPECT_FALSE(board_.overdue(*runs, now));
+  EXPECT_EQ(board_.overdue(*runs, later)->reason, StopReason::cancelled);
+  const auto ended = job("ended");
+  board_.claim_end(*ended);
+  EXPECT_FALSE(board_.overdue(*ended, ended->due + Watchdog::patience)) << "its end is being stored";
+  board_.release(*ended);
+  EXPECT_EQ(board_.overdue(*ended, later)->reason, StopReason::cancelled);
+}
+
+TEST_F(JobPartsTest, ASchedulerThatRefusesTakesNoJobAndStopsThoseThatWait) {
+  options_.workers = 3;
+  EXPECT_EQ(scheduler_.missing_workers(), 3U);
+  const auto one = job("a", {}, Row::written);
+  scheduler_.admit(one);
+  EXPECT_EQ(scheduler_.idle_workers(), 2U);
+  EXPECT_TRUE(scheduler_.adopt(job("b", {}, Row::written)));
+  EXPECT_FALSE(scheduler_.adopt(job("b", {}, Row::written))) << "it is known";
+  EXPECT_EQ(scheduler_.waiting(), 2U);
+  scheduler_.forget(*one);
+  EXPECT_EQ(scheduler_.waiting(), 1U);
+  scheduler_.refuse();
+  EXPECT_FALSE(scheduler_.idle_workers());
+  EXPECT_FALSE(scheduler_.adopt(job("c", {}, Row::written)));
+  EXPECT_THROW(scheduler_.admit(job("d")), Error);
+  ASSERT_EQ(scheduler_.stopped_jobs().size(), 1U);
+  EXPECT_EQ(scheduler_.waiting_jobs().at(0)->token.reason(), StopReason::shutdown);
+  scheduler_.end();
+  EXPECT_FALSE(scheduler_.take(scheduler_.add_seat()));
+  EXPECT_EQ(scheduler_.missing_workers(), 0U);
+}
+
+/// A journal over a store whose writing can fail.
+class JournalTest : public ::testing::Test {
+ protected:
+  JournalTest() {
+    store_.hooked_jobs.at_finish = [this](const auto&, const store::Result* result) { fail(result); };
+  }
+  void fail(const store::Result* result) const {
+    if (refuses_all_ || (refuses_results_ && result)) throw Error(code_, "No.");
+  }
+  store::JobRecord added(const std::string& id) {
+    store::JobRecord record;
+    record.id = id;
+    record.kind = "geodesics";
+    journal_.add(record, {});
+    return record;
+  }
+
+  const testing::TemporaryFolder folder_;
+  TestStore store_{folder_ / "data"};
+  QueueOptions options_;
+  std::vector<std::string> log_;
+  Journal journal_{store_, options_, json::write_problem, [this](const std::string& line) { log_.push_back(line); }};
+  std::string code_ = "store.full";
+  bool refuses_results_ = false;
+  bool refuses_all_ = false;
+};
+
+TEST_F(JournalTest, AJobWhoseResultTheStoreRefusesHasFailedWithTheReason) {
+  auto record = added("a");
+  refuses_results_ = true;
+  const Result result{"text/plain", {}, "x"};
+  journal_.set_end(record, JobState::successful, {});
+  EXPECT_TRUE(journal_.end(record, &result));
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_EQ(record.error_status, 507);
+  EXPECT_EQ(store_.jobs().job("a")->state, JobState::failed);
+  EXPECT_FALSE(journal_.has_refused_ends());
+  EXPECT_EQ(log_.size(), 1U);
+}
+
+TEST_F(JournalTest, AnEndThatTheStoreRefusesIsWrittenLater) {
+  auto record = added("a");
+  refuses_all_ = true;
+  options_.retention = 10;
+  journal_.set_end(record, JobState::dismissed, {});
+  EXPECT_EQ(record.expires, record.finished + 10'000);
+  EXPECT_TRUE(journal_.end(record, nullptr));
+  EXPECT_EQ(journal_.refused_end("a")->state, JobState::dismissed);
+  journal_.write_refused_ends();
+  EXPECT_TRUE(journal_.has_refused_ends()) << "the store refuses it still";
+  EXPECT_EQ(log_.size(), 1U) << "and that is not news";
+  refuses_all_ = false;
+  journal_.write_refused_ends();
+  EXPECT_FALSE(journal_.refused_end("a"));
+  EXPECT_EQ(store_.jobs().job("a")->state, JobState::dismissed);
+  EXPECT_EQ(log_.size(), 2U);
+}
+
+TEST_F(JournalTest, InASharedStoreAJobWhoseEndCannotBeStoredIsAnotherServers) {
+  store_.own_leases.emplace(store_.jobs());
+  auto record = added("a");
+  refuses_all_ = true;
+  code_ = "store.unavailable";
+  journal_.set_end(record, JobState::failed, problem::Problem{"karcher.weights", "Bad.", {}, {}, {}});
+  EXPECT_EQ(record.error_status, 422);
+  EXPECT_FALSE(journal_.end(record, nullptr));
+  EXPECT_FALSE(journal_.has_refused_ends());
+  code_ = "store.full";
+  EXPECT_TRUE(journal_.end(record, nullptr));
+  EXPECT_TRUE(journal_.has_refused_ends());
+  refuses_all_ = false;
+  record.id = "unknown";
+  EXPECT_FALSE(journal_.end(record, nullptr)) << "another server has removed it";
+}
+
+TEST_F(JournalTest, AStartThatTheStoreDoesNotTakeIsNoReasonNotToRun) {
+  auto record = added("a");
+  record.state = JobState::running;
+  EXPECT_TRUE(journal_.update(record));
+  EXPECT_EQ(store_.jobs().job("a")->state, JobState::running);
+  store_.hooked_jobs.at_update = [](const auto&) { throw Error("store.full", "No."); };
+  EXPECT_TRUE(journal_.update(record));
+}
+
+TEST_F(JournalTest, ARequestIsRemovedIfItsJobIsNotAdded) {
+  store::JobRecord record;
+  record.id = "a";
+  record.idempotency_key = "key";
+  const RequestOfJob request{{"POST", "/v1/x", {}, "text/plain", {}}, "body"};
+  journal_.add(record, request);
+  EXPECT_EQ(store_.blobs().job_request("a").body, "body");
+  record.id = "b";
+  EXPECT_THROW(journal_.add(record, request), KeyIsUsed);
+  EXPECT_FALSE(store_.blobs().has_request("b"));
+}
+
+}  // namespace
+}  // namespace supple::jobs
