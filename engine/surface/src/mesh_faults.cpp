@@ -61,11 +61,10 @@ bool repeats_vertex(const Triangle& face) { return face[0] == face[1] || face[1]
 
 }  // namespace
 
-void FaultList::throw_if_any(const std::string& code, const std::string& singular, const std::string& plural) {
-  if (count_ == 0) return;
+std::string FaultList::sentence(const std::string& singular, const std::string& plural) const {
   std::string sentence = std::to_string(count_) + " " + (count_ == 1 ? singular : plural);
   if (count_ > max_detailed) sentence += "; the first " + std::to_string(max_detailed) + " are named";
-  throw Error(code, sentence + ".", std::move(details_));
+  return sentence + ".";
 }
 
 std::string name_of_vertex(std::int32_t v) { return "vertex " + std::to_string(v); }

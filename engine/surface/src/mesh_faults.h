@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "supple/base/error.h"
@@ -26,11 +27,16 @@ class FaultList {
   void add(Describe&& describe) {
     if (count_++ < max_detailed) details_.push_back(describe());
   }
-  /// Throws Error `code` with the message "<count> <plural>." if there is any fault, as in "7 faces are degenerate".
-  /// For one fault the message has `singular` instead.
-  void throw_if_any(const std::string& code, const std::string& singular, const std::string& plural);
+  /// Throws an error of this type and code with the message "<count> <plural>." if there is any fault, as in "7 faces
+  /// are degenerate". For one fault the message has `singular` instead.
+  template <class Thrown = Error>
+  void throw_if_any(const std::string& code, const std::string& singular, const std::string& plural) {
+    if (count_ > 0) throw Thrown(code, sentence(singular, plural), std::move(details_));
+  }
 
  private:
+  std::string sentence(const std::string& singular, const std::string& plural) const;
+
   std::int64_t count_ = 0;
   std::vector<Error::Detail> details_;
 };
