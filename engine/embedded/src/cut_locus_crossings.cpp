@@ -24,7 +24,7 @@ constexpr double length_rounding = 1e-10;
 /// A cut locus that a step crossed.
 struct Crossing {
   double excess;    ///< energy by which the step exceeds the prediction
-  double fraction;  ///< of the step, up to the cut locus
+  double fraction;  ///< fraction of the step up to the cut locus
   CutLocus locus;   ///< at the crossing, in the coordinates before the step
 };
 

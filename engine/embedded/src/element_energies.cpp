@@ -55,9 +55,9 @@ TriangleEnergy::TriangleEnergy(const std::array<double, 3>& rest_lengths, const 
   lambda_ = mu_ * 2 * material.poisson_ratio / (1 - 2 * material.poisson_ratio);
 }
 
-// Q(s) is 16 times the squared area of a triangle with the squared lengths s, s0 are those at rest, and D = s - s0.
-// Then tr C - 2 = Q'(s0) D / Q(s0) and det C - 1 = tr C - 2 + Q(D) / Q(s0), where Q(D) / Q(s0) = det(C - I). In this
-// form energies and forces of small strains keep their digits, which tr C - 2 - log det C loses.
+// Q(s) is 16 times the squared area of a triangle with the squared lengths s, s0 are those at rest, and D = s - s0. The
+// Cauchy-Green tensor C has tr C - 2 = Q'(s0) D / Q(s0) and det C - 1 = tr C - 2 + Q(D) / Q(s0), where Q(D) / Q(s0) =
+// det(C - I). In this form energies and forces of small strains keep their digits, which tr C - 2 - log det C loses.
 TriangleEnergy::Value TriangleEnergy::by_squares(const Eigen::Vector3d& lengths) const {
   Value value;
   const Eigen::Vector3d squares = lengths.cwiseAbs2();
@@ -71,7 +71,7 @@ TriangleEnergy::Value TriangleEnergy::by_squares(const Eigen::Vector3d& lengths)
   }
   const double log_j = 0.5 * std::log1p(growth);
   value.energy = 0.5 * mu_ * (x_minus_log1p(growth) - quadratic) + 0.5 * lambda_ * log_j * log_j;
-  // The gradient of log J by the squared lengths is q / 2, where q is the gradient of log Q.
+  // J^2 = det C = Q(s) / Q(s0): by the squared lengths, log J has the gradient q / 2, and log Q the gradient q.
   const double area = rest_ * (1 + growth);
   const Eigen::Vector3d q = slope_of_squared_areas(squares) / area;
   const Eigen::Vector3d beside = (growth * by_rest - slope_of_squared_areas(change) / rest_) / (1 + growth);

@@ -93,7 +93,7 @@ class TriangleEnergy {
   Eigen::Vector3d rest_lengths_;
   double rest_ = 0;    ///< 16 times the squared area at rest
   double mu_ = 0;      ///< Lame's constant times thickness and area
-  double lambda_ = 0;  ///< likewise
+  double lambda_ = 0;  ///< Lame's other constant times thickness and area
 };
 
 }  // namespace supple::embedded

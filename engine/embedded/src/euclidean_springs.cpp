@@ -13,7 +13,8 @@ constexpr int directions_at_vertex = 256;
 
 using Frame = Eigen::Matrix<double, 3, 2>;
 
-/// The steepest descent at a vertex, where each face has a gradient of its own, as if it were the gradient.
+/// The negative of the steepest descent at a vertex, in cone_coordinates. It takes the place of the gradient, of which
+/// each face has its own there. Zero if no direction descends.
 Eigen::Vector2d steepest_descent_at_vertex(const NetworkState& state, std::size_t point,
                                            const Eigen::Vector3d& gradient) {
   const surface::VertexCone cone(state.mesh(), state.vertex_of(point));
@@ -65,7 +66,7 @@ void EuclideanSprings::add(const NetworkState& state, int order, numerics::Energ
       }
       element = spring_element(spring, derivatives);
     } else {
-      // The ends are in one face, or on one edge, and the frames of its two faces differ by a rotation about it.
+      // The ends coincide. If they are given in the two faces of an edge, the frames differ by a rotation about it.
       const Eigen::Matrix2d turn = frames[from].transpose() * frames[to];
       element = spring_element_at_zero(spring, std::atan2(turn(1, 0) - turn(0, 1), turn.trace()), i);
     }

@@ -37,7 +37,7 @@ class HostModel {
   int rigid_body_constraints() const { return rigid_body_constraints_; }
   /// Vertices that are moved to prescribed positions. Their coordinates count as fixed, too.
   const std::vector<MovedVertex>& moved() const { return moved_; }
-  const meshing::TetrahedralMesh& tetrahedra() const { return tetrahedra_; }  ///< of a solid; else empty
+  const meshing::TetrahedralMesh& tetrahedra() const { return tetrahedra_; }  ///< elements of a solid; else empty
 
  private:
   void make_shell(const surface::TriangleMesh& mesh, const ShellHost& shell);

@@ -39,7 +39,7 @@ struct CutLocus {
 struct EqualPaths {
   std::size_t path = 0;
   std::vector<surface::TangentGeodesic> geodesics{};
-  Eigen::VectorXd fractions{};            ///< of the path's force, one for each geodesic; their sum is 1
+  Eigen::VectorXd fractions{};            ///< fractions of the path's force, one for each geodesic; their sum is 1
   LengthDerivatives length{};             ///< with the convex combination of the derivatives by these fractions
   std::vector<Eigen::Vector4d> across{};  ///< unit changes of the ends that lead away from the cut locus
 };

@@ -31,7 +31,7 @@ struct RelaxationContext {
   /// For each degree of freedom whether it is fixed, with these fixed points.
   std::vector<bool> fixed_degrees(const std::vector<bool>& fixed_points) const;
 
-  const surface::GeodesicSolver& solver;  ///< of the mesh
+  const surface::GeodesicSolver& solver;  ///< solver on the mesh as it is given
   const Network& network;
   const RelaxationOptions& options;
   const Execution& execution;
@@ -64,7 +64,7 @@ struct Equilibrium {
   numerics::MinimizerTermination termination = numerics::MinimizerTermination::converged;
   double energy = 0;
   double gradient_norm = 0;
-  int iterations = 0;  ///< of all phases so far
+  int iterations = 0;  ///< total of all phases so far
 
   /// The solver on the present surface; `mesh_solver` is that of the mesh.
   const surface::GeodesicSolver& solver(const surface::GeodesicSolver& mesh_solver) const {
@@ -78,7 +78,7 @@ Equilibrium start_of(const RelaxationContext& context);
 
 struct SearchSettings {
   bool is_mollified = false;
-  int max_iterations = 0;  ///< of all phases together
+  int max_iterations = 0;  ///< limit of all phases together
   /// Points that are fixed; null for those of the context.
   const std::vector<bool>* fixed_points = nullptr;
 };

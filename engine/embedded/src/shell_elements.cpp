@@ -106,8 +106,8 @@ void project_face_hessian(const std::array<Vector3d, 3>& sides, const Vector3d& 
     }
 }
 
-/// The material whose three-dimensional Lame constants are the shell's of plane stress: mu = E / 2 (1 + nu) is
-/// unchanged, and lambda becomes E nu / (1 - nu^2).
+/// The material whose three-dimensional Lame constants are the shell's of plane stress: mu = Y / (2 (1 + nu)) is
+/// unchanged, and lambda becomes Y nu / (1 - nu^2), with Young's modulus Y.
 MembraneMaterial plane_stress_material(const ShellHost& shell) {
   const double nu = shell.poisson_ratio;
   return {shell.youngs_modulus * (1 + 2 * nu) / ((1 + nu) * (1 + nu)), nu / (1 + nu), shell.thickness};

@@ -13,9 +13,9 @@
 namespace supple::embedded {
 
 /// The stretching energy of a shell's faces: E = thickness * area * psi, where psi is the neo-Hookean density of the
-/// face's Cauchy-Green tensor [Thesis, eq. 3.20] with the constants of plane stress, mu = E / 2 (1 + nu) and
-/// lambda = E nu / (1 - nu^2). The mesh as it is given is at rest, and `area` is measured there. A face without area
-/// has an infinite energy. O(faces), in parallel.
+/// face's Cauchy-Green tensor [Thesis, eq. 3.20]. With Young's modulus Y and Poisson's ratio nu its constants are those
+/// of plane stress, mu = Y / (2 (1 + nu)) and lambda = Y nu / (1 - nu^2). The mesh as it is given is at rest, and
+/// `area` is measured there. A face without area has an infinite energy. O(faces), in parallel.
 class ShellMembrane : public numerics::Term<NetworkState> {
  public:
   ShellMembrane(const surface::TriangleMesh& rest, const ShellHost& shell);
@@ -35,7 +35,7 @@ class ShellMembrane : public numerics::Term<NetworkState> {
 
 /// The bending energy of a shell's inner edges [Grinspun2003]: E = sum D / 2 * l^2 / A * (theta - theta_rest)^2. theta
 /// is the angle between the normals of an edge's two faces, l the edge's length and A the area of the two faces, both
-/// at rest. The bending stiffness is D = E h^3 / 12 (1 - nu^2).
+/// at rest. The bending stiffness is D = Y h^3 / (12 (1 - nu^2)), with Young's modulus Y and the thickness h.
 ///
 /// A sheet of equilateral triangles that is rolled to a cylinder has exactly the energy of the plate. Where both
 /// principal curvatures change, hinges act as a plate with Poisson's ratio -1/3 for every material: each depends on its
@@ -58,8 +58,9 @@ class ShellHinges : public numerics::Term<NetworkState> {
   std::vector<Hinge> hinges_;
 };
 
-/// The energy of the enclosed volume V: E = w / 2 * (V - scale V0)^2 / V0, with the volume V0 at rest. It couples all
-/// nodes: the Hessian is a sparse matrix plus one of rank one. O(faces).
+/// The energy of the enclosed volume V: E = w / 2 * (V - scale V0)^2 / V0, with the volume V0 at rest, w =
+/// ShellHost::volume_weight and scale = ShellHost::volume_scale. It couples all nodes: the Hessian is a sparse matrix
+/// plus one of rank one. O(faces).
 class ShellVolume : public numerics::Term<NetworkState> {
  public:
   /// Throws "host.open_surface" if the surface has a boundary.
@@ -78,8 +79,8 @@ class ShellVolume : public numerics::Term<NetworkState> {
 };
 
 /// The angle between the normals of two faces on an edge, in (-pi, pi], and its derivatives by the edge's tail, its
-/// head, and the corners on the left and on the right of the upward edge. The angle is positive if the edge is a ridge
-/// on the side to which the normals point. Both faces must have an area.
+/// head, and the opposite corners on the left and on the right, as seen along the edge with the normals pointing up.
+/// The angle is positive if the edge is a ridge seen from there. Both faces must have an area.
 struct HingeAngle {
   double angle = 0;
   Eigen::Matrix<double, 12, 1> gradient = Eigen::Matrix<double, 12, 1>::Zero();

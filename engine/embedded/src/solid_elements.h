@@ -16,8 +16,8 @@ namespace supple::embedded {
 /// The elastic energy of a solid of linear tetrahedra: E = sum V psi(F), with an element's volume V at rest, its
 /// constant deformation gradient F, and the neo-Hookean density [Bonet2008, eq. 6.27]
 ///   psi = mu / 2 (tr C - 3) - mu log J + lambda / 2 log(J)^2,  C = F^T F, J = det F,
-/// with Lame's constants in three dimensions, mu = E / 2 (1 + nu) and lambda = E nu / (1 + nu)(1 - 2 nu). An element
-/// whose volume is not positive has an infinite energy.
+/// with Lame's constants in three dimensions, mu = Y / (2 (1 + nu)) and lambda = Y nu / ((1 + nu) (1 - 2 nu)), where Y
+/// is Young's modulus. An element whose volume is not positive has an infinite energy.
 ///
 /// Everything is computed from displacements and Green's strain, so that small strains are accurate to rounding also
 /// where the solid has rotated. The elements lock (are too stiff in bending) from nu = 0.49 on, which a finer mesh

@@ -55,14 +55,14 @@ struct FanCorner {
   double polar_angle;     ///< sum of the corner angles before this one, beginning at TriangleMesh::outgoing; radians
   double angle;           ///< angle of this corner; radians
   std::int32_t halfedge;  ///< outgoing halfedge with the corner on its left
-  std::int32_t across;    ///< twin of the side opposite the vertex, at which its windows arrive; -1 on the boundary
+  std::int32_t across;  ///< twin of the side opposite the vertex, where the vertex's windows arrive; -1 on the boundary
 };
 
 /// A side of a face is short if it is below this fraction of another one. The direction from one of its ends to the
 /// other has then lost more digits than the tolerances allow for.
 inline constexpr double short_side_ratio = 1e-4;
 
-/// A mesh with what the searches compute from it once.
+/// A mesh with the tables that all searches on it share.
 struct SearchMesh {
   explicit SearchMesh(std::shared_ptr<const TriangleMesh> mesh, const Execution& execution = {});
 
@@ -96,10 +96,10 @@ struct SearchMesh {
 
   /// The fans of all vertices in the order of the vertices, each counterclockwise.
   std::vector<FanCorner> corners;
-  std::vector<std::int32_t> first_corner;  ///< index in `corners` for each vertex, and the end
+  std::vector<std::int32_t> first_corner;  ///< index in `corners` of each vertex's fan; last, the size of `corners`
 };
 
-/// Planar coordinates of a point of face f, given by barycentric coordinates, in `frame`, that of halfedge 3 f + side.
+/// Planar coordinates of a point in the frame of halfedge 3 f + side. Its barycentric coordinates are those in face f.
 Eigen::Vector2d planar_point(const EdgeFrame& frame, const Eigen::Vector3d& barycentric, int side);
 
 /// Barycentric coordinates of a point on a side of its face in the other face of that side. `across` is the halfedge

@@ -9,11 +9,12 @@
 
 namespace supple::surface {
 
-/// Upper bounds of the distances to every vertex, by Dijkstra's algorithm. Its graph has the mesh's edges and, across
-/// each edge whose two faces unfold to a convex quadrilateral, the straight line between the opposite vertices. O(n log
-/// n).
+/// Upper bounds of the distances of all vertices from their nearest sources, along a graph. It has the mesh's edges
+/// and, across each edge whose two faces unfold to a convex quadrilateral, the straight line between the opposite
+/// vertices. A vertex farther than `limit` is not reached. The search corrects labels in buckets (BucketQueue) and
+/// usually takes each vertex once.
 struct EdgeGraphField {
-  std::vector<double> distances;             ///< per vertex
+  std::vector<double> distances;             ///< per vertex; infinite if it was not reached
   std::vector<std::int32_t> vertex_sources;  ///< index of the source of each vertex; -1 if it was not reached
 };
 EdgeGraphField edge_graph_field(const SearchMesh& mesh, std::span<const SurfacePoint> sources, double limit,

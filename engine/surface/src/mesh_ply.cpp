@@ -150,8 +150,8 @@ class TextBody {
     return scanner_.number(token, "a number");
   }
   void begin_element() { begins_element_ = true; }
-  /// Fails if numbers follow the last element and the lines show that they contain more numbers than the header
-  /// announces.
+  /// Called if something follows the last element. Fails if some elements began a line and others began within one: the
+  /// lines then contain more numbers for an element than the header announces.
   void check_rest() const {
     if (begins_lines_ && follows_in_line_) {
       fail("numbers are left over; the lines hold more of them than the header announces for their elements");
@@ -170,7 +170,7 @@ class TextBody {
       number(property.type);
     }
   }
-  /// Called for each value of a list, and for each element that is skipped.
+  /// Called for each value of a list, and for each value that is skipped.
   void check_for_stop() { pace_.check(); }
   bool at_end() { return scanner_.token_across_lines().empty(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }

@@ -16,13 +16,14 @@ using Eigen::Vector3d;
 constexpr double min_unfolded_length = 1e-5;
 /// A path is certainly the shortest if all others are longer by this fraction.
 constexpr double certain_excess = 1e-9;
-/// Maximum number of faces behind the strip's sides that are tested. Beyond it, the search is faster.
+/// Maximum number of faces behind the strip's sides that are tested. A search for the shortest path costs less than
+/// more of them.
 constexpr int max_faces_behind = 12;
 
 Vector2d rotated_left(const Vector2d& v) { return {-v.y(), v.x()}; }
 
-/// The minimum of |p - x| + |x - q| over the points x of a segment. It follows from reflecting p about the segment's
-/// line. It lies at an end of the segment if the line from the reflection to q misses the segment.
+/// The minimum of |p - x| + |x - q| over the points x of a segment. Rotating p about the segment's line, into one plane
+/// with q and opposite to it, makes the shortest path a straight line. If that misses the segment, x is an end of it.
 double min_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, const Vector3d& along, double length) {
   const Vector3d u = along / length;
   const Vector3d from_p = p - tail;
@@ -37,8 +38,8 @@ double min_detour(const Vector3d& p, const Vector3d& q, const Vector3d& tail, co
   return Vector2d(at_p - x, off_p).norm() + Vector2d(at_q - x, off_q).norm();
 }
 
-/// Tests whether a path across a side of the strip can be as short as `length`. One certificate serves all sides, since
-/// it counts the faces behind them.
+/// Proves that no path across a side of the strip is as short as `length`, as within_strip explains. One certificate
+/// serves all sides, since it counts the faces behind them.
 class Certificate {
  public:
   Certificate(const TriangleMesh& mesh, const Vector3d& p, const Vector3d& q, double length)
@@ -128,7 +129,7 @@ Eigen::Vector4d TangentGeodesic::gradient() const {
   return result;
 }
 
-// Vectors are in the plane of their straight segment, whose direction is the first axis.
+// The vectors at an end have the direction of the straight piece there as first axis, its left normal as second.
 TangentGeodesic TangentGeodesic::extrapolated(const Eigen::Vector4d& step) const {
   const Vector2d from_step(from_direction.dot(step.head<2>()),
                            surface::rotated_left(from_direction).dot(step.head<2>()));
@@ -217,7 +218,7 @@ Strip strip_of(const TriangleMesh& mesh, const SurfacePoint& from, const Surface
     const std::int32_t across = mesh.twin(h);
     if (across < 0) return {};
     if (face != TriangleMesh::face_of(h) && face != TriangleMesh::face_of(across)) {
-      // The path leaves an end on an edge through the edge's other face.
+      // The path starts on an edge of its face, and continues in the face beyond this edge.
       const int start = side_of(from);
       if (i != 1 || start < 0 || mesh.twin(3 * face + start) < 0 || !cross(3 * face + start)) return {};
     }

@@ -14,13 +14,14 @@
 
 namespace supple::voronoi {
 
-/// The borders in a convex polygon of a face if all of them are bisectors of images (BisectorCells). They end at the
-/// given cuts of the polygon's sides. A cut is a point of a side at which the nearest site changes.
+/// The borders in a convex polygon of a face if all of them are bisectors of images (FaceDistances), which are the
+/// unfolded positions of sites or of the last vertices before the face. They end at the given cuts of the polygon's
+/// sides. A cut is a point of a side at which the nearest site changes.
 class BisectorBorders {
  public:
   /// Finds the borders. `boundary` has the polygon's corners and cuts in order, and `cuts` the indices of the cuts in
-  /// it. New points are numbered from `first_point` on. Returns false if not all borders are bisectors, or if cells and
-  /// cuts are inconsistent by rounding.
+  /// it. New points are numbered from `first_point` on. Tolerances are relative to `size`, that of the face in mesh
+  /// units. Returns false if not all borders are bisectors, or if cells and cuts are inconsistent by rounding.
   bool find(const FaceDistances& distances, const Active& active, std::span<const Eigen::Vector2d> polygon,
             std::span<const BoundaryVertex> boundary, std::span<const std::size_t> cuts, std::int32_t first_point,
             double size);
@@ -32,8 +33,8 @@ class BisectorBorders {
 
   std::size_t pieces() const { return cells_.images().size(); }
   std::int32_t site_of_piece(std::size_t image) const { return cells_.images()[image].site; }
-  /// Appends the corners of an image's piece; none if the image has no cell. Ends of borders are written as place(end),
-  /// so that all pieces have exactly the same corner there.
+  /// Appends the corners of an image's piece, which is its cell; none if the cell is empty. A corner at which borders
+  /// end is place(end), with the number of the end, so that all pieces have exactly the same corner there.
   template <typename Place>
   void write_piece(std::size_t image, const Place& place, std::vector<Eigen::Vector2d>& corners) const {
     const BisectorCells::Cell& cell = cells_.cells()[image];
@@ -45,8 +46,8 @@ class BisectorBorders {
   }
 
  private:
-  /// Key of an end of borders: the two images on its sides, and the third image or polygon side that it meets, as in
-  /// BisectorCells::Corner, ascending.
+  /// Key of a point at which borders end: the three images that meet there, or two images and a side of the polygon,
+  /// ascending. Images and sides are numbered as in BisectorCells::Corner.
   using EndKey = std::array<std::int32_t, 3>;
   /// A point of a polygon's side at which images of two sites meet.
   struct Crossing {
@@ -76,7 +77,7 @@ class BisectorBorders {
   std::int32_t first_point_ = 0;
   std::vector<Crossing> crossings_;
   std::vector<HalfBorder> half_borders_;
-  std::vector<std::pair<EndKey, std::int32_t>> ends_;  ///< ends of borders, as FaceBorder counts them
+  std::vector<std::pair<EndKey, std::int32_t>> ends_;  ///< ends of borders, numbered as in FaceBorder
   std::vector<FacePoint> points_;
   std::vector<FaceBorder> borders_;
 };

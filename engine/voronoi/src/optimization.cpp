@@ -65,7 +65,8 @@ void check(const OptimizationOptions& options, std::size_t sites) {
 /// Curvature condition of the line search: the slope at the end of a step relative to that at its start.
 constexpr double max_slope_ratio = 0.9;
 
-/// Only the residuals of areas can nearly vanish, and with them the terms that the Gauss-Newton Hessian neglects.
+/// Whether steps use Gauss-Newton Hessians: by default only for equal areas alone. The residuals of no other objective
+/// can nearly vanish, and with them the terms that these Hessians neglect.
 bool uses_gauss_newton(const OptimizationOptions& options) {
   const ObjectiveWeights& w = options.weights;
   if (options.method != OptimizationMethod::automatic) return options.method == OptimizationMethod::gauss_newton;
@@ -187,8 +188,8 @@ class Search {
   }
 
  private:
-  /// Minimizes from the present state. `step_length` is that of the pass of single-site moves that led there, 0 if
-  /// there was none.
+  /// Minimizes from the present state. `step_length` is that of the steps without steep sites and the single-site moves
+  /// that led there, 0 if there were none.
   numerics::MinimizerTermination minimize(double step_length) {
     bool is_start = true;
     if (!result_.history.empty()) ++result_.iterations;
@@ -283,7 +284,8 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
   minimizer.gradient_tolerance = result.gradient_tolerance;
   minimizer.step_tolerance = 1e-12 * unit;
   minimizer.first_step = unit * unit;
-  // At edges of the mesh the positions of corners in space have kinks, along which minima lie.
+  // At edges of the mesh the positions of corners in space have kinks, along which minima lie. This condition makes
+  // L-BFGS proceed along kinks.
   if (options.weights.planarity > 0) minimizer.slope_contraction = max_slope_ratio;
   SiteMoves moves(std::make_shared<const DiagramEvaluator>(solver, quantities_of(options, false)), terms, fixed, unit);
   Search(options, system, fixed, std::move(minimizer), std::move(moves), execution, result).run();

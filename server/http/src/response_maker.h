@@ -18,12 +18,12 @@ class ResponseMaker {
                 std::vector<std::pair<std::string, std::string>> headers)
       : router_(router), render_(std::move(render)), report_(std::move(report)), headers_(std::move(headers)) {}
 
-  /// The response of the request's handler. If the request is refused, or the handler throws, that of the problem.
+  /// The handler's response or, if the request is refused or the handler throws, one that describes the problem.
   Response answer(Connection& connection) const;
-  /// The response that tells of an exception, which is reported if nobody expects it.
+  /// The response that describes an exception. An exception that becomes "server.internal" is also reported.
   Response of_exception(const std::exception_ptr& exception, const Request& request) const;
   Response of_problem(const problem::Problem& problem, const Request& request) const;
-  /// Reports an exception that the client is not told.
+  /// Reports the text of an exception, which the client does not get, with the request's method and path.
   void report(const std::exception_ptr& exception, const Request& request) const;
 
  private:

@@ -20,12 +20,12 @@ class FairQueue {
   /// Throws "job.queue_full" if there is no place for the job, and "job.client_queue_full" if too many jobs of its
   /// client wait.
   void require_place(const Computation& computation) const;
-  /// A job that `is_paused` has its place, and is not run.
+  /// Adds a job at the end. A paused job counts for the limits, but next() does not return it.
   void add(const JobPointer& job, bool is_paused);
   void pause(const Job& job, bool is_paused);
   void remove(const Job& job);
-  /// The job to run next: the first one of the client with the fewest running jobs. Last attempts run one at a time.
-  /// Null where no job may run now.
+  /// The job to run next: the first one of the client with the fewest running jobs. Null if no job may run now. Only
+  /// one job at a time runs its last attempt (JobQueue), since such a job may make the process crash.
   JobPointer next() const;
   /// The jobs that are not paused and whose stop has been requested.
   std::vector<JobPointer> stopped_jobs() const;
@@ -33,11 +33,11 @@ class FairQueue {
   std::size_t size() const { return entries_.size(); }
 
   void begin(const Job& job);
-  /// A worker is free again whose job was one of this client.
+  /// Counts one running job of the client less, since its worker is free again.
   void end(const std::string& client);
   bool is_last_attempt(const Job& job) const;
   void set_last_attempt_runs(bool runs) { last_attempt_runs_ = runs; }
-  /// Notes the seconds that a worker took for a job, from which clients are told when to try again.
+  /// Notes the seconds that a worker took for a job. Their average tells refused clients when to try again.
   void note_time(double seconds);
 
  private:
@@ -50,7 +50,7 @@ class FairQueue {
 
   const QueueOptions& options_;
   std::deque<Entry> entries_;
-  std::int64_t bytes_ = 0;  // bytes of memory that the jobs hold
+  std::int64_t bytes_ = 0;  // memory of the jobs in the queue
   std::map<std::string, int> running_;
   bool last_attempt_runs_ = false;
   double mean_seconds_ = 0;  // moving average of the time that a worker takes for a job

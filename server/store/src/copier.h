@@ -21,7 +21,7 @@ void make_folders(const DataPaths& paths);
 /// Copies a database as it is at this moment to `to`. Others may write to `from` meanwhile.
 void copy_database(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// File name without its suffix, in a data folder with a database of its own.
+/// Name of a file, without its suffix, in the data folder of a LocalStore.
 inline std::string stem_in_data_folder(const StoredFile& file) { return file.id; }
 
 /// Copies the files of a store.
@@ -47,7 +47,7 @@ class Copier {
   const DataPaths to_;
   std::string (*const stem_)(const StoredFile&);
   std::set<std::filesystem::path> copied_;   ///< paths of the copies
-  std::set<std::filesystem::path> current_;  ///< paths of the copies that the last call of copy_files wants
+  std::set<std::filesystem::path> current_;  ///< paths of the copies that the last call of copy_files asked for
   CopyReport copy_;
 };
 

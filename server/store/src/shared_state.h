@@ -18,7 +18,7 @@
 
 namespace supple::store {
 
-/// What the parts of a shared store have in common.
+/// What the parts of a shared store (SharedStore) have in common in one of the servers that use it.
 struct SharedState {
   using SteadyClock = std::chrono::steady_clock;
 
@@ -35,11 +35,11 @@ struct SharedState {
   bool is_recount_due() const;
   void add(Category category, std::int64_t bytes);
   Usage usage_now() const;
-  /// Whether so many bytes fit by the last count.
+  /// Whether `bytes` more fit into the store, by the last count and what this server has added since.
   bool fits(Category category, std::int64_t bytes) const;
-  /// Makes room for bytes that are about to be written. If there is too little, the oldest results of all servers
-  /// expire, then the oldest ones of the owner. `job` is the job that the bytes belong to. Throws "store.quota",
-  /// "store.key_quota".
+  /// Makes room for `bytes` that are about to be written. The oldest results expire, until the bytes fit into the limit
+  /// of the store, and then the oldest ones of `owner`, until they fit into its own limit. The other bytes of `job`, to
+  /// which they belong, do not count for the owner. Throws "store.quota", "store.key_quota".
   void make_room(Category category, std::int64_t bytes, const std::string& owner, const std::string& job);
   OwnerUsage owner_usage(const std::string& owner, const std::string& without_job);
 
@@ -58,12 +58,12 @@ struct SharedState {
   /// The job for which an SQL condition with one parameter is true.
   std::optional<JobRecord> find_job(const char* condition, const std::string& value);
 
-  /// Whether a file is missing or differs from its row because another server is removing both. Waits for the commit of
-  /// that server. `table` is "meshes" or "jobs".
+  /// Whether `fault` says that a file is missing or damaged, and the reason is that another server has removed its row.
+  /// Waits for the commit of a server that is removing it. `table` is "meshes" or "jobs".
   bool was_removed(const Error& fault, const std::string& table, const std::string& id);
 
-  /// Moves orphaned files, which no row names, into quarantine. Does this at most once in `orphan_age`. The row of a
-  /// younger file may not be committed yet.
+  /// Moves files that no row names into quarantine, and deletes half-written ones, if they are older than `orphan_age`.
+  /// The row of a younger file may not be committed yet. Does this at most once in `orphan_age`.
   void quarantine_orphans();
   static void remove_file(const std::filesystem::path& file);
 
@@ -79,7 +79,7 @@ struct SharedState {
   Usage usage_of_all_servers;
   SteadyClock::time_point counted_at{};
   SteadyClock::time_point next_orphan_scan = SteadyClock::now() + orphan_age;
-  std::map<std::string, std::int64_t> unwritten_uses;  ///< times of use of meshes that the database does not have yet
+  std::map<std::string, std::int64_t> unwritten_uses;  ///< times of use that the database does not have yet, by mesh
   std::map<std::string, SteadyClock::time_point> confirmed_meshes;  ///< when the database was last seen to have a mesh
 };
 

@@ -13,7 +13,7 @@ namespace supple::store {
 /// The kinds of files whose bytes are counted.
 enum class Category { meshes, results, requests };
 
-/// Number of bytes that have to be removed before so many new ones fit into the limit of all data. Throws ProblemError
+/// Number of bytes that have to be removed before `bytes` new ones fit into the limit of all data. Throws ProblemError
 /// "store.quota" where removing all results would not make enough room, and for meshes beyond their own limit.
 std::int64_t excess_bytes(const Usage& usage, Category category, std::int64_t bytes);
 
@@ -32,7 +32,7 @@ class UsageCounter {
   void count_quarantine();
   void add(Category category, std::int64_t bytes);
 
-  /// Adds so many bytes and returns 0; or adds nothing and returns excess_bytes(), which may throw.
+  /// Adds `bytes` and returns 0 if they fit. Otherwise adds nothing and returns excess_bytes(), which may throw.
   std::int64_t try_add(Category category, std::int64_t bytes);
   /// Throws ProblemError "store.quota" for bytes that do not fit into the limit of all data.
   [[noreturn]] void refuse(Category category, std::int64_t bytes) const { refuse_store(usage(), category, bytes); }

@@ -25,8 +25,8 @@ enum class SpringLength { geodesic, euclidean };
 /// The state at the start or after an iteration.
 struct RelaxationStep {
   double energy = 0;  ///< unit of the weights times squared mesh units
-  /// |grad E| by tangent coordinates of the free points. If a path is kept at its cut locus, E has several gradients
-  /// there, and this is the least norm of their convex combinations.
+  /// |grad E| by tangent coordinates of the free points. If a path under compression stays at its cut locus, E has
+  /// several gradients there, and this is the least norm of their convex combinations.
   double gradient_norm = 0;
   double step_length = 0;     ///< norm of the points' displacements from the state before, mesh units; 0 at the start
   double regularization = 0;  ///< added to the Hessian's diagonal for that step
@@ -45,7 +45,7 @@ struct RelaxationOptions {
   /// Smoothing of path lengths next to vertices [Thesis, eq. 3.12]. `automatic` first searches without it. Only if that
   /// does not converge and a path passes through a vertex, it goes on with the mollifier from where the search ended.
   Switch mollifier = Switch::automatic;
-  /// The mollifier's length as a fraction of an edge, in (0, 0.5].
+  /// The mollifier's length as a fraction of each edge that a path crosses, in (0, 0.5].
   double mollifier_length = 1e-6;
   /// Whether the strip of faces that a spring crossed in the state before is unfolded first. A search for the shortest
   /// path follows only if a shorter one cannot be excluded. Never changes the answer. automatic: on.
@@ -83,10 +83,9 @@ enum class RelaxationTermination {
   /// The gradient is within its tolerance. Springs or sides under compression may be at their cut loci, where the force
   /// on an end is a convex combination over the shortest paths.
   converged,
-  /// A gradient is left, but no step lowers the energy, since a length under compression is at its cut locus and not
-  /// differentiable. Steps of the other points with the ends of such paths fixed were tried too, and steps of these
-  /// ends
-  /// singly, in pairs and together.
+  /// A gradient is left, but no step lowers the energy, since a path under compression is at its cut locus, where its
+  /// length is not differentiable. Steps of the other points with the ends of such paths fixed were tried too, and
+  /// steps of these ends singly, in pairs and together.
   cut_locus,
   step_too_small,
   iteration_limit
@@ -118,8 +117,8 @@ struct HostState {
   std::vector<Term> terms;
   std::vector<Eigen::Vector3d> vertices;                ///< positions of the surface's vertices
   std::vector<Eigen::Vector3d> inside;                  ///< positions of a solid's other nodes
-  std::vector<std::array<std::int32_t, 4>> tetrahedra;  ///< nodes of a solid's elements; the vertices come first
-  double largest_displacement = 0;                      ///< that of any node, mesh units
+  std::vector<std::array<std::int32_t, 4>> tetrahedra;  ///< indices into `vertices` followed by `inside`
+  double largest_displacement = 0;                      ///< maximum over all nodes, mesh units
   double volume_ratio = 0;  ///< ratio of the volume in a closed surface to that at rest; 0 for an open surface
 };
 
@@ -127,8 +126,8 @@ struct Relaxation {
   std::vector<surface::SurfacePoint> points;
   std::vector<SpringState> springs;
   std::vector<TriangleState> triangles{};
-  double energy = 0;                   ///< of network and host together
-  double network_energy = 0;           ///< of springs and triangles
+  double energy = 0;                   ///< energy of network and host together
+  double network_energy = 0;           ///< energy of springs and triangles
   HostState host{};                    ///< empty on a rigid host
   std::vector<LoadIncrement> stops{};  ///< one for each position of a moving host or of moved vertices
   double gradient_norm = 0;

@@ -133,7 +133,7 @@ struct Diagram {
   /// Faces that several cells have a part of are cut into pieces. Every other face belongs to one site.
   std::vector<std::int32_t> face_sites;  ///< site of each face; -1 if the face is cut, -2 if no path leads to a site
   std::vector<DiagramPiece> pieces;      ///< pieces of the cut faces, ascending by face
-  std::vector<Eigen::Vector3d> corners;  ///< of the pieces: barycentric coordinates in their faces
+  std::vector<Eigen::Vector3d> corners;  ///< corners of the pieces: barycentric coordinates in their faces
   /// Distance gradients at the Voronoi vertices, one for each entry of DiagramVertex::sites, vertex by vertex. An entry
   /// that is not available has the site -1. Empty unless requested.
   std::vector<SiteDistanceGradient> vertex_gradients;
@@ -174,7 +174,7 @@ struct DiagramStatistics {
   };
   Spread edge_length;      ///< geodesic distance between the vertices of an edge, mesh units
   Spread planarity;        ///< distance of a cell's vertices from the plane that fits them best, mesh units
-  Spread area;             ///< of cells, squared mesh units
+  Spread area;             ///< area of cells, squared mesh units
   Spread vertex_distance;  ///< distance of a cell's vertices from its site over the cell's mean; 1 if regular
 };
 DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagram& diagram,

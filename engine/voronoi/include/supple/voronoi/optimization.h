@@ -69,7 +69,7 @@ struct OptimizationOptions {
   std::function<void(const OptimizationStep& step, const Diagram& diagram)> observer{};
 };
 
-/// Statistics of the searches for lower energies after a step for all sites has failed to lower it.
+/// Statistics of the searches that follow when a step for all sites fails to lower the energy.
 struct SiteMoveTrials {
   /// Number of such failures. After each of them, the sites of far the largest gradients are fixed for some iterations.
   int held_searches = 0;
@@ -82,7 +82,7 @@ struct SiteMoveTrials {
 };
 
 struct Optimization {
-  Diagram diagram;  ///< of the optimized sites
+  Diagram diagram;  ///< diagram of the optimized sites
   struct Term {
     std::string name;   ///< "edge_length", "planarity", "regularity", "centroidal" or "equal_area"
     double energy = 0;  ///< weighted
@@ -105,8 +105,9 @@ struct Optimization {
 ///
 /// The energy has kinks and jumps, next to which no step for all sites may lower it. Then the few sites whose gradients
 /// are far above the others' are fixed temporarily, and steps go on for the others. If this gains little, a pass moves
-/// single sites by themselves (SiteMoveTrials). Then steps for all sites go on. Everything between two such sequences
-/// of steps counts as one iteration. A pass costs a few hundred diagrams. If sites are few, these are local rebuilds.
+/// single sites by themselves (SiteMoveTrials). Then steps for all sites go on. Everything between two sequences of
+/// steps for all sites counts as one iteration. A pass costs a few hundred diagrams, of which those that move few sites
+/// are only recomputed around them.
 ///
 /// Bills "propagation", "cells", "derivatives", "step", one effect for each term, and the quantity "site_moves". Throws
 /// what `diagram` throws, "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance,

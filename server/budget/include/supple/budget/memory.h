@@ -24,7 +24,7 @@ struct MemoryLimits {
 /// Reads the limits of the machine, of the control groups (version 2 or 1) and of the process.
 MemoryLimits memory_limits();
 
-/// Default values of the server's memory settings, in bytes; fractions of what the process may use.
+/// Default values of the server's memory settings, in bytes. They are fractions of the lower of the MemoryLimits.
 struct MemoryDefaults {
   std::int64_t requests = 0;  ///< all requests and computations: half
   std::int64_t request = 0;   ///< one request: a quarter, at least 1 GiB
@@ -59,7 +59,7 @@ class MemoryBudget {
     Reservation& operator=(Reservation&& other) noexcept;
 
     /// Reserves `bytes` more for `what` ("the body"). Throws ProblemError "request.too_much_memory" (413) beyond the
-    /// limit of one request, and "server.out_of_memory" (503) beyond the limit of all requests or of the process. It
+    /// limit of one request, and "server.out_of_memory" (503) beyond the limit of all requests or of the process, and
     /// reserves nothing then. Without a budget it does nothing.
     void add(std::int64_t bytes, const std::string& what);
     void release() noexcept;
