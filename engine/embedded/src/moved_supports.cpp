@@ -11,8 +11,8 @@
 namespace supple::embedded {
 namespace {
 
-/// Fraction of a load increment over which gradients are subtracted for the tangent. Rounding and curvature cause
-/// errors of about the same size there.
+/// Fraction of a load increment over which the energy's gradient is differenced for the tangent of the equilibrium
+/// path. Rounding and truncation cause errors of about the same size there.
 constexpr double tangent_fraction = 1e-6;
 /// The first shift of a convex matrix that cannot be factorized without one, in mean entries of its diagonal.
 constexpr double min_shift = 1e-8;

@@ -12,12 +12,12 @@
 namespace supple::embedded {
 namespace {
 
-/// Motion of the surface over which gradients are subtracted for the tangent, in diagonals. Rounding and curvature
-/// cause errors of about the same size there.
+/// Largest motion of a vertex, in mesh diagonals, over which the energy's gradient is differenced for the tangent of
+/// the equilibrium path. Rounding and truncation cause errors of about the same size there.
 constexpr double tangent_motion = 1e-7;
-/// Difference of the energy from the predicted one, relative to the energy, up to which an equilibrium is beyond doubt.
+/// Relative difference of the energy from the predicted one up to which `loss_on_return` is not needed.
 constexpr double max_predicted_difference = 1e-7;
-/// The tolerance of the gradient times this length, in diagonals, counts as no difference of energies.
+/// Energies that differ by at most the gradient's tolerance times this length, in mesh diagonals, count as equal.
 constexpr double rounding_length = 1e-6;
 
 }  // namespace
@@ -58,7 +58,7 @@ Eigen::VectorXd MovingNetwork::nodes_at(double load) const {
   const double before = std::min(std::floor(load), last - 1);
   const auto k = static_cast<std::size_t>(std::max(0.0, before));
   if (load <= 0 || positions_.size() == 1) return positions_.front();
-  // Interpolation would round the coordinates of a whole position.
+  // The last position is returned itself, because interpolation would round its coordinates.
   if (const double fraction = load - static_cast<double>(k); fraction < 1)
     return positions_[k] + fraction * (positions_[k + 1] - positions_[k]);
   return positions_[k + 1];
@@ -94,7 +94,7 @@ void MovingNetwork::place(double load, const std::vector<surface::SurfacePoint>&
 // their barycentric coordinates. That is accurate enough here and costs one gradient.
 void MovingNetwork::begin_step() {
   start_energy_ = system_->evaluate(0).value;
-  start_ = state();  // after the evaluation, which has brought paths back to their cut loci
+  start_ = state();  // read after the evaluation, which moves the ends of paths to their cut loci
   tangent_ = Eigen::VectorXd::Zero(unknowns_.degrees_of_freedom());
   has_factors_ = false;
   const double motion = (nodes_at(target_) - nodes_at(load_)).lpNorm<Eigen::Infinity>();
@@ -107,7 +107,7 @@ void MovingNetwork::begin_step() {
   const double fraction = std::min(1.0, tangent_motion * solver_->mesh().diagonal() / motion);
   if (!add_gradient_change(fraction, unbalanced, own_change)) return;
   Eigen::VectorXd answer = -cholesky_.solve(unknowns_.restrict(unbalanced)) / fraction;
-  // The ends of paths at cut loci have followed these.
+  // The evaluation ahead has moved the ends of paths to their cut loci, which move with the surface.
   if (own_change.size() > 0) answer += unknowns_.restrict(own_change) / fraction;
   if (!answer.allFinite()) return;
   tangent_ = unknowns_.expand(answer);
@@ -186,8 +186,8 @@ bool MovingNetwork::is_doubtful(double energy) const {
   return std::abs(decrease - predicted_decrease_) > max_predicted_difference * std::abs(energy) + energy_rounding();
 }
 
-// If an equilibrium was lost in the increment, the one that was found instead can be followed back past that place. It
-// is followed as in a load increment: points that are only carried back may return to the equilibrium that was lost.
+// If the equilibrium was lost in the increment, the one found instead has another energy when the surface has moved
+// back. A prediction is made, because points that only the surface carries back may return to the lost equilibrium.
 double MovingNetwork::loss_on_return(const numerics::MinimizerOptions& options) {
   const State here = state();
   const State from = start_;

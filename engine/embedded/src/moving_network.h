@@ -64,17 +64,17 @@ class MovingNetwork {
   /// Whether the energy of the equilibrium that was found from the last prediction differs from what the Hessian at the
   /// start of the load increment predicts. Otherwise it is the continuation of the equilibrium at the start.
   bool is_doubtful(double energy) const;
-  /// Moves the surface back to the start of the load increment and minimizes from the present equilibrium. Returns the
-  /// difference of the resulting energy from the one that was there, relative to it: if it is not zero, an equilibrium
-  /// was lost in the increment. The present state stays. Costs a minimization.
+  /// Moves the surface back to the start of the load increment and minimizes from the present equilibrium. Returns how
+  /// much the energy differs from that at the start, relative to the larger of the energies at both ends: if it is not
+  /// zero, an equilibrium was lost in the increment. The present state stays. Costs a minimization.
   double loss_on_return(const numerics::MinimizerOptions& options);
 
  private:
   Eigen::VectorXd nodes_at(double load) const;
   std::shared_ptr<const surface::GeodesicSolver> surface_at(double load) const;
   /// Adds to `unbalanced` the gradient after this fraction of the load increment, in which points keep their
-  /// barycentric coordinates; `own_change` becomes what brought paths back to their cut loci. False where the energy is
-  /// not finite.
+  /// barycentric coordinates; `own_change` becomes the step that moves ends of paths back to their cut loci. False
+  /// where the energy is not finite.
   bool add_gradient_change(double fraction, Eigen::VectorXd& unbalanced, Eigen::VectorXd& own_change) const;
   double energy_rounding() const;
 

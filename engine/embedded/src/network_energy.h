@@ -28,9 +28,8 @@ namespace supple::embedded {
 ///   the others undergo. The gradient there is the steepest descent of all directions, zero at a minimum (ConeForces).
 /// - A point that is pushed across an edge of the boundary rests against it, and the gradient is what is left along the
 ///   edge (BorderContacts).
-/// - A path under compression has an energy that is the greatest of several pieces at its cut locus, one for each of
-/// the
-///   shortest paths: a valley with a kink at the bottom. A state may have paths that are kept there (CutLocus). Their
+/// - A path under compression has an energy that is the greatest of several pieces at its cut locus, one for each
+///   shortest path: a valley with a kink at the bottom. A state may have paths that are kept there (CutLocus). Their
 ///   ends move along the valley only. The length's derivatives are then the convex combination of those of the shortest
 ///   paths that leaves the least gradient: E is stationary in the sense of [Clarke1983] where nothing is left, and
 ///   Newton's method converges as elsewhere. A path that would keep its ends there without the others is released.

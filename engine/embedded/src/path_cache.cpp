@@ -9,9 +9,9 @@
 namespace supple::embedded {
 namespace {
 
-/// Paths whose derivatives by the nodes of the host one task computes.
+/// Number of paths whose lengths one task differentiates by the host's nodes.
 constexpr std::size_t paths_of_a_task = 4;
-/// Number of states whose memory is used again.
+/// Maximum number of FoundPaths whose memory is used again once no state refers to them.
 constexpr std::size_t max_allocated = 8;
 
 }  // namespace
@@ -34,8 +34,8 @@ PathCache::Found PathCache::find(NetworkState& state, const Execution& execution
     pairs_[i].to = points[static_cast<std::size_t>(paths[i].to)];
   }
   const StageTimer timer(execution.cost, "search");
-  // The searches count their windows in a ledger of their own, so that the time is billed once. Progress is that of the
-  // minimization.
+  // The searches count their windows in a ledger of their own, because `timer` bills their time. They report no
+  // progress, because the minimization does.
   CostLedger counted;
   const Execution own{execution.cancellation, nullptr, execution.cost ? &counted : nullptr};
   result.paths = unused_paths();

@@ -10,13 +10,12 @@
 namespace supple::embedded {
 
 /// A small stiffness of every point that is added to Newton's matrix and not to the energy, so that equilibria are the
-/// same with and without it. Without it, rounding would move a followed network that can spin or drift freely by half
-/// the host, because it has a direction without stiffness. In all other directions Newton's method converges linearly,
-/// by a factor of about a millionth in each step, instead of quadratically (the proximal point method,
-/// [Rockafellar1976]).
+/// same with and without it. A network that can spin or drift freely has a direction without stiffness, in which
+/// rounding alone could move it across half of the host. In all other directions Newton's method converges linearly, by
+/// a factor of about a millionth in each step, instead of quadratically (the proximal point method, [Rockafellar1976]).
 class PointDamping : public numerics::Term<NetworkState> {
  public:
-  /// Takes ConstrainedPoints::stiffness.
+  /// `stiffness` is ConstrainedPoints::stiffness: one for each point, energy per squared mesh unit.
   explicit PointDamping(std::vector<double> stiffness) : stiffness_(std::move(stiffness)) {}
 
   std::string_view name() const override { return "point_damping"; }

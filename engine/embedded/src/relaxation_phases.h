@@ -54,7 +54,7 @@ class RelaxationHistory {
   std::vector<RelaxationStep> steps_;
 };
 
-/// Relative difference of the energy on the way back up to which it is that of the same equilibrium.
+/// Going back to an earlier load has found the same equilibrium if the energies differ by at most this fraction.
 inline constexpr double same_equilibrium = 1e-7;
 
 /// Where a phase ended and the next one begins.

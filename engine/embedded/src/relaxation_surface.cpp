@@ -19,8 +19,8 @@ using Termination = numerics::MinimizerTermination;
 /// after increments shorter than the second do, too.
 constexpr double min_surface_increment = 1.0 / 64;
 constexpr double min_unfinished_increment = 1.0 / 8;
-/// Relative difference of the energy on the way back up to which the equilibrium is so near that shorter increments
-/// would hardly find a nearer one.
+/// If going back to the load before finds an energy that differs by at most this fraction, the equilibrium is so near
+/// the lost one that shorter increments would hardly find a nearer one.
 constexpr double near_equilibrium = 1e-2;
 /// A load increment with at most this many iterations lets the next one be twice as long.
 constexpr int quick_iterations = 6;

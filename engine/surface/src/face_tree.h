@@ -12,9 +12,8 @@
 
 namespace supple::surface {
 
-/// The bounding boxes of a mesh's faces in a balanced tree. Node k contains the faces order_[begin] to order_[end - 1].
-/// Its children 2 k + 1 and 2 k + 2 contain one half each. Building takes O(n log n); memory is about 30 bytes per
-/// face.
+/// The bounding boxes of a mesh's faces in a balanced tree. Node k contains a range [begin, end) of `order_`, its
+/// children 2 k + 1 and 2 k + 2 one half each. Building takes O(n log n); memory is 28 to 52 bytes per face.
 class FaceTree {
  public:
   using Box = Eigen::AlignedBox3d;
@@ -33,8 +32,8 @@ class FaceTree {
     if (!order_.empty()) search_box(0, 0, static_cast<std::int32_t>(order_.size()), box, visit);
   }
 
-  /// Calls visit(f, limit) for each face whose box is at most sqrt(limit) from p, in ascending order of the boxes'
-  /// distances as far as the tree allows. `limit` is infinite at first, and `visit` may lower it.
+  /// Calls visit(f, limit) for all faces of each leaf whose box is at most sqrt(limit) from p. The nearer child of each
+  /// node comes first. `limit`, a squared distance, is infinite at first, and `visit` may lower it.
   template <typename Visit>
   void visit_nearest(const Eigen::Vector3d& p, Visit&& visit) const {
     double limit = std::numeric_limits<double>::infinity();

@@ -41,15 +41,15 @@ constexpr std::size_t max_start_candidates = 5;
 
 /// Steps shorter than this fraction of the mesh diagonal do not move a point in double precision.
 constexpr double min_step = 1e-16;
-/// On an exact model, a line search succeeds within a few halvings, or the state is at a kink. The minimizer tries
-/// kinks by themselves.
+/// Derivatives are exact, so a line search succeeds after a few backtracks unless the state is at a kink. The minimizer
+/// tries kinks separately (KarcherVertexSearch).
 constexpr int max_backtracks = 30;
-/// At this multiple of the Hessian's diagonal, a step is a thousand times shorter than the gradient step.
+/// Regularization, in multiples of the Hessian's scale, at which a step is a thousandth of the Newton step.
 constexpr double max_regularization = 1e3;
 
-/// If the minimizer ends at a kink, near a cut locus or without a step, E is probed in this many directions, at this
-/// fraction of the mean edge length. It is near enough to show the slope of a kink, and far enough for the slope to
-/// exceed rounding.
+/// If the minimizer ends at a kink, near a cut locus or because it finds no step, the objective E (SquaredDistances) is
+/// probed in this many directions, at this fraction of the mean edge length. That is near enough to show the slope of a
+/// kink, and far enough for the slope to exceed rounding.
 constexpr int probe_directions = 16;
 constexpr double probe_radius = 1e-3;
 /// A probe counts as lower if it decreases E by more than this fraction, which is well above E's rounding.
@@ -206,7 +206,7 @@ std::int64_t expected_evaluations(MinimizationMethod method) {
   return expected_evaluations_descent;
 }
 
-/// Chooses the search that the request or the counts so far demand, and bills the reason.
+/// Chooses the search for distances by the request or by the windows counted so far, and bills the reason.
 void choose_search(AnchorDistances& distances, const KarcherProblem& problem, const Execution& execution) {
   const AnchorSearchFacts facts = distances.facts(problem.starts * expected_evaluations(problem.method));
   AnchorSearchChoice choice = cheapest_search(facts);
@@ -272,7 +272,7 @@ class Search {
          const std::vector<double>& weights, const SurfacePoint& start, const Execution& execution)
       : mesh_(mesh),
         term_(std::make_shared<SquaredDistances>(mesh, distances, weights)),
-        // All derivatives are computed with the distances.
+        // The order is 2 at least, because derivatives are computed together with the distances.
         system_(KarcherState(mesh, start), {term_}, numerics::Unknowns(2), {.execution = execution, .min_order = 2},
                 std::make_shared<KarcherVertexSearch>(mesh)),
         options_(minimizer_options(problem, mesh_.diagonal())),
@@ -286,7 +286,7 @@ class Search {
       const numerics::MinimizerResult result = numerics::minimize(system_, options_, execution_);
       append(result);
       stop = result.stop;
-      // Only at a cut locus, at a tip or if no step was found can a point next to this one be lower.
+      // A point next to this one can be lower only at a cut locus, at the tip of a cone, or if no step was found.
       if (stop == numerics::MinimizerTermination::iteration_limit || probes == max_probes ||
           mean_.iterations >= max_iterations_)
         break;

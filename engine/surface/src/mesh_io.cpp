@@ -19,7 +19,7 @@ bool begins_with_off_keyword(std::string_view bytes) {
   while (scanner.next_line()) {
     scanner.cut_comment();
     const std::string_view word = scanner.token();
-    // Keywords of OFF in other dimensions, such as 4OFF, are reported by the reader.
+    // A word such as 4OFF counts too, because read_off then explains that other dimensions are not read.
     if (!word.empty()) return (word.size() <= 8 && word.ends_with("OFF")) || read_off_keyword(word);
   }
   return false;

@@ -3,8 +3,8 @@
 namespace supple::surface {
 namespace {
 
-/// Widths of the queue's buckets, in mean edge lengths. Wider buckets gather larger batches, but waste more work. A
-/// search for a pair has narrower ones, because it processes the whole bucket with the target's distance.
+/// Widths of the queue's buckets, in mean edge lengths. In wider buckets more windows are processed together, but more
+/// work is wasted. A search for a pair has narrower ones, because work in its last bucket beyond the target is wasted.
 constexpr double field_bucket_width = 0.5;
 constexpr double goal_bucket_width = 0.03;
 

@@ -10,8 +10,8 @@
 
 namespace supple::http {
 
-/// Counts and limits the bytes of bodies that have not arrived completely, for each client and in total. They wait for
-/// their senders, so they may take only a part of the memory of requests. Any thread may call.
+/// Counts and limits the bytes of bodies that have not arrived completely, for each client and in total. A slow sender
+/// occupies them for long, so they get only a part of the memory for requests. Any thread may call.
 class ArrivingBodies {
  public:
   /// Bytes at the start of each body that are not counted, so that small bodies arrive whatever others send.

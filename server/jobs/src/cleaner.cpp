@@ -28,7 +28,7 @@ void Cleaner::remove_expired() {
     store_.jobs().remove_expired_jobs(store::now_milliseconds(), options_.max_jobs);
     if (options_.clean_up_too) options_.clean_up_too();
   } catch (const Error&) {
-    // Every request that needs the store says that it is unavailable. The next removal is a minute later.
+    // Nothing is logged: every request that needs the store reports it. The next removal is a minute later.
   }
 }
 

@@ -30,7 +30,7 @@ class ImmediateRunner {
 
   /// Refuses further computations.
   void refuse();
-  /// Waits until no computation runs, without those that are abandoned, or until `end`.
+  /// Waits until no computation runs except abandoned ones, or until `end`.
   void wait_until_idle(Clock::time_point end) const;
   void stop_all();
 
@@ -44,7 +44,7 @@ class ImmediateRunner {
   std::uint64_t enter(const CancellationToken& token);
   /// Returns since when the computation was overdue, if it was abandoned.
   std::optional<Watchdog::Overdue> leave(std::uint64_t number);
-  /// Returns whether others get what the computation holds.
+  /// Returns whether others get what the computation holds of its caller (see Waiting::answer_for_it).
   bool abandon(std::uint64_t number, const Watchdog::Overdue& overdue);
 
   const QueueOptions& options_;

@@ -13,8 +13,8 @@
 
 namespace supple::jobs {
 
-/// The unfinished jobs of this process and how far each is. It makes no input or output and calls nobody, so that its
-/// mutex is never locked for long: a computation that reports its progress needs it. The mutex is a leaf.
+/// The unfinished jobs of this process and how far each is. It does no input or output and calls nobody, so that its
+/// mutex is never locked for long: a computation that reports progress needs it. No other is locked while it is.
 ///
 /// One thread gets the right to end a job (`claim_end`), stores its end without any mutex, and then completes or
 /// releases it. While the row of a job is being written, neither its phase nor its record changes.
@@ -34,7 +34,7 @@ class JobBoard {
   bool row_failed(Job& job);
 
   struct Start {
-    std::optional<store::JobRecord> record;  ///< what the store is to be told; empty where it has no row
+    std::optional<store::JobRecord> record;  ///< what the store has to write; empty if the job has no row
   };
   /// A worker starts a job that waits. Nothing if another thread ends it.
   std::optional<Start> start(Job& job);

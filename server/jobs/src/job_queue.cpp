@@ -58,7 +58,7 @@ struct JobQueue::Parts {
   JobReader reader;
   Admission admission;
   Cleaner cleaner;
-  std::optional<LeaseKeeper> lease_keeper;  // in a shared store
+  std::optional<LeaseKeeper> lease_keeper;  // set if servers share the store
   std::optional<RepeatingThread> cleaner_thread;
   std::optional<RepeatingThread> keeper_thread;
 };

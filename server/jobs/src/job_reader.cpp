@@ -35,8 +35,8 @@ JobStatus JobReader::status(const std::string& id) const {
 
 std::vector<JobStatus> JobReader::list(std::optional<JobState> state, std::size_t limit, const std::string& after,
                                        const std::string& owner) const {
-  // The store may know a running job as accepted. So unfinished jobs are listed together, and memory tells their
-  // states. It has jobs as unfinished whose end it refused. While there are any, all jobs are listed.
+  // A running job may be accepted in the store, so unfinished jobs are listed together, and memory tells their states.
+  // Jobs whose end the store refused are unfinished there: while there are any, jobs of all states are listed.
   std::vector<JobState> in_store;
   if (state) in_store = is_finished(*state) ? std::vector{*state} : std::vector{JobState::accepted, JobState::running};
   if (journal_.has_refused_ends()) in_store.clear();

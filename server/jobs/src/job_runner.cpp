@@ -154,7 +154,7 @@ bool JobRunner::store_end(const JobPointer& job, JobBoard::Claim& claim, JobStat
         record.started = 0;
         --record.attempts;
       }
-      journal_.update(record);  // also if it waits: in a shared store, another server may take it now
+      journal_.update(record);  // also for a job that waits: in a shared store, another server may take it now
       return false;
     }
     problem = interrupted();

@@ -54,7 +54,7 @@ class JobRunner {
   /// Stores the end. False if another server has the job.
   bool store_end(const JobPointer& job, JobBoard::Claim& claim, JobState state, std::optional<Result> result,
                  std::exception_ptr failure);
-  /// What runs a job of another process again.
+  /// The computation that runs a job of another process again.
   Computation computation_again(const store::JobRecord& record);
 
   store::Store& store_;

@@ -44,7 +44,7 @@ void Journal::set_end(store::JobRecord& record, JobState state, const std::optio
 
 bool Journal::end(store::JobRecord& record, const Result* result) {
   auto written = write_end(record, result);
-  // Where the result does not fit, the reason often does.
+  // A store without room for the result often has room for the reason of the failure.
   if (written == Written::refused && result) written = write_end(record, nullptr);
   if (written == Written::refused) {
     const std::lock_guard lock(mutex_);
@@ -59,7 +59,7 @@ Journal::Written Journal::write_end(store::JobRecord& record, const Result* resu
     return store_.jobs().finish_job(record, result) || !is_shared ? Written::stored : Written::of_another_server;
   } catch (...) {
     const auto problem = problem::problem_of(std::current_exception());
-    // This server or another one runs the job once more.
+    // Once the lease of this server has ended, this or another server runs the job again.
     if (is_shared && problem.code == "store.unavailable") return Written::of_another_server;
     if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
     if (result) set_end(record, JobState::failed, problem);
@@ -78,7 +78,7 @@ void Journal::write_refused_ends() {
     try {
       store_.jobs().finish_job(record, nullptr);
     } catch (const Error&) {
-      return;  // the log has it since the first time, and the store would not take the others either
+      return;  // the first refusal was logged, and the store would refuse the other ends too
     }
     if (log_) log_("the end of job " + record.id + " is stored now");
     forget_refused_end(record.id);

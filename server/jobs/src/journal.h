@@ -17,7 +17,7 @@ class KeyIsUsed : public Error {
 };
 
 /// Writes jobs to the store, and holds in memory the ends that the store did not take. Its mutex guards those ends
-/// alone and is a leaf: the store is called without any mutex.
+/// alone, and is not locked while the store is called.
 class Journal {
  public:
   Journal(store::Store& store, const QueueOptions& options, JobQueue::Render render, JobQueue::Log log);

@@ -33,14 +33,14 @@ std::chrono::milliseconds LeaseKeeper::renew() {
 }
 
 bool LeaseKeeper::exchange() {
-  const auto known = board_.leased_jobs();  // before the store is asked
+  const auto known = board_.leased_jobs();  // read first, so that a job leased later is not taken for lost
   std::vector<store::JobProgress> progress;
   for (const auto& job : known)
     if (job.progress) progress.push_back(*job.progress);
   std::map<std::string, std::int64_t> leased;
   for (auto& [id, fencing_token] : leases_.renew_leases(progress)) leased.emplace(std::move(id), fencing_token);
   for (const auto& [job, fencing_token, version, new_progress] : known) {
-    if (new_progress) job->shared_version = version;  // not earlier: a renewal that failed has told nobody
+    if (new_progress) job->shared_version = version;  // set last: a failed renewal has told no other server
     const auto found = leased.find(job->id);
     if (found != leased.end() && found->second == fencing_token) {
       leased.erase(found);
@@ -60,7 +60,7 @@ bool LeaseKeeper::exchange() {
 void LeaseKeeper::take_over_unless_known(const std::string& id, std::int64_t fencing_token) {
   const auto is_known = [&] { return !scheduler_.idle_workers() || board_.has(id) || journal_.refused_end(id); };
   if (is_known()) return;
-  // The answer was lost to the call that leased it, or it has ended meanwhile.
+  // Either the answer to the call that leased the job was lost, or the job has ended meanwhile.
   auto record = jobs_.job(id);
   if (!record || is_finished(record->state) || record->fencing_token != fencing_token) return;
   if (!is_known()) runner_.take_over(*std::move(record));

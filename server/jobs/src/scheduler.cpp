@@ -56,7 +56,7 @@ void Scheduler::remove_seat(const Seat& seat) {
 }
 
 std::optional<Scheduler::Task> Scheduler::take(Seat& seat) {
-  std::vector<JobPointer> skipped;  // destroyed after the mutex is unlocked, since jobs hold what others have made
+  std::vector<JobPointer> skipped;  // destroyed after the mutex is unlocked: destructors of jobs run code of others
   std::unique_lock lock(mutex_);
   while (true) {
     JobPointer job;

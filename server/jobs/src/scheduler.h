@@ -14,14 +14,14 @@
 
 namespace supple::jobs {
 
-/// Decides which job runs next, on which worker, and which worker has to be replaced. It makes no input or output.
-/// While its mutex is locked, only those of the board and of the sessions are locked, which are leaves.
+/// Decides which job runs next, on which worker, and which worker has to be replaced. It does no input or output.
+/// While its mutex is locked, it locks at most those of the board and of the sessions, under which no other is locked.
 class Scheduler {
  public:
   /// The place of a worker thread.
   struct Seat {
     JobPointer job{};      ///< the job that it computes
-    std::string client{};  ///< client of its job, until the job is over too
+    std::string client{};  ///< client of its job, also after `set_computed` has reset `job`
     Clock::time_point begin{};
     bool is_last_attempt = false;
     std::optional<Watchdog::Overdue> abandoned{};  ///< set if its job is abandoned, so that another worker replaces it
@@ -30,8 +30,8 @@ class Scheduler {
   Scheduler(const QueueOptions& options, JobBoard& board, Sessions& sessions)
       : options_(options), board_(board), sessions_(sessions), queue_(options) {}
 
-  /// Queues a job and enters its session. One whose row is being written only gets its place, until `resume`. Throws
-  /// "server.shutting_down" and what FairQueue::require_place throws.
+  /// Queues a job and enters its session. A job whose row in the store is still being written only takes its place in
+  /// the queue, until `enter_session` and `resume`. Throws "server.shutting_down" and as FairQueue::require_place does.
   void admit(const JobPointer& job);
   /// Queues a job of an earlier process or of another server, whatever the limits. False if the job is known, or if
   /// this process shuts down.
@@ -47,7 +47,7 @@ class Scheduler {
   void remove_seat(const Seat& seat);
   struct Task {
     JobPointer job;
-    std::optional<store::JobRecord> record;  ///< what the store is to be told; empty where it has no row
+    std::optional<store::JobRecord> record;  ///< what the store has to write; empty if the job has no row
   };
   /// Waits for the next job of this worker; nothing when the workers end.
   std::optional<Task> take(Seat& seat);
@@ -61,8 +61,8 @@ class Scheduler {
     Watchdog::Overdue since;
     bool is_abandoned = false;
   };
-  /// Finds the jobs whose computations do not stop. They are abandoned, and their workers are to be replaced, as long
-  /// as no more than `workers` are.
+  /// Returns the jobs whose computations do not stop, and abandons them, so that their workers are replaced. At most
+  /// QueueOptions::workers jobs are abandoned at the same time.
   std::vector<LateJob> abandon_late_jobs();
   /// Number of workers that should replace those of abandoned jobs and do not exist yet.
   std::size_t missing_workers() const;
@@ -77,7 +77,7 @@ class Scheduler {
 
   /// Refuses further jobs, and requests the stop of those that wait.
   void refuse();
-  /// Waits until no job runs, without those that are abandoned, or until `end` if there is one.
+  /// Waits until no job runs except abandoned ones, or until `end` if there is one.
   void wait_until_idle(std::optional<Clock::time_point> end) const;
   /// Ends the workers that have no job.
   void end();
@@ -97,7 +97,7 @@ class Scheduler {
   mutable std::condition_variable idle_;
   FairQueue queue_;
   std::list<Seat> seats_;
-  std::size_t running_ = 0;         // jobs that run, without those that are abandoned
+  std::size_t running_ = 0;         // jobs that run, except abandoned ones
   std::size_t abandoned_jobs_ = 0;  // jobs whose workers are replaced
   bool refusing_ = false;
   bool ending_ = false;

@@ -10,8 +10,8 @@
 
 namespace supple::jobs {
 
-/// The latest unfinished computation of each session. Any thread may call. Its mutex is a leaf: nothing is called while
-/// it is locked.
+/// The latest unfinished computation of each session. Any thread may call. No other mutex is locked while
+/// its own one is.
 class Sessions {
  public:
   /// Requests the stop of the session's earlier computation, and takes its place. Returns the number to leave with.

@@ -7,8 +7,8 @@
 namespace supple::store {
 namespace {
 
-/// Bytes of a mesh (150), its solver (250), two pooled searches (60 each) and the search for nearest points (30), as
-/// their headers say. The rest is spare capacity of vectors.
+/// Bytes of a mesh (150), its solver (270), two pooled searches (100 each) and the search for nearest points (52 at
+/// most), as their headers say. The rest is spare capacity of vectors.
 constexpr std::int64_t bytes_per_face = 700;
 
 }  // namespace

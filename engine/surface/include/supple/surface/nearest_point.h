@@ -17,7 +17,7 @@ struct NearestPoint {
 };
 
 /// Finds nearest points with a tree of the faces' bounding boxes. Building it takes O(n log n), some tenths of a second
-/// for a million faces, and about 30 bytes per face. A search takes O(log n) for points near the surface. Searches may
+/// for a million faces, and 28 to 52 bytes per face. A search takes O(log n) for points near the surface. Searches may
 /// run in parallel.
 class NearestPointSearch {
  public:
