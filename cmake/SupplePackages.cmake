@@ -45,7 +45,8 @@ set(CPACK_DEBIAN_PYTHON_DESCRIPTION "Python client of supple-server
 set(CPACK_DEBIAN_SERVER_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "supple, python3-supple")
-set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS supple-server)
+# Plots as PNG are made by librsvg, which the client loads only then.
+set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS "librsvg2-2, supple-server")
 # What find_package(Supple) looks for: for geodesics, Voronoi diagrams and weaves, and for all other components.
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4), libsuitesparse-dev, libtbb-dev")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS
