@@ -110,6 +110,13 @@ const Family& family(std::string_view id) {
                     {{"family", "must be one of " + known}});
 }
 
+std::vector<double> presets(const Family& family) {
+  std::vector<double> result;
+  result.reserve(family.parameters.size());
+  for (const Parameter& parameter : family.parameters) result.push_back(parameter.preset);
+  return result;
+}
+
 Tiling tiling_of(const Family& family, std::span<const double> parameters, double box_margin) {
   check_bounds(family, parameters, box_margin);
   Tiling tiling = family.shape(parameters);

@@ -140,7 +140,7 @@ TEST_F(EndpointTest, AKeyOfIdempotencyIsOfOneRepresentation) {
 TEST_F(EndpointTest, AKeyForTheFirstFormatMeansTheSameJobAsInEarlierVersions) {
   const auto id = job_of("").substr(std::string("/v1/jobs/").size());
   const std::string asked = "POST /v1/echoes\n" + store::sha256("{}");
-  EXPECT_EQ(store_->job(id)->request_hash, store::sha256(asked));
+  EXPECT_EQ(store_->jobs().job(id)->request_hash, store::sha256(asked));
 }
 
 TEST_F(EndpointTest, ASmallBodyIsPreparedAtOnceAndALargeOneWithinASlot) {

@@ -73,7 +73,7 @@ class RouterTest : public testing::Test {
                                      .log = [](store::ModelStore::Level, const std::string&) {}});
       models->wait_until_read();
       store = std::make_unique<store::LocalStore>(folder / "data");
-      meshes = std::make_unique<store::MeshCache>(*store, 1 << 30);
+      meshes = std::make_unique<store::MeshCache>(store->meshes(), 1 << 30);
       jobs = std::make_unique<jobs::JobQueue>(*store, jobs::QueueOptions{}, json::write_problem,
                                               [](const store::JobRecord&) {});
       services.version = "0.0.0";
