@@ -67,9 +67,18 @@ TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits, const E
 }
 
 TriangleMesh load_mesh_file(const std::filesystem::path& path, const MeshLimits& limits, const Execution& execution) {
+  const auto throw_unreadable = [&] {
+    throw Error("file.unreadable", path.string() + ": there is no such file, or it may not be read.");
+  };
   std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw Error("file.unreadable", path.string() + ": there is no such file, or it may not be read.");
+  if (!file) throw_unreadable();
+  std::string bytes;
+  try {
+    bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  } catch (const std::ios_base::failure&) {
+    // A folder can be opened, but not be read.
+    throw_unreadable();
+  }
   return load_mesh(bytes, limits, execution);
 }
 

@@ -147,13 +147,15 @@ class TextBody {
       (begins_line ? begins_lines_ : follows_in_line_) = true;
     }
     last_line_ = scanner_.line_number();
+    if (first_line_ == 0) first_line_ = last_line_;
     return scanner_.number(token, "a number");
   }
   void begin_element() { begins_element_ = true; }
   /// Called if something follows the last element. Fails if some elements began a line and others began within one: the
-  /// lines then contain more numbers for an element than the header announces.
+  /// lines then contain more numbers for an element than the header announces. In a body of one line the first element
+  /// begins it of necessity, which says nothing.
   void check_rest() const {
-    if (begins_lines_ && follows_in_line_) {
+    if (begins_lines_ && follows_in_line_ && last_line_ != first_line_) {
       fail("numbers are left over; the lines hold more of them than the header announces for their elements");
     }
   }
@@ -178,7 +180,8 @@ class TextBody {
  private:
   TextScanner scanner_;
   StopPace pace_;
-  std::int64_t last_line_ = 0;
+  std::int64_t first_line_ = 0;  ///< line of the first number; 0 before it is read
+  std::int64_t last_line_ = 0;   ///< line of the latest number
   bool begins_element_ = false;
   bool begins_lines_ = false;     ///< whether some vertex, face or strip begins a line
   bool follows_in_line_ = false;  ///< whether some vertex, face or strip begins within a line

@@ -133,6 +133,14 @@ TEST(MeshFormats, WhatFollowsTheLastElementIsLeftOutWithAWarning) {
   const TriangleMesh mesh = testing::icosphere(0);
   EXPECT_EQ(read_mesh(write_ply(mesh) + "junk", MeshFormat::ply).warnings,
             std::vector<std::string>{"What follows the last element was left out."});
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  for (const std::string separator : {" ", "\n"}) {
+    const std::string body = "0 0 0" + separator + "1 0 0" + separator + "0 1 0" + separator + "3 0 1 2" + separator;
+    EXPECT_EQ(read_mesh(header + body + "junk\n", MeshFormat::ply).warnings,
+              std::vector<std::string>{"What follows the last element was left out."});
+  }
   EXPECT_EQ(read_mesh(binary_stl(mesh) + "junk", MeshFormat::stl).warnings,
             std::vector<std::string>{"The 4 bytes after the last facet were left out."});
 }
