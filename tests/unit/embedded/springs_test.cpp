@@ -42,7 +42,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfTheirEnergy) {
     const GeodesicSolver solver(testing::share(mesh));
     const Network network = random_chain(mesh, 6, rest_length, 1);
     const std::shared_ptr<NetworkEnergy> springs = network_term(solver, network, none_held(network)).energy;
-    const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-4));
+    const auto check = numerics::check_derivatives(*springs, NetworkState(mesh, network.points), small_steps(1e-4));
     EXPECT_LT(check.gradient.error, 1e-7) << check.summary();
     EXPECT_LT(check.hessian.error, 1e-6) << check.summary();
   }
@@ -55,7 +55,7 @@ TEST(GeodesicSprings, HaveTheDerivativesOfAMollifiedEnergyToo) {
   const std::shared_ptr<NetworkEnergy> springs =
       network_term(solver, network, none_held(network), {.paths = {.mollifier_length = 0.1}}).energy;
   NetworkState state(mesh, network.points);
-  const auto check = numerics::check_derivatives(springs, state, small_steps(1e-5));
+  const auto check = numerics::check_derivatives(*springs, state, small_steps(1e-5));
   EXPECT_LT(check.gradient.error, 1e-6) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-4) << check.summary();
 
@@ -85,7 +85,7 @@ TEST(GeodesicSprings, ASquaredDistanceIsATermThatExistsAtZeroLength) {
   network.points.push_back(same);
   network.springs = {{0, 1, 0, 1.5}, {2, 3, 0, 0.5}};
   const std::shared_ptr<NetworkEnergy> springs = network_term(solver, network, none_held(network)).energy;
-  const auto check = numerics::check_derivatives(springs, NetworkState(mesh, network.points), small_steps(1e-3));
+  const auto check = numerics::check_derivatives(*springs, NetworkState(mesh, network.points), small_steps(1e-3));
   EXPECT_LT(check.gradient.error, 1e-9) << check.summary();
   EXPECT_LT(check.hessian.error, 1e-7) << check.summary();
 }
