@@ -11,14 +11,15 @@
 
 namespace supple::testing {
 
-/// Runs `action`, expects that it throws an Error with this code, and returns the error, or one with the code "" if
-/// none was thrown.
-template <typename Action>
+/// Runs `action`, expects that it throws an Error of this type and code, and returns the error, or one with the code ""
+/// if none was thrown.
+template <typename Thrown = Error, typename Action>
 Error expect_error(const std::string& code, Action&& action) {
   try {
     std::forward<Action>(action)();
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(dynamic_cast<const Thrown*>(&error), nullptr) << "it is of another type: " << error.what();
     return error;
   }
   ADD_FAILURE() << "expected the error " << code << ", but none was thrown";

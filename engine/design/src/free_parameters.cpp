@@ -5,6 +5,7 @@
 
 #include "supple/base/error.h"
 #include "supple/base/number_text.h"
+#include "supple/design/design_fault.h"
 
 namespace supple::design {
 namespace {
@@ -30,11 +31,11 @@ FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& pr
   const Eigen::Index n = network.lower.size();
   const std::string count = "The family " + space.model.family + " has " + std::to_string(n) + " parameters";
   if (problem.initial && problem.initial->size() != n)
-    throw Error("design.parameter_count", count + ", not " + std::to_string(problem.initial->size()) + ".",
-                {{"initial", count}});
+    throw DesignFault("design.parameter_count", count + ", not " + std::to_string(problem.initial->size()) + ".",
+                      {{"initial", count}});
   if (!problem.fixed.empty() && static_cast<Eigen::Index>(problem.fixed.size()) != n)
-    throw Error("design.parameter_count", count + ", not " + std::to_string(problem.fixed.size()) + ".",
-                {{"fixed", count}});
+    throw DesignFault("design.parameter_count", count + ", not " + std::to_string(problem.fixed.size()) + ".",
+                      {{"fixed", count}});
   std::vector<Error::Detail> faults;
   for (Eigen::Index k = 0; k < n; ++k) {
     if (problem.initial) check_bounds(network, "initial/" + std::to_string(k), k, (*problem.initial)[k], faults);
@@ -49,8 +50,8 @@ FreeParameters::FreeParameters(const DesignSpace& space, const DesignProblem& pr
   }
   if (orientation_is_free()) free.push_back(n);
   if (!faults.empty())
-    throw Error("design.parameter_out_of_bounds",
-                "Parameter " + faults.front().where + " " + faults.front().message + ".", faults);
+    throw DesignFault("design.parameter_out_of_bounds",
+                      "Parameter " + faults.front().where + " " + faults.front().message + ".", faults);
 }
 
 Eigen::VectorXd FreeParameters::free_part(const Eigen::VectorXd& all) const {

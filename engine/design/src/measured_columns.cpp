@@ -7,6 +7,7 @@
 
 #include "measured_words.h"
 #include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_curve.h"
 #include "supple/design/measured_table.h"
 #include "supple/design/measured_text.h"
@@ -104,7 +105,7 @@ std::string column_list(const std::vector<Column>& columns) {
   std::string sentence;
   for (const auto& [place, text] : faults)
     sentence.append(sentence.empty() ? "" : " ").append(place).append(": ").append(text).append(".");
-  throw Error("design.invalid_measurement", sentence, std::move(faults));
+  throw MeasurementFault("design.invalid_measurement", sentence, std::move(faults));
 }
 
 /// The column that a choice names; none if it names none.

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "measured_loading.h"
-#include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/target.h"
 
 namespace supple::design {
@@ -33,7 +33,7 @@ constexpr double min_knot_distance = 0.004;
 constexpr double min_variance_multiple = 8;
 
 [[noreturn]] void refuse_curve(const std::string& where, const std::string& message) {
-  throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
+  throw MeasurementFault("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
 }
 
 /// Control points must satisfy the limits of targets.

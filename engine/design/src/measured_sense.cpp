@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "measured_loading.h"
-#include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_text.h"
 
 namespace supple::design {
@@ -12,7 +12,7 @@ namespace {
 
 [[noreturn]] void refuse_sense(const std::string& why) {
   const std::string message = "must be \"tension\" or \"compression\": " + why;
-  throw Error("design.invalid_measurement", "sense: " + message + ".", {{"sense", message}});
+  throw MeasurementFault("design.invalid_measurement", "sense: " + message + ".", {{"sense", message}});
 }
 
 /// Signs of a curve as it is written: of the strain with the greatest magnitude, and of the stresses near it.

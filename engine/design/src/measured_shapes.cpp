@@ -7,8 +7,8 @@
 
 #include "measured_lines.h"
 #include "measured_numbers.h"
-#include "supple/base/error.h"
 #include "supple/base/number_text.h"
+#include "supple/design/design_fault.h"
 
 namespace supple::design {
 namespace {
@@ -72,7 +72,8 @@ struct Evidence {
 
 [[noreturn]] void refuse_decimals(const std::string& why) {
   const std::string message = "must be \"point\" or \"comma\": " + why;
-  throw Error("design.invalid_measurement", "decimal_separator: " + message + ".", {{"decimal_separator", message}});
+  throw MeasurementFault("design.invalid_measurement", "decimal_separator: " + message + ".",
+                         {{"decimal_separator", message}});
 }
 
 char decimal_of(std::span<const std::string_view> lines, char delimiter, const CancellationToken& cancellation) {
@@ -120,7 +121,9 @@ char decimal_of(std::span<const std::string_view> lines, char delimiter, const C
 
 }  // namespace
 
-void refuse_table(const std::string& message) { throw Error("design.unreadable_table", message, {{"text", message}}); }
+void refuse_table(const std::string& message) {
+  throw MeasurementFault("design.unreadable_table", message, {{"text", message}});
+}
 
 char cell_kind(std::string_view cell, TableFormat format) {
   if (cell.empty()) return 'E';

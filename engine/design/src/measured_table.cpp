@@ -14,7 +14,7 @@
 #include "measured_lines.h"
 #include "measured_numbers.h"
 #include "measured_shapes.h"
-#include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_curve.h"
 
 namespace supple::design {
@@ -224,7 +224,7 @@ std::size_t chosen_block(const std::vector<Block>& blocks, std::optional<std::si
   if (requested) {
     if (*requested < blocks.size()) return *requested;
     const std::string message = "must be below " + std::to_string(blocks.size()) + ", the blocks of rows in the file";
-    throw Error("design.invalid_measurement", "block: " + message + ".", {{"block", message}});
+    throw MeasurementFault("design.invalid_measurement", "block: " + message + ".", {{"block", message}});
   }
   std::size_t longest = 0;
   for (const Block& block : blocks) longest = std::max(longest, block.rows);

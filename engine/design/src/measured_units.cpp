@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "measured_words.h"
-#include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_curve.h"
 #include "supple/design/measured_text.h"
 
@@ -248,7 +248,7 @@ const Unit* find_unit(std::string_view written) {
 }
 
 [[noreturn]] void refuse_unit(const std::string& where, const std::string& message) {
-  throw Error("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
+  throw MeasurementFault("design.invalid_measurement", where + ": " + message + ".", {{where, message}});
 }
 
 std::string list_of(std::span<const Quantity> quantities) {

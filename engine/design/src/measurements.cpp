@@ -9,6 +9,7 @@
 #include "measured_sense.h"
 #include "measured_words.h"
 #include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_text.h"
 
 namespace supple::design {
@@ -30,7 +31,7 @@ class FaultList {
   UnitConversion try_conversion(Function convert) {
     try {
       return convert();
-    } catch (const Error& error) {
+    } catch (const MeasurementFault& error) {
       details_.insert(details_.end(), error.details().begin(), error.details().end());
       return {};
     }
@@ -40,7 +41,7 @@ class FaultList {
     std::string sentence;
     for (const auto& detail : details_)
       sentence += (sentence.empty() ? "" : " ") + detail.where + ": " + detail.message + ".";
-    throw Error("design.invalid_measurement", sentence, details_);
+    throw MeasurementFault("design.invalid_measurement", sentence, details_);
   }
 
  private:

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "supple/base/error.h"
 #include "supple/base/number_text.h"
+#include "supple/design/design_fault.h"
 
 namespace supple::design {
 namespace {
@@ -82,8 +82,8 @@ ModulusChoice::ModulusChoice(const std::vector<Range>& moduli, double model_modu
     if (min_modulus > 0 && min_modulus <= max_modulus && std::isfinite(max_modulus)) continue;
     const std::string text =
         "must be positive and not decrease, got " + number_text(min_modulus) + " to " + number_text(max_modulus);
-    throw Error("design.invalid_modulus", "The range of Young's modulus " + text + ".",
-                {{"moduli/" + std::to_string(i), text}});
+    throw DesignFault("design.invalid_modulus", "The range of Young's modulus " + text + ".",
+                      {{"moduli/" + std::to_string(i), text}});
   }
 }
 

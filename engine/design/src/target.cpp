@@ -8,6 +8,7 @@
 
 #include "supple/base/error.h"
 #include "supple/base/number_text.h"
+#include "supple/design/design_fault.h"
 
 namespace supple::design {
 namespace {
@@ -59,7 +60,7 @@ void check(const Target& target) {
   check_list(target.weights, "weights");
   check_list(target.bands, "bands");
   if (!faults.empty())
-    throw Error("design.invalid_target", faults.front().where + ": " + faults.front().message + ".", faults);
+    throw InvalidTarget("design.invalid_target", faults.front().where + ": " + faults.front().message + ".", faults);
 }
 
 void normalize(SampledTarget& sampled) {

@@ -103,7 +103,7 @@ int size(const Load& load) {
 LoadTargets targets_of(const Load& load) {
   Faults faults;
   LoadTargets result = std::visit([&faults](const auto& kind) { return targets(kind, faults); }, load);
-  faults.throw_if_any<SimulationError>("simulation.invalid_load");
+  faults.throw_if_any<InvalidLoad>("simulation.invalid_load");
   return result;
 }
 

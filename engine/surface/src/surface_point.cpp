@@ -22,13 +22,13 @@ std::string text(const Eigen::Vector3d& b) {
 SurfacePoint vertex_point(const TriangleMesh& mesh, VertexId v) {
   const std::int32_t i = index(v);
   if (i < 0 || i >= mesh.vertex_count()) {
-    throw Error("point.vertex_out_of_range", "A point names a vertex that the mesh does not have.",
-                {{"vertex", std::to_string(i) + " is not in 0 to " + std::to_string(mesh.vertex_count() - 1)}});
+    throw PointError("point.vertex_out_of_range", "A point names a vertex that the mesh does not have.",
+                     {{"vertex", std::to_string(i) + " is not in 0 to " + std::to_string(mesh.vertex_count() - 1)}});
   }
   const std::int32_t h = mesh.outgoing(i);
   if (h < 0) {
-    throw Error("point.isolated_vertex", "A point names a vertex that belongs to no face.",
-                {{"vertex", std::to_string(i) + " belongs to no face"}});
+    throw PointError("point.isolated_vertex", "A point names a vertex that belongs to no face.",
+                     {{"vertex", std::to_string(i) + " belongs to no face"}});
   }
   return {FaceId(TriangleMesh::face_of(h)), Eigen::Vector3d::Unit(h % 3)};
 }
@@ -36,18 +36,19 @@ SurfacePoint vertex_point(const TriangleMesh& mesh, VertexId v) {
 SurfacePoint checked_point(const TriangleMesh& mesh, const SurfacePoint& point, const std::string& where) {
   const std::int32_t f = index(point.face);
   if (f < 0 || f >= mesh.face_count()) {
-    throw Error("point.face_out_of_range", "A point names a face that the mesh does not have.",
-                {{where + "/face", std::to_string(f) + " is not in 0 to " + std::to_string(mesh.face_count() - 1)}});
+    throw PointError(
+        "point.face_out_of_range", "A point names a face that the mesh does not have.",
+        {{where + "/face", std::to_string(f) + " is not in 0 to " + std::to_string(mesh.face_count() - 1)}});
   }
   const std::string coordinates = where + "/barycentric";
   if (!point.barycentric.allFinite()) {
-    throw Error("point.non_finite", "A point has a barycentric coordinate that is not finite.",
-                {{coordinates, "must be three finite numbers"}});
+    throw PointError("point.non_finite", "A point has a barycentric coordinate that is not finite.",
+                     {{coordinates, "must be three finite numbers"}});
   }
   if (point.barycentric.minCoeff() < -barycentric_tolerance ||
       !(std::abs(point.barycentric.sum() - 1) <= barycentric_tolerance)) {
-    throw Error("point.outside_face", "A point lies outside its face.",
-                {{coordinates, text(point.barycentric) + " must be nonnegative and of sum 1, within 1e-5"}});
+    throw PointError("point.outside_face", "A point lies outside its face.",
+                     {{coordinates, text(point.barycentric) + " must be nonnegative and of sum 1, within 1e-5"}});
   }
   Eigen::Vector3d b = point.barycentric.cwiseMax(0.0);
   if (std::abs(b.sum() - 1) > 4 * std::numeric_limits<double>::epsilon()) b /= b.sum();

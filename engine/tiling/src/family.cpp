@@ -105,9 +105,9 @@ const Family& family(std::string_view id) {
   if (found != all.end()) return *found;
   std::string known;
   for (const Family& candidate : all) known += (known.empty() ? "" : ", ") + candidate.id;
-  throw TilingError("tiling.family_not_found",
-                    "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
-                    {{"family", "must be one of " + known}});
+  throw FamilyNotFound("tiling.family_not_found",
+                       "There is no family \"" + std::string(id) + "\"; known are " + known + ".",
+                       {{"family", "must be one of " + known}});
 }
 
 std::vector<double> presets(const Family& family) {

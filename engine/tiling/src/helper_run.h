@@ -14,8 +14,11 @@ inline std::string run_task(HelperProcesses& helpers, std::string_view task, std
   try {
     return helpers.run(task, request, execution);
   } catch (const Error& error) {
-    if (error.code() == "tiling.mesh_too_large") throw MeshTooLarge(error.code(), error.what(), error.details());
-    if (error.code().starts_with("tiling.")) throw TilingError(error.code(), error.what(), error.details());
+    const std::string& code = error.code();
+    if (code == "tiling.mesh_too_large") throw MeshTooLarge(code, error.what(), error.details());
+    if (code == "tiling.mesh_option") throw MeshOptionError(code, error.what(), error.details());
+    if (code == "tiling.part") throw PartError(code, error.what(), error.details());
+    if (code.starts_with("tiling.")) throw TilingError(code, error.what(), error.details());
     throw;
   }
 }

@@ -36,7 +36,8 @@ void check(const MeshOptions& options) {
           "must lie between 0.001 and 1, but is " + number_text(options.corner_size));
   require(options.max_nodes > 0, "max_nodes", "must be positive, but is " + std::to_string(options.max_nodes));
   if (details.empty()) return;
-  throw TilingError("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".", details);
+  throw MeshOptionError("tiling.mesh_option", "Mesh option " + details[0].where + " " + details[0].message + ".",
+                        details);
 }
 
 void check_number_of_nodes(double nodes, const MeshOptions& options, const char* kind) {
@@ -96,7 +97,7 @@ PeriodicMesh repeat(const PeriodicMesh& mesh, int first, int second) {
   // Shifts have 8 bits, which limits the number of cells.
   constexpr int max_cells = 100;
   if (first < 1 || second < 1 || first > max_cells || second > max_cells) {
-    throw TilingError(
+    throw MeshOptionError(
         "tiling.mesh_option", "A patch has 1 to 100 cells along each translation.",
         {{"cells", "must be from 1 to 100, but are " + std::to_string(first) + " x " + std::to_string(second)}});
   }

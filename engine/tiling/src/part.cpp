@@ -77,7 +77,7 @@ void check(const PartDesign& design) {
   faults.require(corners <= max_corners, "outline",
                  "must have at most " + std::to_string(max_corners) + " corners together with all regions, got " +
                      std::to_string(corners));
-  faults.throw_if_any<TilingError>("tiling.part", "The part");
+  faults.throw_if_any<PartError>("tiling.part", "The part");
   faults.require(!design.outline.empty(), "outline", "must have at least one polygon");
   for (std::size_t i = 0; i < design.outline.size(); ++i)
     check_polygon(design.outline[i], "outline/" + std::to_string(i), faults);
@@ -93,7 +93,7 @@ void check(const PartDesign& design) {
     check_polygon(design.regions[i].outline, folder + "outline", faults);
     check_filling(design.regions[i].filling, design, folder, faults);
   }
-  faults.throw_if_any<TilingError>("tiling.part", "The part");
+  faults.throw_if_any<PartError>("tiling.part", "The part");
 }
 
 double area_of(const Paths& paths) {
@@ -138,8 +138,8 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Bounds& box, const
   const Eigen::Vector2d counts = last - first + Eigen::Vector2d::Ones();
   // The limit here is generous: if the lattice is oblique to the box, half of these cells or fewer meet it.
   if (!(counts.prod() * static_cast<double>(cell.size()) <= 20.0 * max_tiles)) {
-    throw TilingError("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
-                      {{"beam_width", "more than 50000 tiles would fill the part"}});
+    throw PartError("tiling.part", "The part would have more than 50000 tiles: widen the beams or make it smaller.",
+                    {{"beam_width", "more than 50000 tiles would fill the part"}});
   }
   std::vector<Polygon> tiles;
   const auto rows = static_cast<std::int64_t>(counts.y()), columns = static_cast<std::int64_t>(counts.x());
@@ -152,9 +152,9 @@ std::vector<Polygon> tiles_over(const Filling& filling, const Bounds& box, const
         if (!bounds_of(copy).meet(box, filling.beam_width)) continue;
         tiles.push_back(std::move(copy));
         if (tiles.size() > max_tiles) {
-          throw TilingError("tiling.part",
-                            "The part would have more than 50000 tiles: widen the beams or make it smaller.",
-                            {{"beam_width", "more than 50000 tiles would fill the part"}});
+          throw PartError("tiling.part",
+                          "The part would have more than 50000 tiles: widen the beams or make it smaller.",
+                          {{"beam_width", "more than 50000 tiles would fill the part"}});
         }
       }
     }
@@ -329,9 +329,9 @@ Part make_part_here(const PartDesign& design) {
   auto faces = faces_without_slivers(solid, min_part_side * min_beam_width);
   retain_largest(faces, part);
   if (part.faces.empty()) {
-    throw TilingError("tiling.part",
-                      "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
-                      {{"outline", "holds no part of the structure"}});
+    throw PartError("tiling.part",
+                    "Nothing of the structure lies within the outline: make it larger, or clip the tiles at it.",
+                    {{"outline", "holds no part of the structure"}});
   }
   repair_necks(part, outline, design.smallest_wall, min_beam_width, min_part_side * min_beam_width);
   const Bounds extent = bounds_of(part.faces[0][0]);

@@ -110,8 +110,8 @@ std::string part_step(const Part& part, const Execution& execution) {
   if (corners > max_step_corners) {
     const std::string numbers =
         std::to_string(corners) + " corners, and a STEP file has at most " + std::to_string(max_step_corners);
-    throw TilingError("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
-                      {{"beam_width", "the part has " + numbers}});
+    throw PartError("tiling.part", "The part has " + numbers + ": widen the beams, or ask for STL or 3MF.",
+                    {{"beam_width", "the part has " + numbers}});
   }
   return step_of(part.faces, part.thickness, title_of(part), execution);
 }

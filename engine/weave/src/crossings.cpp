@@ -9,8 +9,8 @@
 
 #include "curve_intersections.h"
 #include "piece_tree.h"
-#include "supple/base/error.h"
 #include "supple/weave/weave.h"
+#include "supple/weave/weave_error.h"
 
 namespace supple::weave {
 namespace {
@@ -23,7 +23,7 @@ constexpr std::size_t pieces_per_query = 16;
 
 [[noreturn]] void refuse_layout(const std::string& what, std::size_t limit) {
   const std::string message = what + ": the limit is " + std::to_string(limit);
-  throw Error("weave.invalid_layout", "The strands " + message + ".", {{"strands", message}});
+  throw WeaveError("weave.invalid_layout", "The strands " + message + ".", {{"strands", message}});
 }
 
 /// Number of cells in each lattice direction, as far as the strands extend, whose copies of one strand can reach

@@ -1,5 +1,6 @@
 #include "supple/weave/equilibrium.h"
 #include "supple/base/faults.h"
+#include "supple/weave/weave_error.h"
 
 #include <string>
 #include <vector>
@@ -37,7 +38,7 @@ void validate(const EquilibriumOptions& options) {
                  "must lie within (0, 1000] mm");
   faults.require(within(options.sliding_regularization, 0, 1e3), "sliding_regularization",
                  "must lie within [0, 1000] N/mm");
-  faults.throw_if_any("weave.invalid_option");
+  faults.throw_if_any<InvalidOption>("weave.invalid_option");
 }
 
 }  // namespace supple::weave

@@ -8,9 +8,9 @@
 
 #include "direction_sweep.h"
 #include "natural_units.h"
-#include "supple/base/error.h"
 #include "supple/base/faults.h"
 #include "supple/base/parallel_tasks.h"
+#include "supple/weave/weave_error.h"
 #include "weave_run.h"
 
 namespace supple::weave {
@@ -32,7 +32,7 @@ void check(const Weave& weave, const EquilibriumOptions& options, const Executio
   validate(weave, execution);
   validate(options);
   if (!weave.lattice)
-    throw Error("weave.not_periodic", "The weave has no lattice; only periodic cells are homogenized.");
+    throw WeaveError("weave.not_periodic", "The weave has no lattice; only periodic cells are homogenized.");
 }
 
 void check_deformed(const std::vector<int>& indices, std::size_t count, const std::string& of, Faults& faults) {
@@ -55,7 +55,7 @@ void check(const HomogenizationOptions& options) {
   faults.require(!options.thickness || (*options.thickness > 0 && std::isfinite(*options.thickness)), "thickness",
                  "must be positive, in mm");
   check_deformed(options.deformed, options.directions.size(), "direction", faults);
-  faults.throw_if_any("weave.invalid_option");
+  faults.throw_if_any<InvalidOption>("weave.invalid_option");
 }
 
 /// The reported state of a run, whose weave is in these units.
@@ -228,7 +228,7 @@ CellState deform_cell(const Weave& weave, const Eigen::Matrix2d& deformation_gra
   check(weave, options, execution);
   Faults faults;
   check_gradient(deformation_gradient, "deformation_gradient", faults);
-  faults.throw_if_any("weave.invalid_load");
+  faults.throw_if_any<InvalidLoad>("weave.invalid_load");
   return state_under(NaturalWeave(weave), deformation_gradient, options, execution, with_polylines);
 }
 
@@ -241,7 +241,7 @@ std::vector<CellState> deform_cells(const Weave& weave, const std::vector<Eigen:
   for (std::size_t i = 0; i < deformation_gradients.size(); ++i)
     check_gradient(deformation_gradients[i], "deformation_gradients/" + std::to_string(i), faults);
   check_deformed(deformed, deformation_gradients.size(), "deformation gradient", faults);
-  faults.throw_if_any("weave.invalid_load");
+  faults.throw_if_any<InvalidLoad>("weave.invalid_load");
   const std::vector<bool> wanted = chosen(deformed, deformation_gradients.size());
   const NaturalWeave natural(weave);
   std::vector<CellState> states(deformation_gradients.size());

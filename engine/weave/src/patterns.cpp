@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "supple/base/error.h"
+#include "supple/weave/weave_error.h"
 
 namespace supple::weave {
 namespace {
@@ -19,7 +19,7 @@ constexpr int circle_points = 64;
 constexpr std::size_t laid_crossings_between_checks = 1024;
 
 void require(bool good, const char* where, const std::string& message) {
-  if (!good) throw Error("weave.invalid_pattern", std::string(where) + " " + message, {{where, message}});
+  if (!good) throw WeaveError("weave.invalid_pattern", std::string(where) + " " + message, {{where, message}});
 }
 
 Strand line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) { return {StrandCurve({from, to}, Ends::open)}; }

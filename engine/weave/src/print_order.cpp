@@ -1,4 +1,5 @@
 #include "print_order.h"
+#include "supple/weave/weave_error.h"
 
 #include <algorithm>
 #include <array>
@@ -56,7 +57,7 @@ Eigen::Vector2d tangent(const Weave& weave, const CrossingMember& member) {
 
 void PrintFaults::throw_if_any() const {
   if (!details_.empty())
-    throw Error("weave.not_printable", details_.front().where + " " + details_.front().message, details_);
+    throw NotPrintable("weave.not_printable", details_.front().where + " " + details_.front().message, details_);
 }
 
 std::string crossing_name(int crossing) { return "crossings/" + std::to_string(crossing); }
@@ -115,7 +116,7 @@ std::vector<int> print_order(int strands, const std::vector<SlidingCrossing>& cr
       if (good) rank[static_cast<std::size_t>(s)] = static_cast<int>(i);
     }
     const std::string message = "must name each of the " + std::to_string(strands) + " strands once";
-    if (!good) throw Error("weave.invalid_option", "order " + message, {{"order", message}});
+    if (!good) throw InvalidOption("weave.invalid_option", "order " + message, {{"order", message}});
     PrintFaults faults;
     for (const SlidingCrossing& c : crossings)
       for (const int b : c.below)

@@ -2,6 +2,7 @@
 #include "own_gcode.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
+#include "supple/weave/weave_error.h"
 
 #include <cmath>
 #include <numbers>
@@ -77,7 +78,7 @@ void validate(const PrinterProfile& profile) {
   };
   own_lines(profile.startup_gcode, "startup_gcode");
   own_lines(profile.footer_gcode, "footer_gcode");
-  faults.throw_if_any("weave.invalid_option");
+  faults.throw_if_any<InvalidOption>("weave.invalid_option");
 }
 
 double bead_area(const PrinterProfile& profile, double radius) {

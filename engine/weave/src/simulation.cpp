@@ -13,6 +13,7 @@
 #include "natural_units.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
+#include "supple/weave/weave_error.h"
 #include "weave_run.h"
 
 namespace supple::weave {
@@ -46,7 +47,7 @@ void check(const Weave& weave, const SheetLoad& load) {
     check_place(weave, load.forces[i].strand, load.forces[i].coordinate, where, faults);
     faults.require(load.forces[i].force.allFinite(), where + "/force", "must be finite, in N");
   }
-  faults.throw_if_any("weave.invalid_load");
+  faults.throw_if_any<InvalidLoad>("weave.invalid_load");
 }
 
 /// The load converted to these units.
@@ -109,7 +110,7 @@ void check_nodes(const Weave& weave, const SheetLoad& load, const Prescription& 
         holder = i;
     }
   }
-  faults.throw_if_any("weave.invalid_load");
+  faults.throw_if_any<InvalidLoad>("weave.invalid_load");
 }
 
 /// The strain of a load: the largest displacement over the layout's extent, or rotation over half a turn.

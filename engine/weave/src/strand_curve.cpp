@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "supple/base/error.h"
+#include "supple/weave/weave_error.h"
 
 namespace supple::weave {
 namespace {
@@ -128,7 +128,7 @@ Vectors open_second_derivatives(const std::vector<double>& h, const Vectors& slo
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& message) {
-  throw Error("weave.invalid_strand", where + " " + message, {{where, message}});
+  throw WeaveError("weave.invalid_strand", where + " " + message, {{where, message}});
 }
 
 [[noreturn]] void refuse_pieces() {

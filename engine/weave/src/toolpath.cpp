@@ -12,6 +12,7 @@
 #include "strand_path.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
+#include "supple/weave/weave_error.h"
 #include "toolpath_statistics.h"
 
 namespace supple::weave {
@@ -66,7 +67,7 @@ void check(const ToolpathOptions& options, const Weave& weave, const PrinterProf
       !(2 * passes > max_points), "grips",
       "must be printed in fewer passes of the profile's strand_width together than " + std::to_string(max_points / 2));
   length(options.chord_error, "chord_error", 1e-4);
-  faults.throw_if_any("weave.invalid_option");
+  faults.throw_if_any<InvalidOption>("weave.invalid_option");
 }
 
 /// Collects extruded moves and inserts travels between them. The moves are not yet placed on the bed.

@@ -1,6 +1,7 @@
 #include "supple/weave/weave.h"
 #include "supple/base/faults.h"
 #include "supple/base/number_text.h"
+#include "supple/weave/weave_error.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -129,7 +130,7 @@ void validate(const Weave& weave, const Execution& execution) {
         faults.add(place(c, m), "does not meet the crossing's first member");
   }
   if (!faults.any()) check_places(weave, execution, faults);
-  faults.throw_if_any("weave.invalid_layout");
+  faults.throw_if_any<WeaveError>("weave.invalid_layout");
 }
 
 }  // namespace supple::weave

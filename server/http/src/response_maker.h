@@ -13,10 +13,9 @@ namespace supple::http {
 /// Makes the responses of a server: those of handlers, and those that tell a problem. Any thread may call.
 class ResponseMaker {
  public:
-  /// `headers` are added to every response that does not set them itself. The router must outlive this object.
-  ResponseMaker(const Router& router, Server::Render render, Server::Report report,
-                std::vector<std::pair<std::string, std::string>> headers)
-      : router_(router), render_(std::move(render)), report_(std::move(report)), headers_(std::move(headers)) {}
+  /// `headers` are added to every response that does not set them itself.
+  ResponseMaker(Server::Render render, Server::Report report, std::vector<std::pair<std::string, std::string>> headers)
+      : render_(std::move(render)), report_(std::move(report)), headers_(std::move(headers)) {}
 
   /// The handler's response or, if the request is refused or the handler throws, one that describes the problem.
   Response answer(Connection& connection) const;
@@ -29,7 +28,6 @@ class ResponseMaker {
  private:
   void add_headers(Response& response, const Request& request) const;
 
-  const Router& router_;
   const Server::Render render_;
   const Server::Report report_;
   const std::vector<std::pair<std::string, std::string>> headers_;

@@ -59,7 +59,7 @@ class Server::Implementation {
         slots_(options.max_requests, options.max_client_fraction),
         library_(options, [this](int socket) { accept(socket); }),
         answerer_(options_, {library_, connections_, slots_, threads_, lobby_},
-                  ResponseMaker(router_, std::move(render), std::move(report), options.headers), std::move(observe)),
+                  ResponseMaker(std::move(render), std::move(report), options.headers), std::move(observe)),
         threads_(static_cast<std::size_t>(options.max_requests)),
         quick_(quick_threads),
         lobby_([this](Connection& connection) { admission_.admit(connection); },

@@ -12,6 +12,7 @@
 #include "supple/base/error.h"
 #include "supple/base/progress.h"
 #include "supple/jobs/job_queue.h"
+#include "supple/store/store_error.h"
 #include "watchdog.h"
 
 namespace supple::jobs {
@@ -26,9 +27,7 @@ inline Clock::duration duration(double seconds) {
 
 inline bool is_finished(JobState state) { return state != JobState::accepted && state != JobState::running; }
 
-[[noreturn]] inline void throw_not_found(const std::string& id) {
-  throw Error("job.not_found", "There is no job " + id + ".");
-}
+[[noreturn]] inline void throw_not_found(const std::string& id) { throw store::JobNotFound(id); }
 
 /// How far a job of this process is on its way to its end.
 enum class Phase {

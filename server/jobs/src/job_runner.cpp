@@ -23,7 +23,17 @@ problem::Problem given_up(int attempts, int limit) {
           {}};
 }
 
-bool is_shutdown(const problem::Problem& problem) { return problem.code == "server.shutting_down"; }
+/// Whether a computation ended because this process ends. Whatever else it throws is its own failure.
+bool is_stopped_by_shutdown(const std::exception_ptr& failure) {
+  if (!failure) return false;
+  try {
+    std::rethrow_exception(failure);
+  } catch (const Cancelled& stop) {
+    return stop.reason() == StopReason::shutdown;
+  } catch (...) {
+    return false;
+  }
+}
 
 }  // namespace
 
@@ -147,7 +157,7 @@ bool JobRunner::store_end(const JobPointer& job, JobBoard::Claim& claim, JobStat
   auto& record = claim.record;
   std::optional<problem::Problem> problem;
   if (failure) problem = problem::problem_of(failure);
-  if (problem && is_shutdown(*problem)) {
+  if (is_stopped_by_shutdown(failure)) {
     if (claim.has_row && job->has_request) {
       if (record.state == JobState::running) {
         record.state = JobState::accepted;

@@ -5,6 +5,7 @@
 
 #include "supple/log/context.h"
 #include "supple/store/clock.h"
+#include "supple/store/store_error.h"
 
 namespace supple::jobs {
 
@@ -57,14 +58,20 @@ Journal::Written Journal::write_end(store::JobRecord& record, const Result* resu
   const bool is_shared = store_.leases() != nullptr;
   try {
     return store_.jobs().finish_job(record, result) || !is_shared ? Written::stored : Written::of_another_server;
-  } catch (...) {
-    const auto problem = problem::problem_of(std::current_exception());
+  } catch (const store::StoreUnavailable&) {
     // Once the lease of this server has ended, this or another server runs the job again.
-    if (is_shared && problem.code == "store.unavailable") return Written::of_another_server;
-    if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
-    if (result) set_end(record, JobState::failed, problem);
-    return Written::refused;
+    return is_shared ? Written::of_another_server : refused_by_store(record, result);
+  } catch (...) {
+    return refused_by_store(record, result);
   }
+}
+
+/// Tells why the store did not take an end. Called while the exception is handled that says so.
+Journal::Written Journal::refused_by_store(store::JobRecord& record, const Result* result) const {
+  const auto problem = problem::problem_of(std::current_exception());
+  if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
+  if (result) set_end(record, JobState::failed, problem);
+  return Written::refused;
 }
 
 void Journal::write_refused_ends() {

@@ -48,6 +48,7 @@ class Journal {
  private:
   enum class Written { stored, refused, of_another_server };
   Written write_end(store::JobRecord& record, const Result* result);
+  Written refused_by_store(store::JobRecord& record, const Result* result) const;
 
   store::Store& store_;
   const QueueOptions& options_;

@@ -69,6 +69,20 @@ Problem problem_of(const std::exception_ptr& exception) {
   }
 }
 
+bool is_unexpected(const std::exception_ptr& exception) {
+  try {
+    std::rethrow_exception(exception);
+  } catch (const Error&) {
+    return false;
+  } catch (const Cancelled&) {
+    return false;
+  } catch (const std::bad_alloc&) {
+    return false;
+  } catch (...) {
+    return true;
+  }
+}
+
 int status_of(const Problem& problem) { return error_kind(problem.code).status; }
 
 }  // namespace supple::problem

@@ -8,8 +8,10 @@
 #include "request_pointers.h"
 #include "results.h"
 #include "supple/base/part_of_execution.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/verified_designs.h"
 #include "supple/json/design_answers.h"
+#include "supple/store/store_error.h"
 
 namespace supple::routes {
 namespace {
@@ -46,7 +48,7 @@ Model model_of_family(const store::ModelStore& store, const std::string& family,
 }
 
 Model model_by_id(const store::ModelStore& store, const std::string& id, const std::string& region) {
-  return fault_of_field("model.", region + "/model", [&] { return store.get(id); });
+  return fault_of_field<store::ModelNotFound>(region + "/model", [&] { return store.get(id); });
 }
 
 /// A region with the models in whose parameters its design is searched.
@@ -76,7 +78,7 @@ void check_targets(const Region& region) {
   const auto& targets = region.spec.problem.targets;
   for (std::size_t t = 0; t < targets.size(); ++t) {
     const PointerMap pointers(t == 0 ? region.pointer : region.pointer + "/also/" + std::to_string(t - 1));
-    with_pointers({{"design.invalid_target", pointers}}, [&] { design::sample_target(targets[t]); });
+    with_pointers<design::InvalidTarget>(pointers, [&] { design::sample_target(targets[t]); });
   }
 }
 
@@ -129,7 +131,7 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
       execution.progress->publish(json::write_partial_round(found.spec.name, found.models[design.space], round));
     };
   }
-  auto designs = with_pointers({{"design.", PointerMap(region.pointer)}}, [&] {
+  auto designs = with_pointers<design::DesignFault>(PointerMap(region.pointer), [&] {
     return design::search_designs(spaces, simulations, problem, execution, observer);
   });
   found.ranking = std::move(designs.ranking);

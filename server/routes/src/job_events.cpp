@@ -6,6 +6,7 @@
 
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
+#include "supple/store/store_error.h"
 
 namespace supple::routes {
 namespace {
@@ -89,8 +90,9 @@ void follow_job(const FollowedJob& job, http::StreamWriter& out) {
       const auto status = job.wait_for_change(version, seconds);
       trouble.clear();
       if (!stream.send(status, version)) return;
+    } catch (const store::JobNotFound&) {
+      return;
     } catch (const Error& error) {
-      if (error.code() == "job.not_found") return;
       const bool is_new = trouble != error.code();
       trouble = error.code();
       const auto comment = "the job cannot be read now (" + trouble + ")";

@@ -3,12 +3,13 @@
 #include "immediate_answer.h"
 #include "ownership.h"
 #include "request_pointers.h"
+#include "supple/store/store_error.h"
 
 namespace supple::routes {
 
 std::shared_ptr<const store::LoadedMesh> Loader::mesh(const std::string& id, double deadline) const {
   require_mesh(services_, request_, id, "/mesh");
-  return fault_of_field("mesh.not_found", "/mesh", [&] {
+  return fault_of_field<store::MeshNotFound>("/mesh", [&] {
     auto mesh = services_.meshes->find(id);
     if (!mesh) run(id, deadline, [&](const Execution& execution) { mesh = services_.meshes->get(id, execution); });
     return mesh;

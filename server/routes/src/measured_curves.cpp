@@ -5,6 +5,7 @@
 #include "handlers.h"
 #include "request_pointers.h"
 #include "results.h"
+#include "supple/design/design_fault.h"
 #include "supple/json/measured_curve_answers.h"
 #include "supple/json/measured_curve_requests.h"
 
@@ -26,7 +27,7 @@ store::Result compute(const json::MeasuredCurveRequest& request, const Execution
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "reading");
     const PointerMap pointers = measurement_pointers(request);
-    with_pointers({{"design.invalid_measurement", pointers}, {"design.unreadable_table", pointers}}, [&] {
+    with_pointers<design::MeasurementFault>(pointers, [&] {
       answer.measurements = design::read_measurements(request.measurements, execution);
       answer.curve = design::reduce(answer.measurements.curve, request.options, execution);
     });

@@ -8,6 +8,7 @@
 #include "repair_query.h"
 #include "supple/json/answers.h"
 #include "supple/json/requests.h"
+#include "supple/store/store_error.h"
 #include "supple/surface/mesh_report.h"
 
 namespace supple::routes {
@@ -20,9 +21,7 @@ constexpr auto mesh_types = json::names_of<surface::MeshFormat>({{surface::MeshF
 
 const std::string& mesh_parameter(const http::Request& request) { return request.path_parameters.at("mesh"); }
 
-[[noreturn]] void throw_not_found(const std::string& id) {
-  throw Error("mesh.not_found", "There is no mesh " + id.substr(0, 80) + ".");
-}
+[[noreturn]] void throw_not_found(const std::string& id) { throw store::MeshNotFound(id.substr(0, 80)); }
 
 json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits, const Execution& execution) {
   auto asked = read_repair_query(request);

@@ -7,6 +7,7 @@
 #include "results.h"
 #include "structure_spec.h"
 #include "supple/json/part_requests.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::routes {
 namespace {
@@ -81,7 +82,7 @@ store::Result compute(const json::PartRequest& request, const tiling::PartDesign
   std::string file, svg;
   const auto bill = billed(outer, [&](const Execution& execution) {
     execution.checkpoint(0, "part");
-    with_pointers({{"tiling.part", part_pointers()}}, [&] {
+    with_pointers<tiling::PartError>(part_pointers(), [&] {
       {
         const StageTimer timer(execution.cost, "part");
         part = tiling::make_part(design, execution);

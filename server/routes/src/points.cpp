@@ -14,7 +14,7 @@ surface::NearestPoint PointResolver::nearest(const Eigen::Vector3d& position) {
 
 surface::SurfacePoint PointResolver::resolve(const json::PointSpec& point, const std::string& pointer) {
   if (point.position) placed_.push_back({pointer, nearest(*point.position)});
-  return fault_of_field("point.", pointer, [&] {
+  return fault_of_field<surface::PointError>(pointer, [&] {
     if (point.position) return surface::checked_point(mesh(), placed_.back().nearest.point, pointer);
     if (point.by_vertex) return surface::vertex_point(mesh(), VertexId{point.index});
     return surface::checked_point(mesh(), {FaceId{point.index}, point.barycentric}, pointer);

@@ -82,13 +82,4 @@ Error PointerMap::operator()(const Error& error) const {
   return {error.code(), with_entries_of_request(error.what()), std::move(details)};
 }
 
-bool has_code(const Error& error, std::string_view wanted) {
-  return wanted.ends_with('.') ? error.code().starts_with(wanted) : error.code() == wanted;
-}
-
-void throw_with_pointers(const Error& error, std::initializer_list<PointersOfCode> maps) {
-  for (const auto& [code, pointers] : maps)
-    if (has_code(error, code)) throw pointers(error);
-}
-
 }  // namespace supple::routes

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,37 +46,23 @@ class PointerMap {
   std::vector<FieldPlace> places_;
 };
 
-/// The pointers of errors with a code, or with all codes of a family: "tiling.".
-struct PointersOfCode {
-  std::string_view code;
-  PointerMap pointers;
-};
-
-/// Whether `code` is `wanted`, or of the family `wanted` that ends with a dot.
-bool has_code(const Error& error, std::string_view wanted);
-
-/// Throws the error with pointers if its code has some.
-void throw_with_pointers(const Error& error, std::initializer_list<PointersOfCode> maps);
-
-/// Calls call(); the errors with these codes get pointers into the request.
-template <class Call>
-auto with_pointers(std::initializer_list<PointersOfCode> maps, Call call) -> decltype(call()) {
+/// Calls call(); errors of type Fault get pointers into the request.
+template <class Fault, class Call>
+auto with_pointers(const PointerMap& pointers, Call call) -> decltype(call()) {
   try {
     return call();
-  } catch (const Error& error) {
-    throw_with_pointers(error, maps);
-    throw;
+  } catch (const Fault& fault) {
+    throw pointers(fault);
   }
 }
 
-/// Calls call(); errors with this code, or of this family, are faults of the field at `pointer`.
-template <class Call>
-auto fault_of_field(std::string_view code, const std::string& pointer, Call call) -> decltype(call()) {
+/// Calls call(); errors of type Fault are faults of the field at `pointer`.
+template <class Fault, class Call>
+auto fault_of_field(const std::string& pointer, Call call) -> decltype(call()) {
   try {
     return call();
-  } catch (const Error& error) {
-    if (has_code(error, code)) throw Error(error.code(), error.what(), {{pointer, error.what()}});
-    throw;
+  } catch (const Fault& fault) {
+    throw Error(fault.code(), fault.what(), {{pointer, fault.what()}});
   }
 }
 

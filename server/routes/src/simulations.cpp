@@ -8,6 +8,8 @@
 #include "structure_spec.h"
 #include "supple/json/structure_answers.h"
 #include "supple/microscale/accurate_simulation.h"
+#include "supple/microscale/simulation_error.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::routes {
 namespace {
@@ -55,13 +57,13 @@ store::Result compute(json::SimulationRequest request, const tiling::Structure& 
   Outcome outcome;
   const bool seeks = request.accepted_error && !request.mesh_given;
   const auto bill = billed(outer, [&](const Execution& execution) {
-    outcome = with_pointers({{"simulation.invalid_load", PointerMap("/load")},
-                             {"tiling.mesh_option", PointerMap("/accuracy")},
-                             {"tiling.mesh_too_large", PointerMap("/accuracy")}},
-                            [&] {
-                              return seeks ? within_error(request, structure, limits, execution)
-                                           : on_one_mesh(request, structure, limits, execution);
-                            });
+    const auto run_on_meshes = [&] {
+      return seeks ? within_error(request, structure, limits, execution)
+                   : on_one_mesh(request, structure, limits, execution);
+    };
+    outcome = with_pointers<microscale::InvalidLoad>(PointerMap("/load"), [&] {
+      return with_pointers<tiling::MeshOptionError>(PointerMap("/accuracy"), run_on_meshes);
+    });
   });
   return json_result(json::write_simulation(request, structure, outcome.simulator->mesh(), outcome.result, bill));
 }

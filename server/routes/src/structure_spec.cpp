@@ -1,5 +1,7 @@
 #include "structure_spec.h"
 
+#include "supple/tiling/tiling_error.h"
+
 namespace supple::routes {
 namespace {
 
@@ -12,11 +14,11 @@ std::vector<double> presets_of(const tiling::Family& family) {
 }  // namespace
 
 tiling::Structure make_structure(const json::StructureSpec& spec, const PointerMap& pointers) {
-  const auto& family = *fault_of_field("tiling.family_not_found", pointers.pointer("family"),
-                                       [&] { return &tiling::family(spec.family); });
+  const auto& family =
+      *fault_of_field<tiling::FamilyNotFound>(pointers.pointer("family"), [&] { return &tiling::family(spec.family); });
   try {
     return tiling::make_structure(family, spec.parameters ? *spec.parameters : presets_of(family));
-  } catch (const Error& error) {
+  } catch (const tiling::TilingError& error) {
     if (!error.details().empty()) throw pointers(error);
     throw Error(error.code(), error.what(), {{pointers.pointer("parameters"), error.what()}});
   }

@@ -8,6 +8,7 @@
 #include "structure_spec.h"
 #include "supple/json/structure_answers.h"
 #include "supple/tiling/export.h"
+#include "supple/tiling/tiling_error.h"
 
 namespace supple::routes {
 namespace {
@@ -33,10 +34,9 @@ store::Result describe(const json::StructureRequest& request, const tiling::Stru
     if (request.mesh) {
       execution.checkpoint(0, "meshing");
       const StageTimer timer(execution.cost, "meshing");
-      mesh = {*request.mesh,
-              with_pointers(
-                  {{"tiling.mesh_option", PointerMap("/mesh")}, {"tiling.mesh_too_large", PointerMap("/mesh")}},
-                  [&] { return tiling::statistics(tiling::mesh_structure(structure, *request.mesh, execution)); })};
+      mesh = {*request.mesh, with_pointers<tiling::MeshOptionError>(PointerMap("/mesh"), [&] {
+                return tiling::statistics(tiling::mesh_structure(structure, *request.mesh, execution));
+              })};
     }
     if (request.svg) {
       execution.checkpoint(0.9, "export");

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "request_pointers.h"
+#include "supple/weave/weave_error.h"
 
 namespace supple::routes {
 namespace {
@@ -28,7 +29,7 @@ Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& exec
   std::size_t pieces = 0;
   for (std::size_t s = 0; s < spec.strands.size(); ++s) {
     const auto& strand = spec.strands[s];
-    weave.strands.push_back(with_pointers({{"weave.", PointerMap("/weave/strands/" + std::to_string(s))}}, [&] {
+    weave.strands.push_back(with_pointers<weave::WeaveError>(PointerMap("/weave/strands/" + std::to_string(s)), [&] {
       return weave::Strand{weave::StrandCurve(strand.points, strand.ends, strand.translation, execution),
                            strand.radius.value_or(radius)};
     }));
@@ -44,8 +45,8 @@ Weave lay_out(const json::LayoutSpec& spec, double radius, const Execution& exec
     if (weave.lattice && !(weave.lattice->determinant() > 0))
       throw Error("weave.invalid_layout", "The lattice must be of positive determinant.",
                   {{"/weave/lattice", "must be of positive determinant"}});
-    weave.crossings = with_pointers({{"weave.", PointerMap("/weave")}},
-                                    [&] { return weave::find_crossings(weave.strands, weave.lattice, execution); });
+    weave.crossings = with_pointers<weave::WeaveError>(
+        PointerMap("/weave"), [&] { return weave::find_crossings(weave.strands, weave.lattice, execution); });
     return weave;
   }
   for (const auto& members : *spec.crossings) {
@@ -92,7 +93,7 @@ Weave lay_out(const json::SampleSpec& spec, const Execution&) { return weave::pr
 
 Weave lay_out(const json::WeaveSpec& spec, const Execution& execution) {
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source)) return lay_out(*layout, spec.radius, execution);
-  return with_pointers({{"weave.", pattern_pointers()}}, [&] {
+  return with_pointers<weave::WeaveError>(pattern_pointers(), [&] {
     Weave weave = std::visit(
         [&](const auto& source) {
           if constexpr (std::is_same_v<std::decay_t<decltype(source)>, json::LayoutSpec>)
@@ -176,7 +177,7 @@ Weave make_weave(const json::WeaveSpec& spec, const Execution& execution) {
   Weave weave = lay_out(spec, execution);
   weave.material = spec.material;
   override_connections(spec.overrides, weave);
-  with_pointers({{"weave.", PointerMap("/weave")}}, [&] { validate(weave, execution); });
+  with_pointers<weave::WeaveError>(PointerMap("/weave"), [&] { validate(weave, execution); });
   if (const auto fraction = sliding_fraction(spec)) limit_sliding(weave, *fraction, execution);
   // The ranges that crossings have themselves take precedence over the fraction.
   if (const auto* layout = std::get_if<json::LayoutSpec>(&spec.source); layout && layout->crossings)

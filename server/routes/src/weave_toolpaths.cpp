@@ -8,6 +8,7 @@
 #include "supple/json/weave_toolpath_answers.h"
 #include "supple/json/weave_toolpath_requests.h"
 #include "supple/weave/gcode.h"
+#include "supple/weave/weave_error.h"
 #include "weave_spec.h"
 
 namespace supple::routes {
@@ -51,9 +52,10 @@ PointerMap print_pointers(const json::WeaveSpec& spec) {
 /// Throws the faults of the engine with pointers into the request, and "request.limit_exceeded" beyond the limit.
 weave::Toolpath plan(const WeaveToolpathRequest& request, const Weave& weave, const json::Limits& limits,
                      const Execution& execution) {
-  auto path = with_pointers(
-      {{"weave.invalid_option", option_pointers_of(request)}, {"weave.not_printable", print_pointers(request.weave)}},
-      [&] { return toolpath(weave, request.printer, request.options, execution); });
+  auto path = with_pointers<weave::InvalidOption>(option_pointers_of(request), [&] {
+    return with_pointers<weave::NotPrintable>(
+        print_pointers(request.weave), [&] { return toolpath(weave, request.printer, request.options, execution); });
+  });
   std::size_t points = 0;
   for (const weave::Move& move : path.moves) points += move.points.size();
   if (points > limits.max_print_points)
@@ -146,7 +148,7 @@ PreparedComputation prepare_toolpath(const EndpointRequest& asked, const Loader&
   auto request = std::make_shared<const WeaveToolpathRequest>(
       json::parse_weave_toolpath(asked.body, loader.limits(), loader.cancellation()));
   if (asked.becomes_job) refuse_small_faulty_weave(request->weave);
-  with_pointers({{"weave.invalid_option", PointerMap("/printer")}}, [&] { validate(request->printer); });
+  with_pointers<weave::InvalidOption>(PointerMap("/printer"), [&] { validate(request->printer); });
   return {.deadline = request->deadline,
           .run = [request, format = file_of(toolpath_formats, asked.format),
                   limits = loader.limits()](const Execution& execution) {

@@ -7,6 +7,7 @@
 #include "supple/base/part_of_execution.h"
 #include "supple/weave/drawing.h"
 #include "supple/weave/layout_warnings.h"
+#include "supple/weave/weave_error.h"
 #include "weave_spec.h"
 
 namespace supple::routes {
@@ -112,11 +113,11 @@ void check_deformed(const Weave& weave, int segments, std::size_t states, const 
 }
 
 /// Some options of the engine are fields of the request itself, the others of its "accuracy".
-PointersOfCode option_pointers() {
-  return {"weave.invalid_option", PointerMap("/accuracy", {{.field = "strain", .pointer = "/strain"},
-                                                           {.field = "thickness", .pointer = "/thickness"},
-                                                           {.field = "directions", .pointer = "/directions"},
-                                                           {.field = "deformed", .pointer = "/deformed"}})};
+PointerMap option_pointers() {
+  return PointerMap("/accuracy", {{.field = "strain", .pointer = "/strain"},
+                                  {.field = "thickness", .pointer = "/thickness"},
+                                  {.field = "directions", .pointer = "/directions"},
+                                  {.field = "deformed", .pointer = "/deformed"}});
 }
 
 store::Result homogenize(const json::WeaveHomogenizationRequest& request, const json::Limits& limits,
@@ -126,8 +127,8 @@ store::Result homogenize(const json::WeaveHomogenizationRequest& request, const 
   const auto bill = billed(outer, [&](const Execution& execution) {
     weave = lay_out_periodic(request.weave, execution);
     check_deformed(weave, request.options.equilibrium.segments, request.options.deformed.size(), limits);
-    responses =
-        with_pointers({option_pointers()}, [&] { return weave::homogenize(weave, request.options, execution); });
+    responses = with_pointers<weave::InvalidOption>(
+        option_pointers(), [&] { return weave::homogenize(weave, request.options, execution); });
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_homogenization(request, weave, responses, bill));
@@ -139,7 +140,7 @@ store::Result deform(const json::WeaveDeformationRequest& request, const json::L
   const auto bill = billed(outer, [&](const Execution& execution) {
     weave = lay_out_periodic(request.weave, execution);
     check_deformed(weave, request.options.segments, request.deformed.size(), limits);
-    states = with_pointers({option_pointers()}, [&] {
+    states = with_pointers<weave::InvalidOption>(option_pointers(), [&] {
       return weave::deform_cells(weave, request.gradients, request.options, request.deformed, execution);
     });
     execution.checkpoint(1, "");
@@ -157,8 +158,10 @@ store::Result simulate(const json::WeaveSimulationRequest& request, const json::
     placed = place_load(request, weave, limits, execution);
     if (request.deformed != json::DeformedStrands::none)
       check_deformed(weave, request.options.segments, static_cast<std::size_t>(request.states), limits);
-    result = with_pointers({option_pointers(), {"weave.invalid_load", load_pointers(placed)}},
-                           [&] { return weave::simulate(weave, placed.load, request.options, execution); });
+    result = with_pointers<weave::InvalidOption>(option_pointers(), [&] {
+      return with_pointers<weave::InvalidLoad>(
+          load_pointers(placed), [&] { return weave::simulate(weave, placed.load, request.options, execution); });
+    });
     execution.checkpoint(1, "");
   });
   return json_result(json::write_weave_simulation(request, weave, placed.places, result, bill));

@@ -7,8 +7,8 @@
 #include "database.h"
 #include "replaced_content.h"
 #include "stored_files.h"
-#include "supple/base/error.h"
 #include "supple/store/maintenance.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -38,8 +38,7 @@ CopyReport copy(const DataPaths& from, const DataPaths& to) {
 
 CopyReport back_up(const fs::path& folder, const fs::path& to) {
   const DataPaths from{folder};
-  if (!fs::exists(from.database()))
-    throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
+  if (!fs::exists(from.database())) throw StoreUnavailable("There is no database in " + folder.string() + ".");
   require_empty(to);
   make_folders({to});
   auto copied = copy(from, {to});

@@ -2,8 +2,8 @@
 
 #include "checked_content.h"
 #include "file_access.h"
-#include "supple/base/error.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -31,10 +31,10 @@ void renew_backup_marker(const DataPaths& folder) {
 
 void require_backup(const DataPaths& folder) {
   if (!std::filesystem::exists(folder.database()))
-    throw Error("store.unavailable", "There is no database in " + folder.folder.string() + ".");
+    throw StoreUnavailable("There is no database in " + folder.folder.string() + ".");
   if (!std::filesystem::exists(folder.backup_marker())) {
-    throw Error("store.unavailable",
-                "The folder " + folder.folder.string() + " is no complete backup: it has no file named \"backup\".");
+    throw StoreUnavailable("The folder " + folder.folder.string() +
+                           " is no complete backup: it has no file named \"backup\".");
   }
   const auto text = read_file(folder.backup_marker());
   const auto found = text.find(database_hash_prefix);

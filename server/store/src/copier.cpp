@@ -2,7 +2,7 @@
 
 #include "database.h"
 #include "file_access.h"
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -37,7 +37,7 @@ std::vector<fs::path> other_files(const DataPaths& paths) {
 
 void require_empty(const fs::path& folder) {
   if (fs::exists(folder) && !(fs::is_directory(folder) && fs::is_empty(folder)))
-    throw Error("store.unavailable", "There is something in " + folder.string() + " already.");
+    throw StoreUnavailable("There is something in " + folder.string() + " already.");
 }
 
 void make_folders(const DataPaths& paths) {
@@ -62,8 +62,9 @@ void copy_database(const fs::path& from, const fs::path& to) {
   }
   if (backup) sqlite3_backup_finish(backup);
   if (status != SQLITE_DONE) {
-    throw Error(status == SQLITE_FULL ? "store.full" : "store.unavailable",
-                "The database cannot be copied: " + std::string(sqlite3_errstr(status)) + ".");
+    const auto message = "The database cannot be copied: " + std::string(sqlite3_errstr(status)) + ".";
+    if (status == SQLITE_FULL) throw StoreFull(message);
+    throw StoreUnavailable(message);
   }
   // The copy is one file without log and index until a server opens it.
   Statement(target, "PRAGMA journal_mode = DELETE").run();
@@ -103,9 +104,8 @@ std::vector<StoredFile> Copier::copy_files(const std::vector<StoredFile>& files)
     std::string content;
     try {
       content = read_file(from);
-    } catch (const Error& error) {
-      if (error.code() != "store.corrupted") throw;
-      missing.push_back(file);
+    } catch (const StoreCorrupted&) {
+      missing.push_back(file);  // it was removed meanwhile
       continue;
     }
     if (auto fault = fault_of(file, from.filename().string(), content); !fault.empty())

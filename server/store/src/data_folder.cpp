@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "file_access.h"
-#include "supple/base/error.h"
 #include "supple/store/clock.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -24,12 +24,12 @@ namespace fs = std::filesystem;
 int take_lock(const DataPaths& paths, DataFolder::Use use) {
   const int descriptor = ::open(paths.lock().c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (descriptor < 0) {
-    throw Error("store.unavailable", "The data folder " + paths.folder.string() +
-                                         " is not writable: " + std::generic_category().message(errno) + ".");
+    throw StoreUnavailable("The data folder " + paths.folder.string() +
+                           " is not writable: " + std::generic_category().message(errno) + ".");
   }
   if (::flock(descriptor, (use == DataFolder::Use::alone ? LOCK_EX : LOCK_SH) | LOCK_NB) != 0) {
     ::close(descriptor);
-    throw Error("store.unavailable", "The data folder " + paths.folder.string() + " is in use by another server.");
+    throw StoreUnavailable("The data folder " + paths.folder.string() + " is in use by another server.");
   }
   return descriptor;
 }

@@ -18,7 +18,9 @@ namespace {
     throw DamagedDatabase("The store's database is damaged: " + text + ".");
   }
   const bool full = status == SQLITE_FULL || (status == SQLITE_IOERR && is_out_of_space(sqlite3_system_errno(handle)));
-  throw Error(full ? "store.full" : "store.unavailable", "The store's database reports: " + text + ".");
+  const auto message = "The store's database reports: " + text + ".";
+  if (full) throw StoreFull(message);
+  throw StoreUnavailable(message);
 }
 
 }  // namespace
@@ -32,7 +34,7 @@ Database::Database(const std::filesystem::path& path) {
   if (sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
     const std::string text = handle_ ? sqlite3_errmsg(handle_) : "out of memory";
     sqlite3_close(handle_);
-    throw Error("store.unavailable", "The store's database cannot be opened: " + text + ".");
+    throw StoreUnavailable("The store's database cannot be opened: " + text + ".");
   }
   sqlite3_busy_timeout(handle_, 500);
 }

@@ -7,14 +7,14 @@
 #include <string>
 #include <string_view>
 
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
 /// The error of a file that is no SQLite database, is damaged, or lacks a table or a column.
-class DamagedDatabase : public Error {
+class DamagedDatabase : public StoreCorrupted {
  public:
-  explicit DamagedDatabase(const std::string& message) : Error("store.corrupted", message) {}
+  using StoreCorrupted::StoreCorrupted;
 };
 
 /// A connection to an SQLite database. Errors throw "store.full" where the disk is full, DamagedDatabase

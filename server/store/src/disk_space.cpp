@@ -3,7 +3,7 @@
 #include <string>
 #include <system_error>
 
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
@@ -11,8 +11,8 @@ DiskSpace disk_space(const std::filesystem::path& folder) {
   std::error_code error;
   const auto space = std::filesystem::space(folder, error);
   if (error) {
-    throw Error("store.unavailable",
-                "The space of the data folder " + folder.string() + " is not known: " + error.message() + ".");
+    throw StoreUnavailable("The space of the data folder " + folder.string() + " is not known: " + error.message() +
+                           ".");
   }
   return {static_cast<std::int64_t>(space.available), static_cast<std::int64_t>(space.capacity)};
 }

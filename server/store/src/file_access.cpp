@@ -8,16 +8,17 @@
 #include <cerrno>
 #include <system_error>
 
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
 bool is_out_of_space(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
 void throw_file_error(const std::string& action, const std::filesystem::path& path, int error) {
-  throw Error(is_out_of_space(error) ? "store.full" : "store.unavailable",
-              "The store cannot " + action + " " + path.filename().string() + ": " +
-                  std::generic_category().message(error) + ".");
+  const auto message = "The store cannot " + action + " " + path.filename().string() + ": " +
+                       std::generic_category().message(error) + ".";
+  if (is_out_of_space(error)) throw StoreFull(message);
+  throw StoreUnavailable(message);
 }
 
 void write_stored_file(const std::filesystem::path& path, std::initializer_list<std::string_view> pieces) {
@@ -58,8 +59,7 @@ std::string read_file(const std::filesystem::path& path, const CancellationToken
     bytes.resize(done);
     return bytes;
   } catch (const FileError& error) {
-    if (error.number() == ENOENT)
-      throw Error("store.corrupted", "The stored file " + path.filename().string() + " is missing.");
+    if (error.number() == ENOENT) throw StoreCorrupted("The stored file " + path.filename().string() + " is missing.");
     throw_file_error(error.action(), error.path(), error.number());
   }
 }

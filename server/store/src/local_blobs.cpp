@@ -3,6 +3,7 @@
 #include "checked_content.h"
 #include "local_state.h"
 #include "record_file.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -62,7 +63,7 @@ class LocalBlobs final : public BlobStore {
     {
       const std::lock_guard lock(state_.mutex);
       Statement row(state_.database, "SELECT result_type, result_headers, result_hash FROM jobs WHERE id = ?");
-      if (!row.bind(id).step()) throw Error("job.not_found", "There is no job " + id + ".");
+      if (!row.bind(id).step()) throw JobNotFound(id);
       row_of_result.content_type = row.text(0);
       split_headers(row.text(1), row_of_result);
       hash = row.text(2);

@@ -2,6 +2,7 @@
 
 #include "checked_content.h"
 #include "local_state.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -77,15 +78,15 @@ class LocalMeshes final : public MeshStore {
   }
 
   std::string mesh_content(const std::string& id, const CancellationToken& cancellation) const override {
-    if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
+    if (!mesh(id)) throw MeshNotFound(id);
     auto bytes = read_file(state_.paths.mesh(id), cancellation);
     if (sha256(bytes, cancellation) != id)
-      throw Error("store.corrupted", "The stored file " + id + ".ply has changed since it was written.");
+      throw StoreCorrupted("The stored file " + id + ".ply has changed since it was written.");
     return bytes;
   }
 
   OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation) const override {
-    if (!mesh(id)) throw Error("mesh.not_found", "There is no mesh " + id + ".");
+    if (!mesh(id)) throw MeshNotFound(id);
     return open_checked(state_.paths.mesh(id), {}, id, cancellation);
   }
 

@@ -25,6 +25,7 @@
 #include "supple/base/error.h"
 #include "supple/store/clock.h"
 #include "supple/store/local_store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
@@ -164,8 +165,8 @@ struct LocalState {
   auto with_reserve(Removal removal) {
     try {
       return removal();
-    } catch (const Error& error) {
-      if (error.code() != "store.full" || !reserve.release()) throw;
+    } catch (const StoreFull&) {
+      if (!reserve.release()) throw;
     }
     return removal();
   }

@@ -1,6 +1,7 @@
 #include "supple/store/local_store.h"
 
 #include "local_state.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
@@ -20,8 +21,7 @@ struct LocalStore::Parts {
 LocalStore::LocalStore(const std::filesystem::path& folder, const Recovery& recovery, const Quota& quota) try
     : parts_(std::make_unique<Parts>(folder, recovery, quota)) {
 } catch (const std::filesystem::filesystem_error& error) {
-  throw Error("store.unavailable",
-              "The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
+  throw StoreUnavailable("The data folder " + folder.string() + " cannot be used: " + error.code().message() + ".");
 }
 
 LocalStore::~LocalStore() {

@@ -7,7 +7,7 @@
 #include "recovery.h"
 #include "schema.h"
 #include "stored_files.h"
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -51,8 +51,7 @@ void repair(const DataFolder& folder, const LocalStore::Recovery& recovery,
 
 CheckReport check_folder(const fs::path& folder) {
   const DataPaths paths{folder};
-  if (!fs::exists(paths.database()))
-    throw Error("store.unavailable", "There is no database in " + folder.string() + ".");
+  if (!fs::exists(paths.database())) throw StoreUnavailable("There is no database in " + folder.string() + ".");
   CheckReport check;
   try {
     const Database database(paths.database());

@@ -11,6 +11,7 @@
 
 #include "supple/base/error.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -58,8 +59,7 @@ std::shared_ptr<const LoadedModel> ModelStore::get(const std::string& id) const 
   if (const auto found = models_.find(id); found != models_.end()) return found->second;
   std::string known;
   for (const auto& [name, model] : models_) known += (known.empty() ? "" : ", ") + name;
-  throw Error("model.not_found", "There is no model " + id.substr(0, 80) + "; " +
-                                     (known.empty() ? "no model is loaded." : "known are " + known + "."));
+  throw ModelNotFound(id.substr(0, 80), known.empty() ? "no model is loaded." : "known are " + known + ".");
 }
 
 std::vector<std::shared_ptr<const LoadedModel>> ModelStore::models() const {
@@ -173,6 +173,8 @@ bool ModelStore::read(const std::string& name, const Stamp& stamp, File& file) {
     design::Candidates candidates(model.network);
     loaded = std::make_shared<const LoadedModel>(LoadedModel{
         std::move(model), std::move(evaluator), std::move(candidates), std::move(hash), std::move(description)});
+  } catch (const Cancelled&) {
+    return false;  // the server ends, which says nothing about the file
   } catch (const std::exception& error) {
     // A damaged file may ask for any amount of memory, so that a lack of memory counts as a fault of the file.
     reason = error.what();

@@ -7,8 +7,6 @@
 #include <string_view>
 #include <utility>
 
-#include "supple/base/error.h"
-
 namespace supple::store {
 namespace {
 
@@ -50,9 +48,9 @@ std::string with_time_limits(const std::string& address) {
   for (const auto* setting = settings.get(); is_understood && setting->keyword; ++setting)
     if (setting->keyword == std::string_view("port") && setting->val) is_understood = is_list_of_numbers(setting->val);
   if (!is_understood) {
-    throw Error("store.unavailable",
-                "The address of the store's database cannot be understood. Special characters of a password in a URI "
-                "have to be percent-encoded.");
+    throw StoreUnavailable(
+        "The address of the store's database cannot be understood. Special characters of a password in a URI "
+        "have to be percent-encoded.");
   }
   std::string text;
   const auto append = [&text](std::string_view key, std::string_view value) {
@@ -98,7 +96,8 @@ void Postgres::fail(const pqxx::pqxx_exception& error) {
   std::string text = error.base().what();
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   if (dynamic_cast<const pqxx::broken_connection*>(&error.base())) outage_ = {Clock::now(), text};
-  throw failure(full ? "store.full" : "store.unavailable", text);
+  if (full) throw StoreFull(report(text));
+  throw StoreUnavailable(report(text));
 }
 
 }  // namespace supple::store

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "socket_deadline.h"
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
@@ -33,7 +33,7 @@ class Postgres {
     const std::lock_guard lock(mutex_);
     // If the database was found silent while this caller waited long for the mutex, the caller does not wait for the
     // database too. A caller that came just before tries to connect, for the database may be there again.
-    if (outage_ && outage_->noticed > called_at + long_wait) throw failure("store.unavailable", outage_->reason);
+    if (outage_ && outage_->noticed > called_at + long_wait) throw StoreUnavailable(report(outage_->reason));
     return with_store_errors([&] {
       for (bool again = connection_ != nullptr;; again = false) {
         bool committing = false;
@@ -66,9 +66,7 @@ class Postgres {
       fail(error);
     }
   }
-  static Error failure(std::string code, const std::string& reason) {
-    return Error(std::move(code), "The store's database reports: " + reason + ".");
-  }
+  static std::string report(const std::string& reason) { return "The store's database reports: " + reason + "."; }
   /// Throws an error of the store with the text of `error`.
   [[noreturn]] void fail(const pqxx::pqxx_exception& error);
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "supple/base/error.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -199,7 +199,7 @@ std::size_t body_offset(std::string_view kind, std::string_view bytes, const std
 }
 
 void throw_corrupted(const std::string& name) {
-  throw Error("store.corrupted", "The stored file " + name + " has changed since it was written.");
+  throw StoreCorrupted("The stored file " + name + " has changed since it was written.");
 }
 
 std::string join_headers(const Result& result) {

@@ -1,6 +1,8 @@
 #include "recovery.h"
 
 #include <algorithm>
+#include <new>
+#include <optional>
 #include <set>
 #include <system_error>
 
@@ -42,7 +44,7 @@ std::vector<fs::path> orphaned_files(const fs::path& folder, const std::string& 
   return unknown;
 }
 
-/// The row of a mesh, made from its file; nothing where the file is not what its name says.
+/// The row of a mesh, made from its file; nothing where the file is not what its name says. Throws std::bad_alloc.
 std::optional<MeshRecord> describe_file(const DataFolder& folder, const LocalStore::Recovery& recovery,
                                         const fs::path& file, std::int64_t created) {
   if (file.extension() != ".ply" || !recovery.describe) return std::nullopt;
@@ -51,6 +53,8 @@ std::optional<MeshRecord> describe_file(const DataFolder& folder, const LocalSto
     const auto ply = read_file(file);
     if (sha256(ply) != record.id) return std::nullopt;
     record.description = recovery.describe(ply, record.id, created);
+  } catch (const std::bad_alloc&) {
+    throw;  // which says nothing about the file
   } catch (const std::exception& error) {
     folder.warn("the file " + file.filename().string() + " cannot be indexed: " + error.what());
     return std::nullopt;
@@ -66,7 +70,14 @@ void recover_meshes(const DataFolder& folder, Database& database, const LocalSto
   }
   std::sort(files.begin(), files.end());
   for (const auto& [created, file] : files) {
-    const auto record = describe_file(folder, recovery, file, created);
+    std::optional<MeshRecord> record;
+    try {
+      record = describe_file(folder, recovery, file, created);
+    } catch (const std::bad_alloc&) {
+      folder.warn("the file " + file.filename().string() +
+                  " cannot be indexed before the next start: there is not enough memory");
+      continue;
+    }
     if (!record) {
       folder.try_to_quarantine(file);
       continue;

@@ -5,6 +5,7 @@
 
 #include "file_access.h"
 #include "record_file.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -87,9 +88,9 @@ void prepare_tables(Database& database) {
   {
     Statement row(database, "PRAGMA user_version");
     if (row.step() && row.integer(0) > table_version) {
-      throw Error("store.unavailable",
-                  "The data folder was written by a later version of the server (tables of version " +
-                      std::to_string(row.integer(0)) + "; this one knows " + std::to_string(table_version) + ").");
+      throw StoreUnavailable("The data folder was written by a later version of the server (tables of version " +
+                             std::to_string(row.integer(0)) + "; this one knows " + std::to_string(table_version) +
+                             ").");
     }
   }
   database.execute(tables);

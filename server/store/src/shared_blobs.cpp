@@ -5,6 +5,7 @@
 #include "record_file.h"
 #include "shared_schema.h"
 #include "shared_state.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -63,13 +64,12 @@ class SharedBlobs final : public BlobStore {
       fencing_token = rows[0][3].as<std::int64_t>();
       return true;
     });
-    const auto throw_no_job = [&] { throw Error("job.not_found", "There is no job " + id + "."); };
-    if (!found) throw_no_job();
+    if (!found) throw JobNotFound(id);
     try {
       return {std::move(row_of_result.content_type), std::move(row_of_result.headers),
               open_checked(state_.paths.result(shared_result_stem(id, fencing_token)), result_kind, hash, {})};
-    } catch (const Error& error) {
-      if (state_.was_removed(error, "jobs", id)) throw_no_job();
+    } catch (const StoreCorrupted&) {
+      if (state_.was_removed("jobs", id)) throw JobNotFound(id);
       throw;
     }
   }

@@ -14,9 +14,9 @@
 #include "schema.h"
 #include "shared_rows.h"
 #include "shared_schema.h"
-#include "supple/base/error.h"
 #include "supple/store/maintenance.h"
 #include "supple/store/shared_store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -90,9 +90,9 @@ bool has_rows(pqxx::work& transaction) {
 }
 
 void require_empty_store(pqxx::work& transaction, const DataPaths& paths) {
-  if (has_rows(transaction)) throw Error("store.unavailable", "There is something in the database already.");
+  if (has_rows(transaction)) throw StoreUnavailable("There is something in the database already.");
   if (!content_of_shared(paths).empty())
-    throw Error("store.unavailable", "There is something in " + paths.folder.string() + " already.");
+    throw StoreUnavailable("There is something in " + paths.folder.string() + " already.");
 }
 
 /// File name without its suffix in a restored store, in which all fencing tokens are 0.
@@ -291,7 +291,7 @@ CopyReport restore_shared_store(const fs::path& from, const SharedStoreLocation&
   const Staging staging(paths);
   auto copy = stage({from}, staging.paths());
   if (replace && !copy.faults.empty())
-    throw Error("store.corrupted", "The backup is damaged, so that nothing was replaced: " + copy.faults.front());
+    throw StoreCorrupted("The backup is damaged, so that nothing was replaced: " + copy.faults.front());
   // This transaction must not run twice, for files are moved in it. On a new connection, it does not.
   MaintenanceDatabase(store).transaction([&](pqxx::work& transaction) {
     lock_out_servers(transaction);

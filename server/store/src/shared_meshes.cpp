@@ -4,15 +4,12 @@
 #include "file_access.h"
 #include "record_file.h"
 #include "shared_state.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
 
 constexpr std::chrono::seconds presence_lifetime{1};  // time for which a mesh that the database had counts as stored
-
-[[noreturn]] void throw_no_mesh(const std::string& id) {
-  throw Error("mesh.not_found", "There is no mesh " + id + ".");
-}
 
 std::string owned_by(const char* parameter) {
   const std::string value(parameter);
@@ -86,23 +83,23 @@ class SharedMeshes final : public MeshStore {
   }
 
   std::string mesh_content(const std::string& id, const CancellationToken& cancellation) const override {
-    if (!mesh(id)) throw_no_mesh(id);
+    if (!mesh(id)) throw MeshNotFound(id);
     try {
       auto bytes = read_file(state_.paths.mesh(id), cancellation);
       if (sha256(bytes, cancellation) != id) throw_corrupted(id + ".ply");
       return bytes;
-    } catch (const Error& error) {
-      if (state_.was_removed(error, "meshes", id)) throw_no_mesh(id);
+    } catch (const StoreCorrupted&) {
+      if (state_.was_removed("meshes", id)) throw MeshNotFound(id);
       throw;
     }
   }
 
   OpenContent open_mesh_content(const std::string& id, const CancellationToken& cancellation) const override {
-    if (!mesh(id)) throw_no_mesh(id);
+    if (!mesh(id)) throw MeshNotFound(id);
     try {
       return open_checked(state_.paths.mesh(id), {}, id, cancellation);
-    } catch (const Error& error) {
-      if (state_.was_removed(error, "meshes", id)) throw_no_mesh(id);
+    } catch (const StoreCorrupted&) {
+      if (state_.was_removed("meshes", id)) throw MeshNotFound(id);
       throw;
     }
   }

@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "file_access.h"
-#include "supple/base/error.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -88,22 +88,21 @@ std::string database_id_of_folder(const DataPaths& paths) {
 
 void require_no_own_database(const DataPaths& paths) {
   if (!fs::exists(paths.database())) return;
-  throw Error("store.unavailable", "The data folder " + paths.folder.string() +
-                                       " belongs to a server with a database of its own (supple.sqlite).");
+  throw StoreUnavailable("The data folder " + paths.folder.string() +
+                         " belongs to a server with a database of its own (supple.sqlite).");
 }
 
 [[noreturn]] void throw_not_its_folder(const DataPaths& paths) {
-  throw Error("store.unavailable",
-              "The data folder " + paths.folder.string() + " is not the one that this database belongs to.");
+  throw StoreUnavailable("The data folder " + paths.folder.string() + " is not the one that this database belongs to.");
 }
 
 constexpr const char* version_and_id = "SELECT version, id FROM store";
 
 void require_version_and_folder(const pqxx::row& row, const DataPaths& paths) {
   if (const auto version = row[0].as<int>(); version > version_of_shared_tables) {
-    throw Error("store.unavailable", "The database was written by a later version of the server (tables of version " +
-                                         std::to_string(version) + "; this one knows " +
-                                         std::to_string(version_of_shared_tables) + ").");
+    throw StoreUnavailable("The database was written by a later version of the server (tables of version " +
+                           std::to_string(version) + "; this one knows " + std::to_string(version_of_shared_tables) +
+                           ").");
   }
   if (database_id_of_folder(paths) != row[1].c_str()) throw_not_its_folder(paths);
 }
@@ -130,7 +129,7 @@ void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
 
 void require_shared_tables(pqxx::work& transaction, const DataPaths& paths) {
   require_no_own_database(paths);
-  const auto throw_no_store = [] { throw Error("store.unavailable", "There is no store in the database."); };
+  const auto throw_no_store = [] { throw StoreUnavailable("There is no store in the database."); };
   if (transaction.exec1("SELECT to_regclass('store') IS NULL")[0].as<bool>()) throw_no_store();
   const auto rows = transaction.exec(version_and_id);
   if (rows.empty()) throw_no_store();
@@ -142,9 +141,9 @@ void lock_out_servers(pqxx::work& transaction) {
     const auto servers =
         transaction.exec1("SELECT count(*) FROM servers WHERE until > clock_timestamp()")[0].as<std::int64_t>();
     if (servers == 0) return;
-    throw Error("store.unavailable", "The database is in use by " + std::to_string(servers) +
-                                         (servers == 1 ? " server" : " servers") +
-                                         "; one that was killed is in it until its lease ends.");
+    throw StoreUnavailable("The database is in use by " + std::to_string(servers) +
+                           (servers == 1 ? " server" : " servers") +
+                           "; one that was killed is in it until its lease ends.");
   };
   require_none();  // fails before the locks, which a busy server would delay
   transaction.exec(table_creation_lock);

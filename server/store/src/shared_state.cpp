@@ -127,8 +127,8 @@ OwnerUsage SharedState::owner_usage(const std::string& owner, const std::string&
   });
 }
 
-bool SharedState::was_removed(const Error& fault, const std::string& table, const std::string& id) {
-  return fault.code() == "store.corrupted" && database.transaction([&](pqxx::work& transaction) {
+bool SharedState::was_removed(const std::string& table, const std::string& id) {
+  return database.transaction([&](pqxx::work& transaction) {
     return transaction.exec_params("SELECT 1 FROM " + table + " WHERE id = $1 FOR KEY SHARE", id).empty();
   });
 }

@@ -13,7 +13,6 @@
 #include "data_folder.h"
 #include "postgres.h"
 #include "space.h"
-#include "supple/base/error.h"
 #include "supple/store/shared_store.h"
 
 namespace supple::store {
@@ -58,9 +57,9 @@ struct SharedState {
   /// The job for which an SQL condition with one parameter is true.
   std::optional<JobRecord> find_job(const char* condition, const std::string& value);
 
-  /// Whether `fault` says that a file is missing or damaged, and the reason is that another server has removed its row.
-  /// Waits for the commit of a server that is removing it. `table` is "meshes" or "jobs".
-  bool was_removed(const Error& fault, const std::string& table, const std::string& id);
+  /// Whether a file that is missing or differs from its row is so because another server is removing both. Waits for
+  /// the commit of that server. `table` is "meshes" or "jobs".
+  bool was_removed(const std::string& table, const std::string& id);
 
   /// Moves files that no row names into quarantine, and deletes half-written ones, if they are older than `orphan_age`.
   /// The row of a younger file may not be committed yet. Does this at most once in `orphan_age`.

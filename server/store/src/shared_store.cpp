@@ -1,6 +1,7 @@
 #include "supple/store/shared_store.h"
 
 #include "shared_state.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 
@@ -21,8 +22,8 @@ struct SharedStore::Parts {
 
 SharedStore::SharedStore(const Options& options) try : parts_(std::make_unique<Parts>(options)) {
 } catch (const std::filesystem::filesystem_error& error) {
-  throw Error("store.unavailable",
-              "The data folder " + options.folder.string() + " cannot be used: " + error.code().message() + ".");
+  throw StoreUnavailable("The data folder " + options.folder.string() + " cannot be used: " + error.code().message() +
+                         ".");
 }
 
 SharedStore::~SharedStore() { parts_->state.end_leases(); }

@@ -2,6 +2,7 @@
 
 #include "record_file.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -62,7 +63,7 @@ std::string fault_of(const StoredFile& file, const std::string& name, std::strin
   try {
     check_content(file, name, content);
     return {};
-  } catch (const Error& error) {
+  } catch (const StoreCorrupted& error) {
     return error.what();
   }
 }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <numbers>
 
+#include "supple/design/design_fault.h"
 #include "support/expect_error.h"
 #include "support/test_calibration.h"
 #include "test_space.h"
@@ -267,7 +268,7 @@ TEST(InverseDesign, KeepsToParametersThatCanBeBuilt) {
   const TestSpace none(2, 4);
   auto nowhere = none.space();
   nowhere.buildable = [](const Eigen::VectorXd&) { return false; };
-  expect_error("design.no_equilibrium", [&] { find_design(nowhere, problem, {.candidates = 3}); });
+  expect_error<NoDesign>("design.no_equilibrium", [&] { find_design(nowhere, problem, {.candidates = 3}); });
 }
 
 TEST(InverseDesign, WeighsSeveralTargetsAgainstEachOther) {
@@ -387,14 +388,16 @@ TEST(InverseDesign, NamesTheParameterThatIsWrong) {
   const TestSpace test(2, 15);
   DesignProblem problem{{target_of(test, test.at({0.5, 0.5}), Task::stress_strain)}, Eigen::VectorXd::Zero(3), {}};
   const auto find = [&] { find_design(test.space(), problem); };
-  EXPECT_EQ(places(expect_error("design.parameter_count", find)), std::vector<std::string>{"initial"});
+  EXPECT_EQ(places(expect_error<DesignFault>("design.parameter_count", find)), std::vector<std::string>{"initial"});
   problem.initial = vector_of(test.at({0.5, 1.5}));
-  EXPECT_EQ(places(expect_error("design.parameter_out_of_bounds", find)), std::vector<std::string>{"initial/1"});
+  EXPECT_EQ(places(expect_error<DesignFault>("design.parameter_out_of_bounds", find)),
+            std::vector<std::string>{"initial/1"});
   problem.initial.reset();
   problem.fixed = {test.at({-1, 0})[0], std::nullopt};
-  EXPECT_EQ(places(expect_error("design.parameter_out_of_bounds", find)), std::vector<std::string>{"fixed/0"});
+  EXPECT_EQ(places(expect_error<DesignFault>("design.parameter_out_of_bounds", find)),
+            std::vector<std::string>{"fixed/0"});
   problem.fixed.resize(1);
-  EXPECT_EQ(places(expect_error("design.parameter_count", find)), std::vector<std::string>{"fixed"});
+  EXPECT_EQ(places(expect_error<DesignFault>("design.parameter_count", find)), std::vector<std::string>{"fixed"});
 }
 
 /// A target that the given parameters meet with `factor` times the modulus of the model.
@@ -588,11 +591,11 @@ TEST(InverseDesign, SaysThatNothingKeepsWithinTheLimits) {
   const TestSpace test(2, 1);
   DesignProblem problem{{target_of(test, test.at({0.7, 0.4}), Task::stiffness)}, {}, {}};
   problem.limits.relative_density = {1.5, 2};
-  const auto error = expect_error("design.beyond_limits", [&] { find_design(measured(test), problem); });
+  const auto error = expect_error<BeyondLimits>("design.beyond_limits", [&] { find_design(measured(test), problem); });
   EXPECT_NE(std::string(error.what()).find("below the least one asked for, 1.5"), std::string::npos) << error.what();
   EXPECT_EQ(places(error), std::vector<std::string>{"limits"});
   const DesignSpace spaces[] = {measured(test), measured(test)};
-  const auto of_all = expect_error("design.beyond_limits", [&] { find_designs(spaces, problem); });
+  const auto of_all = expect_error<BeyondLimits>("design.beyond_limits", [&] { find_designs(spaces, problem); });
   EXPECT_TRUE(std::string(of_all.what()).starts_with("No design of any family")) << of_all.what();
   EXPECT_NE(std::string(of_all.what()).find("below the least one asked for, 1.5"), std::string::npos);
 }

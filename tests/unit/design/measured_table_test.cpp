@@ -6,6 +6,7 @@
 #include <string>
 
 #include "supple/base/error.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/measured_curve.h"
 #include "supple/design/measured_text.h"
 #include "support/expect_error.h"
@@ -296,7 +297,7 @@ TEST(MeasuredColumns, AreNeverTimesIndicesOrOtherThings) {
 
 TEST(MeasuredTable, RefusesTextWithoutRows) {
   for (const char* text : {"", "hello\nworld\n", "1\n2\n3\n", "a,b\nc,d\n", "1,2,x\nx,1,2\n1,x,2\n"}) {
-    const Error error = expect_error("design.unreadable_table", [&] { read_table(text); });
+    const Error error = expect_error<MeasurementFault>("design.unreadable_table", [&] { read_table(text); });
     EXPECT_EQ(places(error), std::vector<std::string>{"text"}) << text;
   }
 }

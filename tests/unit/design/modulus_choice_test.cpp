@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "supple/design/design_fault.h"
 #include "support/expect_error.h"
 
 namespace supple::design {
@@ -108,7 +109,7 @@ TEST(ModulusChoice, KnowsHowItFollowsTheValues) {
 
 TEST(ModulusChoice, RefusesRangesThatAreNone) {
   for (const Range& range : {Range{0, 1}, Range{2, 1}, Range{1, std::numeric_limits<double>::infinity()}}) {
-    const auto error = expect_error("design.invalid_modulus", [&] { ModulusChoice({{1, 2}, range}, 26); });
+    const auto error = expect_error<DesignFault>("design.invalid_modulus", [&] { ModulusChoice({{1, 2}, range}, 26); });
     EXPECT_EQ(places(error), std::vector<std::string>{"moduli/1"});
   }
 }

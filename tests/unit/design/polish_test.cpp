@@ -11,6 +11,7 @@
 #include "polish_rounds.h"
 #include "polish_starts.h"
 #include "supple/design/verified_designs.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
 #include "support/test_calibration.h"
 #include "test_space.h"
@@ -193,7 +194,8 @@ TEST(Polish, GoesAroundParametersThatHaveNoStructure) {
   const Eigen::VectorXd first_step = free.polished({.tolerance = 1e-3}).rounds.at(1).parameters;
   Missed missed;
   missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
-    if ((parameters - first_step).norm() < 1e-9) throw Error("tiling.cell_too_small", "There is no such tile.");
+    if ((parameters - first_step).norm() < 1e-9)
+      throw tiling::TilingError("tiling.cell_too_small", "There is no such tile.");
     return missed.displaced(parameters, samples);
   };
   const auto polished = missed.polished({.tolerance = 1e-3});
@@ -206,7 +208,7 @@ TEST(Polish, RefusesDesignsThatCannotBeBuiltWithTheirReason) {
   Missed missed;
   const Eigen::VectorXd found = missed.found.parameters;
   missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
-    if (parameters != found) throw Error("tiling.cell_too_small", "There is no such tile.");
+    if (parameters != found) throw tiling::TilingError("tiling.cell_too_small", "There is no such tile.");
     return missed.displaced(parameters, samples);
   };
   const auto polished = missed.polished();
@@ -251,7 +253,7 @@ TEST(Polish, StartsElsewhereWhereTheDesignFoundCannotBeSimulated) {
   Missed missed;
   const Eigen::VectorXd elsewhere = missed.test.model.network.lower;
   missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples, const Execution&) {
-    if (parameters == elsewhere) throw Error("tiling.cell_too_small", "There is no such tile.");
+    if (parameters == elsewhere) throw tiling::TilingError("tiling.cell_too_small", "There is no such tile.");
     return missed.displaced(parameters, samples);
   };
   const auto polished = polish(missed.test.space(), missed.problem, elsewhere, missed.simulate, {.tolerance = 1e-3});
@@ -588,7 +590,7 @@ TEST(VerifyDesigns, SayByHowMuchACoarserMeshChangesTheAnswer) {
 TEST(VerifyDesigns, StandWithoutTheEstimateThatFailsUnlessTheyAreCancelled) {
   TwoFamilies families;
   families.simulations[1].coarser = [](const auto&, const auto&, const auto&) -> Eigen::VectorXd {
-    throw Error("tiling.meshing_failed", "No estimate.");
+    throw tiling::TilingError("tiling.meshing_failed", "No estimate.");
   };
   EXPECT_FALSE(families.verified({}).discretization_error.at(0));
   families.simulations[1].coarser = [](const auto&, const ProfileSamples& samples, const auto&) -> Eigen::VectorXd {

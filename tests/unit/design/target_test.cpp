@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "supple/design/design_fault.h"
 #include "support/expect_error.h"
 
 namespace supple::design {
@@ -91,31 +92,31 @@ TEST(Target, CoarsenedIsPartOfTheSameCurve) {
 TEST(Target, SaysWhichControlPointIsWrong) {
   auto target = curve();
   target.control_points[2][0] = 0;
-  EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+  EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
             std::vector<std::string>{"target/control_points/2/0"});
   target = curve();
   target.bands = {1, 2};
-  EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+  EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
             std::vector<std::string>{"target/bands"});
   target = directions();
   target.control_points[2][0] = 0.2 + pi;
-  EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+  EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
             std::vector<std::string>{"target/control_points/2/0"});
   target = curve();
   for (const double nearly_the_same : {5e-324, 1e-15, 1e-11}) {
     target.control_points[1][0] = target.control_points[0][0] + nearly_the_same;
-    EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+    EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
               std::vector<std::string>{"target/control_points/1/0"})
         << nearly_the_same;
   }
   target = curve();
   target.control_points[1][1] = -1.0000001e6;
-  EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+  EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
             std::vector<std::string>{"target/control_points/1"});
   target.control_points[1][1] = -1e6;
   EXPECT_NO_THROW(sample_target(target));
   target.control_points.resize(1);
-  EXPECT_EQ(places(expect_error("design.invalid_target", [&] { sample_target(target); })),
+  EXPECT_EQ(places(expect_error<InvalidTarget>("design.invalid_target", [&] { sample_target(target); })),
             std::vector<std::string>{"target/control_points"});
 }
 

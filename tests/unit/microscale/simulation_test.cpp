@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "supple/base/threads.h"
+#include "supple/microscale/simulation_error.h"
 #include "supple/tiling/family.h"
 #include "supple/tiling/structure.h"
 #include "support/drawn_meshes.h"
@@ -367,13 +368,19 @@ TEST(Simulator, StartsAtRestWithoutStressAndWithThePositiveStiffnessOfSmallStrai
 
 TEST(Simulator, NamesTheStateOfALoadThatItRefuses) {
   Simulator simulator(stiff_frame(), {});
-  auto error = expect_error("simulation.invalid_load", [&] { simulator.run(UniaxialLoad{0, {1.1, -0.5, 9}}); });
+  auto error = expect_error<InvalidLoad>("simulation.invalid_load", [&] {
+    simulator.run(UniaxialLoad{0, {1.1, -0.5, 9}});
+  });
   EXPECT_EQ(places(error), (std::vector<std::string>{"uniaxial/stretches/1", "uniaxial/stretches/2"}));
-  error = expect_error("simulation.invalid_load", [&] { simulator.run(GreenStrainLoad{{{0, 0, 0}, {-0.6, 0, 0}}}); });
+  error = expect_error<InvalidLoad>("simulation.invalid_load", [&] {
+    simulator.run(GreenStrainLoad{{{0, 0, 0}, {-0.6, 0, 0}}});
+  });
   EXPECT_EQ(places(error), std::vector<std::string>{"green_strain/1"});
-  error = expect_error("simulation.invalid_load", [&] { simulator.run(BiaxialLoad{std::nan(""), {{1, 1}}}); });
+  error = expect_error<InvalidLoad>("simulation.invalid_load", [&] {
+    simulator.run(BiaxialLoad{std::nan(""), {{1, 1}}});
+  });
   EXPECT_EQ(places(error), std::vector<std::string>{"biaxial/direction"});
-  expect_error("simulation.invalid_load", [&] { simulator.run(UniaxialLoad{0, {}}); });
+  expect_error<InvalidLoad>("simulation.invalid_load", [&] { simulator.run(UniaxialLoad{0, {}}); });
 }
 
 TEST(Simulator, NamesTheOptionThatItRefuses) {

@@ -362,7 +362,9 @@ TEST(ExponentialMap, RefusesVectorsThatAreNotFiniteOrTooLong) {
   expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {0, nan, 0}, {}); });
   expect_error("exponential_map.non_finite", [&] { exponential_map(mesh, start, {1e300, 1e300, 1e300}, {}); });
   expect_error("exponential_map.too_long", [&] { exponential_map(mesh, start, {1e30, 0, 0}, {}, false, 1000); });
-  expect_error("point.outside_face", [&] { exponential_map(mesh, {FaceId(0), {2, -1, 0}}, {1, 0, 0}, {}); });
+  expect_error<PointError>("point.outside_face", [&] {
+    exponential_map(mesh, {FaceId(0), {2, -1, 0}}, {1, 0, 0}, {});
+  });
 }
 
 }  // namespace

@@ -345,7 +345,7 @@ TEST(KarcherMean, NamesWhatIsWrongWithThePointsAndWeights) {
   problem.weights.clear();
 
   problem.points[1].face = FaceId{100000};
-  const Error range = expect_error("point.face_out_of_range", [&] { karcher_mean(scene.solver, problem); });
+  const Error range = expect_error<PointError>("point.face_out_of_range", [&] { karcher_mean(scene.solver, problem); });
   EXPECT_EQ(places(range), (std::vector<std::string>{"points/1/face"}));
 
   problem = random_problem(*scene.mesh, 3, 0);

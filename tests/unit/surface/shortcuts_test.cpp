@@ -77,10 +77,11 @@ TEST(Shortcuts, RefusePointsThatTheMeshDoesNotHave) {
   const TriangleMesh mesh = testing::torus(12, 8);
   const SurfacePoint inside{FaceId{0}, Eigen::Vector3d::Constant(1.0 / 3)};
   const SurfacePoint nowhere{FaceId{mesh.face_count()}, Eigen::Vector3d::Constant(1.0 / 3)};
-  expect_error("point.face_out_of_range", [&] { geodesic_distance(mesh, inside, nowhere); });
-  expect_error("point.face_out_of_range", [&] { shortest_path(mesh, nowhere, inside); });
-  expect_error("point.face_out_of_range", [&] { distances_from(mesh, {inside, nowhere}); });
-  expect_error("point.vertex_out_of_range", [&] { geodesic_distance(vertices_of(mesh), faces_of(mesh), 0, -1); });
+  expect_error<PointError>("point.face_out_of_range", [&] { geodesic_distance(mesh, inside, nowhere); });
+  expect_error<PointError>("point.face_out_of_range", [&] { shortest_path(mesh, nowhere, inside); });
+  expect_error<PointError>("point.face_out_of_range", [&] { distances_from(mesh, {inside, nowhere}); });
+  expect_error<PointError>("point.vertex_out_of_range",
+                           [&] { geodesic_distance(vertices_of(mesh), faces_of(mesh), 0, -1); });
 }
 
 TEST(Shortcuts, SayThatNoPathJoinsTwoComponents) {

@@ -62,12 +62,12 @@ TEST(CheckedPoint, NamesTheFieldAtFault) {
     return [&mesh, face, b] { checked_point(mesh, {FaceId(face), b}, "pairs/3/from"); };
   };
   const Places face{"pairs/3/from/face"}, barycentric{"pairs/3/from/barycentric"};
-  EXPECT_EQ(places(expect_error("point.face_out_of_range", check(20, {1, 0, 0}))), face);
-  EXPECT_EQ(places(expect_error("point.face_out_of_range", check(-1, {1, 0, 0}))), face);
-  EXPECT_EQ(places(expect_error("point.non_finite", check(0, {nan, 0, 1}))), barycentric);
-  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {-1.1e-5, 0.5, 0.5}))), barycentric);
-  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {0.5, 0.5, 1.1e-5}))), barycentric);
-  EXPECT_EQ(places(expect_error("point.outside_face", check(0, {1e308, 1e308, 1e308}))), barycentric);
+  EXPECT_EQ(places(expect_error<PointError>("point.face_out_of_range", check(20, {1, 0, 0}))), face);
+  EXPECT_EQ(places(expect_error<PointError>("point.face_out_of_range", check(-1, {1, 0, 0}))), face);
+  EXPECT_EQ(places(expect_error<PointError>("point.non_finite", check(0, {nan, 0, 1}))), barycentric);
+  EXPECT_EQ(places(expect_error<PointError>("point.outside_face", check(0, {-1.1e-5, 0.5, 0.5}))), barycentric);
+  EXPECT_EQ(places(expect_error<PointError>("point.outside_face", check(0, {0.5, 0.5, 1.1e-5}))), barycentric);
+  EXPECT_EQ(places(expect_error<PointError>("point.outside_face", check(0, {1e308, 1e308, 1e308}))), barycentric);
 }
 
 TEST(VertexPoint, LiesOnTheVertex) {
@@ -81,9 +81,9 @@ TEST(VertexPoint, LiesOnTheVertex) {
 
 TEST(VertexPoint, RefusesVerticesOutsideOfTheSurface) {
   const TriangleMesh mesh = TriangleMesh::build({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 2, 2}}, {{0, 1, 2}});
-  expect_error("point.vertex_out_of_range", [&] { vertex_point(mesh, VertexId(4)); });
-  expect_error("point.vertex_out_of_range", [&] { vertex_point(mesh, VertexId::none); });
-  expect_error("point.isolated_vertex", [&] { vertex_point(mesh, VertexId(3)); });
+  expect_error<PointError>("point.vertex_out_of_range", [&] { vertex_point(mesh, VertexId(4)); });
+  expect_error<PointError>("point.vertex_out_of_range", [&] { vertex_point(mesh, VertexId::none); });
+  expect_error<PointError>("point.isolated_vertex", [&] { vertex_point(mesh, VertexId(3)); });
 }
 
 TEST(SurfacePoint, KnowsTheCornerOrSideThatItLiesOnExactly) {

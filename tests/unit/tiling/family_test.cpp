@@ -9,6 +9,7 @@
 
 #include "designs.h"
 #include "polygon.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
 
 namespace supple::tiling {
@@ -118,7 +119,7 @@ TEST(Family, BeyondItsBoxTheSquareStaysTheCell) {
 }
 
 TEST(Family, AnUnknownFamilyIsRefusedWithTheKnownOnes) {
-  const Error error = expect_error("tiling.family_not_found", [] { family("IH99"); });
+  const Error error = expect_error<FamilyNotFound>("tiling.family_not_found", [] { family("IH99"); });
   EXPECT_NE(std::string(error.what()).find("IH99"), std::string::npos);
   EXPECT_NE(std::string(error.what()).find("IH01, IH21, IH22, IH28, IH29, IH50, IH67, square"), std::string::npos);
 }

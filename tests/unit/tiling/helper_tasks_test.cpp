@@ -11,6 +11,7 @@
 #include "file_makers.h"
 #include "part_tasks.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
 
 namespace supple::tiling {
@@ -114,10 +115,21 @@ TEST_F(TilingInHelpers, EndsAPartWhereAStopIsRequested) {
 }
 
 TEST_F(TilingInHelpers, ThrowsWhatIsThrownHere) {
-  const auto option = expect_error("tiling.mesh_option", [] { mesh_structure(preset("IH21"), {.mesh_size = -1}); });
+  const auto option =
+      expect_error<MeshOptionError>("tiling.mesh_option", [] { mesh_structure(preset("IH21"), {.mesh_size = -1}); });
   EXPECT_EQ(supple::testing::places(option), std::vector<std::string>{"mesh_size"});
   const auto cells = expect_error("tiling.export_option", [] { write_dxf(preset("IH21"), {.first = 101}); });
   EXPECT_EQ(supple::testing::places(cells), std::vector<std::string>{"first"});
+}
+
+TEST_F(TilingInHelpers, GivesErrorsTheTypesThatTheyHaveHere) {
+  const auto too_large = [] { mesh_structure(preset("IH21"), {.mesh_size = 0.8, .max_nodes = 10}); };
+  expect_error<MeshTooLarge>("tiling.mesh_too_large", too_large);
+  expect_error<MeshOptionError>("tiling.mesh_too_large", too_large);
+  PartDesign design;
+  design.outline = {{{0, 0}, {60, 0}, {60, 40}, {0, 40}}};
+  design.filling = {preset("IH21"), 0.005, 0};
+  expect_error<PartError>("tiling.part", [&] { make_part(design); });
 }
 
 TEST_F(TilingInHelpers, EndsWhereAStopIsRequested) {

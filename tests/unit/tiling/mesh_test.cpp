@@ -8,6 +8,7 @@
 
 #include "designs.h"
 #include "polygon.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
 
 namespace supple::tiling {
@@ -158,8 +159,8 @@ TEST(Mesh, ARepeatedMeshIsSoundAndKeepsItsNodesOrder) {
 
 TEST(Mesh, APatchHasAtLeastOneCell) {
   const PeriodicMesh cell = mesh_structure(preset_structure("IH01"), {.mesh_size = 1});
-  expect_error("tiling.mesh_option", [&] { repeat(cell, 0, 2); });
-  expect_error("tiling.mesh_option", [&] { repeat(cell, 1, 101); });
+  expect_error<MeshOptionError>("tiling.mesh_option", [&] { repeat(cell, 0, 2); });
+  expect_error<MeshOptionError>("tiling.mesh_option", [&] { repeat(cell, 1, 101); });
 }
 
 TEST(Mesh, StatisticsDescribeTheMesh) {
@@ -178,7 +179,7 @@ TEST(Mesh, OptionsOutOfRangeAreNamed) {
   const Structure structure = preset_structure("IH01");
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const auto refused = [&](const MeshOptions& options) {
-    return places(expect_error("tiling.mesh_option", [&] { mesh_structure(structure, options); }));
+    return places(expect_error<MeshOptionError>("tiling.mesh_option", [&] { mesh_structure(structure, options); }));
   };
   EXPECT_EQ(refused({.mesh_size = 0}), std::vector<std::string>{"mesh_size"});
   EXPECT_EQ(refused({.mesh_size = -1}), std::vector<std::string>{"mesh_size"});
@@ -191,10 +192,11 @@ TEST(Mesh, OptionsOutOfRangeAreNamed) {
 
 TEST(Mesh, MeshesTooLargeAreRefusedBeforeTheyAreMadeWithLimitAndEstimate) {
   const Structure structure = preset_structure("IH01");
-  const Error error = expect_error("tiling.mesh_too_large", [&] { mesh_structure(structure, {.mesh_size = 1e-6}); });
+  const Error error =
+      expect_error<MeshTooLarge>("tiling.mesh_too_large", [&] { mesh_structure(structure, {.mesh_size = 1e-6}); });
   EXPECT_NE(std::string(error.what()).find("the limit is 2000000"), std::string::npos) << error.what();
   const int nodes = static_cast<int>(mesh_structure(structure).nodes.cols());
-  expect_error("tiling.mesh_too_large", [&] { mesh_structure(structure, {.max_nodes = nodes / 2}); });
+  expect_error<MeshTooLarge>("tiling.mesh_too_large", [&] { mesh_structure(structure, {.max_nodes = nodes / 2}); });
   EXPECT_NO_THROW(mesh_structure(structure, {.max_nodes = 2 * nodes}));
 }
 
@@ -207,7 +209,8 @@ TEST(Mesh, TheEstimateOfNodesIsOfTheRightSize) {
     options.max_nodes = 3 * nodes;
     EXPECT_NO_THROW(mesh_structure(structure, options)) << corner_size;
     options.max_nodes = nodes / 3;
-    const Error error = expect_error("tiling.mesh_too_large", [&] { mesh_structure(structure, options); });
+    const Error error =
+        expect_error<MeshTooLarge>("tiling.mesh_too_large", [&] { mesh_structure(structure, options); });
     EXPECT_NE(std::string(error.what()).find("would have about"), std::string::npos) << error.what();
   }
 }

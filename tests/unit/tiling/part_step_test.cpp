@@ -7,6 +7,7 @@
 #include "designs.h"
 #include "supple/base/error.h"
 #include "supple/tiling/part.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
@@ -104,7 +105,7 @@ TEST(PartStep, IsTheSameAgainAndNamed) {
 TEST(PartStep, RefusesMoreCornersThanACadProgramTakes) {
   Part part = make_part(step_plate("IH21", 15, 10));
   part.faces[0][0].resize(50'001, Eigen::Vector2d(1, 1));
-  const Error error = expect_error("tiling.part", [&] { part_step(part); });
+  const Error error = expect_error<PartError>("tiling.part", [&] { part_step(part); });
   EXPECT_EQ(places(error), decltype(places(error)){"beam_width"});
   EXPECT_NE(std::string(error.what()).find("at most 50000"), std::string::npos);
 }

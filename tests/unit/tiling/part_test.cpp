@@ -11,6 +11,7 @@
 #include "designs.h"
 #include "polygon.h"
 #include "supple/base/error.h"
+#include "supple/tiling/tiling_error.h"
 #include "support/closed_stl.h"
 #include "support/expect_error.h"
 
@@ -315,7 +316,7 @@ TEST(Part, NamesWhatIsWrongWithIt) {
   const auto refused = [](auto change) {
     PartDesign design = plate("IH21", 10, 10);
     change(design);
-    const Error error = expect_error("tiling.part", [&] { make_part(design); });
+    const Error error = expect_error<PartError>("tiling.part", [&] { make_part(design); });
     return places(error);
   };
   using Places = std::set<std::string>;

@@ -8,6 +8,7 @@
 #include "supple/weave/layout_warnings.h"
 #include "supple/weave/patterns.h"
 #include "supple/weave/weave.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -65,7 +66,8 @@ TEST(Crossings, OfManyStrandsThroughOnePointAreOneCrossing) {
 }
 
 TEST(Crossings, BeyondTheLimitAreRefusedByItsName) {
-  const auto error = ::supple::testing::expect_error("weave.invalid_layout", [] { find_crossings(grid(1001)); });
+  const auto error =
+      ::supple::testing::expect_error<WeaveError>("weave.invalid_layout", [] { find_crossings(grid(1001)); });
   EXPECT_EQ(::supple::testing::places(error), std::vector<std::string>{"strands"});
   EXPECT_NE(std::string(error.what()).find("cross at too many places: the limit is 1000000"), std::string::npos);
 }
@@ -86,8 +88,8 @@ TEST(Crossings, AreNotLookedForOnceAStopIsRequested) {
 TEST(Crossings, OfCurvesWithoutEndOfTurnsAreNotReached) {
   std::vector<Eigen::Vector2d> cusps;
   for (int i = 0; i < 2000; ++i) cusps.emplace_back(i % 2, 1e-6 * i);
-  const auto error =
-      ::supple::testing::expect_error("weave.invalid_strand", [&] { StrandCurve curve(cusps, Ends::open); });
+  const auto error = ::supple::testing::expect_error<WeaveError>("weave.invalid_strand",
+                                                                 [&] { StrandCurve curve(cusps, Ends::open); });
   EXPECT_EQ(::supple::testing::places(error), std::vector<std::string>{"points"});
   Execution stopped;
   stopped.cancellation.request(StopReason::deadline);

@@ -12,6 +12,7 @@
 #include "layouts.h"
 #include "supple/base/threads.h"
 #include "supple/weave/patterns.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -216,8 +217,8 @@ TEST(Homogenization, DeformsSeveralCellsAsEachByItself) {
   }
   EXPECT_FALSE(cost.effects().empty());
   const auto refused = [&](const std::vector<Eigen::Matrix2d>& given, const std::vector<int>& deformed) {
-    return ::supple::testing::places(
-        ::supple::testing::expect_error("weave.invalid_load", [&] { deform_cells(weave, given, {}, deformed); }));
+    return ::supple::testing::places(::supple::testing::expect_error<InvalidLoad>(
+        "weave.invalid_load", [&] { deform_cells(weave, given, {}, deformed); }));
   };
   gradients[1] << 1, 0, 0, -1;
   gradients[2](0, 0) = NAN;
@@ -302,8 +303,8 @@ TEST(Homogenization, RefusesOptionsOutOfRangeAndWeavesWithoutALattice) {
   refused("weave.invalid_option", weave, {.directions = {NAN}});
   refused("weave.invalid_option", weave, {.equilibrium = {.segments = 0}, .directions = {0}});
   refused("weave.not_periodic", wavy(), {.directions = {0}});
-  ::supple::testing::expect_error("weave.invalid_load",
-                                  [&] { deform_cell(weave, Eigen::Vector2d(1, -1).asDiagonal()); });
+  ::supple::testing::expect_error<InvalidLoad>("weave.invalid_load",
+                                               [&] { deform_cell(weave, Eigen::Vector2d(1, -1).asDiagonal()); });
 }
 
 TEST(Homogenize, FillsTheStrandsOfTheDirectionsThatAreAskedFor) {
@@ -321,7 +322,8 @@ TEST(Homogenize, FillsTheStrandsOfTheDirectionsThatAreAskedFor) {
     EXPECT_NEAR(((strand.back() - strand.front()).head<2>() - period).norm(), 0, 1e-9);
   }
   options.deformed = {3, -1};
-  const auto error = ::supple::testing::expect_error("weave.invalid_option", [&] { homogenize(weave, options); });
+  const auto error =
+      ::supple::testing::expect_error<InvalidOption>("weave.invalid_option", [&] { homogenize(weave, options); });
   EXPECT_EQ(::supple::testing::places(error), (std::vector<std::string>{"deformed/0", "deformed/1"}));
 }
 

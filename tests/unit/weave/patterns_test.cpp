@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "layouts.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -71,11 +72,14 @@ TEST(Patterns, TakeAnotherShareOfTheWayAsALimit) {
 }
 
 TEST(Patterns, RefuseLengthsThatMakeNone) {
-  ::supple::testing::expect_error("weave.invalid_pattern", [] { interlacing_squares(SquareType::all_fused, 12, 6); });
-  ::supple::testing::expect_error("weave.invalid_pattern", [] { interlacing_circles(CircleType::all_fused, 5, 11); });
-  ::supple::testing::expect_error("weave.invalid_pattern", [] { regular_weave(uniform_block(Connection::fused), 0); });
-  ::supple::testing::expect_error("weave.invalid_pattern",
-                                  [] { regular_sheet(0, 3, uniform_block(Connection::fused)); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_pattern",
+                                              [] { interlacing_squares(SquareType::all_fused, 12, 6); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_pattern",
+                                              [] { interlacing_circles(CircleType::all_fused, 5, 11); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_pattern",
+                                              [] { regular_weave(uniform_block(Connection::fused), 0); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_pattern",
+                                              [] { regular_sheet(0, 3, uniform_block(Connection::fused)); });
 }
 
 TEST(FindCrossings, MakesOneCrossingOfStrandsThatMeetInOnePoint) {
@@ -89,7 +93,8 @@ TEST(Validate, NamesEachFaultOfALayout) {
   Weave weave = wavy();
   EXPECT_NO_THROW(validate(weave));
   const auto places_of = [](const Weave& w) {
-    return ::supple::testing::places(::supple::testing::expect_error("weave.invalid_layout", [&] { validate(w); }));
+    return ::supple::testing::places(
+        ::supple::testing::expect_error<WeaveError>("weave.invalid_layout", [&] { validate(w); }));
   };
   Weave broken = weave;
   broken.crossings[1].members[0].strand = 9;

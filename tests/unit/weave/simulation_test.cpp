@@ -11,6 +11,7 @@
 #include "supple/base/threads.h"
 #include "supple/weave/drawing.h"
 #include "supple/weave/patterns.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -230,7 +231,7 @@ TEST(Simulation, RefusesLoadsThatCannotBeImposed) {
   const Weave weave = strand_through_posts();
   const auto places_of = [&](const SheetLoad& load) {
     return ::supple::testing::places(
-        ::supple::testing::expect_error("weave.invalid_load", [&] { simulate(weave, load); }));
+        ::supple::testing::expect_error<InvalidLoad>("weave.invalid_load", [&] { simulate(weave, load); }));
   };
   EXPECT_EQ(places_of({}), std::vector<std::string>{"supports"});
   SheetLoad load;

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "supple/base/random.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -173,14 +174,20 @@ TEST(StrandCurve, FollowsAnArcUpToItsOpenEnds) {
 }
 
 TEST(StrandCurve, RefusesWhatIsNoCurve) {
-  const auto error = ::supple::testing::expect_error("weave.invalid_strand", [] {
+  const auto error = ::supple::testing::expect_error<WeaveError>("weave.invalid_strand", [] {
     StrandCurve({{0, 0}, {1, 0}, {1, 0}}, Ends::open);
   });
   EXPECT_EQ(::supple::testing::places(error), std::vector<std::string>{"points/2"});
-  ::supple::testing::expect_error("weave.invalid_strand", [] { StrandCurve({{0, 0}}, Ends::open); });
-  ::supple::testing::expect_error("weave.invalid_strand", [] { StrandCurve({{0, 0}, {1, 1}}, Ends::closed); });
-  ::supple::testing::expect_error("weave.invalid_strand", [] { StrandCurve({{0, 0}, {1, 1}}, Ends::periodic); });
-  ::supple::testing::expect_error("weave.invalid_strand", [] { StrandCurve({{0, 0}, {NAN, 1}}, Ends::open); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_strand", [] { StrandCurve({{0, 0}}, Ends::open); });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_strand", [] {
+    StrandCurve({{0, 0}, {1, 1}}, Ends::closed);
+  });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_strand", [] {
+    StrandCurve({{0, 0}, {1, 1}}, Ends::periodic);
+  });
+  ::supple::testing::expect_error<WeaveError>("weave.invalid_strand", [] {
+    StrandCurve({{0, 0}, {NAN, 1}}, Ends::open);
+  });
 }
 
 TEST(Intersections, FindsWhereALineCutsACircleAndTwoCirclesCutEachOther) {

@@ -11,6 +11,7 @@
 #include "supple/weave/gcode.h"
 #include "supple/weave/gcode_check.h"
 #include "supple/weave/patterns.h"
+#include "supple/weave/weave_error.h"
 #include "support/expect_error.h"
 
 namespace supple::weave {
@@ -239,10 +240,10 @@ TEST(Toolpath, TakesARequestedOrderThatPutsLowerStrandsFirst) {
   options.order = {0, 1};
   EXPECT_NO_THROW(toolpath(weave, {}, options));
   options.order = {1, 0};
-  EXPECT_EQ(places(expect_error("weave.not_printable", [&] { toolpath(weave, {}, options); })),
+  EXPECT_EQ(places(expect_error<NotPrintable>("weave.not_printable", [&] { toolpath(weave, {}, options); })),
             std::vector<std::string>{"crossings/0"});
   options.order = {0, 0};
-  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(weave, {}, options); })),
+  EXPECT_EQ(places(expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(weave, {}, options); })),
             std::vector<std::string>{"order"});
 }
 
@@ -257,13 +258,13 @@ TEST(Toolpath, RefusesStrandsThatWouldLieBelowEachOther) {
     const int b = c.members[1].strand;
     c.members[(a + 1) % 4 == b ? 0 : 1].slides = true;
   }
-  const Error error = expect_error("weave.not_printable", [&] { toolpath(weave); });
+  const Error error = expect_error<NotPrintable>("weave.not_printable", [&] { toolpath(weave); });
   EXPECT_EQ(error.details().size(), 4U);
 }
 
 TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
   const auto fault = [](const Weave& weave, const PrinterProfile& profile = {}) {
-    const Error error = expect_error("weave.not_printable", [&] { toolpath(weave, profile); });
+    const Error error = expect_error<NotPrintable>("weave.not_printable", [&] { toolpath(weave, profile); });
     return error.details().empty() ? Error::Detail{} : error.details()[0];
   };
   // The crossing is too near to the end of the lifted strand, and then too near to the end of the strand below.
@@ -298,14 +299,16 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
 }
 
 TEST(Toolpath, RefusesPeriodicLayoutsAndWhatIsLargerThanTheBed) {
-  EXPECT_EQ(places(expect_error("weave.not_printable", [] { toolpath(interlacing_squares(SquareType::all_fused)); })),
+  EXPECT_EQ(places(expect_error<NotPrintable>("weave.not_printable",
+                                              [] { toolpath(interlacing_squares(SquareType::all_fused)); })),
             std::vector<std::string>{"lattice"});
   const Weave sheet = regular_sheet(20, 20, uniform_block(Connection::fused), 12);
-  EXPECT_EQ(places(expect_error("weave.not_printable", [&] { toolpath(sheet); })), std::vector<std::string>{"bed"});
+  EXPECT_EQ(places(expect_error<NotPrintable>("weave.not_printable", [&] { toolpath(sheet); })),
+            std::vector<std::string>{"bed"});
   ToolpathOptions options;
   options.origin = Eigen::Vector2d(5, -1);
   const Weave small = regular_sheet(2, 2, uniform_block(Connection::fused));
-  const Error error = expect_error("weave.not_printable", [&] { toolpath(small, {}, options); });
+  const Error error = expect_error<NotPrintable>("weave.not_printable", [&] { toolpath(small, {}, options); });
   EXPECT_NE(std::string(error.what()).find(" in y, "), std::string::npos);
 }
 
@@ -314,14 +317,15 @@ TEST(Toolpath, RefusesProfilesAndOptionsOutOfRange) {
   profile.filament_diameter = 0;
   profile.lift.run = 0.1;
   profile.startup_gcode = "G1 X1\v";
-  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
+  EXPECT_EQ(places(expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
             (std::vector<std::string>{"filament_diameter", "lift/run", "startup_gcode"}));
   ToolpathOptions options;
   options.overrun.start = -1;
   options.overruns[7] = {};
   options.chord_error = 0;
-  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), {}, options); })),
-            (std::vector<std::string>{"overrun/start", "overruns/7", "chord_error"}));
+  EXPECT_EQ(
+      places(expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(sliding_cross(), {}, options); })),
+      (std::vector<std::string>{"overrun/start", "overruns/7", "chord_error"}));
 }
 
 TEST(Toolpath, NamesEachLengthAndSpeedOfAProfileThatIsNone) {
@@ -342,8 +346,9 @@ TEST(Toolpath, NamesEachLengthAndSpeedOfAProfileThatIsNone) {
     for (const double value : {0.0, -1.0, 1e9}) {
       PrinterProfile profile;
       profile.*field = value;
-      EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
-                std::vector<std::string>{name})
+      EXPECT_EQ(
+          places(expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(sliding_cross(), profile); })),
+          std::vector<std::string>{name})
           << value;
     }
 }
@@ -374,10 +379,12 @@ TEST(Toolpath, RefusesGripsOfMorePassesThanCanBePrinted) {
   profile.strand_width = 0.01;
   ToolpathOptions options;
   options.grips.assign(100, {{-6, 20}, {-6, 0}, 100.01});
-  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); })),
-            std::vector<std::string>{"grips"});
+  EXPECT_EQ(
+      places(expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); })),
+      std::vector<std::string>{"grips"});
   options.grips.push_back({{-6, 20}, {-6, 0}, 1});
-  const Error more = expect_error("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); });
+  const Error more =
+      expect_error<InvalidOption>("weave.invalid_option", [&] { toolpath(sliding_cross(), profile, options); });
   EXPECT_EQ(places(more), (std::vector<std::string>{"grips", "grips"}));
 }
 
@@ -497,16 +504,17 @@ TEST(Gcode, NamesPlaceholdersThatWereNotReplaced) {
            {"M140 S{broken", "{broken"}}) {
     PrinterProfile profile;
     profile.startup_gcode = "M83 ; [fine]\r\n" + line;
-    const Error error = expect_error("weave.invalid_option", [&] { validate(profile); });
+    const Error error = expect_error<InvalidOption>("weave.invalid_option", [&] { validate(profile); });
     EXPECT_EQ(places(error), std::vector<std::string>{"startup_gcode"});
     EXPECT_NE(std::string(error.what()).find("line 2: the placeholder " + shown), std::string::npos) << error.what();
   }
   PrinterProfile profile;
   profile.footer_gcode = "M117 [done]";
-  EXPECT_EQ(places(expect_error("weave.invalid_option", [&] { validate(profile); })),
+  EXPECT_EQ(places(expect_error<InvalidOption>("weave.invalid_option", [&] { validate(profile); })),
             std::vector<std::string>{"footer_gcode"});
   profile.footer_gcode = "; caf\xc3\xa9";
-  EXPECT_NE(std::string(expect_error("weave.invalid_option", [&] { validate(profile); }).what()).find("line 1"),
+  EXPECT_NE(std::string(expect_error<InvalidOption>("weave.invalid_option", [&] { validate(profile); }).what())
+                .find("line 1"),
             std::string::npos);
 }
 

@@ -42,6 +42,16 @@ TEST(Router, TellsAWrongMethodFromAWrongPath) {
   EXPECT_EQ(make_router().allowed("/v1/meshes/abc"), "GET, DELETE");
 }
 
+TEST(Router, SaysWhichMethodsAPathTakes) {
+  try {
+    make_router().find("POST", "/v1/meshes/abc");
+    FAIL() << "nothing was thrown";
+  } catch (const MethodNotAllowed& error) {
+    EXPECT_EQ(error.allowed(), "GET, DELETE");
+    EXPECT_STREQ(error.what(), "/v1/meshes/abc does not take POST; it takes GET, DELETE.");
+  }
+}
+
 TEST(Router, AnswersHeadWithTheRouteOfGet) { EXPECT_EQ(code_of("HEAD", "/v1/meshes"), "found"); }
 
 }  // namespace

@@ -290,7 +290,9 @@ class JournalTest : public ::testing::Test {
     store_.hooked_jobs.at_finish = [this](const auto&, const store::Result* result) { fail(result); };
   }
   void fail(const store::Result* result) const {
-    if (refuses_all_ || (refuses_results_ && result)) throw Error(code_, "No.");
+    if (!refuses_all_ && !(refuses_results_ && result)) return;
+    if (is_away_) throw store::StoreUnavailable("No.");
+    throw store::StoreFull("No.");
   }
   store::JobRecord added(const std::string& id) {
     store::JobRecord record;
@@ -305,7 +307,7 @@ class JournalTest : public ::testing::Test {
   QueueOptions options_;
   std::vector<std::string> log_;
   Journal journal_{store_, options_, json::write_problem, [this](const std::string& line) { log_.push_back(line); }};
-  std::string code_ = "store.full";
+  bool is_away_ = false;  ///< whether what refuses is a store that does not answer, not one that is full
   bool refuses_results_ = false;
   bool refuses_all_ = false;
 };
@@ -345,12 +347,12 @@ TEST_F(JournalTest, InASharedStoreAJobWhoseEndCannotBeStoredIsAnotherServers) {
   store_.own_leases.emplace(store_.jobs());
   auto record = added("a");
   refuses_all_ = true;
-  code_ = "store.unavailable";
+  is_away_ = true;
   journal_.set_end(record, JobState::failed, problem::Problem{"karcher.weights", "Bad.", {}, {}, {}});
   EXPECT_EQ(record.error_status, 422);
   EXPECT_FALSE(journal_.end(record, nullptr));
   EXPECT_FALSE(journal_.has_refused_ends());
-  code_ = "store.full";
+  is_away_ = false;
   EXPECT_TRUE(journal_.end(record, nullptr));
   EXPECT_TRUE(journal_.has_refused_ends());
   refuses_all_ = false;
@@ -358,12 +360,21 @@ TEST_F(JournalTest, InASharedStoreAJobWhoseEndCannotBeStoredIsAnotherServers) {
   EXPECT_FALSE(journal_.end(record, nullptr)) << "another server has removed it";
 }
 
+TEST_F(JournalTest, AStoreOfOneServerThatIsAwayRefusesAnEndAsAFullOneDoes) {
+  auto record = added("a");
+  refuses_all_ = is_away_ = true;
+  journal_.set_end(record, JobState::dismissed, {});
+  EXPECT_TRUE(journal_.end(record, nullptr)) << "no other server runs the job";
+  EXPECT_TRUE(journal_.has_refused_ends());
+  EXPECT_EQ(log_.size(), 1U);
+}
+
 TEST_F(JournalTest, AStartThatTheStoreDoesNotTakeIsNoReasonNotToRun) {
   auto record = added("a");
   record.state = JobState::running;
   EXPECT_TRUE(journal_.update(record));
   EXPECT_EQ(store_.jobs().job("a")->state, JobState::running);
-  store_.hooked_jobs.at_update = [](const auto&) { throw Error("store.full", "No."); };
+  store_.hooked_jobs.at_update = [](const auto&) { throw store::StoreFull("No."); };
   EXPECT_TRUE(journal_.update(record));
 }
 

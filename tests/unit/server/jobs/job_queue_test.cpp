@@ -378,6 +378,15 @@ TEST_F(JobQueueTest, TellsOfAJobInTheQueueWhatItsRequestDoesWrongNow) {
   EXPECT_NE(record.error.find("model.not_found"), std::string::npos);
 }
 
+TEST_F(JobQueueTest, LeavesNoJobToTheNextProcessForWhatItsComputationThrows) {
+  remake_ = echo;
+  const auto failing = [](const Execution&) -> store::Result { throw Error("server.shutting_down", "Not this one."); };
+  const auto id = queue().submit(computation(failing), request("x")).record.id;
+  const auto record = wait_until_finished(id).record;
+  EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_EQ(record.error_status, 503);
+}
+
 TEST_F(JobQueueTest, GivesAJobUpThatTheProcessEndedInTooOften) {
   remake_ = echo;
   leave_running("twice", 2, "twice");

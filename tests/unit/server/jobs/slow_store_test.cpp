@@ -13,6 +13,7 @@
 
 #include "job_queue_fixture.h"
 #include "store_doubles.h"
+#include "supple/store/store_error.h"
 #include "unit/server/held_computation.h"
 
 namespace supple::jobs {
@@ -144,7 +145,7 @@ TEST_F(SlowStoreTest, AJobThatIsDismissedWhileItIsAddedIsDismissedInTheStore) {
 
 TEST_F(SlowStoreTest, AJobThatTheStoreRefusesLeavesItsPlaceInTheQueue) {
   options_.max_queue = 1;
-  slow_->hooked_jobs.at_add = [](const store::JobRecord&) { throw Error("store.full", "There is no space."); };
+  slow_->hooked_jobs.at_add = [](const store::JobRecord&) { throw store::StoreFull("There is no space."); };
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(code_of([&] { queue().submit(answering("x"), request("x")); }), "store.full");
   }
@@ -158,7 +159,7 @@ TEST_F(SlowStoreTest, AJobThatTheStoreRefusesLeavesItsPlaceInTheQueue) {
 TEST_F(SlowStoreTest, AnEndThatTheStoreRefusesIsShownAndWrittenOnceTheStoreTakesIt) {
   std::atomic<bool> is_full{true};
   slow_->hooked_jobs.at_finish = [&](const store::JobRecord&, const store::Result*) {
-    if (is_full) throw Error("store.full", "There is no space.");
+    if (is_full) throw store::StoreFull("There is no space.");
   };
   const auto id = queue().submit(answering("x")).record.id;
   const auto status = wait_until_finished(id);
@@ -183,7 +184,7 @@ TEST_F(SlowStoreTest, ProgressThatAFailedRenewalDidNotShareIsSharedByTheNextOne)
   slow_->own_leases.emplace(slow_->jobs());
   slow_->own_leases->at_renewal = [&](const std::vector<store::JobProgress>& running) {
     if (running.empty()) return;
-    if (++renewals == 1) throw Error("store.unavailable", "The database does not answer.");
+    if (++renewals == 1) throw store::StoreUnavailable("The database does not answer.");
     const std::lock_guard lock(mutex);
     for (const auto& progress : running) shared.push_back(progress.stage);
   };

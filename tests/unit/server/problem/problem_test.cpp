@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
+#include <stdexcept>
+
+#include "supple/base/cancellation.h"
+
 namespace supple::problem {
 namespace {
 
@@ -37,6 +42,16 @@ TEST(Problem, KeepsTheTextOfUnexpectedExceptionsToTheServer) {
   const auto problem = told_of(std::runtime_error("secret path /etc/x"));
   EXPECT_EQ(problem.code, "server.internal");
   EXPECT_EQ(problem.detail.find("secret"), std::string::npos);
+}
+
+TEST(Problem, ExpectsErrorsStopsAndALackOfMemoryAlone) {
+  const auto unexpected = [](const auto& exception) { return is_unexpected(std::make_exception_ptr(exception)); };
+  EXPECT_FALSE(unexpected(Error("karcher.weights", "Bad.")));
+  EXPECT_FALSE(unexpected(ProblemError({"store.full", "Full.", {}, {}, 60})));
+  EXPECT_FALSE(unexpected(Cancelled(StopReason::deadline)));
+  EXPECT_FALSE(unexpected(std::bad_alloc()));
+  EXPECT_TRUE(unexpected(std::runtime_error("secret")));
+  EXPECT_TRUE(unexpected(7));
 }
 
 TEST(Problem, SaysThatMemoryRanOut) { EXPECT_EQ(status_of(told_of(std::bad_alloc())), 503); }

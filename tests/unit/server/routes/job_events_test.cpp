@@ -2,11 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <exception>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "supple/base/error.h"
+#include "supple/store/store_error.h"
 
 namespace supple::routes {
 namespace {
@@ -30,10 +31,10 @@ jobs::JobStatus status_in(JobState state) {
   return status;
 }
 
-/// What a stream sends whose job shows these states, or fails with these codes, one after the other.
+/// What a stream sends whose job shows these states, or fails so, one after the other.
 struct Step {
   JobState state = JobState::running;
-  std::string fails_with{};
+  std::exception_ptr failure{};
 };
 std::string stream_of(const std::vector<Step>& steps) {
   std::size_t next = 0;
@@ -41,7 +42,7 @@ std::string stream_of(const std::vector<Step>& steps) {
   follow_job({.wait_for_change =
                   [&](std::uint64_t& version, double) {
                     const auto& step = steps.at(next++);
-                    if (!step.fails_with.empty()) throw Error(step.fails_with, "No.");
+                    if (step.failure) std::rethrow_exception(step.failure);
                     ++version;
                     return status_in(step.state);
                   },
@@ -65,16 +66,16 @@ TEST(JobEvents, AJobIsFollowedUntilItIsFinished) {
 }
 
 TEST(JobEvents, AStoreThatIsAwayForAWhileDoesNotEndTheStream) {
-  const auto text = stream_of({{JobState::running},
-                               {JobState::running, "store.unavailable"},
-                               {JobState::running, "store.unavailable"},
-                               {JobState::successful}});
+  const auto away = std::make_exception_ptr(store::StoreUnavailable("No."));
+  const auto text =
+      stream_of({{JobState::running}, {JobState::running, away}, {JobState::running, away}, {JobState::successful}});
   EXPECT_EQ(count(text, "event: finished\n"), 1U) << text;
   EXPECT_EQ(count(text, ": the job cannot be read now (store.unavailable)\n\n"), 1U) << "told once: " << text;
 }
 
 TEST(JobEvents, AJobThatIsRemovedEndsTheStreamWithoutAnEvent) {
-  const auto text = stream_of({{JobState::running}, {JobState::running, "job.not_found"}});
+  const auto removed = std::make_exception_ptr(store::JobNotFound("0123456789abcdef0123456789abcdef"));
+  const auto text = stream_of({{JobState::running}, {JobState::running, removed}});
   EXPECT_EQ(count(text, "event: "), 1U) << text;
   EXPECT_EQ(count(text, "cannot be read"), 0U) << text;
 }

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "supple/base/cancellation.h"
+
 namespace supple::routes {
 namespace {
 
@@ -62,36 +64,55 @@ TEST(RequestPointers, WhatIsNoPathStaysAndSoDoJsonPointers) {
   EXPECT_EQ(error.details().at(1).where, "/mesh");
 }
 
-TEST(RequestPointers, OnlyErrorsWithTheirCodesGetPointers) {
-  const auto where_of = [](const std::string& code) {
-    try {
-      with_pointers({{"tiling.", PointerMap("/structure")}, {"weave.invalid_option", PointerMap("/accuracy")}},
-                    [&]() -> int {
-                      throw Error(code, "text", {{"size", "is bad"}});
-                    });
-    } catch (const Error& error) {
-      EXPECT_EQ(error.code(), code);
-      return error.details().at(0).where;
-    }
-    return std::string("none");
+class Fault : public Error {
+ public:
+  using Error::Error;
+};
+class FaultOfAKind : public Fault {
+ public:
+  using Fault::Fault;
+};
+
+/// The place and the message of the first detail of the error that a call throws.
+template <class Call>
+std::string first_detail(Call call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.details().at(0).where + ": " + error.details().at(0).message;
+  }
+  return "none";
+}
+
+TEST(RequestPointers, OnlyErrorsOfTheirTypeGetPointers) {
+  const auto detail_of = [](const auto& error) {
+    return first_detail([&] { with_pointers<Fault>(PointerMap("/structure"), [&] { throw error; }); });
   };
-  EXPECT_EQ(where_of("tiling.part"), "/structure/size");
-  EXPECT_EQ(where_of("weave.invalid_option"), "/accuracy/size");
-  EXPECT_EQ(where_of("weave.invalid_options"), "size");
-  EXPECT_EQ(where_of("job.cancelled"), "size");
+  EXPECT_EQ(detail_of(Fault("tiling.part", "text", {{"size", "is bad"}})), "/structure/size: is bad");
+  EXPECT_EQ(detail_of(FaultOfAKind("tiling.part", "text", {{"size", "is bad"}})), "/structure/size: is bad");
+  EXPECT_EQ(detail_of(Error("tiling.part", "text", {{"size", "is bad"}})), "size: is bad") << "whatever its code";
+  EXPECT_THROW(with_pointers<Fault>(PointerMap(""), [] { throw Cancelled(StopReason::deadline); }), Cancelled);
+  EXPECT_EQ(with_pointers<Fault>(PointerMap(""), [] { return 7; }), 7);
+}
+
+TEST(RequestPointers, AnErrorGetsPointersOnce) {
+  const auto detail = first_detail([] {
+    with_pointers<Fault>(PointerMap("/load"), [] {
+      with_pointers<FaultOfAKind>(PointerMap("/accuracy"), [] {
+        throw FaultOfAKind("tiling.mesh_option", "text", {{"size", "is bad"}});
+      });
+    });
+  });
+  EXPECT_EQ(detail, "/accuracy/size: is bad");
 }
 
 TEST(RequestPointers, AFaultOfAFieldIsAFaultOfThisFieldAlone) {
-  const auto details_of = [](const std::string& code) {
-    try {
-      fault_of_field("point.", "/start", [&]() -> int { throw Error(code, "A point is bad.", {{"points/3", "bad"}}); });
-    } catch (const Error& error) {
-      return error.details().at(0).where + ": " + error.details().at(0).message;
-    }
-    return std::string("none");
+  const auto detail_of = [](const auto& error) {
+    return first_detail([&] { fault_of_field<Fault>("/start", [&] { throw error; }); });
   };
-  EXPECT_EQ(details_of("point.outside_face"), "/start: A point is bad.");
-  EXPECT_EQ(details_of("job.deadline_exceeded"), "points/3: bad");
+  EXPECT_EQ(detail_of(Fault("point.outside_face", "A point is bad.", {{"points/3", "bad"}})),
+            "/start: A point is bad.");
+  EXPECT_EQ(detail_of(Error("point.outside_face", "A point is bad.", {{"points/3", "bad"}})), "points/3: bad");
 }
 
 }  // namespace

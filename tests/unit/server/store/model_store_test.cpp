@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <fstream>
 #include <future>
 #include <iterator>
 
+#include "supple/base/cancellation.h"
 #include "supple/base/error.h"
 #include "supple/store/store.h"
+#include "supple/store/store_error.h"
 #include "support/test_model.h"
 
 namespace supple::store {
@@ -134,11 +137,29 @@ TEST_F(ModelStoreTest, ReadsTheModelFilesOfTheFolderAndNothingElse) {
   EXPECT_TRUE(warnings().empty());
 }
 
+TEST_F(ModelStoreTest, SaysNothingAboutAFileWhoseReadingIsStopped) {
+  put("a1", "a.h5");
+  std::atomic<bool> is_stopped{true};
+  auto given = options();
+  given.describe = [&is_stopped](const neural::Model& model, const std::string&) {
+    if (is_stopped) throw Cancelled(StopReason::shutdown);
+    return "{\"id\":\"" + model.id + "\"}";
+  };
+  store_ = std::make_unique<ModelStore>(given);
+  store_->wait_until_read();
+  EXPECT_TRUE(ids().empty());
+  EXPECT_EQ(store_->damaged(), 0U);
+  EXPECT_TRUE(warnings().empty());
+  is_stopped = false;
+  EXPECT_TRUE(soon([&] { return ids() == Ids{"a"}; }));
+  store_.reset();  // before what it calls
+}
+
 TEST_F(ModelStoreTest, NamesTheModelsThatThereAreWhereOneIsNot) {
   const auto message_of = [this] {
     try {
       store_->get("c");
-    } catch (const Error& error) {
+    } catch (const ModelNotFound& error) {
       EXPECT_EQ(error.code(), "model.not_found");
       return std::string(error.what());
     }

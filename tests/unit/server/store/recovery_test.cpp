@@ -1,6 +1,7 @@
 #include <sys/wait.h>
 
 #include <csignal>
+#include <new>
 #include <sstream>
 
 #include "database.h"
@@ -78,6 +79,20 @@ TEST_F(StoreTest, IndexesMeshesAgainWhoseDatabaseIsLost) {
   EXPECT_EQ(after->description, before.description);
   EXPECT_NEAR(static_cast<double>(after->created), static_cast<double>(before.created), 5000);
   EXPECT_EQ(store.meshes().mesh_content(before.id), "abc");
+}
+
+TEST_F(StoreTest, LeavesAMeshWhereItIsWhileThereIsNoMemoryToIndexIt) {
+  std::string id;
+  {
+    LocalStore store(folder_);
+    id = store.meshes().add_mesh("abc", describe).first.id;
+  }
+  fs::remove(folder_ / "supple.sqlite");
+  auto poor = recovery();
+  poor.describe = [](const std::string&, const std::string&, std::int64_t) -> std::string { throw std::bad_alloc(); };
+  EXPECT_FALSE(LocalStore(folder_, poor).meshes().mesh(id));
+  EXPECT_TRUE(fs::exists(folder_ / "meshes" / (id + ".ply")));
+  EXPECT_TRUE(LocalStore(folder_, recovery()).meshes().mesh(id)) << "the next start has the memory";
 }
 
 TEST_F(StoreTest, SetsADamagedDatabaseAsideAndLosesNoFile) {

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "supple/base/effect_switch.h"
-#include "supple/base/error.h"
 #include "supple/base/execution.h"
 #include "supple/design/candidates.h"
+#include "supple/design/design_fault.h"
 #include "supple/design/target.h"
 #include "supple/numerics/bounded_least_squares.h"
 
@@ -169,9 +169,9 @@ struct DesignProgress {
 using OnProgress = std::function<void(const DesignProgress&)>;
 
 /// No design that was tried can be built and has an equilibrium at every sample ("design.no_equilibrium").
-class NoDesign : public Error {
+class NoDesign : public DesignFault {
  public:
-  using Error::Error;
+  using DesignFault::DesignFault;
 };
 
 /// Every design with such equilibria violates the limits ("design.beyond_limits").

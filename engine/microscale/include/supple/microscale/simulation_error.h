@@ -10,4 +10,10 @@ class SimulationError : public Error {
   using Error::Error;
 };
 
+/// A load that no cell can be given ("simulation.invalid_load").
+class InvalidLoad : public SimulationError {
+ public:
+  using SimulationError::SimulationError;
+};
+
 }  // namespace supple::microscale

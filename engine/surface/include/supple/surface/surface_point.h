@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "supple/base/error.h"
 #include "supple/base/ids.h"
 #include "supple/surface/triangle_mesh.h"
 
@@ -12,6 +13,12 @@ namespace supple::surface {
 struct SurfacePoint {
   FaceId face = FaceId::none;
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
+};
+
+/// A point that is none of the mesh. Its code begins with "point.".
+class PointError : public Error {
+ public:
+  using Error::Error;
 };
 
 /// The vertex as a point of one of its faces. Throws "point.vertex_out_of_range" or "point.isolated_vertex".

@@ -45,6 +45,9 @@ class ProblemError : public Error {
 /// without its text.
 Problem problem_of(const std::exception_ptr& exception);
 
+/// Whether an exception is neither an Error, nor a stop, nor a lack of memory, so that its text is for the log alone.
+bool is_unexpected(const std::exception_ptr& exception);
+
 /// The HTTP status of the problem's code.
 int status_of(const Problem& problem);
 

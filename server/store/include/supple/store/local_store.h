@@ -30,6 +30,7 @@ class LocalStore final : public Store {
   /// Callbacks of the recovery at the start.
   struct Recovery {
     /// Makes the description of a mesh from its file. If it is empty or throws, the file is moved into quarantine.
+    /// After std::bad_alloc, which says nothing about the file, it stays, and the next start tries again.
     std::function<std::string(const std::string& ply, const std::string& id, std::int64_t created)> describe;
     std::function<void(const std::string&)> warn;  ///< receives sentences about what was found and done
   };

@@ -152,9 +152,9 @@ class LeaseStore {
 /// If new bytes would exceed the quota, the oldest results expire. Where that does not free enough, ProblemError
 /// "store.quota" is thrown. The limit of one owner works alike, with its own results and "store.key_quota".
 ///
-/// Content is compared with its hash whenever it is read: "store.corrupted" names a file that has changed. Every member
-/// of every part throws Error "store.full" where the disk is full, "store.unavailable" where the disk or the database
-/// fails otherwise. Any thread may call; calls run one after the other.
+/// Content is compared with its hash whenever it is read: StoreCorrupted names a file that has changed. Every member of
+/// every part throws StoreFull where the disk is full, StoreUnavailable where the disk or the database fails otherwise
+/// (store_error.h). Any thread may call; calls run one after the other.
 class Store {
  public:
   Store() = default;
