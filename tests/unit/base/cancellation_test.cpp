@@ -52,7 +52,7 @@ TEST(Cancellation, ReachesALoopInAnotherThread) {
   std::thread worker([&] {
     try {
       for (;;) token.throw_if_requested();
-    } catch (const Error&) {
+    } catch (const Cancelled&) {
       stopped = true;
     }
   });

@@ -97,7 +97,7 @@ TEST(HelperProcesses, AreRefusedMemoryBeyondTheirLimit) {
 TEST(HelperProcesses, WaitForEachOtherBeyondTheirNumberAndStopWaitingWhenAsked) {
   HelperProcesses helpers(options_of(1));
   Execution first;
-  std::thread busy([&] { EXPECT_THROW(helpers.run("spin", "", first), Error); });
+  std::thread busy([&] { EXPECT_THROW(helpers.run("spin", "", first), Cancelled); });
   while (helpers.process_ids().empty()) std::this_thread::yield();
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   Execution second;

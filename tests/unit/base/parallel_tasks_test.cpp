@@ -56,7 +56,7 @@ TEST(ParallelTasks, StopWhereTheyAreCancelledAndPassExceptionsOn) {
   const CancellationToken token;
   token.request(StopReason::cancelled);
   std::atomic<int> ran = 0;
-  EXPECT_THROW(parallel_tasks(10, {token}, "work", [&](int, const Execution&) { ++ran; }), Error);
+  EXPECT_THROW(parallel_tasks(10, {token}, "work", [&](int, const Execution&) { ++ran; }), Cancelled);
   EXPECT_EQ(ran, 0);
   EXPECT_THROW(parallel_tasks(10, {}, "work",
                               [&](int i, const Execution&) {

@@ -273,7 +273,7 @@ TEST(EquilibriumPath, StopsWhereItIsCancelled) {
   const CancellationToken token;
   Path path(scene, {.largest_step = 0.3}, {token});
   token.request(StopReason::cancelled);
-  EXPECT_THROW(follow(scene, path), Error);
+  EXPECT_THROW(follow(scene, path), Cancelled);
 }
 
 }  // namespace

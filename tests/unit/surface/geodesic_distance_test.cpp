@@ -270,7 +270,7 @@ TEST(GeodesicDistance, StopsWhenCancelled) {
   Execution execution;
   execution.cancellation.request(StopReason::cancelled);
   const SurfacePoint a{FaceId(0), {0.2, 0.3, 0.5}};
-  EXPECT_THROW(solver.field({&a, 1}, {}, execution), Error);
+  EXPECT_THROW(solver.field({&a, 1}, {}, execution), Cancelled);
   // The search that was stopped is back in the pool and works again.
   EXPECT_EQ(solver.field({&a, 1}).vertex_distances().size(), static_cast<std::size_t>(mesh->vertex_count()));
 }

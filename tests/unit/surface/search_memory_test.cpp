@@ -99,7 +99,7 @@ TEST(SearchMemory, ASearchThatWasCancelledGivesBackWhatItHeld) {
   StopLate stop(token);
   FieldOptions kept;
   kept.keep_windows = true;
-  EXPECT_THROW(solver.field({&pair.from, 1}, kept, {token, &stop, nullptr}), Error);
+  EXPECT_THROW(solver.field({&pair.from, 1}, kept, {token, &stop, nullptr}), Cancelled);
   EXPECT_LE(solver.memory_bytes(), before + kept_by_all_buffers);
 }
 

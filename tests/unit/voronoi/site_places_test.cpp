@@ -77,7 +77,7 @@ TEST(SitePlaces, OfSheetsThatTouchAreNotOneAndAStopIsHeardAmongMany) {
   for (std::size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i], static_cast<std::int32_t>(i));
   const CancellationToken stopped;
   stopped.request(StopReason::deadline);
-  EXPECT_THROW(first_in_place(mesh, sites, stopped), Error);
+  EXPECT_THROW(first_in_place(mesh, sites, stopped), Cancelled);
 }
 
 }  // namespace

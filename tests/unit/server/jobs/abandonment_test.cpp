@@ -15,6 +15,7 @@
 #include "supple/jobs/job_queue.h"
 #include "supple/json/answers.h"
 #include "supple/log/context.h"
+#include "supple/problem/problem.h"
 #include "supple/store/local_store.h"
 #include "unit/server/held_computation.h"
 
@@ -124,8 +125,8 @@ class AbandonmentTest : public ::testing::Test {
   static std::string code_of(const std::function<void()>& call) {
     try {
       call();
-    } catch (const Error& error) {
-      return error.code();
+    } catch (...) {
+      return problem::problem_of(std::current_exception()).code;
     }
     return "nothing was thrown";
   }

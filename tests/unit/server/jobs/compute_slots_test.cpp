@@ -48,7 +48,7 @@ TEST(ComputeSlots, LetGoOfAWaitingComputationThatIsCancelled) {
     while (slots.in_use() < 2) std::this_thread::yield();
     token.request(StopReason::cancelled);
   });
-  EXPECT_THROW(ComputeSlots::Slot(slots, token), Error);
+  EXPECT_THROW(ComputeSlots::Slot(slots, token), Cancelled);
   canceller.join();
   EXPECT_EQ(slots.in_use(), 1);
 }

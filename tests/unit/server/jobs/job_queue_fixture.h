@@ -15,6 +15,7 @@
 #include "supple/budget/memory.h"
 #include "supple/jobs/job_queue.h"
 #include "supple/json/answers.h"
+#include "supple/problem/problem.h"
 #include "supple/store/local_store.h"
 
 namespace supple::jobs {
@@ -79,8 +80,8 @@ class JobQueueTest : public ::testing::Test {
   static std::string code_of(const std::function<void()>& call) {
     try {
       call();
-    } catch (const Error& error) {
-      return error.code();
+    } catch (...) {
+      return problem::problem_of(std::current_exception()).code;
     }
     return "nothing was thrown";
   }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -66,7 +67,7 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOne
   const auto mesh = cache.get(add_grid(100));
   const Execution stopped;
   stopped.cancellation.request(StopReason::cancelled);
-  EXPECT_THROW(mesh->nearest(stopped), Error);
+  EXPECT_THROW(mesh->nearest(stopped), Cancelled);
   EXPECT_FALSE(mesh->has_nearest());
   const Eigen::Vector3d corner = mesh->mesh().positions()[0];
   EXPECT_EQ(mesh->nearest().find(corner).position, corner);
@@ -77,17 +78,18 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfTheSearchForNearestPointsAndTheNextOne
 TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
   const auto id = add_grid(400);  // 320,000 faces, which load in a tenth of a second or more
   MeshCache cache(store_.meshes(), 1 << 30);
-  const auto code_of = [&](const Execution& execution) -> std::string {
+  // Why the loading was stopped; nothing if it was not.
+  const auto stop_of = [&](const Execution& execution) -> std::optional<StopReason> {
     try {
       cache.get(id, execution);
-    } catch (const Error& error) {
-      return error.code();
+    } catch (const Cancelled& stop) {
+      return stop.reason();
     }
-    return "loaded";
+    return std::nullopt;
   };
   const Execution stopped;
-  std::string ended;
-  std::thread first([&] { ended = code_of(stopped); });
+  std::optional<StopReason> ended;
+  std::thread first([&] { ended = stop_of(stopped); });
   std::this_thread::sleep_for(std::chrono::milliseconds(10));
   std::shared_ptr<const LoadedMesh> in_turn;
   std::thread second([&] { in_turn = cache.get(id); });
@@ -95,10 +97,10 @@ TEST_F(MeshCacheTest, AStopEndsTheLoadingAndWhoeverWaitsForItLoadsInTurn) {
   EXPECT_EQ(cache.find(id), nullptr);
   stopped.cancellation.request(StopReason::cancelled);
   first.join();
-  EXPECT_EQ(ended, "job.cancelled");
+  EXPECT_EQ(ended, StopReason::cancelled);
   const Execution late;
   late.cancellation.request(StopReason::deadline);
-  EXPECT_EQ(code_of(late), "job.deadline_exceeded") << "while the other one loads";
+  EXPECT_EQ(stop_of(late), StopReason::deadline) << "while the other one loads";
   second.join();
   ASSERT_TRUE(in_turn);
   EXPECT_EQ(cache.find(id), in_turn) << "it is held";
@@ -110,7 +112,7 @@ TEST_F(MeshCacheTest, AStopEndsTheMakingOfASolverAndTheNextOneMakesIt) {
   const auto mesh = cache.get(add_grid(200));
   const Execution stopped;
   stopped.cancellation.request(StopReason::deadline);
-  EXPECT_THROW(mesh->solver(stopped), Error);
+  EXPECT_THROW(mesh->solver(stopped), Cancelled);
   EXPECT_EQ(&mesh->solver().mesh(), &mesh->mesh());
   EXPECT_EQ(&mesh->solver(stopped), &mesh->solver()) << "it is there";
 }

@@ -40,7 +40,7 @@ TEST(StoppableMutex, AStopCallsAWaitingThreadAwayAndLeavesTheMutexToItsOwner) {
   const CancellationToken cancellation;
   {
     const auto lock = lock_stoppably(mutex, {});
-    std::thread waiting([&] { EXPECT_THROW(mutex.lock(cancellation), Error); });
+    std::thread waiting([&] { EXPECT_THROW(mutex.lock(cancellation), Cancelled); });
     cancellation.request(StopReason::cancelled);
     waiting.join();
   }
