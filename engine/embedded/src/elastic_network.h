@@ -50,8 +50,8 @@ class ElasticNetwork {
   const std::vector<std::int32_t>& triangles_at(std::size_t point) const { return triangles_at_[point]; }
   std::size_t point_count() const { return fixed_.size(); }
 
-  /// Twice the sum of the weights of a point's springs; a triangle counts as a spring of Young's modulus times
-  /// thickness, which is about the second derivative of its energy by a length. Energy per squared mesh unit.
+  /// Sum of the second derivatives by the path lengths of the energies at a point: twice the weight for each spring,
+  /// and about Young's modulus times thickness for each triangle. Energy per squared mesh unit.
   double stiffness_at(std::size_t point) const;
   /// The elements of one point as a network, whose point 0 it is; `points` are the places of all points.
   Network elements_of(std::size_t point, const std::vector<surface::SurfacePoint>& points) const;

@@ -85,7 +85,8 @@ std::vector<Eigen::VectorXd> spread_directions(Eigen::Index size, std::uint64_t 
   return directions;
 }
 
-/// Every jammed point, the ends of every jammed path, and all jammed points together.
+/// Every jammed point, the two ends of every spring and side of a triangle whose ends are both jammed, and all jammed
+/// points together.
 std::vector<Group> groups_of(const Network& network, const std::vector<bool>& jammed) {
   Group all;
   for (std::size_t i = 0; i < jammed.size(); ++i)
@@ -187,7 +188,7 @@ bool move_jammed(const RelaxationContext& context, Equilibrium& at, const std::v
 // others raises that of these paths. So first these ends are fixed while the others come to rest, then the others are
 // fixed while these ends come to rest, and then all are free again. This is repeated while it lowers the energy and
 // iterations are left. Where it does not lower the energy, the ends are moved by themselves. On a deformable host it is
-// done once, because its nodes are pushed across cut loci, too, and cannot be kept there.
+// done once: the deformation of the host brings paths to their cut loci as well, which fixing points does not prevent.
 Equilibrium leave_jam(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
                       RelaxationHistory& history, const Execution& execution) {
   from.termination = Termination::step_too_small;

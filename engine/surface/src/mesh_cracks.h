@@ -24,8 +24,8 @@ enum class MultipleEdges {
 
 /// Finds the cracks of a surface. Two edges with one face each form a crack if their end points belong together in
 /// pairs. End points belong together if they are equal, or else within 4 units in the last place of single precision at
-/// the largest coordinate, or else within 1e-5 of the bounding box's diagonal (the last of six digits). The first of
-/// these distances that closes a crack is used.
+/// the largest coordinate, or else within 1e-5 of the bounding box's diagonal (the last of six digits). The three
+/// distances are tried in this order, each on the edges that are still open.
 ///
 /// Further conditions prevent wrong joints: the distance is at most 1/8 of the shortest edge at either end point;
 /// exactly two edges coincide (otherwise see MultipleEdges); and the two faces are not folded onto each other. So

@@ -8,8 +8,9 @@
 namespace supple::surface {
 namespace {
 
-/// Cost of searching a disk, in strips from its centre to its border.
-constexpr double disk_cost_in_strips = 12;
+/// Cost of one search for all points of a disk, divided by that of a search for one point on its border. Both are
+/// proportional to the squared radius.
+constexpr double disk_cost_ratio = 12;
 /// Maximum number of targets of one search. More targets are divided, so that several threads work for one source.
 constexpr std::size_t max_targets = 256;
 
@@ -35,7 +36,7 @@ std::size_t shared_target_count(const std::vector<Target>& targets) {
   std::size_t best = 0;
   for (std::size_t k = 0; k < targets.size(); ++k) {
     work_alone -= targets[k].squared_distance;
-    const double work = disk_cost_in_strips * targets[k].squared_distance + work_alone;
+    const double work = disk_cost_ratio * targets[k].squared_distance + work_alone;
     if (work >= min_work) continue;
     min_work = work;
     best = k + 1;

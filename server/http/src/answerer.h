@@ -31,10 +31,10 @@ class Answerer {
   /// What happens to the connection after an answer.
   enum class After {
     next,                 ///< its next request is read
-    send,                 ///< the lobby sends the rest of the answer
+    send,                 ///< the thread of `Lobby` sends the rest of the answer
     linger,               ///< it closes after its input has been discarded
     close,                ///< it closes at once
-    answered_by_stand_in  ///< the stand-in has answered and closes it
+    answered_by_stand_in  ///< another thread has answered through `StandIn`, and closes it
   };
   /// Answers the request of the connection. Its slot, if it has one, is released before the end of a small answer is
   /// sent, so that a client that has the answer finds it free.
@@ -42,7 +42,7 @@ class Answerer {
 
  private:
   class Exchange;
-  /// Sends the last answer on a connection that another thread still uses.
+  /// Sends an answer while the thread of a late handler still uses the connection, which then closes.
   void send_last(Connection& connection, std::string_view text) const;
 
   const ServerOptions& options_;
