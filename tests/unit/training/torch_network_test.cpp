@@ -34,7 +34,7 @@ neural::NetworkShape exact_at_rest(Activation activation, int features) {
   return shape;
 }
 
-class TorchNetwork : public testing::TestWithParam<neural::NetworkShape> {
+class TorchNetwork : public ::testing::TestWithParam<neural::NetworkShape> {
  protected:
   neural::Network network = neural::random_network(GetParam(), 11);
 };
@@ -164,12 +164,12 @@ TEST_P(TorchNetwork, WeightsGoToTensorsAndBackUnchanged) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Networks, TorchNetwork,
-                         testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish),
-                                         shape_of(EnergyForm::sum_of_squares, Activation::tanh),
-                                         shape_of(EnergyForm::sum_of_squares, Activation::sine),
-                                         exact_at_rest(Activation::swish, 0), exact_at_rest(Activation::swish, 14),
-                                         exact_at_rest(Activation::tanh, 10), exact_at_rest(Activation::sine, 0),
-                                         shape_of(EnergyForm::softplus, Activation::swish)),
+                         ::testing::Values(shape_of(EnergyForm::sum_of_squares, Activation::swish),
+                                           shape_of(EnergyForm::sum_of_squares, Activation::tanh),
+                                           shape_of(EnergyForm::sum_of_squares, Activation::sine),
+                                           exact_at_rest(Activation::swish, 0), exact_at_rest(Activation::swish, 14),
+                                           exact_at_rest(Activation::tanh, 10), exact_at_rest(Activation::sine, 0),
+                                           shape_of(EnergyForm::softplus, Activation::swish)),
                          [](const auto& tested) { return neural::name_of(tested.param); });
 
 }  // namespace

@@ -60,7 +60,7 @@ TEST(Sessions, AKeyHasSoManyAndTheOldestMakesRoom) {
   EXPECT_TRUE(sessions.find(other, start + seconds(4)));
 }
 
-class GateTest : public testing::Test {
+class GateTest : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override { fs::remove_all(folder_); }
@@ -94,7 +94,7 @@ class GateTest : public testing::Test {
   }
   static std::string bearer(const Token& token) { return "Bearer " + token_text(token); }
 
-  const fs::path folder_ = fs::path(testing::TempDir()) / ("gate-" + random_hex(8));
+  const fs::path folder_ = fs::path(::testing::TempDir()) / ("gate-" + random_hex(8));
   const KeyFile file_{folder_ / "keys"};
   Gate::Time now_{1'000'000, Gate::Clock::time_point() + hours(1)};
   std::vector<std::string> log_;

@@ -13,10 +13,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class KeyFileTest : public testing::Test {
+class KeyFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("keys-" + random_hex(8));
+    folder_ = fs::path(::testing::TempDir()) / ("keys-" + random_hex(8));
     path_ = folder_ / "keys";
   }
   void TearDown() override { fs::remove_all(folder_); }

@@ -73,7 +73,7 @@ TEST(ConfigFile, NamesTheLineOfEachFault) {
 }
 
 TEST(ConfigFile, ThatCannotBeReadIsNamed) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "supple-config-file-test.toml";
+  const auto path = std::filesystem::path(::testing::TempDir()) / "supple-config-file-test.toml";
   std::filesystem::remove(path);
   try {
     read_config_file(path);
@@ -81,7 +81,7 @@ TEST(ConfigFile, ThatCannotBeReadIsNamed) {
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(error.what(), path.string() + " cannot be read: No such file or directory");
   }
-  EXPECT_THROW(read_config_file(testing::TempDir()), std::runtime_error);
+  EXPECT_THROW(read_config_file(::testing::TempDir()), std::runtime_error);
   std::ofstream(path) << std::string(max_config_bytes + 1, '#');
   EXPECT_THROW(read_config_file(path), std::runtime_error);
   std::ofstream(path) << "port = 1";

@@ -11,7 +11,7 @@ namespace supple::http {
 namespace {
 
 /// A connection whose client is the test.
-class ConnectionTest : public testing::Test {
+class ConnectionTest : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, sockets_.data()), 0);

@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// Two watched threads whose silence the test sets, and the warnings about them.
-class ThreadWatchTest : public testing::Test {
+class ThreadWatchTest : public ::testing::Test {
  protected:
   static constexpr auto patience = 100s;
 

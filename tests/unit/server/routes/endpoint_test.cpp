@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A router whose endpoint /v1/echoes answers with the format that was negotiated and the length of its body.
-class EndpointTest : public testing::Test {
+class EndpointTest : public ::testing::Test {
  protected:
   EndpointTest() {
     std::string pattern = (fs::temp_directory_path() / "supple_endpoint_XXXXXX").string();

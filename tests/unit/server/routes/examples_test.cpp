@@ -65,7 +65,7 @@ std::string difference(const Document& expected, const Document& actual, double 
              : fails();
 }
 
-class Examples : public RouterTest, public testing::WithParamInterface<std::string> {
+class Examples : public RouterTest, public ::testing::WithParamInterface<std::string> {
  protected:
   static std::string folder() { return SUPPLE_SOURCE_DIR "/api/examples/"; }
 
@@ -135,7 +135,7 @@ std::vector<std::string> names() {
   return found;
 }
 
-INSTANTIATE_TEST_SUITE_P(OfTheContract, Examples, testing::ValuesIn(names()), [](const auto& info) {
+INSTANTIATE_TEST_SUITE_P(OfTheContract, Examples, ::testing::ValuesIn(names()), [](const auto& info) {
   std::string name = info.param;
   std::erase(name, '-');
   return name;

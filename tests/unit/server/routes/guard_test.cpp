@@ -98,7 +98,7 @@ TEST(Guard, BelievesABrowserThatTellsOfAnotherSite) {
 }
 
 /// A server that has keys.
-class GuardOfKeys : public testing::Test {
+class GuardOfKeys : public ::testing::Test {
  protected:
   void SetUp() override {
     std::filesystem::create_directories(folder_);
@@ -143,7 +143,8 @@ class GuardOfKeys : public testing::Test {
     return "answered";
   }
 
-  const std::filesystem::path folder_ = std::filesystem::path(testing::TempDir()) / ("guard-" + access::random_hex(8));
+  const std::filesystem::path folder_ =
+      std::filesystem::path(::testing::TempDir()) / ("guard-" + access::random_hex(8));
   const access::KeyFile file_{folder_ / "keys"};
   std::unique_ptr<access::Gate> gate_;
   http::Request request_;

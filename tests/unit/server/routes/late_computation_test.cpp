@@ -45,7 +45,7 @@ std::string ask(int port, const std::string& text) {
 
 /// A server that answers one request at a time, within one slot, and a route whose computation never checks for a stop
 /// request.
-class LateComputationTest : public testing::Test {
+class LateComputationTest : public ::testing::Test {
  protected:
   LateComputationTest() {
     std::string pattern = (fs::temp_directory_path() / "supple_late_XXXXXX").string();

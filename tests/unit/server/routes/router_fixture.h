@@ -52,7 +52,7 @@ struct Answer {
 };
 
 /// All routes over a store in a folder of its own, with the untrained model ih21 and without connections.
-class RouterTest : public testing::Test {
+class RouterTest : public ::testing::Test {
  protected:
   /// Everything that the routes use, made once for all tests of a program, which leave it as they find it.
   struct Parts {

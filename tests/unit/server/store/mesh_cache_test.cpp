@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class MeshCacheTest : public testing::Test {
+class MeshCacheTest : public ::testing::Test {
  protected:
   MeshCacheTest() : folder_(make_folder()), store_(folder_) {}
   ~MeshCacheTest() override { fs::remove_all(folder_); }

@@ -32,7 +32,7 @@ std::string bytes_of(const fs::path& path) {
 }
 
 /// Model files are made before any store is: HDF5 is not thread safe. Tests copy them into their folders.
-class ModelStoreTest : public testing::Test {
+class ModelStoreTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     made_ = new fs::path(make_folder("supple_made_models"));

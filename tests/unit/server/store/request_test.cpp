@@ -9,11 +9,11 @@ namespace supple::store {
 namespace {
 
 /// Runs each test with a small request, stored in the database and in a file, and with one too large for the database.
-class RequestTest : public StoreTest, public testing::WithParamInterface<std::size_t> {
+class RequestTest : public StoreTest, public ::testing::WithParamInterface<std::size_t> {
  protected:
   const std::string body_ = "{\"body\": 1}" + std::string(1, '\0') + std::string(GetParam(), '\xFF');
 };
-INSTANTIATE_TEST_SUITE_P(Sizes, RequestTest, testing::Values(1000, 300'000));
+INSTANTIATE_TEST_SUITE_P(Sizes, RequestTest, ::testing::Values(1000, 300'000));
 
 TEST_P(RequestTest, IsKeptUntilItsJobHasEnded) {
   const JobRequest request{"POST", "/v1/geodesics", {{"a", "1"}, {"b:\n", "x"}}, "application/json", "text/csv"};

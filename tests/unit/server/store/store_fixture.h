@@ -19,7 +19,7 @@ namespace supple::store {
 namespace fs = std::filesystem;
 
 /// Gives each test a folder of its own.
-class StoreTest : public testing::Test {
+class StoreTest : public ::testing::Test {
  protected:
   StoreTest() {
     std::string pattern = (fs::temp_directory_path() / "supple_store_XXXXXX").string();
