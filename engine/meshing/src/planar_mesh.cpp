@@ -3,6 +3,7 @@
 #include <gmsh.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "gmsh_owner.h"
+#include "supple/base/cancellation.h"
 #include "supple/base/error.h"
 
 namespace supple::meshing {

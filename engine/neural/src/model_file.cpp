@@ -324,7 +324,7 @@ Model read_content(const Hdf5Reader& file, const std::string& name) {
   check_names(model);
   model.network = read_network(file, version);
   for_each_limit(model.strain_range,
-                 [&](const char* name, double& value) { value = file.real(std::string("strain_range/") + name); });
+                 [&](const char* limit, double& value) { value = file.real(std::string("strain_range/") + limit); });
   model.design_split = read_errors(file, "design_split");
   model.row_split = read_errors(file, "row_split");
   model.calibration = read_calibration(file, model.network.shape.parameters);
