@@ -113,8 +113,11 @@ bool MovedSupports::factorize_at_start(const numerics::Evaluation& here) {
   const auto convex = system_.convex_hessian();
   if (!convex) return false;
   const double scale = numerics::matrix_scale(*convex);
-  for (double shift = 0; shift <= 1; shift = std::max(min_shift, 10 * shift))
+  double shift = 0;
+  while (shift <= 1) {
     if (cholesky_.factorize(*convex, shift * scale)) return true;
+    shift = std::max(min_shift, 10 * shift);
+  }
   return false;
 }
 

@@ -178,7 +178,7 @@ std::optional<NetworkSearch::Candidate> NetworkSearch::points_put_at_vertices(co
   return candidate;
 }
 
-NetworkTerm network_term(const surface::GeodesicSolver& solver, std::shared_ptr<const ElasticNetwork> network,
+NetworkTerm network_term(const surface::GeodesicSolver& solver, const std::shared_ptr<const ElasticNetwork>& network,
                          const NetworkSearch::Options& options) {
   return {std::make_shared<NetworkEnergy>(solver, network, options.paths),
           std::make_shared<NetworkSearch>(solver, network, options)};

@@ -62,7 +62,7 @@ struct NetworkTerm {
   std::shared_ptr<const NetworkSearch> search;
 };
 /// `solver` outlives both.
-NetworkTerm network_term(const surface::GeodesicSolver& solver, std::shared_ptr<const ElasticNetwork> network,
+NetworkTerm network_term(const surface::GeodesicSolver& solver, const std::shared_ptr<const ElasticNetwork>& network,
                          const NetworkSearch::Options& options = {});
 /// The same for a checked network with an entry of `fixed` for each point.
 NetworkTerm network_term(const surface::GeodesicSolver& solver, const Network& network, std::vector<bool> fixed,

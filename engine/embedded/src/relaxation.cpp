@@ -80,9 +80,9 @@ Relaxation run_phases(const RelaxationContext& context) {
   }
   if (needs_mollifier(context, found.end)) {
     is_mollified = true;
-    found.end = find_equilibrium(context, std::move(found.end),
-                                 {.is_mollified = true, .max_iterations = context.options.max_iterations}, history,
-                                 context.execution);
+    found.end =
+        find_equilibrium(context, found.end, {.is_mollified = true, .max_iterations = context.options.max_iterations},
+                         history, context.execution);
   }
   return describe_relaxation(context, found, is_mollified, std::move(history));
 }

@@ -206,9 +206,8 @@ Equilibrium leave_jam(const RelaxationContext& context, Equilibrium from, const 
       const int limit = std::min(settings.max_iterations, from.iterations + max_iterations_with_fixed_points);
       if (from.iterations >= limit) continue;
       from = find_equilibrium(
-          context, std::move(from),
-          {.is_mollified = settings.is_mollified, .max_iterations = limit, .fixed_points = fixed_points}, history,
-          execution);
+          context, from, {.is_mollified = settings.is_mollified, .max_iterations = limit, .fixed_points = fixed_points},
+          history, execution);
     }
     if (from.iterations >= settings.max_iterations) {
       from.termination = Termination::iteration_limit;
@@ -216,7 +215,7 @@ Equilibrium leave_jam(const RelaxationContext& context, Equilibrium from, const 
     }
     // The groups' energies are exact ones, which a mollified energy cannot be compared with.
     const bool has_moved = !settings.is_mollified && !has_gained() && move_jammed(context, from, jammed);
-    from = find_equilibrium(context, std::move(from), settings, history, execution);
+    from = find_equilibrium(context, from, settings, history, execution);
     continues = !context.host.is_deformable() && (has_moved || has_gained());
   }
   return from;

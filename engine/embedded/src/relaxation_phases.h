@@ -84,7 +84,7 @@ struct SearchSettings {
 };
 
 /// Minimizes the energy from a state. Throws "network.collapsed" if triangles have no area there.
-Equilibrium find_equilibrium(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
+Equilibrium find_equilibrium(const RelaxationContext& context, const Equilibrium& from, const SearchSettings& settings,
                              RelaxationHistory& history, const Execution& execution);
 
 /// Continues where a search could not lower the energy although a gradient is left, because paths under compression are

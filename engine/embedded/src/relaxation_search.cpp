@@ -97,7 +97,7 @@ Equilibrium start_of(const RelaxationContext& context) {
                     context.network.points, context.host.nodes()}};
 }
 
-Equilibrium find_equilibrium(const RelaxationContext& context, Equilibrium from, const SearchSettings& settings,
+Equilibrium find_equilibrium(const RelaxationContext& context, const Equilibrium& from, const SearchSettings& settings,
                              RelaxationHistory& history, const Execution& execution) {
   const surface::GeodesicSolver& solver = from.solver(context.solver);
   // A later search counts its start as an iteration, because the history has an entry for it.

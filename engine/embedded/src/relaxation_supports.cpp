@@ -161,8 +161,11 @@ class SupportFollower {
   /// increment of at most this length. Returns false where there is none.
   bool advance_without_equilibrium(double target, double max_increment) {
     scene_.begin_step();
-    for (double increment = max_increment; increment >= min_valid_increment; increment /= 2) {
-      if (!scene_.predict(std::min(1.0, increment / (target - scene_.load())))) continue;
+    double increment = max_increment;
+    while (increment >= min_valid_increment) {
+      const bool is_valid = scene_.predict(std::min(1.0, increment / (target - scene_.load())));
+      increment /= 2;
+      if (!is_valid) continue;
       path_.set_max_iterations(context_.options.max_iterations);
       path_.find_equilibrium();
       path_.set_max_iterations(max_iterations());

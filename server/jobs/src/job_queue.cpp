@@ -63,7 +63,7 @@ struct JobQueue::Parts {
   std::optional<RepeatingThread> keeper_thread;
 };
 
-JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log,
+JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, const Log& log,
                    Remake remake)
     : parts_(std::make_unique<Parts>(store, options, std::move(render), std::move(observe), log, std::move(remake))) {}
 

@@ -76,7 +76,7 @@ Error PointerMap::operator()(const Error& error) const {
     if (where.starts_with('/') || where.find(' ') != std::string::npos) continue;
     const auto found = find(where);
     message = with_entries_of_request(message);
-    if (found.place && found.place->rest == FieldPlace::Rest::in_message) message = where + " " + message;
+    if (found.place && found.place->rest == FieldPlace::Rest::in_message) message.insert(0, where + " ");
     where = found.pointer;
   }
   return {error.code(), with_entries_of_request(error.what()), std::move(details)};

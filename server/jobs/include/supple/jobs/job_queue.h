@@ -64,7 +64,7 @@ class JobQueue {
 
   /// Queues the jobs that an earlier process left unfinished. Those without their request, and all if `remake` is
   /// empty, fail with "job.interrupted".
-  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, Log log = {},
+  JobQueue(store::Store& store, const QueueOptions& options, Render render, Observe observe, const Log& log = {},
            Remake remake = {});
   /// Shuts down without grace, and waits for the workers of abandoned jobs.
   ~JobQueue();
