@@ -80,7 +80,9 @@ void LibraryServer::end() {
 
 bool LibraryServer::answer(ConnectionStream& stream, bool is_last, bool& closed_by_client, const Fill& fill) {
   current_fill = &fill;
-  return process_request(stream, is_last, closed_by_client, [](httplib::Request&) {});
+  const bool is_complete = process_request(stream, is_last, closed_by_client, [](httplib::Request&) {});
+  current_fill = nullptr;
+  return is_complete;
 }
 
 bool LibraryServer::process_and_close_socket(socket_t socket) {
