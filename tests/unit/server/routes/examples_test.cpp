@@ -124,7 +124,8 @@ class Examples : public RouterTest, public ::testing::WithParamInterface<std::st
 
 TEST_P(Examples, RunAsDocumented) {
   Saved saved;
-  for (const auto& step : Document::parse(bytes_of(folder() + GetParam() + ".json"))["steps"]) run(step, saved);
+  const auto example = Document::parse(bytes_of(folder() + GetParam() + ".json"));
+  for (const auto& step : example.at("steps")) run(step, saved);
 }
 
 std::vector<std::string> names() {
