@@ -145,13 +145,16 @@ class RouterTest : public ::testing::Test {
     if (!body.empty() && request.header("Content-Type").empty())
       request.headers.emplace_back("Content-Type", "application/json");
     http::Response response;
+    std::string pattern;
     try {
       auto match = router.find(method, request.path);
+      pattern = match.route->pattern;
       request.path_parameters = std::move(match.path_parameters);
       response = match.route->handler(request);
     } catch (...) {
       response = problem_response(problem::problem_of(std::current_exception()));
     }
+    metrics.count_request(pattern, method, response.status, 0);
     Answer answer{response.status, response.body, response.headers};
     answer.headers.emplace_back("Content-Type", response.content_type);
     if (response.piecewise_body) {
