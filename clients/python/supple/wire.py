@@ -166,17 +166,18 @@ def _array_reader(dtype: Any, shape: Optional[Shape]) -> Read:
 
 
 def _object_reader(kind: Any) -> Read:
-    """Reads a dataclass by a call of its constructor that is written as source, as `dataclasses` writes the constructor: a loop over
-    the fields takes twice as long."""
+    """Reads a dataclass by a call of its constructor that is written as source, as `dataclasses` writes the constructor. Large
+    answers have many small objects, for which a loop over the fields would be slower."""
     scope: Dict[str, Any] = {"kind": kind}
     arguments = []
     for field in fields_of(kind):
         read, missing, parts = _present_reader(field), _missing(field), field.at.parts(field.name)
-        scope.update({f"read_{field.name}": read, f"missing_{field.name}": missing, f"find_{field.name}": _finder(field)})
-        found = f"find_{field.name}(document)"
+        scope.update({f"read_{field.name}": read, f"missing_{field.name}": missing})
         if field.at.sent and len(parts) == 1 and parts[0] != "*":
             found = f"document[{parts[0]!r}]" if missing is REQUIRED else f"document.get({parts[0]!r})"
-        shown = "{}" if read in (int, bool, str) else f"read_{field.name}({{}})"
+        else:
+            found, scope[f"find_{field.name}"] = f"find_{field.name}(document)", _finder(field)
+        shown = f"{read.__name__ if read in (int, bool, str) else f'read_{field.name}'}({{}})"
         present = shown.format("value")
         arguments.append(shown.format(found) if missing is REQUIRED else
                          f"missing_{field.name} if (value := {found}) is None else {present}")

@@ -3,10 +3,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <optional>
 #include <system_error>
+
+#include "supple/base/error.h"
 
 namespace supple {
 namespace {
@@ -31,6 +34,22 @@ OpenFile::OpenFile(const std::filesystem::path& path, int flags, const std::stri
 }
 
 OpenFile::~OpenFile() { ::close(descriptor_); }
+
+std::string content_of(const std::filesystem::path& path) {
+  try {
+    const OpenFile file(path, O_RDONLY, "open");
+    std::string content;
+    std::array<char, 1 << 16> piece{};
+    while (const auto count = ::read(file.descriptor(), piece.data(), piece.size())) {
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) throw FileError("read", path, errno);
+      content.append(piece.data(), static_cast<std::size_t>(count));
+    }
+    return content;
+  } catch (const FileError& error) {
+    throw Error("file.unreadable", path.string() + ": " + error.reason() + ".");
+  }
+}
 
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path) {
   while (!bytes.empty()) {

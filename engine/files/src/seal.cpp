@@ -3,9 +3,9 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <string>
 
+#include "supple/base/durable_file.h"
 #include "supple/base/error.h"
 
 namespace supple::files {
@@ -23,12 +23,6 @@ constexpr std::array<std::uint32_t, 256> crc_table() {
     table[i] = value;
   }
   return table;
-}
-
-std::string content_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error("file.unreadable", path.string() + ": there is no such file, or it may not be read.");
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 std::string seal_of(std::string_view content) {

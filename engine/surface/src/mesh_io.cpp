@@ -2,11 +2,10 @@
 
 #include <bit>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <utility>
 
 #include "mesh_reading.h"
+#include "supple/base/durable_file.h"
 #include "supple/base/error.h"
 #include "supple/base/stop_pace.h"
 
@@ -67,19 +66,7 @@ TriangleMesh load_mesh(std::string_view bytes, const MeshLimits& limits, const E
 }
 
 TriangleMesh load_mesh_file(const std::filesystem::path& path, const MeshLimits& limits, const Execution& execution) {
-  const auto throw_unreadable = [&] {
-    throw Error("file.unreadable", path.string() + ": there is no such file, or it may not be read.");
-  };
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw_unreadable();
-  std::string bytes;
-  try {
-    bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  } catch (const std::ios_base::failure&) {
-    // A folder can be opened, but not be read.
-    throw_unreadable();
-  }
-  return load_mesh(bytes, limits, execution);
+  return load_mesh(content_of(path), limits, execution);
 }
 
 std::string write_obj(const TriangleMesh& mesh, const Execution& execution) {

@@ -141,21 +141,22 @@ class TextBody {
   double number(Scalar) {
     const std::string_view token = scanner_.token_across_lines();
     if (token.empty()) fail("expected a number, found the end of the file");
-    if (begins_element_) {
-      begins_element_ = false;
-      const bool begins_line = scanner_.line_number() != last_line_;
-      (begins_line ? begins_lines_ : follows_in_line_) = true;
-    }
-    last_line_ = scanner_.line_number();
-    if (first_line_ == 0) first_line_ = last_line_;
+    const std::int64_t line = scanner_.line_number();
+    if (begins_element_) note_beginning(line);
+    last_line_ = line;
     return scanner_.number(token, "a number");
   }
-  void begin_element() { begins_element_ = true; }
-  /// Called if something follows the last element. Fails if some elements began a line and others began within one: the
-  /// lines then contain more numbers for an element than the header announces. In a body of one line the first element
-  /// begins it of necessity, which says nothing.
+  /// Begins a vertex, face or strip, of which `index` is the number in its section.
+  void begin_element(std::int64_t index) {
+    if (index == 0) begins_lines_ = follows_in_line_ = false;
+    begins_section_ = index == 0;
+    begins_element_ = true;
+  }
+  /// Called if something follows the last element. Fails if, in one section, some elements began a line and others
+  /// began within one: the lines then contain more numbers for an element than the header announces. The elements in
+  /// the section's first line say nothing, because a line may hold the whole section.
   void check_rest() const {
-    if (begins_lines_ && follows_in_line_ && last_line_ != first_line_) {
+    if (has_mixed_lines_) {
       fail("numbers are left over; the lines hold more of them than the header announces for their elements");
     }
   }
@@ -178,13 +179,22 @@ class TextBody {
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_line(scanner_.line_number(), message); }
 
  private:
+  void note_beginning(std::int64_t line) {
+    if (begins_section_) section_line_ = line;
+    (line != last_line_ ? begins_lines_ : follows_in_line_) = true;
+    has_mixed_lines_ = has_mixed_lines_ || (begins_lines_ && follows_in_line_ && line != section_line_);
+    begins_section_ = begins_element_ = false;
+  }
+
   TextScanner scanner_;
   StopPace pace_;
-  std::int64_t first_line_ = 0;  ///< line of the first number; 0 before it is read
-  std::int64_t last_line_ = 0;   ///< line of the latest number
+  std::int64_t section_line_ = 0;  ///< line in which the current section begins
+  std::int64_t last_line_ = 0;     ///< line of the latest number
+  bool begins_section_ = false;
   bool begins_element_ = false;
-  bool begins_lines_ = false;     ///< whether some vertex, face or strip begins a line
-  bool follows_in_line_ = false;  ///< whether some vertex, face or strip begins within a line
+  bool begins_lines_ = false;     ///< whether some element of the current section begins a line
+  bool follows_in_line_ = false;  ///< whether some element of the current section begins within a line
+  bool has_mixed_lines_ = false;  ///< whether both happened in a section of several lines
 };
 
 /// Reads the numbers of a binary body.
@@ -233,7 +243,7 @@ class BinaryBody {
   void skip_property(const Property& property) {
     skip_values(property.count_type ? number(*property.count_type) : 1, size_of(property.type));
   }
-  void begin_element() {}
+  void begin_element(std::int64_t) {}
   void check_rest() const {}
   bool at_end() const { return offset_ == bytes_.size(); }
   [[noreturn]] void fail(const std::string& message) const { throw_malformed_byte(header_size_ + offset_, message); }
@@ -273,7 +283,7 @@ void read_vertices(Body& body, const Element& element, SoupBuilder& builder) {
   }
   for (std::int64_t v = 0; v < element.count; ++v) {
     Eigen::Vector3d p;
-    body.begin_element();
+    body.begin_element(v);
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const Property& property = element.properties[i];
       if (i == axes[0] || i == axes[1] || i == axes[2]) {
@@ -309,7 +319,7 @@ void read_faces(Body& body, const Element& element, std::int64_t vertices, SoupB
   const int list = find_vertex_list(body, element);
   std::vector<std::int32_t> corners;
   for (std::int64_t f = 0; f < element.count; ++f) {
-    body.begin_element();
+    body.begin_element(f);
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const Property& property = element.properties[i];
       if (i != list) {
@@ -360,7 +370,7 @@ void read_strips(Body& body, const Element& element, std::int64_t vertices, Soup
   const int list = find_vertex_list(body, element);
   StripReader strip(builder);
   for (std::int64_t s = 0; s < element.count; ++s) {
-    body.begin_element();
+    body.begin_element(s);
     strip.restart();
     for (int i = 0; i < static_cast<int>(element.properties.size()); ++i) {
       const Property& property = element.properties[i];

@@ -12,9 +12,9 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-/// A point is near a vertex if, in its face, its distance from the vertex is below this fraction of the vertex's
-/// height over the opposite side. Further away,
-/// the error of windows, which is the rounding of an edge's length, is below 1e-12 of the distances.
+/// A point is near a vertex if, in its face, its distance from the vertex is below this fraction of the vertex's height
+/// over the opposite side. Further away, the error of windows, which is the rounding of an edge's length, is below
+/// 1e-12 of the distances.
 constexpr double near_ratio = 1e-3;
 
 Vector2d apex_of(const EdgeFrame& frame) { return {frame.apex_x(), frame.apex_y}; }

@@ -34,7 +34,7 @@ class Shape:
 
     @staticmethod
     def of(options: Mapping[str, str]) -> Shape:
-        """Reads the shape from the options. Raises ValueError for forms, activations, losses and optimizers that are not implemented here."""
+        """Reads the shape from the options. Raises ValueError for another form, activation, loss or optimizer than this trainer has."""
         for name, only in (("form", "sum_of_squares"), ("activation", "swish"), ("loss", "robust"), ("optimizer", "soap")):
             if options[name] != only:
                 raise ValueError(f"{name} is {options[name]}; this trainer has {only} alone.")

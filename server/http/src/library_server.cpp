@@ -79,10 +79,11 @@ void LibraryServer::end() {
 }
 
 bool LibraryServer::answer(ConnectionStream& stream, bool is_last, bool& closed_by_client, const Fill& fill) {
+  struct Reset {
+    ~Reset() { current_fill = nullptr; }
+  } const reset;
   current_fill = &fill;
-  const bool is_complete = process_request(stream, is_last, closed_by_client, [](httplib::Request&) {});
-  current_fill = nullptr;
-  return is_complete;
+  return process_request(stream, is_last, closed_by_client, [](httplib::Request&) {});
 }
 
 bool LibraryServer::process_and_close_socket(socket_t socket) {

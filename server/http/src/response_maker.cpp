@@ -1,27 +1,10 @@
 #include "response_maker.h"
 
 #include <algorithm>
-#include <optional>
 
 #include "supple/budget/memory.h"
-#include "supple/http/router.h"
 
 namespace supple::http {
-namespace {
-
-/// The methods of the path where the exception says that the request has another one.
-std::optional<std::string> allowed_methods(const std::exception_ptr& exception) {
-  try {
-    std::rethrow_exception(exception);
-  } catch (const MethodNotAllowed& error) {
-    return error.allowed();
-  } catch (...) {
-    return std::nullopt;
-  }
-}
-
-}  // namespace
-
 Response ResponseMaker::answer(Connection& connection) const {
   Response response;
   try {
@@ -37,10 +20,7 @@ Response ResponseMaker::answer(Connection& connection) const {
 
 Response ResponseMaker::of_exception(const std::exception_ptr& exception, const Request& request) const {
   if (problem::is_unexpected(exception)) report(exception, request);
-  auto response = render_(problem::problem_of(exception));
-  if (const auto methods = allowed_methods(exception)) response.set_header("Allow", *methods);
-  add_headers(response, request);
-  return response;
+  return of_problem(problem::problem_of(exception), request);
 }
 
 Response ResponseMaker::of_problem(const problem::Problem& problem, const Request& request) const {

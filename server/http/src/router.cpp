@@ -28,11 +28,6 @@ bool matches(std::string_view pattern, std::string_view path, std::map<std::stri
 
 }  // namespace
 
-MethodNotAllowed::MethodNotAllowed(std::string_view method, std::string_view path, std::string allowed)
-    : Error("http.method_not_allowed",
-            std::string(path) + " does not take " + std::string(method) + "; it takes " + allowed + "."),
-      allowed_(std::move(allowed)) {}
-
 Router::Match Router::find(std::string_view method, std::string_view path) const {
   const std::string_view wanted = method == "HEAD" ? "GET" : method;
   for (const auto& route : routes_) {
@@ -42,7 +37,10 @@ Router::Match Router::find(std::string_view method, std::string_view path) const
       return match;
     }
   }
-  if (auto methods = allowed(path); !methods.empty()) throw MethodNotAllowed(method, path, std::move(methods));
+  if (const auto methods = allowed(path); !methods.empty()) {
+    const auto text = std::string(path) + " does not take " + std::string(method) + "; it takes " + methods + ".";
+    throw problem::ProblemError({"http.method_not_allowed", text, {}, {}, {}, methods});
+  }
   throw Error("http.not_found", "There is nothing at " + std::string(path) + ".");
 }
 

@@ -18,25 +18,16 @@ std::string seconds_text(ThreadWatch::Clock::duration duration) {
 ThreadWatch::ThreadWatch(std::vector<Watched> threads, Clock::duration max_silence,
                          std::function<void(const std::string&)> warn)
     : max_silence_(max_silence), warn_(std::move(warn)) {
-  for (auto& watched : threads) threads_.push_back({std::move(watched)});
-  thread_ = std::thread([this] { run(); });
-}
-
-ThreadWatch::~ThreadWatch() {
-  {
-    const std::lock_guard lock(mutex_);
-    ending_ = true;
-  }
-  wake_.notify_one();
-  thread_.join();
-}
-
-void ThreadWatch::run() {
   constexpr int checks_per_max_silence = 10;
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, max_silence_ / checks_per_max_silence, [this] { return ending_; })) {
-    for (auto& state : threads_) check(state);
-  }
+  for (auto& watched : threads) threads_.push_back({std::move(watched)});
+  const auto period = std::chrono::duration_cast<std::chrono::milliseconds>(max_silence_) / checks_per_max_silence;
+  thread_.emplace(
+      "the watch of threads",
+      [this, period] {
+        for (auto& state : threads_) check(state);
+        return period;
+      },
+      warn_);
 }
 
 void ThreadWatch::check(State& state) const {

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
+#include <optional>
 #include <string>
-#include <thread>
 #include <vector>
+
+#include "supple/base/repeating_thread.h"
 
 namespace supple::http {
 
@@ -23,9 +23,6 @@ class ThreadWatch {
 
   /// Each thread is checked ten times in `max_silence`. `warn` gets lines for the log.
   ThreadWatch(std::vector<Watched> threads, Clock::duration max_silence, std::function<void(const std::string&)> warn);
-  ~ThreadWatch();
-  ThreadWatch(const ThreadWatch&) = delete;
-  ThreadWatch& operator=(const ThreadWatch&) = delete;
 
  private:
   struct State {
@@ -33,16 +30,12 @@ class ThreadWatch {
     bool is_silent = false;
     Clock::duration longest{};  ///< length of the current silence so far
   };
-  void run();
   void check(State& state) const;
 
   std::vector<State> threads_;
   const Clock::duration max_silence_;
   const std::function<void(const std::string&)> warn_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool ending_ = false;
-  std::thread thread_;
+  std::optional<RepeatingThread> thread_;
 };
 
 }  // namespace supple::http

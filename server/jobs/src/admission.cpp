@@ -28,7 +28,7 @@ JobQueue::ResultOrJob Admission::run_within(Computation computation, double seco
   while (Clock::now() < end && !board_.wait_until_over(*job, std::min(end, Clock::now() + check_interval)))
     if (hung_up && hung_up()) board_.set_client_left(*job);
   scheduler_.pause(*job);
-  if (const auto record = board_.begin_row(*job)) return {std::nullopt, write_row(job, *record, request)};
+  if (const auto record = begin_row(job)) return {std::nullopt, write_row(job, *record, request)};
   // The job is over, so that no other thread changes these members.
   if (job->failure) std::rethrow_exception(job->failure);
   return {charge_request(*std::move(job->result)), {}};
@@ -54,20 +54,40 @@ JobStatus Admission::write_row(const JobPointer& job, const store::JobRecord& re
   return board_.status_of(*job);
 }
 
+std::optional<store::JobRecord> Admission::begin_row(const JobPointer& job) {
+  try {
+    return board_.begin_row(*job);
+  } catch (...) {
+    leave_without_row(job);
+    throw;
+  }
+}
+
+void Admission::leave_without_row(const JobPointer& job) {
+  if (!board_.row_failed(*job)) return;
+  scheduler_.forget(*job);
+  job->watch.reset();
+}
+
 void Admission::add_to_journal(const JobPointer& job, const store::JobRecord& record,
                                const std::optional<RequestOfJob>& request) {
   try {
     journal_.add(record, request);
   } catch (...) {
-    if (board_.row_failed(*job)) {
-      scheduler_.forget(*job);
-      job->watch.reset();
-    }
+    leave_without_row(job);
     throw;
   }
+  // The store has the job, so that it has to run, even if there is no memory for its session.
+  struct GoOn {
+    JobBoard& board;
+    Scheduler& scheduler;
+    Job& job;
+    ~GoOn() {
+      board.row_written(job);
+      scheduler.resume(job);
+    }
+  } const go_on{board_, scheduler_, *job};
   if (job->number_in_session == 0) scheduler_.enter_session(*job);
-  board_.row_written(*job);
-  scheduler_.resume(*job);
 }
 
 }  // namespace supple::jobs

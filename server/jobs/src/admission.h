@@ -30,6 +30,9 @@ class Admission {
   /// used its idempotency key meanwhile, the status of that one's job is returned.
   JobStatus write_row(const JobPointer& job, const store::JobRecord& record,
                       const std::optional<RequestOfJob>& request);
+  std::optional<store::JobRecord> begin_row(const JobPointer& job);
+  /// Stops a job that gets no row, so that nobody can ask for it.
+  void leave_without_row(const JobPointer& job);
   void add_to_journal(const JobPointer& job, const store::JobRecord& record,
                       const std::optional<RequestOfJob>& request);
 

@@ -31,7 +31,7 @@ class ImmediateRunner::Place {
       : runner_(runner),
         computation_(computation),
         number_(runner.enter(token)),
-        number_in_session_(runner.sessions_.enter(computation.session, token)) {}
+        number_in_session_(enter_session(token)) {}
   ~Place() {
     runner_.sessions_.leave(computation_.session, number_in_session_);
     if (const auto abandoned = runner_.leave(number_)) runner_.log_.note_returned(computation_, *abandoned);
@@ -42,6 +42,16 @@ class ImmediateRunner::Place {
   std::uint64_t number() const { return number_; }
 
  private:
+  /// Called by the constructor, after the computation has its place among those that run.
+  std::uint64_t enter_session(const CancellationToken& token) {
+    try {
+      return runner_.sessions_.enter(computation_.session, token);
+    } catch (...) {
+      runner_.leave(number_);
+      throw;
+    }
+  }
+
   ImmediateRunner& runner_;
   const Computation& computation_;
   const std::uint64_t number_;

@@ -77,7 +77,7 @@ struct Job final : ProgressSink {
   store::JobRecord record;
   Phase phase = Phase::queued;
   Row row = Row::none;
-  std::optional<Clock::time_point> left_at{};  ///< when the client hung up that waited for a job without a row
+  std::optional<Clock::time_point> left_at{};  ///< since when nobody waits for a job without a row
   Clock::time_point ended_at{};                ///< when it ended, whether or not its computation has stopped
   double progress = 0;
   std::string stage;

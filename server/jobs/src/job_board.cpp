@@ -41,8 +41,9 @@ std::optional<store::JobRecord> JobBoard::begin_row(Job& job) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return job.phase != Phase::ending; });
   if (is_over(job)) return std::nullopt;
+  std::optional<store::JobRecord> record = job.record;  // before anything changes, since there may be no memory for it
   job.row = Row::being_written;
-  return job.record;
+  return record;
 }
 
 void JobBoard::row_written(Job& job) {
@@ -55,6 +56,7 @@ bool JobBoard::row_failed(Job& job) {
   const std::lock_guard lock(mutex_);
   job.row = Row::none;
   job.token.request(StopReason::cancelled);
+  if (!job.left_at) job.left_at = Clock::now();
   const bool waits = job.phase == Phase::queued;
   if (waits) forget(job, Phase::released);
   changed_.notify_all();
@@ -114,17 +116,26 @@ std::optional<Watchdog::Overdue> JobBoard::overdue(const Job& job, Clock::time_p
 
 std::optional<JobBoard::Claim> JobBoard::claim_end(Job& job) {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return job.row != Row::being_written; });
-  if (job.phase == Phase::ending) changed_.wait(lock, [&] { return is_over(job); });
-  if (is_over(job)) return std::nullopt;
-  job.phase = Phase::ending;
-  return Claim{job.record, job.row == Row::written};
+  changed_.wait(lock, [&] { return job.row != Row::being_written && job.phase != Phase::ending; });
+  return begin_end(job);
 }
 
-void JobBoard::complete(Job& job, const store::JobRecord& record, std::optional<Result> result,
-                        std::exception_ptr failure) {
+std::optional<JobBoard::Claim> JobBoard::try_claim_end(Job& job) {
   const std::lock_guard lock(mutex_);
-  job.record = record;
+  if (job.row == Row::being_written) return std::nullopt;
+  return begin_end(job);
+}
+
+std::optional<JobBoard::Claim> JobBoard::begin_end(Job& job) {
+  if (job.phase == Phase::ending || is_over(job)) return std::nullopt;
+  std::optional<Claim> claim = Claim{job.record, job.row == Row::written};  // before anything changes, as in begin_row
+  job.phase = Phase::ending;
+  return claim;
+}
+
+void JobBoard::complete(Job& job, store::JobRecord record, std::optional<Result> result, std::exception_ptr failure) {
+  const std::lock_guard lock(mutex_);
+  job.record = std::move(record);
   job.result = std::move(result);
   job.failure = std::move(failure);
   forget(job, Phase::ended);

@@ -17,7 +17,7 @@ namespace supple::jobs {
 /// mutex is never locked for long: a computation that reports progress needs it. No other is locked while it is.
 ///
 /// One thread gets the right to end a job (`claim_end`), stores its end without any mutex, and then completes or
-/// releases it. While the row of a job is being written, neither its phase nor its record changes.
+/// releases it. While the row of a job is being written, nobody starts or ends the job, and its record does not change.
 class JobBoard {
  public:
   explicit JobBoard(bool is_store_shared) : is_store_shared_(is_store_shared) {}
@@ -29,8 +29,8 @@ class JobBoard {
   /// nothing if the job is over.
   std::optional<store::JobRecord> begin_row(Job& job);
   void row_written(Job& job);
-  /// The job has no row, so that nobody can ask for it: it is stopped. Returns whether it still waits for a worker;
-  /// then it is released.
+  /// The job has no row, so that nobody can ask for it: it is stopped as if its client had hung up. Returns whether it
+  /// still waits for a worker; then it is released.
   bool row_failed(Job& job);
 
   struct Start {
@@ -54,7 +54,9 @@ class JobBoard {
   /// Gives the caller the right to end a job. Waits while its row is being written. Nothing if another thread has the
   /// right, after it has ended the job.
   std::optional<Claim> claim_end(Job& job);
-  void complete(Job& job, const store::JobRecord& record, std::optional<Result> result, std::exception_ptr failure);
+  /// Does the same without waiting. Nothing if the row of the job is being written, or if another thread has the right.
+  std::optional<Claim> try_claim_end(Job& job);
+  void complete(Job& job, store::JobRecord record, std::optional<Result> result, std::exception_ptr failure);
   void release(Job& job);
   bool has_ended(const Job& job) const;
   /// Waits until a job is over, or until `end`. Returns whether it is over.
@@ -83,6 +85,7 @@ class JobBoard {
 
  private:
   // The caller of the following functions holds the mutex.
+  static std::optional<Claim> begin_end(Job& job);
   void forget(Job& job, Phase phase);
   JobPointer find_job(const std::string& id) const;
   static JobStatus status(const Job& job) { return {job.record, job.progress, job.stage, job.partial}; }

@@ -8,7 +8,7 @@
 #include "job_reader.h"
 #include "job_runner.h"
 #include "lease_keeper.h"
-#include "repeating_thread.h"
+#include "supple/base/repeating_thread.h"
 #include "supple/store/clock.h"
 
 namespace supple::jobs {
@@ -27,7 +27,7 @@ struct JobQueue::Parts {
         journal(store, options, std::move(render), log),
         abandonment_log(log, [this] { return abandoned(); }),
         immediate(options, watchdog, sessions, abandonment_log),
-        runner(store, options, watchdog, board, scheduler, journal, abandonment_log, std::move(observe),
+        runner(store, options, watchdog, board, scheduler, journal, abandonment_log, log, std::move(observe),
                std::move(remake)),
         reader(store, board, journal),
         admission(store.jobs(), board, scheduler, journal, runner, reader),
@@ -98,9 +98,9 @@ JobStatus JobQueue::wait_for_change(const std::string& id, std::uint64_t& versio
 
 std::optional<JobStatus> JobQueue::remove(const std::string& id) {
   auto& parts = *parts_;
-  auto* const leases = parts.store.leases();
-  if (const auto job = parts.board.find(id); job && (parts.runner.dismiss(job) || !leases)) return status(id);
-  if (leases) {
+  if (const auto job = parts.board.find(id); job && parts.runner.dismiss(job)) return status(id);
+  // It has ended before, or it belongs to the next process or to another server.
+  if (auto* const leases = parts.store.leases()) {
     const auto now = store::now_milliseconds();
     if (const auto record = leases->dismiss_job(id, now, parts.journal.expiry(now))) return JobStatus{*record, 0, {}};
   }

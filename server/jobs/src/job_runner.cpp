@@ -1,6 +1,7 @@
 #include "job_runner.h"
 
-#include <system_error>
+#include <exception>
+#include <string>
 #include <utility>
 
 #include "run_computation.h"
@@ -38,15 +39,16 @@ bool is_stopped_by_shutdown(const std::exception_ptr& failure) {
 }  // namespace
 
 JobRunner::JobRunner(store::Store& store, const QueueOptions& options, Watchdog& watchdog, JobBoard& board,
-                     Scheduler& scheduler, Journal& journal, const AbandonmentLog& log, JobQueue::Observe observe,
-                     JobQueue::Remake remake)
+                     Scheduler& scheduler, Journal& journal, const AbandonmentLog& abandonment_log, JobQueue::Log log,
+                     JobQueue::Observe observe, JobQueue::Remake remake)
     : store_(store),
       options_(options),
       watchdog_(watchdog),
       board_(board),
       scheduler_(scheduler),
       journal_(journal),
-      log_(log),
+      abandonment_log_(abandonment_log),
+      log_(std::move(log)),
       observe_(std::move(observe)),
       remake_(std::move(remake)) {}
 
@@ -105,21 +107,38 @@ Computation JobRunner::computation_again(const store::JobRecord& record) {
 void JobRunner::work(Scheduler::Seat& seat) {
   while (const auto task = scheduler_.take(seat)) {
     const auto& job = task->job;
-    if (!task->record || journal_.update(*task->record)) {
-      board_.set_running(*job);
-      run(job, seat);
-    } else {
-      lose(job);
-    }
-    if (const auto abandoned = scheduler_.leave(seat)) {
-      const log::Context context("job", job->id);
-      log_.note_returned(job->computation, *abandoned);
-    }
+    if (const auto failure = try_step(*job, [&] { run(*task, seat); }))
+      try_step(*job, [&] { end(job, JobState::failed, std::nullopt, failure); });  // if it has not ended yet
+    if (const auto abandoned = scheduler_.leave(seat))
+      try_step(*job, [&] { abandonment_log_.note_returned(job->computation, *abandoned); });
   }
 }
 
-void JobRunner::run(const JobPointer& job, Scheduler::Seat& seat) {
-  const log::Context context("job", job->id);
+template <typename Step>
+std::exception_ptr JobRunner::try_step(const Job& job, const Step& step) const noexcept {
+  std::exception_ptr failure;
+  try {
+    const log::Context context("job", job.id);
+    try {
+      step();
+    } catch (const std::exception& error) {
+      failure = std::current_exception();
+      if (log_) log_(std::string("the server met an error at this job: ") + error.what());
+    }
+  } catch (...) {
+    // There may be no memory for the line.
+    if (!failure) failure = std::current_exception();
+  }
+  return failure;
+}
+
+void JobRunner::run(const Scheduler::Task& task, Scheduler::Seat& seat) {
+  const auto& job = task.job;
+  if (task.record && !journal_.update(*task.record)) {
+    lose(job);
+    return;
+  }
+  board_.set_running(*job);
   std::optional<Result> result;
   std::exception_ptr failure;
   try {
@@ -144,7 +163,12 @@ void JobRunner::end(const JobPointer& job, JobState state, std::optional<Result>
   try {
     is_ended = store_end(job, *claim, state, std::move(result), std::move(failure));
   } catch (...) {
-    board_.release(*job);  // so that nobody waits for its end; the next process runs it again
+    // Nobody may go on waiting for its end. If it has a row, the next process runs it again.
+    if (claim->has_row) {
+      board_.release(*job);
+    } else {
+      board_.complete(*job, std::move(claim->record), std::nullopt, std::current_exception());
+    }
     throw;
   }
   if (!is_ended) board_.release(*job);
@@ -181,7 +205,7 @@ bool JobRunner::dismiss(const JobPointer& job) {
 }
 
 void JobRunner::lose(const JobPointer& job) {
-  if (!board_.claim_end(*job)) return;
+  if (!board_.try_claim_end(*job)) return;  // it ends, which may be why the store does not name it any more
   job->token.request(StopReason::cancelled);
   scheduler_.forget(*job);
   board_.release(*job);
@@ -189,8 +213,7 @@ void JobRunner::lose(const JobPointer& job) {
 }
 
 void JobRunner::end_stopped(const JobPointer& job) {
-  const log::Context context("job", job->id);
-  end(job, JobState::failed, std::nullopt, failure_of_stop(job->token.reason()));
+  try_step(*job, [&] { end(job, JobState::failed, std::nullopt, failure_of_stop(job->token.reason())); });
 }
 
 void JobRunner::add_workers() {
@@ -210,15 +233,14 @@ void JobRunner::abandon_late_jobs() {
   const auto late = scheduler_.abandon_late_jobs();
   try {
     add_workers();
-  } catch (const std::system_error&) {
-    // The system gives no further thread now. Jobs wait for the workers that there are.
+  } catch (...) {
+    // The system gives no further thread, or no memory, now. Jobs wait for the workers that there are.
   }
   for (const auto& one : late)
-    if (one.is_abandoned) log_.note_abandoned("job=" + one.job->id + " ", one.job->computation, one.since);
-  for (const auto& one : late) {
-    const log::Context context("job", one.job->id);
-    end(one.job, JobState::failed, std::nullopt, failure_of_stop(one.since.reason));
-  }
+    if (one.is_abandoned)
+      try_step(*one.job, [&] { abandonment_log_.note_abandoned({}, one.job->computation, one.since); });
+  for (const auto& one : late)
+    try_step(*one.job, [&] { end(one.job, JobState::failed, std::nullopt, failure_of_stop(one.since.reason)); });
 }
 
 void JobRunner::end_workers() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <exception>
 #include <list>
 #include <optional>
 #include <thread>
@@ -16,7 +17,8 @@ namespace supple::jobs {
 class JobRunner {
  public:
   JobRunner(store::Store& store, const QueueOptions& options, Watchdog& watchdog, JobBoard& board, Scheduler& scheduler,
-            Journal& journal, const AbandonmentLog& log, JobQueue::Observe observe, JobQueue::Remake remake);
+            Journal& journal, const AbandonmentLog& abandonment_log, JobQueue::Log log, JobQueue::Observe observe,
+            JobQueue::Remake remake);
   /// Ends the workers, and waits for those of abandoned jobs.
   ~JobRunner();
   JobRunner(const JobRunner&) = delete;
@@ -30,7 +32,7 @@ class JobRunner {
   /// Ends a job as dismissed and stops its computation. False if it has not ended here, since it belongs to the next
   /// process or to another server.
   bool dismiss(const JobPointer& job);
-  /// Stops a job that another server has taken or dismissed.
+  /// Stops a job that another server has taken or dismissed. Does not wait for a thread that ends the job.
   void lose(const JobPointer& job);
   /// Ends a job that waits, whose stop was requested.
   void end_stopped(const JobPointer& job);
@@ -49,7 +51,10 @@ class JobRunner {
   };
 
   void work(Scheduler::Seat& seat);
-  void run(const JobPointer& job, Scheduler::Seat& seat);
+  /// Takes a step for a job. What it throws is logged and returned, so that the thread goes on with other jobs.
+  template <typename Step>
+  std::exception_ptr try_step(const Job& job, const Step& step) const noexcept;
+  void run(const Scheduler::Task& task, Scheduler::Seat& seat);
   void end(const JobPointer& job, JobState state, std::optional<Result> result, std::exception_ptr failure);
   /// Stores the end. False if another server has the job.
   bool store_end(const JobPointer& job, JobBoard::Claim& claim, JobState state, std::optional<Result> result,
@@ -63,7 +68,8 @@ class JobRunner {
   JobBoard& board_;
   Scheduler& scheduler_;
   Journal& journal_;
-  const AbandonmentLog& log_;
+  const AbandonmentLog& abandonment_log_;
+  const JobQueue::Log log_;
   const JobQueue::Observe observe_;
   const JobQueue::Remake remake_;
   std::list<Worker> workers_;

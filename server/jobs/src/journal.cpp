@@ -25,7 +25,7 @@ void Journal::add(const store::JobRecord& record, const std::optional<RequestOfJ
 bool Journal::update(const store::JobRecord& record) {
   try {
     return store_.jobs().update_job(record);
-  } catch (const Error&) {
+  } catch (...) {
     return true;
   }
 }
@@ -38,9 +38,12 @@ void Journal::set_end(store::JobRecord& record, JobState state, const std::optio
   record.state = state;
   record.finished = store::now_milliseconds();
   record.expires = expiry(record.finished);
-  if (!problem) return;
-  record.error = render_(*problem);
-  record.error_status = problem::status_of(*problem);
+  if (problem) set_error(record, *problem);
+}
+
+void Journal::set_error(store::JobRecord& record, const problem::Problem& problem) const {
+  record.error = render_(problem);
+  record.error_status = problem::status_of(problem);
 }
 
 bool Journal::end(store::JobRecord& record, const Result* result) {
@@ -70,7 +73,10 @@ Journal::Written Journal::write_end(store::JobRecord& record, const Result* resu
 Journal::Written Journal::refused_by_store(store::JobRecord& record, const Result* result) const {
   const auto problem = problem::problem_of(std::current_exception());
   if (log_) log_("the end of job " + record.id + " cannot be stored: " + problem.detail);
-  if (result) set_end(record, JobState::failed, problem);
+  if (result) {
+    record.state = JobState::failed;
+    set_error(record, problem);
+  }
   return Written::refused;
 }
 
@@ -84,7 +90,7 @@ void Journal::write_refused_ends() {
     const log::Context context("job", record.id);
     try {
       store_.jobs().finish_job(record, nullptr);
-    } catch (const Error&) {
+    } catch (...) {
       return;  // the first refusal was logged, and the store would refuse the other ends too
     }
     if (log_) log_("the end of job " + record.id + " is stored now");

@@ -46,6 +46,7 @@ class Journal {
   std::int64_t expiry(std::int64_t finished) const;
 
  private:
+  void set_error(store::JobRecord& record, const problem::Problem& problem) const;
   enum class Written { stored, refused, of_another_server };
   Written write_end(store::JobRecord& record, const Result* result);
   Written refused_by_store(store::JobRecord& record, const Result* result) const;

@@ -96,8 +96,10 @@ std::optional<Watchdog::Overdue> Scheduler::leave(Seat& seat) {
 
 void Scheduler::set_idle(Seat& seat) {
   --running_;
-  if (std::exchange(seat.is_last_attempt, false)) queue_.set_last_attempt_runs(false);
-  work_.notify_all();
+  const bool was_last_attempt = std::exchange(seat.is_last_attempt, false);
+  if (was_last_attempt) queue_.set_last_attempt_runs(false);
+  // Otherwise the worker itself takes the next job.
+  if (was_last_attempt || seat.abandoned) work_.notify_all();
   idle_.notify_all();
 }
 
@@ -106,10 +108,10 @@ std::vector<Scheduler::LateJob> Scheduler::abandon_late_jobs() {
   std::vector<LateJob> late;
   if (ending_) return late;
   for (auto& seat : seats_) {
-    if (!seat.job || seat.abandoned) continue;
+    if (!seat.job) continue;
     const auto since = board_.overdue(*seat.job, Clock::now());
     if (!since) continue;
-    const bool is_abandoned = abandoned_jobs_ < worker_limit();
+    const bool is_abandoned = !seat.abandoned && abandoned_jobs_ < worker_limit();
     late.push_back({seat.job, *since, is_abandoned});
     if (!is_abandoned) continue;
     seat.abandoned = since;

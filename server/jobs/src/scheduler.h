@@ -59,10 +59,11 @@ class Scheduler {
   struct LateJob {
     JobPointer job;
     Watchdog::Overdue since;
-    bool is_abandoned = false;
+    bool is_abandoned = false;  ///< whether this call has abandoned it
   };
   /// Returns the jobs whose computations do not stop, and abandons them, so that their workers are replaced. At most
-  /// QueueOptions::workers jobs are abandoned at the same time.
+  /// QueueOptions::workers jobs are abandoned at the same time. A job is returned by every call until its computation
+  /// has returned, since the thread that was to end it may have failed.
   std::vector<LateJob> abandon_late_jobs();
   /// Number of workers that should replace those of abandoned jobs and do not exist yet.
   std::size_t missing_workers() const;

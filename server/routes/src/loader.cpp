@@ -8,8 +8,8 @@
 namespace supple::routes {
 
 std::shared_ptr<const store::LoadedMesh> Loader::mesh(const std::string& id, double deadline) const {
-  require_mesh(services_, request_, id, "/mesh");
   return fault_of_field<store::MeshNotFound>("/mesh", [&] {
+    require_mesh(services_, request_, id);
     auto mesh = services_.meshes->find(id);
     if (!mesh) run(id, deadline, [&](const Execution& execution) { mesh = services_.meshes->get(id, execution); });
     return mesh;

@@ -21,8 +21,6 @@ constexpr auto mesh_types = json::names_of<surface::MeshFormat>({{surface::MeshF
 
 const std::string& mesh_parameter(const http::Request& request) { return request.path_parameters.at("mesh"); }
 
-[[noreturn]] void throw_not_found(const std::string& id) { throw store::MeshNotFound(id.substr(0, 80)); }
-
 json::MeshUpload read_upload(const http::Request& request, const RouteLimits& limits, const Execution& execution) {
   auto asked = read_repair_query(request);
   const auto type = http::media_type(request.header("Content-Type"));
@@ -104,7 +102,7 @@ http::Response show_mesh(const Services& services, const http::Request& request)
   require_ready(services);
   require_mesh(services, request, mesh_parameter(request));
   const auto record = services.store->meshes().mesh(mesh_parameter(request));
-  if (!record) throw_not_found(mesh_parameter(request));
+  if (!record) throw store::MeshNotFound(mesh_parameter(request));
   if (matches(request.header("If-None-Match"), record->id)) return not_modified(record->id);
   auto response = json_response(record->description);
   response.set_header("ETag", quoted(record->id));
@@ -117,7 +115,7 @@ http::Response content(const Services& services, const http::Request& request) {
   const auto type = http::negotiate(request.header("Accept"), {"model/ply", "model/obj"});
   if (!type) throw Error("http.not_acceptable", "A mesh's content is sent as model/ply or model/obj.");
   require_mesh(services, request, id);
-  if (!services.store->meshes().mesh(id)) throw_not_found(id);
+  if (!services.store->meshes().mesh(id)) throw store::MeshNotFound(id);
   const bool as_obj = *type == "model/obj";
   // One tag for each representation: the bytes differ.
   const std::string tag = as_obj ? id + "-obj" : id;
@@ -142,7 +140,7 @@ http::Response remove_mesh(Services& services, const http::Request& request) {
   require_mesh(services, request, id);
   const bool goes = owner.empty() || services.store->meshes().is_last_owner_of_mesh(id, owner);
   if (goes && services.jobs->mesh_in_use(id)) throw Error("mesh.in_use", "Unfinished jobs use the mesh " + id + ".");
-  if (!services.store->meshes().remove_mesh(id, owner)) throw_not_found(id);
+  if (!services.store->meshes().remove_mesh(id, owner)) throw store::MeshNotFound(id);
   if (goes) services.meshes->forget(id);
   http::Response response;
   response.status = 204;

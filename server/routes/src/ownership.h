@@ -13,10 +13,9 @@ inline const std::string& owner_filter(const http::Request& request) {
   return request.is_admin ? all : request.key;
 }
 
-/// Throws "mesh.not_found", with `pointer` unless that is empty, if the request may not see the mesh: to its client the
-/// mesh does not exist. The store is not asked for a request that may see everything.
-void require_mesh(const Services& services, const http::Request& request, const std::string& id,
-                  const std::string& pointer = {});
+/// Throws "mesh.not_found" if the request may not see the mesh: to its client the mesh does not exist. The store is not
+/// asked for a request that may see everything.
+void require_mesh(const Services& services, const http::Request& request, const std::string& id);
 /// The same for a job, with "job.not_found".
 void require_job(const Services& services, const http::Request& request, const std::string& id);
 

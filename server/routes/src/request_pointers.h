@@ -46,7 +46,8 @@ class PointerMap {
   std::vector<FieldPlace> places_;
 };
 
-/// Calls call(); errors of type Fault get pointers into the request.
+/// Calls call(). An error of type Fault becomes an Error without that type, with pointers into the request. So of
+/// nested calls the innermost places it.
 template <class Fault, class Call>
 auto with_pointers(const PointerMap& pointers, Call call) -> decltype(call()) {
   try {
@@ -56,7 +57,7 @@ auto with_pointers(const PointerMap& pointers, Call call) -> decltype(call()) {
   }
 }
 
-/// Calls call(); errors of type Fault are faults of the field at `pointer`.
+/// Calls call(). An error of type Fault becomes an Error without that type, a fault of the field at `pointer`.
 template <class Fault, class Call>
 auto fault_of_field(const std::string& pointer, Call call) -> decltype(call()) {
   try {

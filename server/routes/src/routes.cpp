@@ -40,6 +40,7 @@ http::Response problem_response(const problem::Problem& problem) {
   response.content_type = "application/problem+json";
   response.body = json::write_problem(problem);
   if (response.status == 401) response.set_header("WWW-Authenticate", "Bearer realm=\"supple\"");
+  if (!problem.allowed_methods.empty()) response.set_header("Allow", problem.allowed_methods);
   if (problem.retry_after) response.set_header("Retry-After", std::to_string(*problem.retry_after));
   return response;
 }

@@ -3,21 +3,12 @@
 #include "supple/tiling/tiling_error.h"
 
 namespace supple::routes {
-namespace {
-
-std::vector<double> presets_of(const tiling::Family& family) {
-  std::vector<double> presets;
-  for (const auto& parameter : family.parameters) presets.push_back(parameter.preset);
-  return presets;
-}
-
-}  // namespace
 
 tiling::Structure make_structure(const json::StructureSpec& spec, const PointerMap& pointers) {
   const auto& family =
       *fault_of_field<tiling::FamilyNotFound>(pointers.pointer("family"), [&] { return &tiling::family(spec.family); });
   try {
-    return tiling::make_structure(family, spec.parameters ? *spec.parameters : presets_of(family));
+    return tiling::make_structure(family, spec.parameters ? *spec.parameters : tiling::presets(family));
   } catch (const tiling::TilingError& error) {
     if (!error.details().empty()) throw pointers(error);
     throw Error(error.code(), error.what(), {{pointers.pointer("parameters"), error.what()}});
@@ -28,7 +19,7 @@ const std::vector<tiling::Structure>& preset_structures() {
   static const auto structures = [] {
     std::vector<tiling::Structure> result;
     for (const auto& family : tiling::families()) {
-      result.push_back(tiling::make_structure(family, presets_of(family)));
+      result.push_back(tiling::make_structure(family, tiling::presets(family)));
     }
     return result;
   }();

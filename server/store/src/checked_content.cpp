@@ -10,7 +10,6 @@
 #include "file_access.h"
 #include "hasher.h"
 #include "record_file.h"
-#include "supple/store/store_error.h"
 
 namespace supple::store {
 namespace {
@@ -58,7 +57,7 @@ OpenContent open_checked(const std::filesystem::path& path, std::string_view kin
     file = std::make_shared<const OpenFile>(path, O_RDONLY, "open");
     if (::fstat(file->descriptor(), &status) != 0) throw FileError("read", path, errno);
   } catch (const FileError& error) {
-    if (error.number() == ENOENT) throw StoreCorrupted("The stored file " + name + " is missing.");
+    if (error.number() == ENOENT) throw_missing(name);
     throw_file_error(error.action(), error.path(), error.number());
   }
   const OpenContent all(file, name, 0, static_cast<std::uint64_t>(status.st_size));

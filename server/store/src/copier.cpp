@@ -2,6 +2,7 @@
 
 #include "database.h"
 #include "file_access.h"
+#include "record_file.h"
 #include "supple/store/store_error.h"
 
 namespace supple::store {

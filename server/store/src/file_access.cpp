@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "record_file.h"
 #include "supple/store/store_error.h"
 
 namespace supple::store {
@@ -59,7 +60,7 @@ std::string read_file(const std::filesystem::path& path, const CancellationToken
     bytes.resize(done);
     return bytes;
   } catch (const FileError& error) {
-    if (error.number() == ENOENT) throw StoreCorrupted("The stored file " + path.filename().string() + " is missing.");
+    if (error.number() == ENOENT) throw_missing(path.filename().string());
     throw_file_error(error.action(), error.path(), error.number());
   }
 }

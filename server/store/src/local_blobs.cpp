@@ -50,11 +50,7 @@ class LocalBlobs final : public BlobStore {
     std::unique_lock lock(state_.mutex);
     auto in_database = state_.request_in_database(id);
     lock.unlock();
-    auto bytes = in_database ? *std::move(in_database) : read_file(state_.paths.request(id));
-    const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
-    bytes.erase(0, file.header_size());
-    if (sha256(bytes) != file.body_hash()) throw_corrupted(id + ".request");
-    return {request_of(file), std::move(bytes)};
+    return stored_request(in_database ? *std::move(in_database) : read_file(state_.paths.request(id)), id + ".request");
   }
 
   StoredResult job_result(const std::string& id) const override {

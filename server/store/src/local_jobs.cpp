@@ -2,6 +2,7 @@
 
 #include "local_state.h"
 #include "record_file.h"
+#include "sql_names.h"
 
 namespace supple::store {
 namespace {
@@ -81,13 +82,11 @@ class LocalJobs final : public JobStore {
 
   std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                               const std::string& owner) const override {
-    std::string names;  // constants of this program, which need no escaping in SQL
-    for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
     const std::lock_guard lock(state_.mutex);
     Statement rows(state_.database,
                    "SELECT " + job_columns_to_read() +
                        " FROM jobs WHERE (?1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = ?1))" +
-                       (states.empty() ? "" : " AND state IN (" + names + ")") + " AND " +
+                       (states.empty() ? "" : " AND state IN (" + sql_names(states) + ")") + " AND " +
                        OwnerTable::condition(OwnerTable::Kind::job, "?3") + " ORDER BY sequence DESC LIMIT ?2");
     rows.bind(after).bind(static_cast<std::int64_t>(limit)).bind(owner);
     std::vector<JobRecord> records;

@@ -2,6 +2,7 @@
 
 #include "checked_content.h"
 #include "local_state.h"
+#include "record_file.h"
 #include "supple/store/store_error.h"
 
 namespace supple::store {
@@ -24,8 +25,7 @@ class LocalMeshes final : public MeshStore {
       try {
         open_mesh_content(record.id, {});
       } catch (const Error&) {
-        write_stored_file(state_.paths.mesh(record.id), {ply});
-        state_.usage_counter.count();  // recounts, for the damaged file may have had another size
+        repair_file(record.id, ply);
       }
       const std::lock_guard lock(state_.mutex);
       if (auto existing = state_.find_mesh(record.id))
@@ -80,8 +80,7 @@ class LocalMeshes final : public MeshStore {
   std::string mesh_content(const std::string& id, const CancellationToken& cancellation) const override {
     if (!mesh(id)) throw MeshNotFound(id);
     auto bytes = read_file(state_.paths.mesh(id), cancellation);
-    if (sha256(bytes, cancellation) != id)
-      throw StoreCorrupted("The stored file " + id + ".ply has changed since it was written.");
+    if (sha256(bytes, cancellation) != id) throw_corrupted(id + ".ply");
     return bytes;
   }
 
@@ -124,7 +123,7 @@ class LocalMeshes final : public MeshStore {
   std::vector<std::string> remove_unused_meshes(std::int64_t before) override {
     std::vector<std::string> ids;
     const std::scoped_lock lock(state_.mutex, state_.uses_mutex);
-    state_.write_mesh_uses();
+    state_.with_reserve([&] { state_.write_mesh_uses(); });
     {
       Statement rows(state_.database,
                      "SELECT id FROM meshes WHERE max(created, used) < ? AND id NOT IN "
@@ -140,6 +139,14 @@ class LocalMeshes final : public MeshStore {
   }
 
  private:
+  /// Replaces the damaged or missing file of a mesh, unless the mesh has been removed meanwhile.
+  void repair_file(const std::string& id, const std::string& ply) {
+    const std::lock_guard lock(state_.mutex);
+    if (!state_.find_mesh(id)) return;
+    write_stored_file(state_.paths.mesh(id), {ply});
+    state_.usage_counter.count();  // recounts, for the damaged file may have had another size
+  }
+
   LocalState& state_;
 };
 

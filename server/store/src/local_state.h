@@ -29,8 +29,10 @@
 
 namespace supple::store {
 
-/// What the parts of a local store share: its folder, its database and the bytes in it. Functions say which of the
-/// mutexes their caller holds.
+/// What the parts of a local store share: its folder, its database and the bytes in it.
+///
+/// `mutex` guards the database, `owners` and the reserve file. `uses_mutex` guards `unwritten_uses`. In the comments
+/// below "the mutex" is the former. The caller of a function that requires a mutex has locked it.
 struct LocalState {
   LocalState(const std::filesystem::path& data, const LocalStore::Recovery& recovery, const Quota& quota)
       : folder(data, recovery.warn),
@@ -82,6 +84,7 @@ struct LocalState {
       folder.warn("the clock was set by " + std::to_string(jump / 1000) + " s; what expires does so by as much later");
   }
 
+  /// Requires the mutex.
   std::optional<MeshRecord> find_mesh(const std::string& id) const {
     Statement row(database, "SELECT created, description FROM meshes WHERE id = ?");
     if (!row.bind(id).step()) return std::nullopt;
@@ -103,6 +106,7 @@ struct LocalState {
     return owners.add(OwnerTable::Kind::mesh, id, owner);
   }
 
+  /// Requires the mutex.
   std::optional<std::string> request_in_database(const std::string& id) const {
     Statement row(database, "SELECT content FROM requests WHERE job = ?");
     if (!row.bind(id).step()) return std::nullopt;
@@ -187,6 +191,7 @@ struct LocalState {
     }
   }
 
+  /// Deletes the row of a job; false where there was none. Requires the mutex.
   bool delete_row(const std::string& id) const {
     return Statement(database, "DELETE FROM jobs WHERE id = ?").bind(id).run() > 0;
   }
@@ -212,7 +217,7 @@ struct LocalState {
     claim.commit();
   }
 
-  /// Writes the times of use of meshes to the database. Requires the mutex.
+  /// Writes the times of use of meshes to the database. Requires both mutexes, or that no other thread uses the store.
   void write_mesh_uses() {
     if (unwritten_uses.empty()) return;
     const UnsyncedCommits unsynced(database);

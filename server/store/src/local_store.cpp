@@ -1,5 +1,7 @@
 #include "supple/store/local_store.h"
 
+#include <exception>
+
 #include "local_state.h"
 #include "supple/store/store_error.h"
 
@@ -27,7 +29,7 @@ LocalStore::LocalStore(const std::filesystem::path& folder, const Recovery& reco
 LocalStore::~LocalStore() {
   try {
     parts_->state.write_mesh_uses();
-  } catch (const Error&) {
+  } catch (const std::exception&) {
     // The times of use are lost, and these meshes may expire too early.
   }
 }

@@ -194,6 +194,13 @@ JobRequest request_of(const RecordFile& file) {
   return request;
 }
 
+StoredRequest stored_request(std::string bytes, const std::string& name) {
+  const auto file = RecordFile::parse(request_kind, bytes, name);
+  bytes.erase(0, file.header_size());
+  if (sha256(bytes) != file.body_hash()) throw_corrupted(name);
+  return {request_of(file), std::move(bytes)};
+}
+
 std::size_t body_offset(std::string_view kind, std::string_view bytes, const std::string& name) {
   return RecordFile::starts_with_header(kind, bytes) ? RecordFile::parse(kind, bytes, name).header_size() : 0;
 }
@@ -201,6 +208,10 @@ std::size_t body_offset(std::string_view kind, std::string_view bytes, const std
 void throw_corrupted(const std::string& name) {
   throw StoreCorrupted("The stored file " + name + " has changed since it was written.");
 }
+
+void throw_missing(const std::string& name) { throw StoreCorrupted(missing_file_message(name)); }
+
+std::string missing_file_message(const std::string& name) { return "The stored file " + name + " is missing."; }
 
 std::string join_headers(const Result& result) {
   std::string text;

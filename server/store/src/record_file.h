@@ -72,11 +72,19 @@ Result result_of(const RecordFile& file);
 /// A request without its body.
 JobRequest request_of(const RecordFile& file);
 
+/// The request whose header and body are `bytes`, from a file or from the database. Throws "store.corrupted" with the
+/// name of the file where one of the hashes is wrong.
+StoredRequest stored_request(std::string bytes, const std::string& name);
+
 /// Offset of the body in bytes: 0 in files of version 1, which have no header. Throws as RecordFile::parse does.
 std::size_t body_offset(std::string_view kind, std::string_view bytes, const std::string& name);
 
 /// Throws "store.corrupted": the file `name` is not what was written.
 [[noreturn]] void throw_corrupted(const std::string& name);
+/// Throws "store.corrupted" with missing_file_message().
+[[noreturn]] void throw_missing(const std::string& name);
+/// "The stored file `name` is missing."
+std::string missing_file_message(const std::string& name);
 
 /// The response headers as "name: value" lines, as the database has them.
 std::string join_headers(const Result& result);

@@ -6,6 +6,8 @@
 #include <array>
 #include <stdexcept>
 
+#include "hasher.h"
+
 namespace supple::store {
 namespace {
 
@@ -24,13 +26,7 @@ std::optional<JobState> state_of(std::string_view name) {
 std::string random_id() {
   std::array<unsigned char, 16> bytes{};
   if (RAND_bytes(bytes.data(), static_cast<int>(bytes.size())) != 1) throw std::runtime_error("no random bytes");
-  constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : bytes) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
+  return hexadecimal_text(bytes);
 }
 
 }  // namespace supple::store

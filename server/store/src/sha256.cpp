@@ -6,6 +6,16 @@
 
 namespace supple::store {
 
+std::string hexadecimal_text(std::span<const unsigned char> bytes) {
+  constexpr char digits[] = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : bytes) {
+    text += digits[byte >> 4];
+    text += digits[byte & 15];
+  }
+  return text;
+}
+
 Hasher::Hasher() : context_(EVP_MD_CTX_new(), EVP_MD_CTX_free) {
   if (!context_ || EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) != 1) throw std::bad_alloc();
 }
@@ -17,13 +27,7 @@ void Hasher::add(std::string_view bytes) {
 std::string Hasher::hexadecimal() {
   std::array<unsigned char, 32> digest{};
   if (EVP_DigestFinal_ex(context_.get(), digest.data(), nullptr) != 1) throw std::bad_alloc();
-  constexpr char digits[] = "0123456789abcdef";
-  std::string text;
-  for (const unsigned char byte : digest) {
-    text += digits[byte >> 4];
-    text += digits[byte & 15];
-  }
-  return text;
+  return hexadecimal_text(digest);
 }
 
 std::string sha256(std::string_view bytes, const CancellationToken& cancellation) {

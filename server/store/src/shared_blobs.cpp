@@ -42,11 +42,7 @@ class SharedBlobs final : public BlobStore {
       if (rows.empty()) return std::nullopt;
       return pqxx::binarystring(rows[0][0]).str();
     });
-    auto bytes = in_database ? *std::move(in_database) : read_file(state_.paths.request(id));
-    const auto file = RecordFile::parse(request_kind, bytes, id + ".request");
-    bytes.erase(0, file.header_size());
-    if (sha256(bytes) != file.body_hash()) throw_corrupted(id + ".request");
-    return {request_of(file), std::move(bytes)};
+    return stored_request(in_database ? *std::move(in_database) : read_file(state_.paths.request(id)), id + ".request");
   }
 
   StoredResult job_result(const std::string& id) const override {

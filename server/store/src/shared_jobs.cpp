@@ -4,6 +4,7 @@
 #include "record_file.h"
 #include "shared_schema.h"
 #include "shared_state.h"
+#include "sql_names.h"
 
 namespace supple::store {
 namespace {
@@ -81,14 +82,12 @@ class SharedJobs final : public JobStore {
 
   std::vector<JobRecord> jobs(const std::vector<JobState>& states, std::size_t limit, const std::string& after,
                               const std::string& owner) const override {
-    std::string names;  // constants of this program, which need no escaping in SQL
-    for (const auto state : states) names.append(names.empty() ? "'" : ", '").append(state_name(state)).append("'");
     return state_.database.transaction([&](pqxx::work& transaction) {
       std::vector<JobRecord> records;
       const auto rows = transaction.exec_params(
           "SELECT " + shared_job_columns() +
               " FROM jobs WHERE ($1 = '' OR sequence < (SELECT sequence FROM jobs WHERE id = $1))" +
-              (states.empty() ? "" : " AND state IN (" + names + ")") +
+              (states.empty() ? "" : " AND state IN (" + sql_names(states) + ")") +
               " AND ($3 = '' OR owner = $3) ORDER BY sequence DESC LIMIT $2",
           after, static_cast<std::int64_t>(limit), owner);
       for (const auto& row : rows) records.push_back(read_shared_job(row));

@@ -1,6 +1,7 @@
 #include "shared_state.h"
 
 #include <exception>
+#include <system_error>
 #include <tuple>
 #include <utility>
 
@@ -71,8 +72,7 @@ bool SharedState::is_recount_due() const {
 
 void SharedState::add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex);
-  auto& all = usage_of_all_servers;
-  (category == Category::meshes ? all.meshes : category == Category::results ? all.results : all.requests) += bytes;
+  bytes_of_category(usage_of_all_servers, category) += bytes;
 }
 
 Usage SharedState::usage_now() const {
@@ -147,14 +147,17 @@ void SharedState::quarantine_orphans() {
       return names;
     });
   };
-  const auto before = now_milliseconds() - orphan_age.count();
+  const auto before = fs::file_time_type::clock::now() - orphan_age;
   for (const auto& [subfolder, suffix, query] :
        {std::tuple(paths.meshes(), ".ply", "SELECT id FROM meshes"),
         std::tuple(paths.results(), ".result", "SELECT id || '.' || hold FROM jobs"),
         std::tuple(paths.requests(), ".request", "SELECT id FROM jobs WHERE finished = 0")}) {
     std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(subfolder))
-      if (entry.is_regular_file() && modification_time(entry.path()) < before) old.push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(subfolder)) {
+      std::error_code gone;  // another thread or server may have removed the file
+      const bool is_old = fs::last_write_time(entry.path(), gone) < before;
+      if (!gone && is_old && entry.is_regular_file(gone)) old.push_back(entry.path());
+    }
     if (old.empty()) continue;
     const auto names = names_of(query);
     for (const auto& path : old) {

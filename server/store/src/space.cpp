@@ -51,6 +51,10 @@ std::int64_t default_quota(const fs::path& folder) {
   return error ? 0 : static_cast<std::int64_t>(space.capacity / 10 * 9);
 }
 
+std::int64_t& bytes_of_category(Usage& usage, Category category) {
+  return category == Category::meshes ? usage.meshes : category == Category::results ? usage.results : usage.requests;
+}
+
 void UsageCounter::count() {
   Usage counted;
   counted.meshes = bytes_of_files(paths_.meshes());
@@ -67,15 +71,9 @@ void UsageCounter::count_quarantine() {
   counted_.quarantine = bytes;
 }
 
-std::int64_t& UsageCounter::counted_bytes(Category category) {
-  return category == Category::meshes    ? counted_.meshes
-         : category == Category::results ? counted_.results
-                                         : counted_.requests;
-}
-
 void UsageCounter::add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
-  counted_bytes(category) += bytes;
+  bytes_of_category(counted_, category) += bytes;
 }
 
 Usage UsageCounter::measured() const {
@@ -96,7 +94,7 @@ Usage UsageCounter::usage() const {
 std::int64_t UsageCounter::try_add(Category category, std::int64_t bytes) {
   const std::lock_guard lock(mutex_);
   const auto excess = excess_bytes(measured(), category, bytes);
-  if (excess == 0) counted_bytes(category) += bytes;
+  if (excess == 0) bytes_of_category(counted_, category) += bytes;
   return excess;
 }
 

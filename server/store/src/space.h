@@ -13,6 +13,9 @@ namespace supple::store {
 /// The kinds of files whose bytes are counted.
 enum class Category { meshes, results, requests };
 
+/// The bytes of files of a category in `usage`.
+std::int64_t& bytes_of_category(Usage& usage, Category category);
+
 /// Number of bytes that have to be removed before `bytes` new ones fit into the limit of all data. Throws ProblemError
 /// "store.quota" where removing all results would not make enough room, and for meshes beyond their own limit.
 std::int64_t excess_bytes(const Usage& usage, Category category, std::int64_t bytes);
@@ -40,7 +43,6 @@ class UsageCounter {
   Usage usage() const;
 
  private:
-  std::int64_t& counted_bytes(Category category);
   /// The usage now. Requires the mutex.
   Usage measured() const;
 

@@ -1,7 +1,5 @@
 #include "supple/store/store_error.h"
 
-#include <utility>
-
 namespace supple::store {
 
 StoreFull::StoreFull(const std::string& message) : Error("store.full", message) {}
@@ -10,8 +8,9 @@ StoreUnavailable::StoreUnavailable(const std::string& message) : Error("store.un
 
 StoreCorrupted::StoreCorrupted(const std::string& message) : Error("store.corrupted", message) {}
 
-MeshNotFound::MeshNotFound(const std::string& id, std::vector<Detail> details)
-    : Error("mesh.not_found", "There is no mesh " + id + ".", std::move(details)) {}
+// The id is the client's, and may be of any length.
+MeshNotFound::MeshNotFound(const std::string& id)
+    : Error("mesh.not_found", "There is no mesh " + id.substr(0, 80) + ".") {}
 
 JobNotFound::JobNotFound(const std::string& id) : Error("job.not_found", "There is no job " + id + ".") {}
 

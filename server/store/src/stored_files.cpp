@@ -68,6 +68,4 @@ std::string fault_of(const StoredFile& file, const std::string& name, std::strin
   }
 }
 
-std::string missing_file_message(const std::string& name) { return "The stored file " + name + " is missing."; }
-
 }  // namespace supple::store

@@ -38,7 +38,4 @@ Catalogue catalogue_of(const Database& database);
 /// A sentence about content that does not have its hash; empty where it has.
 std::string fault_of(const StoredFile& file, const std::string& name, std::string_view content);
 
-/// "The stored file `name` is missing."
-std::string missing_file_message(const std::string& name);
-
 }  // namespace supple::store

@@ -11,9 +11,7 @@ namespace {
 
 tiling::Structure preset_of(const char* id) {
   const tiling::Family& family = tiling::family(id);
-  std::vector<double> parameters;
-  for (const tiling::Parameter& parameter : family.parameters) parameters.push_back(parameter.preset);
-  return tiling::make_structure(family, parameters);
+  return tiling::make_structure(family, tiling::presets(family));
 }
 
 double norm_of(const Eigen::Vector3d& t) { return std::sqrt(t[0] * t[0] + t[1] * t[1] + 2 * t[2] * t[2]); }

@@ -49,6 +49,8 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
   };
   LocalStore store(folder_);
   const auto mesh = store.meshes().add_mesh("abc", describe).first.id;
+  const auto unused = store.meshes().add_mesh("unused", describe).first.id;
+  store.meshes().note_mesh_use(unused);
   add_expired(store, "j");
   ASSERT_EQ(fs::file_size(folder_ / "reserve"), 256U << 10);
   fs::remove(folder_ / "reserve");
@@ -62,6 +64,7 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
       {"expired jobs", [&] { return store.jobs().remove_expired_jobs(2000, 10) == 1; }},
       {"a job", [&] { return store.jobs().remove_job("k"); }},
       {"a mesh", [&] { return store.meshes().remove_mesh(mesh); }},
+      {"unused meshes", [&] { return !store.meshes().remove_unused_meshes(now_milliseconds() + 1000).empty(); }},
   };
   for (const auto& [name, removal] : removals) {
     store.jobs().remove_job("k");
@@ -73,6 +76,7 @@ TEST_F(StoreTest, RemovesOnAFullDiskInThePlaceOfItsReserve) {
     disk.make_space();
   }
   EXPECT_FALSE(store.meshes().mesh(mesh));
+  EXPECT_FALSE(store.meshes().mesh(unused));
 }
 
 }  // namespace

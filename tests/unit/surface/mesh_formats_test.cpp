@@ -126,6 +126,18 @@ TEST(MeshFormats, OffReadsCommentsColoursAndCountsOnTheFirstLine) {
   expect_triangle(read_mesh("STCNOFF\n3 1 3\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2\n", MeshFormat::off));
 }
 
+TEST(MeshFormats, PlyLinesOfMoreNumbersThanTheHeaderAnnouncesAreRefused) {
+  // Read three by three, the numbers of these lines are three vertices and the face 0, 1, 2, and three are left over.
+  const auto fault = expect_error("mesh.malformed", [] {
+    read_mesh(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 3\n0 0 0 3\n5 3 0 1\n2 0 0 0\n",
+        MeshFormat::ply);
+  });
+  EXPECT_NE(std::string(fault.what()).find("numbers are left over"), std::string::npos) << fault.what();
+}
+
 TEST(MeshFormats, WhatFollowsTheLastElementIsLeftOutWithAWarning) {
   const TriangleSoup off = read_mesh("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\nmore\n", MeshFormat::off);
   expect_triangle(off);
@@ -136,10 +148,13 @@ TEST(MeshFormats, WhatFollowsTheLastElementIsLeftOutWithAWarning) {
   const std::string header =
       "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
       "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const std::string separator : {" ", "\n"}) {
-    const std::string body = "0 0 0" + separator + "1 0 0" + separator + "0 1 0" + separator + "3 0 1 2" + separator;
-    EXPECT_EQ(read_mesh(header + body + "junk\n", MeshFormat::ply).warnings,
-              std::vector<std::string>{"What follows the last element was left out."});
+  for (const std::string within : {" ", "\n"}) {
+    for (const std::string between : {" ", "\n"}) {
+      const std::string body = "0 0 0" + within + "1 0 0" + within + "0 1 0" + between + "3 0 1 2" + between;
+      EXPECT_EQ(read_mesh(header + body + "junk\n", MeshFormat::ply).warnings,
+                std::vector<std::string>{"What follows the last element was left out."})
+          << body;
+    }
   }
   EXPECT_EQ(read_mesh(binary_stl(mesh) + "junk", MeshFormat::stl).warnings,
             std::vector<std::string>{"The 4 bytes after the last facet were left out."});

@@ -97,7 +97,11 @@ TEST(MeshFile, IsReadOrRefusedByItsName) {
   std::ofstream(folder / "torus.ply", std::ios::binary) << write_ply(mesh);
   EXPECT_EQ(load_mesh_file(folder / "torus.ply").positions(), mesh.positions());
   expect_error("file.unreadable", [&] { load_mesh_file(folder / "nothing.obj"); });
-  expect_error("file.unreadable", [&] { load_mesh_file(folder / ""); });
+}
+
+TEST(MeshFile, AFolderIsRefused) {
+  const testing::TemporaryFolder folder;
+  expect_error("file.unreadable", [&] { load_mesh_file(folder.path()); });
 }
 
 }  // namespace

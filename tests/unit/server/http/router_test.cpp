@@ -46,8 +46,8 @@ TEST(Router, SaysWhichMethodsAPathTakes) {
   try {
     make_router().find("POST", "/v1/meshes/abc");
     FAIL() << "nothing was thrown";
-  } catch (const MethodNotAllowed& error) {
-    EXPECT_EQ(error.allowed(), "GET, DELETE");
+  } catch (const problem::ProblemError& error) {
+    EXPECT_EQ(error.problem().allowed_methods, "GET, DELETE");
     EXPECT_STREQ(error.what(), "/v1/meshes/abc does not take POST; it takes GET, DELETE.");
   }
 }

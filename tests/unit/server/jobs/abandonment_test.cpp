@@ -3,26 +3,23 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "supple/base/error.h"
-#include "supple/jobs/job_queue.h"
+#include "job_queue_fixture.h"
 #include "supple/json/answers.h"
 #include "supple/log/context.h"
 #include "supple/problem/problem.h"
-#include "supple/store/local_store.h"
 #include "unit/server/held_computation.h"
 
 namespace supple::jobs {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
@@ -30,21 +27,13 @@ constexpr double short_deadline = 0.05;  // seconds
 constexpr auto patience = 100s;          // time that a test waits for what has to happen
 
 /// Tests of immediate computations that do not check for a stop request, and of their callers.
-class AbandonmentTest : public ::testing::Test {
+class AbandonmentTest : public JobTest {
  protected:
-  AbandonmentTest() {
-    std::string pattern = (fs::temp_directory_path() / "supple_abandoned_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    store_ = std::make_unique<store::LocalStore>(folder_);
-    options_.workers = 1;
-    options_.immediate = 1;
-  }
+  AbandonmentTest() { options_.immediate = 1; }
   ~AbandonmentTest() override {
     gate_.open(1000);
     for (auto& thread : threads_) thread.join();
     queue_.reset();
-    store_.reset();
-    fs::remove_all(folder_);
   }
 
   JobQueue& queue() {
@@ -52,6 +41,7 @@ class AbandonmentTest : public ::testing::Test {
       queue_ = std::make_unique<JobQueue>(
           *store_, options_, json::write_problem, [this](const store::JobRecord&) { ++observed_; },
           [this](const std::string& line) {
+            if (log_fails_.exchange(false)) throw std::runtime_error("the log fails");
             const std::lock_guard lock(mutex_);
             log_.emplace_back(log::context_text()) += line;
             changed_.notify_all();
@@ -59,9 +49,6 @@ class AbandonmentTest : public ::testing::Test {
     return *queue_;
   }
 
-  static Computation computation(std::function<store::Result(const Execution&)> run, double deadline = 60) {
-    return {"geodesics", "mesh", deadline, std::move(run)};
-  }
   Computation held(bool& runs, double deadline) {
     return computation(
         [this, &runs](const Execution&) {
@@ -122,14 +109,6 @@ class AbandonmentTest : public ::testing::Test {
     return codes_;
   }
 
-  static std::string code_of(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (...) {
-      return problem::problem_of(std::current_exception()).code;
-    }
-    return "nothing was thrown";
-  }
   std::string run_another(double deadline = 60) {
     const auto another = computation([](const Execution&) { return store::Result{"text/plain", {}, "42"}; }, deadline);
     std::string body;
@@ -137,14 +116,12 @@ class AbandonmentTest : public ::testing::Test {
     return body.empty() ? code : body;
   }
 
-  fs::path folder_;
-  std::unique_ptr<store::Store> store_;
-  QueueOptions options_;
   std::unique_ptr<JobQueue> queue_;
   Gate gate_;
   std::vector<std::thread> threads_;
   int begun_ = 0;
   std::atomic<int> observed_{0};
+  std::atomic<bool> log_fails_{false};  ///< whether the next line of the log makes it throw
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<Told> told_;
@@ -313,6 +290,13 @@ TEST_F(AbandonedJobTest, AJobFailsWithItsDeadlineWhileItsComputationIsHeldAndAno
   EXPECT_EQ(wait_until_finished(other).state, store::JobState::successful);
   EXPECT_EQ(queue().abandoned(), 1U) << "it is held";
   wait_for([this] { return queue().running() == 0; });
+}
+
+TEST_F(AbandonedJobTest, AJobThatIsHeldFailsWithItsDeadlineEvenIfTheLogFails) {
+  log_fails_ = true;
+  const auto failed = wait_until_finished(begin_held_job());
+  EXPECT_EQ(failed.error_status, 504);
+  EXPECT_FALSE(log_fails_);
 }
 
 TEST_F(AbandonedJobTest, TheLateResultOfAJobIsDroppedAndItsEndIsToldOfOnce) {

@@ -163,6 +163,20 @@ TEST_F(JobPartsTest, OneThreadAloneMayEndAJobAndTheOthersWaitForIt) {
   EXPECT_TRUE(board_.wait_until_over(*one, Clock::now()));
 }
 
+TEST_F(JobPartsTest, AThreadThatOnlyTriesToEndAJobDoesNotWaitForAnother) {
+  const auto one = job("a");
+  board_.add(one);
+  EXPECT_TRUE(board_.begin_row(*one));
+  EXPECT_FALSE(board_.try_claim_end(*one)) << "its row is being written";
+  board_.row_written(*one);
+  const auto claim = board_.try_claim_end(*one);
+  ASSERT_TRUE(claim);
+  EXPECT_TRUE(claim->has_row);
+  EXPECT_FALSE(board_.try_claim_end(*one)) << "its end is being stored";
+  board_.release(*one);
+  EXPECT_FALSE(board_.try_claim_end(*one));
+}
+
 TEST_F(JobPartsTest, NobodyEndsAJobWhileItsRowIsBeingWritten) {
   const auto one = job("a");
   board_.add(one);
@@ -193,6 +207,9 @@ TEST_F(JobPartsTest, AJobWithoutARowIsReleasedIfItWaitsAndStoppedIfItRuns) {
   EXPECT_FALSE(board_.has("waits"));
   EXPECT_TRUE(board_.has("runs"));
   EXPECT_FALSE(board_.has_ended(*waits)) << "it is released";
+  const auto overdue = board_.overdue(*runs, Clock::now() + Watchdog::patience);
+  ASSERT_TRUE(overdue) << "its worker is replaced if it does not stop";
+  EXPECT_EQ(overdue->reason, StopReason::cancelled);
 }
 
 TEST_F(JobPartsTest, TheBoardShowsProgressThatNeverFallsAndTellsTheKeeperWhatIsNew) {
@@ -283,6 +300,25 @@ TEST_F(JobPartsTest, ASchedulerThatRefusesTakesNoJobAndStopsThoseThatWait) {
   EXPECT_EQ(scheduler_.missing_workers(), 0U);
 }
 
+TEST_F(JobPartsTest, AJobThatDoesNotStopIsAbandonedOnceAndLateUntilItsComputationReturns) {
+  Computation late;
+  late.deadline = -60;
+  scheduler_.admit(job("a", std::move(late), Row::written));
+  auto& seat = scheduler_.add_seat();
+  ASSERT_TRUE(scheduler_.take(seat));
+  for (const bool is_first : {true, false}) {
+    const auto jobs = scheduler_.abandon_late_jobs();
+    ASSERT_EQ(jobs.size(), 1U) << "the thread that was to end it may have failed";
+    EXPECT_EQ(jobs[0].since.reason, StopReason::deadline);
+    EXPECT_EQ(jobs[0].is_abandoned, is_first);
+    EXPECT_EQ(scheduler_.abandoned(), 1U);
+    EXPECT_EQ(scheduler_.running(), 0U);
+  }
+  scheduler_.set_computed(seat);
+  EXPECT_TRUE(scheduler_.abandon_late_jobs().empty());
+  EXPECT_TRUE(scheduler_.leave(seat));
+}
+
 /// A journal over a store whose writing can fail.
 class JournalTest : public ::testing::Test {
  protected:
@@ -317,8 +353,12 @@ TEST_F(JournalTest, AJobWhoseResultTheStoreRefusesHasFailedWithTheReason) {
   refuses_results_ = true;
   const Result result{"text/plain", {}, "x"};
   journal_.set_end(record, JobState::successful, {});
+  record.finished = 1000;
+  record.expires = 2000;
   EXPECT_TRUE(journal_.end(record, &result));
   EXPECT_EQ(record.state, JobState::failed);
+  EXPECT_EQ(record.finished, 1000) << "the computation ended then";
+  EXPECT_EQ(record.expires, 2000);
   EXPECT_EQ(record.error_status, 507);
   EXPECT_EQ(store_.jobs().job("a")->state, JobState::failed);
   EXPECT_FALSE(journal_.has_refused_ends());

@@ -10,33 +10,42 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <utility>
 
-#include "supple/base/error.h"
 #include "supple/budget/memory.h"
 #include "supple/jobs/job_queue.h"
 #include "supple/json/answers.h"
-#include "supple/problem/problem.h"
 #include "supple/store/local_store.h"
+#include "support/temporary_folder.h"
+#include "unit/server/thrown_problem.h"
 
 namespace supple::jobs {
 
 namespace fs = std::filesystem;
 using store::JobState;
 
-/// Tests of a queue over a local store.
-class JobQueueTest : public ::testing::Test {
+/// Tests of jobs over a local store in a temporary folder.
+class JobTest : public ::testing::Test {
  protected:
-  JobQueueTest() {
-    std::string pattern = (fs::temp_directory_path() / "supple_jobs_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-    store_ = std::make_unique<store::LocalStore>(folder_);
-    options_.workers = 1;
+  static Computation computation(std::function<store::Result(const Execution&)> run, double deadline = 60) {
+    return {"geodesics", "mesh", deadline, std::move(run)};
   }
-  ~JobQueueTest() override {
-    queue_.reset();
-    store_.reset();
-    fs::remove_all(folder_);
+  /// The code of the problem that a client is told of what `call` throws.
+  template <typename Call>
+  static std::string code_of(Call&& call) {
+    return thrown_problem(std::forward<Call>(call)).code;
   }
+
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
+  std::unique_ptr<store::Store> store_ = std::make_unique<store::LocalStore>(folder_);
+  QueueOptions options_{.workers = 1};
+};
+
+/// Tests of a queue.
+class JobQueueTest : public JobTest {
+ protected:
+  ~JobQueueTest() override { queue_.reset(); }
 
   JobQueue& queue() {
     if (!queue_)
@@ -45,9 +54,6 @@ class JobQueueTest : public ::testing::Test {
     return *queue_;
   }
 
-  static Computation computation(std::function<store::Result(const Execution&)> run, double deadline = 60) {
-    return {"geodesics", "mesh", deadline, std::move(run)};
-  }
   static Computation answering(const std::string& body) {
     return computation([body](const Execution&) { return store::Result{"text/plain", {}, body}; });
   }
@@ -77,15 +83,6 @@ class JobQueueTest : public ::testing::Test {
     while (started_ < count) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 
-  static std::string code_of(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (...) {
-      return problem::problem_of(std::current_exception()).code;
-    }
-    return "nothing was thrown";
-  }
-
   /// Ends the queue in good order, and makes one over the same folder as the next process does.
   JobQueue& restart() {
     queue_.reset();
@@ -111,10 +108,7 @@ class JobQueueTest : public ::testing::Test {
     return computation([body = stored.body](const Execution&) { return store::Result{"text/plain", {}, body}; });
   }
 
-  fs::path folder_;
-  std::unique_ptr<store::Store> store_;
   budget::MemoryBudget memory_{256 << 20, 64 << 20};  ///< outlives the queue, whose watchdog uses it
-  QueueOptions options_;
   JobQueue::Remake remake_;
   std::unique_ptr<JobQueue> queue_;
   std::atomic<int> started_{0};

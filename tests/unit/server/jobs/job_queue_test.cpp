@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <mutex>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
@@ -319,6 +320,37 @@ TEST_F(JobQueueTest, ThrowsWhatAComputationWithinTheWaitThrows) {
   const auto failing = [](const Execution&) -> store::Result { throw Error("karcher.weights", "Bad."); };
   EXPECT_EQ(code_of([&] { queue().run_within(computation(failing), 30, {}); }), "karcher.weights");
   EXPECT_EQ(code_of([&] { queue().run_within(endless(), 30, [&] { return started_ > 0; }); }), "job.cancelled");
+}
+
+TEST_F(JobQueueTest, ThrowsWhatWasThrownWhenAComputationWithinTheWaitWasToEnd) {
+  queue_ = std::make_unique<JobQueue>(
+      *store_, options_, [](const problem::Problem&) -> std::string { throw std::runtime_error("no text"); },
+      [](const store::JobRecord&) {});
+  const auto failing = [](const Execution&) -> store::Result { throw Error("karcher.weights", "Bad."); };
+  EXPECT_EQ(code_of([&] { queue().run_within(computation(failing), 30, {}); }), "server.internal");
+  EXPECT_TRUE(queue().run_within(answering("x"), 30, {}).result) << "the worker goes on";
+}
+
+TEST_F(JobQueueTest, GoesOnWithOtherJobsWhateverIsThrownAtTheEndOfOne) {
+  std::mutex mutex;
+  std::vector<std::string> lines;
+  queue_ = std::make_unique<JobQueue>(
+      *store_, options_, json::write_problem,
+      [](const store::JobRecord&) { throw std::runtime_error("the observer fails"); },
+      [&](const std::string& line) {
+        const std::lock_guard lock(mutex);
+        lines.push_back(line);
+      });
+  for (const char* body : {"a", "b"})
+    EXPECT_EQ(wait_until_finished(queue().submit(answering(body)).record.id).record.state, JobState::successful);
+  std::vector<std::string> ids{queue().submit(endless()).record.id};
+  wait_until_started();
+  for (const char* body : {"c", "d"}) ids.push_back(queue().submit(answering(body)).record.id);
+  queue().shut_down(0);
+  for (const auto& id : ids) EXPECT_NE(store_->jobs().job(id)->error.find("job.interrupted"), std::string::npos);
+  queue_.reset();
+  EXPECT_EQ(lines.size(), 5U) << "one for each job";
+  for (const auto& line : lines) EXPECT_NE(line.find("the observer fails"), std::string::npos) << line;
 }
 
 TEST_F(JobQueueTest, CallsJobsOfAnEarlierProcessInterrupted) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -31,7 +32,7 @@ class SlowStoreTest : public JobQueueTest {
   }
   void TearDown() override {
     gate_.open(1000);
-    for (auto& thread : threads_) thread.join();
+    join_threads();
     queue_.reset();
   }
 
@@ -53,6 +54,23 @@ class SlowStoreTest : public JobQueueTest {
     return reports_ >= before + 300;
   }
   void in_thread(std::function<void()> call) { threads_.emplace_back(std::move(call)); }
+  void join_threads() {
+    for (auto& thread : threads_) thread.join();
+    threads_.clear();
+  }
+  /// Holds the store at the gate when a job is put back. Called before the queue exists, whose threads use the hook.
+  void hold_jobs_that_are_left() {
+    remake_ = echo;
+    slow_->hooked_jobs.at_update = [this](const store::JobRecord& job) {
+      if (job.state == JobState::accepted) gate_.pass();
+    };
+  }
+  /// Begins a job that the next process can run.
+  std::string begin_job_to_leave() {
+    auto id = queue().submit(endless(), request("x")).record.id;
+    wait_until_started();
+    return id;
+  }
 
   TestStore* slow_ = nullptr;
   Gate gate_;
@@ -73,8 +91,7 @@ TEST_F(SlowStoreTest, AComputationReportsItsProgressWhileAJobIsAdded) {
   EXPECT_EQ(queue().run_now(answering("now"), {}).body, "now");
   is_to_end_ = true;
   gate_.open();
-  threads_.back().join();
-  threads_.clear();
+  join_threads();
   EXPECT_EQ(wait_until_finished(added).record.state, JobState::successful);
 }
 
@@ -86,33 +103,38 @@ TEST_F(SlowStoreTest, AComputationReportsItsProgressWhileItBecomesAJob) {
   EXPECT_TRUE(reports_go_on());
   is_to_end_ = true;
   gate_.open();
-  threads_.back().join();
-  threads_.clear();
+  join_threads();
   ASSERT_FALSE(outcome.result) << "it became a job before it ended";
   EXPECT_EQ(wait_until_finished(outcome.job.record.id).record.state, JobState::successful);
   EXPECT_EQ(queue().result(outcome.job.record.id).body.text(), "done");
 }
 
-TEST_F(SlowStoreTest, AComputationReportsItsProgressWhileAnotherJobIsLeftToTheNextProcess) {
-  options_.workers = 2;
-  remake_ = echo;
-  queue().submit(reporting());
-  wait_until_started();
-  const auto left = queue().submit(endless(), request("x")).record.id;
-  wait_until_started(2);
-  slow_->hooked_jobs.at_update = [&](const store::JobRecord& job) {
-    if (job.state == JobState::accepted) gate_.pass();
-  };
-  in_thread([&] { queue().shut_down(0.5); });
-  // The job that is left has no time to end, so it is put back when the grace is over; the other one ends within it.
-  std::this_thread::sleep_for(100ms);
-  is_to_end_ = true;
+TEST_F(SlowStoreTest, NobodyWaitsForTheStoreWhileAJobIsLeftToTheNextProcess) {
+  hold_jobs_that_are_left();
+  const auto left = begin_job_to_leave();
+  in_thread([&] { queue().shut_down(0); });
   gate_.wait_for(1);
-  EXPECT_EQ(queue().status(left).record.id, left) << "nobody waits for the store's answer";
+  auto status = std::async(std::launch::async, [&] { return queue().status(left); });
+  EXPECT_EQ(status.wait_for(60s), std::future_status::ready);
   gate_.open();
-  threads_.back().join();
-  threads_.clear();
+  join_threads();
+  EXPECT_EQ(status.get().record.id, left);
   EXPECT_EQ(store_->jobs().job(left)->state, JobState::accepted);
+}
+
+TEST_F(SlowStoreTest, AJobThatIsRemovedWhileItIsLeftToTheNextProcessIsRunByNobody) {
+  hold_jobs_that_are_left();
+  const auto left = begin_job_to_leave();
+  in_thread([&] { queue().shut_down(0); });
+  gate_.wait_for(1);
+  std::optional<JobStatus> status = JobStatus{};
+  in_thread([&] { status = queue().remove(left); });
+  std::this_thread::sleep_for(50ms);
+  gate_.open();
+  join_threads();
+  EXPECT_FALSE(status) << "it is removed";
+  EXPECT_FALSE(store_->jobs().job(left));
+  EXPECT_FALSE(store_->blobs().has_request(left));
 }
 
 TEST_F(SlowStoreTest, AJobThatIsDismissedWhileItIsAddedIsDismissedInTheStore) {
@@ -135,8 +157,7 @@ TEST_F(SlowStoreTest, AJobThatIsDismissedWhileItIsAddedIsDismissedInTheStore) {
   in_thread([&] { dismissed = queue().remove(known); });
   std::this_thread::sleep_for(50ms);
   gate_.open();
-  for (auto& thread : threads_) thread.join();
-  threads_.clear();
+  join_threads();
   ASSERT_TRUE(dismissed);
   EXPECT_EQ(dismissed->record.state, JobState::dismissed);
   EXPECT_EQ(store_->jobs().job(known)->state, JobState::dismissed);
@@ -205,6 +226,7 @@ TEST_F(SlowStoreTest, ProgressThatAFailedRenewalDidNotShareIsSharedByTheNextOne)
   EXPECT_GE(renewals, 2);
   gate_.open();
   wait_until_finished(id);
+  queue_.reset();  // its threads use what this test has declared
 }
 
 TEST_F(SlowStoreTest, TheKeeperOfLeasesGoesOnWhateverItMeets) {
@@ -216,6 +238,25 @@ TEST_F(SlowStoreTest, TheKeeperOfLeasesGoesOnWhateverItMeets) {
   queue();
   for (int i = 0; i < 10'000 && renewals < 3; ++i) std::this_thread::sleep_for(1ms);
   EXPECT_GE(renewals, 3);
+  queue_.reset();  // its threads use what this test has declared
+}
+
+TEST_F(SlowStoreTest, TheKeeperOfLeasesDoesNotWaitForAnEndThatIsBeingStored) {
+  std::atomic<int> renewals{0};
+  std::atomic<bool> are_lost{false};
+  slow_->own_leases.emplace(slow_->jobs());
+  slow_->own_leases->at_renewal = [&](const std::vector<store::JobProgress>&) { ++renewals; };
+  slow_->own_leases->is_leased = [&] { return !are_lost; };
+  slow_->hooked_jobs.at_finish = [this](const store::JobRecord&, const store::Result*) { gate_.pass(); };
+  const auto id = queue().submit(answering("x")).record.id;
+  gate_.wait_for(1);
+  are_lost = true;
+  const int before = renewals;
+  for (int i = 0; i < 10'000 && renewals < before + 3; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_GE(renewals, before + 3);
+  gate_.open();
+  EXPECT_EQ(wait_until_finished(id).record.state, JobState::successful);
+  queue_.reset();  // its threads use what this test has declared
 }
 
 TEST_F(SlowStoreTest, TheCleanerGoesOnWhateverItMeets) {

@@ -50,7 +50,7 @@ class HookedJobs final : public store::JobStore {
   store::JobStore& real_;
 };
 
-/// Leases of one server, to which all unfinished jobs are leased.
+/// Leases of one server, to which all unfinished jobs are leased unless the test says otherwise.
 class OwnLeases final : public store::LeaseStore {
  public:
   explicit OwnLeases(const store::JobStore& jobs) : jobs_(jobs) {}
@@ -58,6 +58,7 @@ class OwnLeases final : public store::LeaseStore {
   std::vector<store::LeasedJob> renew_leases(const std::vector<store::JobProgress>& running) override {
     if (at_renewal) at_renewal(running);
     std::vector<store::LeasedJob> leased;
+    if (is_leased && !is_leased()) return leased;
     for (const auto& job : jobs_.unfinished_jobs()) leased.push_back({job.id, job.fencing_token});
     return leased;
   }
@@ -69,6 +70,7 @@ class OwnLeases final : public store::LeaseStore {
   bool has_unfinished_job_on(const std::string&) const override { return false; }
 
   std::function<void(const std::vector<store::JobProgress>&)> at_renewal;
+  std::function<bool()> is_leased;  ///< may be empty
 
  private:
   const store::JobStore& jobs_;

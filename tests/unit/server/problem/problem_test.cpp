@@ -45,7 +45,11 @@ TEST(Problem, KeepsTheTextOfUnexpectedExceptionsToTheServer) {
 }
 
 TEST(Problem, ExpectsErrorsStopsAndALackOfMemoryAlone) {
-  const auto unexpected = [](const auto& exception) { return is_unexpected(std::make_exception_ptr(exception)); };
+  const auto unexpected = [](const auto& exception) {
+    const bool result = is_unexpected(std::make_exception_ptr(exception));
+    EXPECT_EQ(result, told_of(exception).code == "server.internal");
+    return result;
+  };
   EXPECT_FALSE(unexpected(Error("karcher.weights", "Bad.")));
   EXPECT_FALSE(unexpected(ProblemError({"store.full", "Full.", {}, {}, 60})));
   EXPECT_FALSE(unexpected(Cancelled(StopReason::deadline)));

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -11,12 +10,12 @@
 #include <vector>
 
 #include "results.h"
-#include "supple/base/error.h"
 #include "supple/json/answers.h"
-#include "supple/problem/problem.h"
 #include "supple/routes/resume.h"
 #include "supple/store/local_store.h"
 #include "support/expect_error.h"
+#include "support/temporary_folder.h"
+#include "unit/server/thrown_problem.h"
 
 namespace supple::routes {
 namespace {
@@ -27,8 +26,6 @@ namespace fs = std::filesystem;
 class EndpointTest : public ::testing::Test {
  protected:
   EndpointTest() {
-    std::string pattern = (fs::temp_directory_path() / "supple_endpoint_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     store_ = std::make_unique<store::LocalStore>(folder_);
     jobs::QueueOptions queue;
     queue.workers = 1;
@@ -47,11 +44,7 @@ class EndpointTest : public ::testing::Test {
          .prepare = [this](const EndpointRequest& asked, const Loader& loader) { return prepare(asked, loader); }});
     router_.add({"POST", "/v1/others", [](const http::Request&) { return http::Response{}; }, {}});
   }
-  ~EndpointTest() override {
-    jobs_.reset();
-    store_.reset();
-    fs::remove_all(folder_);
-  }
+  ~EndpointTest() override { jobs_.reset(); }
 
   PreparedComputation prepare(const EndpointRequest& asked, const Loader& loader) {
     slots_during_preparation_ = jobs_->immediate();
@@ -79,14 +72,8 @@ class EndpointTest : public ::testing::Test {
     return router_.find(request.method, request.path).route->handler(request);
   }
 
-  /// The problem's code, or "none".
   std::string refusal(const http::Request& request) const {
-    try {
-      ask(request);
-    } catch (...) {
-      return problem::problem_of(std::current_exception()).code;
-    }
-    return "none";
+    return thrown_problem([&] { ask(request); }).code;
   }
 
   /// The path of the job that a request with the key "mine" becomes.
@@ -101,7 +88,8 @@ class EndpointTest : public ::testing::Test {
     return refusal(request_with(body, {{"Prefer", "respond-async"}, {"Idempotency-Key", "mine"}, {"Accept", accept}}));
   }
 
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
   std::unique_ptr<store::Store> store_;
   metrics::Metrics metrics_{"0"};
   Services services_;

@@ -7,6 +7,7 @@
 #include <map>
 #include <thread>
 
+#include "support/temporary_folder.h"
 #include "unit/server/routes/router_fixture.h"
 
 namespace supple::routes {
@@ -23,11 +24,6 @@ std::string filled(std::string text, const Saved& saved) {
       text.replace(at, mark.size(), value);
   }
   return text;
-}
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 bool has_type(const std::string& type, const Document& actual) {
@@ -71,7 +67,7 @@ class Examples : public RouterTest, public ::testing::WithParamInterface<std::st
 
   static std::string body_of(const Document& step, const Saved& saved) {
     if (step.contains("file")) {
-      auto body = bytes_of(folder() + step["file"].get<std::string>());
+      auto body = testing::bytes_of(folder() + step["file"].get<std::string>());
       if (!step.contains("body")) return body;
       auto document = Document::parse(body);
       document.update(Document::parse(filled(step["body"].dump(), saved)));
@@ -119,7 +115,7 @@ class Examples : public RouterTest, public ::testing::WithParamInterface<std::st
                 "");
     }
     for (const auto& [name, value] : object_of(step, "response_headers").items()) {
-      if (name == "Content-Length" || name == "Allow") continue;  // they are http's
+      if (name == "Content-Length") continue;  // it is http's
       EXPECT_EQ(difference(filled(value.get<std::string>(), saved), answer.header(name), 0, name), "");
     }
     EXPECT_NE(answer.body.find(filled(step.value("response_text", ""), saved)), std::string::npos);
@@ -130,7 +126,7 @@ class Examples : public RouterTest, public ::testing::WithParamInterface<std::st
 
 TEST_P(Examples, RunAsDocumented) {
   Saved saved;
-  const auto example = Document::parse(bytes_of(folder() + GetParam() + ".json"));
+  const auto example = Document::parse(testing::bytes_of(folder() + GetParam() + ".json"));
   for (const auto& step : example.at("steps")) run(step, saved);
 }
 

@@ -19,6 +19,7 @@
 #include "supple/json/answers.h"
 #include "supple/routes/routes.h"
 #include "supple/store/local_store.h"
+#include "support/temporary_folder.h"
 #include "unit/server/held_computation.h"
 
 namespace supple::routes {
@@ -48,8 +49,6 @@ std::string ask(int port, const std::string& text) {
 class LateComputationTest : public ::testing::Test {
  protected:
   LateComputationTest() {
-    std::string pattern = (fs::temp_directory_path() / "supple_late_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
     store_ = std::make_unique<store::LocalStore>(folder_);
     jobs::QueueOptions queue;
     queue.workers = 1;
@@ -98,8 +97,6 @@ class LateComputationTest : public ::testing::Test {
     stopper.join();
     server_.reset();
     jobs_.reset();
-    store_.reset();
-    fs::remove_all(folder_);
   }
 
   static jobs::Computation computation(double deadline, const std::function<void()>& run) {
@@ -111,7 +108,8 @@ class LateComputationTest : public ::testing::Test {
   std::string get(const std::string& path) const {
     return ask(port_, "GET " + path + " HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   }
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
   std::unique_ptr<store::Store> store_;
   metrics::Metrics metrics_{"0"};
   Services services_;

@@ -10,6 +10,7 @@
 #include "supple/base/error.h"
 #include "supple/store/local_store.h"
 #include "supple/surface/mesh_io.h"
+#include "support/temporary_folder.h"
 
 namespace supple::store {
 namespace {
@@ -18,14 +19,6 @@ namespace fs = std::filesystem;
 
 class MeshCacheTest : public ::testing::Test {
  protected:
-  MeshCacheTest() : folder_(make_folder()), store_(folder_) {}
-  ~MeshCacheTest() override { fs::remove_all(folder_); }
-
-  static fs::path make_folder() {
-    std::string pattern = (fs::temp_directory_path() / "supple_cache_XXXXXX").string();
-    return mkdtemp(pattern.data());
-  }
-
   /// Adds a right triangle with legs of length `size`.
   std::string add_triangle(double size) {
     const auto mesh = surface::TriangleMesh::build({{0, 0, 0}, {size, 0, 0}, {0, size, 0}}, {{0, 1, 2}});
@@ -47,7 +40,8 @@ class MeshCacheTest : public ::testing::Test {
     return store_.meshes().add_mesh(surface::write_ply(mesh), [](auto&, auto) { return "{}"; }).first.id;
   }
 
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
   LocalStore store_;
 };
 

@@ -11,6 +11,7 @@
 #include "supple/base/error.h"
 #include "supple/store/store.h"
 #include "supple/store/store_error.h"
+#include "support/temporary_folder.h"
 #include "support/test_model.h"
 
 namespace supple::store {
@@ -21,39 +22,22 @@ using namespace std::chrono_literals;
 
 constexpr auto period = 5ms;
 
-fs::path make_folder(const char* name) {
-  std::string pattern = (fs::temp_directory_path() / (std::string(name) + "_XXXXXX")).string();
-  return mkdtemp(pattern.data());
-}
-
-std::string bytes_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 /// Model files are made before any store is: HDF5 is not thread safe. Tests copy them into their folders.
 class ModelStoreTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    made_ = new fs::path(make_folder("supple_made_models"));
+    made_ = new testing::TemporaryFolder;
     neural::write_model(*made_ / "a1", test::test_model("a", 1));
     neural::write_model(*made_ / "a2", test::test_model("a", 2));
     neural::write_model(*made_ / "b1", test::test_model("b", 1));
     auto faulty = test::test_model("faulty", 1);
     faulty.provenance.training_seconds = std::nan("");
     neural::write_model(*made_ / "faulty", faulty);
-    std::ofstream(*made_ / "damaged") << bytes_of(*made_ / "a2").substr(0, 3000);
+    std::ofstream(*made_ / "damaged") << testing::bytes_of(*made_ / "a2").substr(0, 3000);
   }
-  static void TearDownTestSuite() {
-    fs::remove_all(*made_);
-    delete made_;
-  }
+  static void TearDownTestSuite() { delete made_; }
 
-  ModelStoreTest() : folder_(make_folder("supple_models")) {}
-  ~ModelStoreTest() override {
-    store_.reset();
-    fs::remove_all(folder_);
-  }
+  ~ModelStoreTest() override { store_.reset(); }
 
   static fs::path made(const char* name) { return *made_ / name; }
 
@@ -107,8 +91,9 @@ class ModelStoreTest : public ::testing::Test {
   }
   static void some_looks() { std::this_thread::sleep_for(20 * period); }
 
-  static inline fs::path* made_ = nullptr;
-  fs::path folder_;
+  static inline const testing::TemporaryFolder* made_ = nullptr;
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
   std::unique_ptr<ModelStore> store_;
 
  private:
@@ -130,7 +115,7 @@ TEST_F(ModelStoreTest, ReadsTheModelFilesOfTheFolderAndNothingElse) {
   EXPECT_EQ(ids(), (Ids{"a", "b"}));
   EXPECT_EQ(store.size(), 2U);
   const auto model = store.get("a");
-  EXPECT_EQ(model->sha256, sha256(bytes_of(folder_ / "y.h5")));
+  EXPECT_EQ(model->sha256, sha256(testing::bytes_of(folder_ / "y.h5")));
   EXPECT_EQ(model->description, R"({"id":"a"})");
   EXPECT_EQ(model->model.provenance.seed, 1);
   EXPECT_EQ(model->evaluator.shape().parameters, 2);

@@ -5,6 +5,7 @@
 #include "database.h"
 #include "store_fixture.h"
 #include "supple/problem/problem.h"
+#include "unit/server/thrown_problem.h"
 
 namespace supple::store {
 namespace {
@@ -128,20 +129,12 @@ class OwnerQuotaTest : public StoreTest {
     const Result result{"text/plain", {}, std::string(bytes, 'x')};
     store.jobs().finish_job(job, &result);
   }
-  static problem::Problem problem_of(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (...) {
-      return problem::problem_of(std::current_exception());
-    }
-    return {};
-  }
 };
 
 TEST_F(OwnerQuotaTest, AMeshThatIsTooMuchIsRefusedWithNumberLimitAndSetting) {
   LocalStore store(folder_, {}, quota());
   store.meshes().add_mesh(std::string(6000, 'a'), describe, "small");
-  const auto refused = problem_of([&] { store.meshes().add_mesh(std::string(4001, 'b'), describe, "small"); });
+  const auto refused = thrown_problem([&] { store.meshes().add_mesh(std::string(4001, 'b'), describe, "small"); });
   EXPECT_EQ(refused.code, "store.key_quota");
   ASSERT_TRUE(refused.limit);
   EXPECT_EQ(refused.limit->limit, limit);
@@ -151,7 +144,7 @@ TEST_F(OwnerQuotaTest, AMeshThatIsTooMuchIsRefusedWithNumberLimitAndSetting) {
   EXPECT_EQ(store.usage().meshes, 6000) << "what was refused takes nothing";
   store.meshes().add_mesh(std::string(4001, 'b'), describe, "large");
   store.meshes().add_mesh(std::string(4001, 'c'), describe);
-  EXPECT_EQ(problem_of([&] { store.meshes().add_mesh(std::string(4001, 'b'), describe, "small"); }).code,
+  EXPECT_EQ(thrown_problem([&] { store.meshes().add_mesh(std::string(4001, 'b'), describe, "small"); }).code,
             "store.key_quota")
       << "of one that another has stored";
   EXPECT_FALSE(store.meshes().add_mesh(std::string(6000, 'a'), describe, "small").second) << "it has this one already";
@@ -170,7 +163,7 @@ TEST_F(OwnerQuotaTest, ItsOldestResultsMakeRoomAndNobodyElses) {
   EXPECT_EQ(store.blobs().job_result("j3").body.size(), 4000U);
   store.meshes().add_mesh(std::string(6000, 'm'), describe, "small");
   EXPECT_FALSE(store.jobs().job("j3")) << "one result does not fit beside its mesh and the other";
-  EXPECT_EQ(problem_of([&] { add_ended(store, "too large", "small", 4000); }).code, "store.key_quota");
+  EXPECT_EQ(thrown_problem([&] { add_ended(store, "too large", "small", 4000); }).code, "store.key_quota");
   EXPECT_EQ(store.jobs().job("too large")->state, JobState::accepted) << "whoever ran it says that it has failed";
   EXPECT_FALSE(fs::exists(folder_ / "results" / "too large.result"));
   add_ended(store, "small enough", "small", 3000);
@@ -183,7 +176,7 @@ TEST_F(OwnerQuotaTest, CountsRequestsUntilTheirJobsEnd) {
     store.jobs().add_job(job, store.blobs().store_request(job, {"POST", "/x", {}, {}, {}}, std::string(bytes, 'r')));
   };
   add("waits", 7000);
-  const auto refused = problem_of([&] { add("too many", 3000); });
+  const auto refused = thrown_problem([&] { add("too many", 3000); });
   EXPECT_EQ(refused.code, "store.key_quota");
   EXPECT_NE(refused.detail.find("request of"), std::string::npos) << refused.detail;
   EXPECT_FALSE(store.blobs().has_request("too many"));
@@ -194,7 +187,7 @@ TEST_F(OwnerQuotaTest, CountsRequestsUntilTheirJobsEnd) {
   const Result result{"text/plain", {}, std::string(9000, 'x')};
   store.jobs().finish_job(job, &result);
   EXPECT_EQ(store.blobs().job_result("waits").body.size(), 9000U) << "its own request makes room for its result";
-  EXPECT_EQ(problem_of([&] { add("far too large", 300'000); }).code, "store.key_quota");
+  EXPECT_EQ(thrown_problem([&] { add("far too large", 300'000); }).code, "store.key_quota");
   EXPECT_FALSE(fs::exists(folder_ / "requests" / "far too large.request"));
 }
 
@@ -224,7 +217,7 @@ TEST_F(OwnerQuotaTest, CountsTheSameAfterARestartAndOfAnEarlierVersionAndALostDa
   LocalStore store(folder_, recovery(), quota());
   EXPECT_EQ(held().first, before.first);
   store.meshes().add_mesh(std::string(3000, 'a'), describe, "small");
-  const auto refused = problem_of([&] { store.meshes().add_mesh(std::string(8000, 'b'), describe, "small"); });
+  const auto refused = thrown_problem([&] { store.meshes().add_mesh(std::string(8000, 'b'), describe, "small"); });
   EXPECT_EQ(refused.code, "store.key_quota");
   EXPECT_GT(refused.limit->value, 14'000) << "its result counts again";
 }

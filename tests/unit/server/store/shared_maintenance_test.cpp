@@ -172,7 +172,7 @@ std::vector<Damage> damages() {
          [=](const SharedStoreLocation& place) { fs::copy(file(place, name), file(place, name + ".copy")); }});
   }
   all.push_back(
-      {"result of another hold", "does not name the file done.3.result", [=](const SharedStoreLocation& place) {
+      {"result of another lease", "does not name the file done.3.result", [=](const SharedStoreLocation& place) {
          fs::copy(file(place, "results/done.0.result"), file(place, "results/done.3.result"));
        }});
   all.push_back(

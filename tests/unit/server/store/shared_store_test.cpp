@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -295,7 +296,7 @@ TEST_F(SharedStoreTest, ExpiresTheOldestResultsForWhatIsNewAndRefusesWhatDoesNot
   EXPECT_TRUE(store.jobs().job("second").has_value()) << "no result goes for what would not fit without it either";
 }
 
-TEST_F(SharedStoreTest, HoldsOwnersToTheirShare) {
+TEST_F(SharedStoreTest, RefusesAMeshBeyondTheLimitOfItsOwner) {
   quota_.owner_limit = [](const std::string& owner) { return owner == "alice" ? 1000 : 0; };
   SharedStore store(options());
   EXPECT_EQ(code_of([&] { store.meshes().add_mesh(std::string(1001, 'm'), describe, "alice"); }), "store.key_quota");
@@ -312,7 +313,7 @@ TEST_F(SharedStoreTest, NoticesAResultThatHasChanged) {
   EXPECT_EQ(code_of([&] { store.blobs().job_result("job"); }), "store.corrupted");
 }
 
-TEST_F(SharedStoreTest, ForgetsTheFormerHoldOfAJobThatAServerLostAndTookAgain) {
+TEST_F(SharedStoreTest, RefusesTheFormerTokenOfAJobThatAServerLostAndTookAgain) {
   SharedStore one(options());
   SharedStore two(options());
   const auto former = running(one, "job");
@@ -399,7 +400,7 @@ TEST_F(SharedStoreTest, LeavesNoFileOfAResultThatTheDatabaseRefuses) {
   EXPECT_EQ(store.blobs().job_result("job").body.text(), "answer");
 }
 
-TEST_F(SharedStoreTest, CountsWhatItHolds) {
+TEST_F(SharedStoreTest, CountsWhatItStores) {
   SharedStore store(options());
   const auto large_request = [&](const std::string& id) {
     const auto job = new_job(id);
@@ -440,13 +441,25 @@ TEST_F(SharedStoreTest, CountsWhatItHolds) {
 TEST_F(SharedStoreTest, ManyThreadsRemoveWhatHasExpired) {
   orphan_age_ = 0.001;  // seconds: nearly every call looks for orphaned files
   SharedStore store(options());
+  const Result result{"text/plain", {}, "answer"};
+  for (int i = 0; i < 20; ++i) {
+    auto job = ended(running(store, "job" + std::to_string(i)));
+    job.expires = 10;
+    EXPECT_TRUE(store.jobs().finish_job(job, &result));
+  }
+  // An old file would count as orphaned between the removal of its row and its own.
+  for (const auto& file : fs::directory_iterator(in_data("results")))
+    fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::hours(1));
+  std::atomic<std::size_t> removed{0};
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&] {
-      for (int j = 0; j < 20; ++j) store.jobs().remove_expired_jobs(0, 100);
+      for (int j = 0; j < 20; ++j) removed += store.jobs().remove_expired_jobs(10, 100);
     });
   }
   for (auto& thread : threads) thread.join();
+  EXPECT_EQ(removed, 20U);
+  EXPECT_EQ(files_in(in_data("results")), 0U);
   EXPECT_TRUE(warnings_.empty());
 }
 
@@ -528,7 +541,7 @@ TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
       job, store.blobs().store_request(job, {"POST", "/v1/x", {}, "text/plain", "*/*"}, std::string(300'000, 'x')));
   overwrite("meshes/unknown.ply", "a mesh");
   overwrite("meshes/" + mesh + ".txt", "no mesh");
-  overwrite("results/ended.7.result", "of another hold");
+  overwrite("results/ended.7.result", "of another lease");
   overwrite("requests/ended.request", "of a job that has ended");
   overwrite("results/lost.0.result.0.part", "half-written by a server that was lost");
   wait_milliseconds(1100);
@@ -538,7 +551,7 @@ TEST_F(SharedStoreTest, MovesWhatNobodyKnowsIntoQuarantine) {
   EXPECT_FALSE(fs::exists(in_data("results/lost.0.result.0.part")));
   EXPECT_TRUE(fs::exists(in_data("results/young.1.result.0.part")));
   EXPECT_EQ(quarantined_in(in_data("quarantine")),
-            (std::multiset<std::string>{"a mesh", "no mesh", "of another hold", "of a job that has ended"}));
+            (std::multiset<std::string>{"a mesh", "no mesh", "of another lease", "of a job that has ended"}));
   EXPECT_EQ(store.meshes().mesh_content(mesh), "mesh");
   EXPECT_EQ(store.blobs().job_result("ended").body.text(), "answer");
   EXPECT_EQ(store.blobs().job_request("waits").body.size(), 300'000U);

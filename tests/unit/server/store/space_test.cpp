@@ -2,6 +2,7 @@
 
 #include "store_fixture.h"
 #include "supple/problem/problem.h"
+#include "unit/server/thrown_problem.h"
 
 namespace supple::store {
 namespace {
@@ -25,14 +26,6 @@ class QuotaTest : public StoreTest {
     for (const auto& entry : fs::recursive_directory_iterator(folder_))
       if (entry.is_regular_file()) sum += static_cast<std::int64_t>(entry.file_size());
     return sum;
-  }
-  static problem::Problem problem_of(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (...) {
-      return problem::problem_of(std::current_exception());
-    }
-    return {};
   }
 };
 
@@ -70,9 +63,15 @@ TEST_F(QuotaTest, CountsTheBytesOfTheFolderExactly) {
     expect_exact(store, "used");
   }
   std::ofstream(folder_ / "meshes" / "unknown") << "into quarantine";
+  const std::string content(1000, 'm');
+  std::ofstream(folder_ / "meshes" / (sha256(content) + ".ply")) << "damaged";
   LocalStore store(folder_, recovery());
   EXPECT_EQ(store.usage().quarantine, 15);
   expect_exact(store, "opened again");
+  EXPECT_EQ(store.usage().meshes, 7);
+  store.meshes().add_mesh(content, describe);
+  EXPECT_EQ(store.usage().meshes, 1000);
+  expect_exact(store, "after the damaged mesh was repaired");
   fs::remove_all(folder_ / "quarantine");
   store.jobs().remove_expired_jobs(0, 100);
   expect_exact(store, "after the quarantine was emptied");
@@ -101,7 +100,7 @@ TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
   constexpr std::int64_t limit = 4 << 20;
   LocalStore store(folder_, recovery(), {limit, 0});
   add_ended(store, "j", 1 << 20);
-  const auto refused = problem_of([&] { store.meshes().add_mesh(std::string(limit, 'm'), describe); });
+  const auto refused = thrown_problem([&] { store.meshes().add_mesh(std::string(limit, 'm'), describe); });
   EXPECT_EQ(refused.code, "store.quota");
   ASSERT_TRUE(refused.limit);
   EXPECT_EQ(refused.limit->limit, limit);
@@ -113,8 +112,8 @@ TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
   store.jobs().add_job(job);
   job.state = JobState::successful;
   const Result large{"text/plain", {}, std::string(limit, 'x')};
-  EXPECT_EQ(problem_of([&] { store.jobs().finish_job(job, &large); }).code, "store.quota");
-  EXPECT_EQ(problem_of([&] {
+  EXPECT_EQ(thrown_problem([&] { store.jobs().finish_job(job, &large); }).code, "store.quota");
+  EXPECT_EQ(thrown_problem([&] {
               store.blobs().store_request(job, {"POST", "/x", {}, {}, {}}, std::string(limit, 'r'));
             }).code,
             "store.quota");
@@ -124,7 +123,7 @@ TEST_F(QuotaTest, RefusesWhatHasNoRoomAndNamesNumberLimitAndSetting) {
 TEST_F(QuotaTest, LimitsTheBytesOfMeshes) {
   LocalStore store(folder_, recovery(), {0, 1500});
   store.meshes().add_mesh(std::string(1000, 'a'), describe);
-  const auto refused = problem_of([&] { store.meshes().add_mesh(std::string(501, 'b'), describe); });
+  const auto refused = thrown_problem([&] { store.meshes().add_mesh(std::string(501, 'b'), describe); });
   EXPECT_EQ(refused.code, "store.quota");
   EXPECT_EQ(refused.limit->setting, "--max-mesh-bytes");
   EXPECT_EQ(refused.limit->value, 1501);

@@ -13,6 +13,8 @@
 
 #include "supple/base/error.h"
 #include "supple/store/local_store.h"
+#include "support/temporary_folder.h"
+#include "unit/server/thrown_problem.h"
 
 namespace supple::store {
 
@@ -21,12 +23,6 @@ namespace fs = std::filesystem;
 /// Gives each test a folder of its own.
 class StoreTest : public ::testing::Test {
  protected:
-  StoreTest() {
-    std::string pattern = (fs::temp_directory_path() / "supple_store_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~StoreTest() override { fs::remove_all(folder_); }
-
   static std::string describe(const std::string& id, std::int64_t) { return "{\"id\":\"" + id + "\"}"; }
 
   static JobRecord new_job(const std::string& id, const std::string& owner = {}) {
@@ -40,13 +36,9 @@ class StoreTest : public ::testing::Test {
     return job;
   }
 
-  static std::string code_of(const std::function<void()>& call) {
-    try {
-      call();
-    } catch (const Error& error) {
-      return error.code();
-    }
-    return "nothing was thrown";
+  template <typename Call>
+  static std::string code_of(Call&& call) {
+    return thrown_problem(std::forward<Call>(call)).code;
   }
 
   /// Callbacks of a recovery that takes any content for a mesh, except "no mesh".
@@ -68,7 +60,8 @@ class StoreTest : public ::testing::Test {
     return contents;
   }
 
-  fs::path folder_;
+  const testing::TemporaryFolder temporary_folder_;
+  const fs::path folder_ = temporary_folder_.path();
   std::vector<std::string> warnings_;
 };
 

@@ -42,6 +42,10 @@ class OpenFile {
   int descriptor_;
 };
 
+/// The content of a file. Throws Error "file.unreadable" if there is no such file, or if it cannot be read, as a
+/// folder.
+std::string content_of(const std::filesystem::path& path);
+
 /// Writes all bytes at the descriptor's position, even if signals interrupt. `path` is for the message. Throws
 /// FileError.
 void write_all(int descriptor, std::string_view bytes, const std::filesystem::path& path);

@@ -15,7 +15,8 @@ struct SurfacePoint {
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();
 };
 
-/// A point that is none of the mesh. Its code begins with "point.".
+/// A point that does not lie on the mesh, or a vertex or face that the mesh does not have. Its code begins with
+/// "point.".
 class PointError : public Error {
  public:
   using Error::Error;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "supple/base/error.h"
 
 namespace supple::tiling {
@@ -33,5 +35,15 @@ class MeshTooLarge : public MeshOptionError {
  public:
   using MeshOptionError::MeshOptionError;
 };
+
+/// Throws an error whose code begins with "tiling." as the type that belongs to its code.
+[[noreturn]] inline void throw_typed(const Error& error) {
+  const std::string& code = error.code();
+  if (code == "tiling.family_not_found") throw FamilyNotFound(code, error.what(), error.details());
+  if (code == "tiling.part") throw PartError(code, error.what(), error.details());
+  if (code == "tiling.mesh_too_large") throw MeshTooLarge(code, error.what(), error.details());
+  if (code == "tiling.mesh_option") throw MeshOptionError(code, error.what(), error.details());
+  throw TilingError(code, error.what(), error.details());
+}
 
 }  // namespace supple::tiling

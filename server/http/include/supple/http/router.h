@@ -29,17 +29,6 @@ struct Route {
   bool needs_no_key = false;  ///< even if other routes need one
 };
 
-/// The path of a request exists for other methods only ("http.method_not_allowed").
-class MethodNotAllowed : public Error {
- public:
-  MethodNotAllowed(std::string_view method, std::string_view path, std::string allowed);
-  /// The methods of the path as "GET, POST".
-  const std::string& allowed() const noexcept { return allowed_; }
-
- private:
-  std::string allowed_;
-};
-
 /// Finds the route of a request by comparing path segments. Routes are added before the server runs.
 class Router {
  public:
@@ -49,8 +38,8 @@ class Router {
     const Route* route = nullptr;
     std::map<std::string, std::string> path_parameters;
   };
-  /// The route of a request; HEAD finds the route of GET. Throws MethodNotAllowed if the path exists for other methods
-  /// only, "http.not_found" if it does not exist.
+  /// The route of a request; HEAD finds the route of GET. Throws "http.method_not_allowed" if the path exists
+  /// for other methods only, "http.not_found" if it does not exist.
   Match find(std::string_view method, std::string_view path) const;
 
   /// The methods of a path as "GET, POST"; empty for a path that does not exist.

@@ -31,9 +31,9 @@ struct QueueOptions {
   double retention = 7 * 86400;                ///< seconds for which a finished job is stored; setting --retention
   std::size_t max_jobs = 10'000;               ///< finished jobs that are stored; setting --max-jobs
   budget::MemoryBudget* memory = nullptr;      ///< memory that computations may take; null: any amount
-  int max_attempts = 3;                ///< starts of a job before it fails because the process crashed in each; setting
-                                       ///< --max-attempts
-  std::function<void()> clean_up_too;  ///< called every minute by the cleaner, after its own work
+  int max_attempts = 3;  ///< starts of a job before it fails because the process crashed in each; setting
+                         ///< --max-attempts
+  std::function<void()> clean_up_too{};  ///< called every minute by the cleaner, after its own work
 };
 
 /// Runs computations: immediately on the caller's thread, or as jobs on worker threads.
@@ -55,8 +55,8 @@ class JobQueue {
   using Render = std::function<std::string(const problem::Problem&)>;
   /// Receives the record of every finished job.
   using Observe = std::function<void(const store::JobRecord&)>;
-  /// Receives lines for the log: which ends the store refused, and which computations do not stop. Called from any
-  /// thread.
+  /// Receives lines for the log: which ends the store refused, which computations do not stop, and what was thrown at
+  /// the end of a job. Called from any thread.
   using Log = std::function<void(const std::string&)>;
   /// Makes a computation again from its request, and throws what a client would have been told. Called on a worker.
   /// `execution` is the one of the computation, so that a stop request also ends the loading of what it needs.
@@ -102,8 +102,9 @@ class JobQueue {
                               const std::string& owner = {}) const;
   /// The result of a successful job. Throws "job.not_found", "job.not_finished" and "job.dismissed".
   store::StoredResult result(const std::string& id) const;
-  /// Dismisses an unfinished job at once and requests its stop, or removes a finished job. Returns the dismissed job,
-  /// or nothing. Throws "job.not_found".
+  /// Dismisses an unfinished job at once and requests its stop, or removes a finished job and one that is left to the
+  /// next process. Returns the dismissed job, or the job as it is, if it ended at the same time; nothing if the job was
+  /// removed. Throws "job.not_found".
   std::optional<JobStatus> remove(const std::string& id);
   /// Waits until the job's status has changed since `version`, or for `seconds`. Updates `version`; with 0 it returns
   /// at once.

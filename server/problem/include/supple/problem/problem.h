@@ -23,9 +23,10 @@ struct Problem {
   std::vector<Error::Detail> errors;  ///< `where` is a JSON pointer or a mesh element
   std::optional<Limit> limit;
   std::optional<int> retry_after;  ///< seconds after which the client may try again
+  std::string allowed_methods{};   ///< methods of the path, as "GET, POST", if the request has another one
 };
 
-/// An Error that also carries a limit or the time after which to try again.
+/// An Error that also carries what else a problem has: a limit, the time after which to try again, allowed methods.
 class ProblemError : public Error {
  public:
   explicit ProblemError(Problem problem);

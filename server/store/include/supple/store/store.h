@@ -154,7 +154,8 @@ class LeaseStore {
 ///
 /// Content is compared with its hash whenever it is read: StoreCorrupted names a file that has changed. Every member of
 /// every part throws StoreFull where the disk is full, StoreUnavailable where the disk or the database fails otherwise
-/// (store_error.h). Any thread may call; calls run one after the other.
+/// (store_error.h). Any thread may call. Calls of the database run one after the other; files are read and written
+/// meanwhile.
 class Store {
  public:
   Store() = default;

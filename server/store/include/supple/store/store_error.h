@@ -28,7 +28,7 @@ class StoreCorrupted : public Error {
 /// There is no mesh of this id ("mesh.not_found").
 class MeshNotFound : public Error {
  public:
-  explicit MeshNotFound(const std::string& id, std::vector<Detail> details = {});
+  explicit MeshNotFound(const std::string& id);
 };
 
 /// There is no job of this id ("job.not_found").

@@ -1,5 +1,3 @@
-#include "repeating_thread.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -10,7 +8,9 @@
 #include <thread>
 #include <vector>
 
-namespace supple::jobs {
+#include "supple/base/repeating_thread.h"
+
+namespace supple {
 namespace {
 
 using namespace std::chrono_literals;
@@ -58,4 +58,4 @@ TEST(RepeatingThread, EndsWhileItWaits) {
 }
 
 }  // namespace
-}  // namespace supple::jobs
+}  // namespace supple

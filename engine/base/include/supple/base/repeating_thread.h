@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-namespace supple::jobs {
+namespace supple {
 
 /// A thread that takes a step again and again. Whatever a step throws, the thread goes on with the next one; of
 /// failures in a row, the log gets the first.
@@ -41,4 +41,4 @@ class RepeatingThread {
   std::thread thread_;
 };
 
-}  // namespace supple::jobs
+}  // namespace supple

@@ -1,9 +1,9 @@
-#include "repeating_thread.h"
+#include "supple/base/repeating_thread.h"
 
 #include <exception>
 #include <utility>
 
-namespace supple::jobs {
+namespace supple {
 
 RepeatingThread::RepeatingThread(std::string task, Step step, Log log)
     : task_(std::move(task)), step_(std::move(step)), log_(std::move(log)), thread_([this] { run(); }) {}
@@ -49,4 +49,4 @@ void RepeatingThread::note_failure(const char* reason) noexcept {
   }
 }
 
-}  // namespace supple::jobs
+}  // namespace supple
