@@ -85,7 +85,7 @@ def groups(is_wanted: Callable[[Source, Path], bool]) -> Dict[str, List[Source]]
     """Files that are read as one, of those that are wanted. Those of one room are in different groups: equal names may have kept them apart."""
     found: Dict[str, List[Source]] = {}
     for source in sources("asan-ubsan"):
-        path = str(source.file)
+        path = f"/{source.file.relative_to(ROOT)}"
         room = re.search(r"/(engine|server|clients)/", path)
         if not room or "/tests/" in path:
             continue
