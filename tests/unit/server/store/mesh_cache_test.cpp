@@ -42,7 +42,7 @@ class MeshCacheTest : public ::testing::Test {
 
   const testing::TemporaryFolder temporary_folder_;
   const fs::path folder_ = temporary_folder_.path();
-  LocalStore store_;
+  LocalStore store_{folder_};
 };
 
 TEST_F(MeshCacheTest, LoadsAMeshOnceForManyThreads) {
