@@ -1,22 +1,22 @@
 #pragma once
 
-#include <unistd.h>
-
+#include <cerrno>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <system_error>
 
 namespace supple::testing {
 
-/// A temporary folder, which the destructor removes.
+/// A temporary folder for this user alone, which the destructor removes.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    static int count = 0;
-    path_ = std::filesystem::temp_directory_path() /
-            ("supple-test-" + std::to_string(::getpid()) + "-" + std::to_string(count++));
-    std::filesystem::create_directories(path_);
+    auto path = (std::filesystem::temp_directory_path() / "supple-test-XXXXXX").string();
+    if (!::mkdtemp(path.data())) throw std::system_error(errno, std::generic_category(), path);
+    path_ = path;
   }
   ~TemporaryFolder() { std::filesystem::remove_all(path_); }
   TemporaryFolder(const TemporaryFolder&) = delete;

@@ -218,6 +218,7 @@ class HttpServerTest : public ::testing::Test {
           if (problem.detail == "large") throw std::bad_alloc();
           auto response = text("problem " + problem.code + (problem.detail.size() > 1000 ? problem.detail : "") + "!");
           response.status = problem::status_of(problem);
+          response.set_header("Allow", problem.allowed_methods);
           return response;
         },
         [this](const AnsweredRequest& answered) {

@@ -246,7 +246,7 @@ TEST_F(StoreTest, LetsNothingExpireBecauseTheClockWasSetBetweenTwoProcesses) {
     EXPECT_EQ(store.jobs().job("j")->expires, expires + eight_days) << "it has got no older";
     EXPECT_EQ(store.jobs().job("unfinished")->expires, 0);
     EXPECT_TRUE(store.meshes().remove_unused_meshes(now_milliseconds() + eight_days - 1'000'000).empty());
-    ASSERT_EQ(warnings_.size(), 1U);
+    ASSERT_EQ(warnings_.size(), 1U) << ::testing::PrintToString(warnings_);
     EXPECT_NE(warnings_[0].find("691200 s"), std::string::npos) << warnings_[0];
   }
   set_clock_back_then(30'000);
