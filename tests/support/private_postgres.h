@@ -14,7 +14,7 @@ namespace supple::testing {
 /// of a process share one, and each has its own database.
 class PrivatePostgres {
  public:
-  PrivatePostgres() : address_(run("start")) {}
+  PrivatePostgres() : address_(start()) {}
   ~PrivatePostgres() { static_cast<void>(std::system(command("stop").c_str())); }
   PrivatePostgres(const PrivatePostgres&) = delete;
   PrivatePostgres& operator=(const PrivatePostgres&) = delete;
@@ -45,6 +45,12 @@ class PrivatePostgres {
            (folder_ / "postgres").string();
   }
   std::string run(const std::string& action) const { return output_of(command(action)); }
+  std::string start() const {
+    // The server has a user of its own, who has to reach its folder within this one.
+    std::filesystem::permissions(folder_.path(), std::filesystem::perms::others_exec,
+                                 std::filesystem::perm_options::add);
+    return run("start");
+  }
   void psql(const std::string& statement) const {
     output_of("psql --quiet --dbname='" + address_ + "' --command='" + statement + "'");
   }
