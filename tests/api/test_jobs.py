@@ -99,6 +99,9 @@ def test_events_show_rising_progress_and_end_with_the_finished_job(api: Api, sph
     assert len(seen) >= 3
     assert [name for name, _ in seen] == ["progress"] * (len(seen) - 1) + ["finished"]
     assert seen[-1][1]["state"] == "successful"
+    for _, document in seen:
+        may_tell = document["state"] == "running" and document["progress"] > 0.02
+        assert (document["remaining_seconds"] is not None) == may_tell, document
     shares = [document["progress"] for _, document in seen]
     assert shares == sorted(shares) and shares[-1] == 1
 

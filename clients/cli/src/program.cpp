@@ -64,6 +64,10 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
           "--key", options.key,
           "The key itself; other users of the machine see command lines: better set the environment or --key-file")
       ->envname("SUPPLE_KEY");
+  program
+      .add_option("--priority", options.priority,
+                  "What computations start before others: background ones delay no others on the server")
+      ->check(CLI::IsMember({"interactive", "normal", "background"}));
   program.add_flag("--json", options.json, "Print the server's answer as JSON");
   program.add_flag("--no-progress", options.no_progress, "Draw no progress bar on the terminal");
   add_mesh_commands(program, options);

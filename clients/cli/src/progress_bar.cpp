@@ -22,13 +22,14 @@ ProgressBar::~ProgressBar() {
   if (drawn_) fmt::print(stderr, "\r\033[K");
 }
 
-void ProgressBar::show(double fraction, const std::string& stage) {
+void ProgressBar::show(double fraction, std::optional<double> remaining, const std::string& stage) {
   const auto elapsed = std::chrono::steady_clock::now() - start_;
   if (!enabled_ || elapsed < quiet_time) return;
   const double clamped = std::clamp(fraction, 0.0, 1.0);
   const int filled = static_cast<int>(std::lround(clamped * bar_width));
-  fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {:3.0f} %  {:.0f} s  {}", "", filled, "", bar_width - filled,
-             100 * clamped, std::chrono::duration<double>(elapsed).count(), stage);
+  const auto left = remaining ? fmt::format(", {:.0f} s left", *remaining) : std::string();
+  fmt::print(stderr, "\r\033[K[{:#<{}}{:.<{}}] {:3.0f} %  {:.0f} s{}  {}", "", filled, "", bar_width - filled,
+             100 * clamped, std::chrono::duration<double>(elapsed).count(), left, stage);
   std::fflush(stderr);
   drawn_ = true;
 }

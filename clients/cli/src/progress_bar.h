@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace supple::cli {
@@ -15,8 +16,9 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// Draws the bar. `fraction` is in [0, 1]; `stage` is a description of the current stage.
-  void show(double fraction, const std::string& stage);
+  /// Draws the bar. `fraction` is in [0, 1]; `remaining` are the seconds that are left, where they are known; `stage`
+  /// is a description of the current stage.
+  void show(double fraction, std::optional<double> remaining, const std::string& stage);
 
  private:
   bool enabled_;

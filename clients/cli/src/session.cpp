@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <optional>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -77,6 +78,13 @@ std::string stage_of(const nlohmann::json& job) {
   return stage;
 }
 
+/// The seconds until a job ends, where the server can tell.
+std::optional<double> remaining_seconds_of(const nlohmann::json& job) {
+  const auto remaining = job.find("remaining_seconds");
+  if (remaining == job.end() || !remaining->is_number()) return std::nullopt;
+  return remaining->get<double>();
+}
+
 /// Sleeps until the time has passed or Ctrl-C was pressed.
 void pause(std::chrono::milliseconds duration) {
   const auto end = std::chrono::steady_clock::now() + duration;
@@ -124,7 +132,8 @@ void Session::for_each_entry(const std::string& path, const char* key,
   }
 }
 
-Answer Session::compute(const std::string& path, const nlohmann::json& request, const std::string& accept) {
+Answer Session::compute(const std::string& path, nlohmann::json request, const std::string& accept) {
+  if (!options_.priority.empty()) request["priority"] = options_.priority;
   // Between the answer and the first poll of the job, an interrupt is only recorded.
   const InterruptWatch::Scope quiet([] {});
   Answer answer;
@@ -153,7 +162,7 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
     const auto state = job.at("state").get<std::string>();
     if (observer_) observer_(job);
     if (state != "accepted" && state != "running") break;
-    bar.show(job.at("progress").get<double>(), stage_of(job));
+    bar.show(job.at("progress").get<double>(), remaining_seconds_of(job), stage_of(job));
     pause(interval);
     interval = std::min(2 * interval, max_poll_interval);
     if (InterruptWatch::interrupted()) {

@@ -17,6 +17,7 @@ struct GlobalOptions {
   std::string key_file;      ///< file with the key, if `key` is empty
   bool json = false;         ///< whether the server's answers are printed unchanged
   bool no_progress = false;  ///< whether no progress bar is drawn
+  std::string priority;      ///< priority of computations; empty leaves it to the server
 };
 
 /// One run of the program: the options and the connection that its commands share.
@@ -40,8 +41,7 @@ class Session {
   ///
   /// The server answers within the first second or creates a job, which is then followed with a progress bar. Ctrl-C
   /// cancels the computation on the server and throws Failure(interrupted).
-  Answer compute(const std::string& path, const nlohmann::json& request,
-                 const std::string& accept = "application/json");
+  Answer compute(const std::string& path, nlohmann::json request, const std::string& accept = "application/json");
 
   /// Sets a function that is called with the server's description of a job whenever `follow` polls it.
   void set_observer(std::function<void(const nlohmann::json& job)> observer) { observer_ = std::move(observer); }

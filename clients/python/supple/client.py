@@ -59,7 +59,8 @@ class Client(Connection):
 
     The methods of computations, such as `simulate`, make a request of their arguments and run it: `client.simulate(...)` is
     `client.run(SimulationRequest(...))`, and `client.start_simulation(...)` is `client.submit(SimulationRequest(...))`, a `Job`.
-    The request's class describes the arguments, and `Request` those that all have: `deadline`, `timeout` and `progress`.
+    The request's class describes the arguments, and `Request` those that all have: `deadline`, `timeout`, `progress`
+    and `priority`.
 
     Threads may share a client as far as they may share a `requests.Session`; one client for each thread is always safe.
     """

@@ -150,6 +150,7 @@ class DesignRequest(Region, Request[DesignResult], path="/v1/designs"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -163,6 +164,7 @@ class RegionsRequest(Request[RegionDesigns], path="/v1/designs"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -197,6 +199,7 @@ class ProfileRequest(Request[ProfileCurve], path="/v1/profiles"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def __post_init__(self) -> None:
         checks.one_of(self.task, "task", checks.TASKS)

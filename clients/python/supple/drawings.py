@@ -126,6 +126,7 @@ class DrawingRequest(Request[Drawing], path="/v1/outlines"):
     resolution: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def __post_init__(self) -> None:
         one_of(self.unit, "unit", UNITS)

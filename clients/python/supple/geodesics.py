@@ -41,6 +41,7 @@ class GeodesicsRequest(Request[List[Geodesic]], path="/v1/geodesics"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def decode(self, answer: Answer) -> List[Geodesic]:
         document = answer.json()
@@ -73,6 +74,7 @@ class FieldRequest(Request[Field], path="/v1/geodesic-fields"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     @property
     def accept(self) -> str:
@@ -121,6 +123,7 @@ class KarcherMeanRequest(Request[KarcherMean], path="/v1/karcher-means"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -142,3 +145,4 @@ class ExponentialMapRequest(Request[ExponentialMap], path="/v1/exponential-maps"
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None

@@ -55,6 +55,8 @@ class JobStatus:
         partial: an intermediate result. While designs are searched it is the best one so far, and then the structure that was
             simulated last. For a network or an optimized Voronoi diagram it is the state after the latest iteration. None for
             other computations.
+        priority: "interactive", "normal" or "background", as the request asked.
+        remaining_seconds: estimated seconds until a running job ends; None while it does not run, or has hardly begun.
     """
 
     id: str
@@ -65,6 +67,8 @@ class JobStatus:
     stage: str
     created: str
     partial: Annotated[Optional[Partial], At("", read=_partial)] = None
+    priority: str = "normal"
+    remaining_seconds: Optional[float] = None
 
     @property
     def finished(self) -> bool:
@@ -88,6 +92,11 @@ class Job(Generic[Result]):
 
     def status(self) -> JobStatus:
         return decode(JobStatus, self._transport.request("GET", self._path).json())
+
+    @property
+    def remaining_seconds(self) -> Optional[float]:
+        """Estimated seconds until the job ends, for which the server is asked; None while it does not run, or has hardly begun."""
+        return self.status().remaining_seconds
 
     def cancel(self) -> None:
         """Ends the job if it has not finished; its later `result` raises `JobCancelled`."""

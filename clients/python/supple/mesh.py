@@ -30,7 +30,7 @@ class Mesh(Resource):
 
     Every computation has two forms: `geodesics(...)` waits and returns the result, `start_geodesics(...)` returns a `Job`
     immediately. Their arguments are the fields of a request, such as `GeodesicsRequest`, after its mesh; `Request` describes
-    `deadline`, `timeout` and `progress`. Anything that interrupts the wait cancels the computation.
+    `deadline`, `timeout`, `progress` and `priority`. Anything that interrupts the wait cancels the computation.
 
     All forms raise `InvalidPoint` if a point does not lie on the mesh.
 

@@ -204,6 +204,7 @@ class EvaluationRequest(_ModelRequest[Evaluation], path="/v1/models/{model}/eval
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -232,6 +233,7 @@ class UniaxialRequest(_ModelRequest[UniaxialCurve], path="/v1/models/{model}/uni
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def __post_init__(self) -> None:
         radians(self.direction, "direction")

@@ -161,6 +161,7 @@ class _Relaxation:
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)

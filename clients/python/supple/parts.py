@@ -165,6 +165,7 @@ class _PartFields:
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)

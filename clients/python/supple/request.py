@@ -45,6 +45,8 @@ class Request(Sent, Generic[Result]):
         deadline: seconds that the computation may take on the server (`DeadlineExceeded`).
         timeout: seconds after which a client that waits gives up (`RequestTimeout`); None waits without limit.
         progress: how a client that waits reports progress, see `Progress`; None takes that of the client.
+        priority: "interactive" starts before all others, "normal", or "background", which delays no other computation of the
+            server; None is normal, and interactive where the request has a session.
     """
 
     path: ClassVar[str]

@@ -240,6 +240,7 @@ class SimulationRequest(Request[Simulation], path="/v1/simulations"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def decode(self, answer: Answer) -> Simulation:
         document = answer.json()

@@ -244,6 +244,7 @@ class MeasuredCurveRequest(Request[MeasuredCurve], path="/v1/measured-curves"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def __post_init__(self) -> None:
         if (self.source is None) == (self.points is None):

@@ -125,6 +125,7 @@ class StructureRequest(Request[Structure], path="/v1/structures"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -141,3 +142,4 @@ class StructureFileRequest(FileRequest, path="/v1/structures"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None

@@ -65,6 +65,7 @@ class _Diagram(Sent):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def to_wire(self) -> Dict[str, Any]:
         document = super().to_wire()
@@ -141,3 +142,4 @@ class VoronoiOptimizationRequest(Request[OptimizedVoronoi], path="/v1/voronoi-op
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None

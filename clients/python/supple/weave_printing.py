@@ -77,6 +77,7 @@ class WeaveToolpathRequest(Request[WeaveToolpath], path="/v1/weave-toolpaths"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 def _gcode_to_wire(gcode: Union[str, bytes], name: str) -> str:
@@ -97,6 +98,7 @@ class GcodeReportRequest(Request[GcodeReport], path="/v1/gcode-reports"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
     def decode(self, answer: Answer) -> GcodeReport:
         return decode(GcodeReport, answer.json()["report"])

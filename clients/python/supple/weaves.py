@@ -217,6 +217,7 @@ class WeaveLayoutRequest(Request[WeaveLayout], path="/v1/weave-layouts"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -229,6 +230,7 @@ class WeavePictureRequest(FileRequest, path="/v1/weave-layouts"):
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 def _directions_to_wire(directions: Union[int, ArrayLike], name: str) -> Union[int, List[float]]:
@@ -262,6 +264,7 @@ class WeaveHomogenizationRequest(Request[WeaveHomogenization], path="/v1/weave-h
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 def _gradients_to_wire(gradients: ArrayLike, name: str) -> Any:
@@ -290,6 +293,7 @@ class WeaveDeformationRequest(Request[WeaveDeformation], path="/v1/weave-deforma
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None
 
 
 @dataclass(frozen=True)
@@ -315,3 +319,4 @@ class WeaveSimulationRequest(Request[WeaveSimulation], path="/v1/weave-simulatio
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None
+    priority: Optional[str] = None

@@ -59,6 +59,20 @@ def test_a_submitted_request_is_a_job_that_waits_as_long_as_the_request_says(lis
     assert first_line(listener.requests[2]) == "POST /v1/weave-homogenizations HTTP/1.1"
 
 
+def test_a_request_names_its_priority_and_its_job_tells_it_and_the_remaining_time(listen: Callable[..., Listener]) -> None:
+    document = {"id": "7", "state": "running", "kind": "weave-homogenizations", "progress": 0.5, "stage": "fit", "created": "t",
+                "priority": "background", "remaining_seconds": 2.5}
+    listener = listen([ACCEPTED, answer(document), answer({**document, "remaining_seconds": None}), job("running", 0.5)])
+    with supple.Client(listener.url) as client:
+        submitted = client.start_weave_homogenization(supple.Weave.rings(), strain=0.2, priority="background")
+        status = submitted.status()
+        assert (status.priority, status.remaining_seconds) == ("background", 2.5)
+        assert submitted.remaining_seconds is None
+        assert submitted.status().priority == "normal", "of a server that does not know priorities"
+    assert json.loads(listener.requests[0].split(b"\r\n\r\n", 1)[1])["priority"] == "background"
+    assert "priority" not in supple.FieldRequest(MESH, [0]).to_wire()
+
+
 def test_a_method_has_the_fields_of_its_request_as_arguments() -> None:
     assert list(inspect.signature(supple.Client.simulate).parameters)[:4] == ["self", "family", "parameters", "load"]
     with supple.Client("http://127.0.0.1:9") as client:

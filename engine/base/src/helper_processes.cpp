@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "helper_channel.h"
+#include "supple/base/background_threads.h"
 #include "supple/base/byte_codec.h"
 #include "supple/base/error.h"
 
@@ -31,8 +32,9 @@ namespace {
 
 /// The interval at which waiting threads check the token, since a stop request does not wake them.
 constexpr int milliseconds_between_checks = 10;
-/// Limit of idle processes. Others are ended, since each occupies the memory of its libraries.
-constexpr std::size_t max_idle_processes = 2;
+/// Limits of idle processes. Others are ended, since each occupies the memory of its libraries.
+constexpr int max_idle_processes = 2;
+constexpr int max_idle_background_processes = 1;
 constexpr std::size_t max_bytes_per_send = 1 << 16;
 
 /// A file descriptor that the destructor closes.
@@ -127,6 +129,8 @@ class HelperProcesses::Process {
   Process& operator=(const Process&) = delete;
 
   int id() const { return static_cast<int>(id_); }
+  /// Whether a background thread has started it, whose priority it has.
+  bool is_in_background() const { return is_in_background_; }
   /// Whether the process still runs, without a task.
   bool alive() {
     pollfd entry{channel_.get(), POLLIN, 0};
@@ -203,6 +207,7 @@ class HelperProcesses::Process {
     token.throw_if_requested();
   }
 
+  const bool is_in_background_ = is_background_thread();
   Descriptor channel_;
   Descriptor lifeline_;
   pid_t id_ = 0;
@@ -221,31 +226,34 @@ HelperProcesses::HelperProcesses(HelperOptions options)
 HelperProcesses::~HelperProcesses() = default;
 
 std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Execution& execution) {
+  const bool in_background = is_background_thread();
+  int& starting = in_background ? starting_in_background_ : starting_;
+  const auto is_fitting = [&](const auto& process) { return process->is_in_background() == in_background; };
   std::unique_lock lock(mutex_);
   while (true) {
     execution.cancellation.throw_if_requested();
-    while (!idle_.empty()) {
-      auto process = std::move(idle_.back());
-      idle_.pop_back();
+    for (auto found = idle_.end(); (found = std::find_if(idle_.begin(), idle_.end(), is_fitting)) != idle_.end();) {
+      auto process = std::move(*found);
+      idle_.erase(found);
       if (!process->alive()) continue;
       busy_.emplace(process.get(), process->id());
       return process;
     }
-    if (static_cast<int>(busy_.size()) + starting_ < options_.processes) break;
+    if (busy(in_background) + starting < options_.processes) break;
     wake_.wait_for(lock, std::chrono::milliseconds(milliseconds_between_checks));
   }
-  ++starting_;
+  ++starting;
   lock.unlock();
   std::unique_ptr<Process> process;
   try {
     process = std::make_unique<Process>(options_);
   } catch (...) {
     lock.lock();
-    --starting_;
+    --starting;
     throw;
   }
   lock.lock();
-  --starting_;
+  --starting;
   busy_.emplace(process.get(), process->id());
   return process;
 }
@@ -253,8 +261,20 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
 void HelperProcesses::release(std::unique_ptr<Process> process) {
   const std::lock_guard lock(mutex_);
   busy_.erase(process.get());
-  if (idle_.size() < max_idle_processes) idle_.push_back(std::move(process));
+  add_idle(std::move(process));
   wake_.notify_one();
+}
+
+void HelperProcesses::add_idle(std::unique_ptr<Process> process) {
+  const bool in_background = process->is_in_background();
+  const auto idle = std::count_if(idle_.begin(), idle_.end(),
+                                  [&](const auto& one) { return one->is_in_background() == in_background; });
+  if (idle < (in_background ? max_idle_background_processes : max_idle_processes)) idle_.push_back(std::move(process));
+}
+
+int HelperProcesses::busy(bool in_background) const {
+  return static_cast<int>(std::count_if(
+      busy_.begin(), busy_.end(), [&](const auto& entry) { return entry.first->is_in_background() == in_background; }));
 }
 
 std::string HelperProcesses::run(std::string_view task, std::string_view request, const Execution& execution) {
@@ -275,7 +295,7 @@ std::string HelperProcesses::run(std::string_view task, std::string_view request
       }
       const std::lock_guard lock(helpers.mutex_);
       helpers.busy_.erase(old);
-      if (next && helpers.idle_.size() < max_idle_processes) helpers.idle_.push_back(std::move(next));
+      if (next) helpers.add_idle(std::move(next));
       helpers.wake_.notify_one();
     }
   } const replacement{*this, process};

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 
+#include "supple/base/background_threads.h"
 #include "supple/base/memory_account.h"
 #include "supple/base/watched_work.h"
 #ifdef SUPPLE_THREAD_SANITIZER
@@ -57,6 +58,7 @@ int thread_count() {
 }
 
 void parallel_for(int n, const std::function<void(int)>& body) {
+  if (is_background_thread()) return background_parallel_for(n, body);
   const char finished = 0;
   const ObserveAtEnd all_parts{&finished};
   publish(&body);

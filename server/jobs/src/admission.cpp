@@ -34,6 +34,22 @@ JobQueue::ResultOrJob Admission::run_within(Computation computation, double seco
   return {charge_request(*std::move(job->result)), {}};
 }
 
+Result Admission::run_in_background(Computation computation, const std::function<bool()>& hung_up, Profile* profile) {
+  // Written by the worker before the job is over, and by nobody if the job has never begun.
+  const auto noted = std::make_shared<Profile>();
+  computation.run = [run = std::move(computation.run), noted, accepted = Clock::now()](const Execution& execution) {
+    const auto begin = Clock::now();
+    noted->waited = std::chrono::duration<double>(begin - accepted).count();
+    auto result = run(execution);
+    noted->computed = std::chrono::duration<double>(Clock::now() - begin).count();
+    return result;
+  };
+  constexpr double forever = 1e9;  // seconds; the job ends at its deadline
+  auto outcome = run_within(std::move(computation), forever, hung_up, {});
+  if (profile) *profile = *noted;
+  return *std::move(outcome.result);
+}
+
 std::optional<JobStatus> Admission::job_of_key(const std::string& key, const std::string& request_hash) const {
   if (key.empty()) return std::nullopt;
   const auto known = store_.job_of_key(key);

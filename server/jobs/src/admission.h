@@ -22,6 +22,9 @@ class Admission {
   /// Does what JobQueue::run_within says.
   JobQueue::ResultOrJob run_within(Computation computation, double seconds, const std::function<bool()>& hung_up,
                                    const std::optional<RequestOfJob>& request);
+  /// Computes on a worker, and waits for the result however long that takes. Nobody else learns of the job. Throws what
+  /// `run_within` throws. Without hanging up, a client waits until the computation's deadline at most.
+  Result run_in_background(Computation computation, const std::function<bool()>& hung_up, Profile* profile);
 
  private:
   /// The status of the job with this idempotency key. Throws "job.key_reused" if it had another request.

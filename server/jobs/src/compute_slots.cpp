@@ -5,20 +5,21 @@
 
 namespace supple::jobs {
 
-std::list<std::string>::const_iterator ComputeSlots::next() const {
+std::list<ComputeSlots::Waiting>::const_iterator ComputeSlots::next() const {
   const auto runs = [this](const std::string& client) {
     const auto found = running_of_client_.find(client);
     return found == running_of_client_.end() ? 0 : found->second;
   };
-  return std::min_element(waiting_.begin(), waiting_.end(),
-                          [&](const std::string& a, const std::string& b) { return runs(a) < runs(b); });
+  return std::min_element(waiting_.begin(), waiting_.end(), [&](const Waiting& a, const Waiting& b) {
+    return std::pair(a.priority, runs(a.client)) < std::pair(b.priority, runs(b.client));
+  });
 }
 
-void ComputeSlots::acquire(const CancellationToken& token, const std::string& client) {
+void ComputeSlots::acquire(const CancellationToken& token, const Waiting& waiting) {
   constexpr std::chrono::milliseconds check_interval{20};  // a stop request does not notify the condition variable
   std::unique_lock lock(mutex_);
-  const auto own = waiting_.insert(waiting_.end(), client);
-  while (free() <= 0 || next() != own) {
+  const auto own = waiting_.insert(waiting_.end(), waiting);
+  while (free(waiting.priority) <= 0 || next() != own) {
     if (token.requested()) {
       waiting_.erase(own);
       wake_.notify_all();
@@ -29,8 +30,8 @@ void ComputeSlots::acquire(const CancellationToken& token, const std::string& cl
   }
   waiting_.erase(own);
   ++running_;
-  ++running_of_client_[client];
-  if (free() > 0 && !waiting_.empty()) wake_.notify_all();
+  ++running_of_client_[waiting.client];
+  if (!waiting_.empty() && free(next()->priority) > 0) wake_.notify_all();
 }
 
 void ComputeSlots::release(const std::string& client, bool is_given_up) {

@@ -9,13 +9,15 @@
 #include <utility>
 
 #include "supple/base/cancellation.h"
+#include "supple/base/priority.h"
 
 namespace supple::jobs {
 
-/// Limits how many immediate computations run at the same time. Of those that wait, the first one of the client with
-/// the fewest running ones is next, so that a client that sends many does not take the slots from others. A computation
-/// that does not stop takes no slot either, as long as there are no more such computations than slots; otherwise
-/// threads would be used up by computations that nobody waits for. Any thread may call.
+/// Limits how many immediate computations run at the same time. Of those that wait, an interactive one is next, then
+/// the first one of the client with the fewest running ones, so that a client that sends many does not take the slots
+/// from others. Where all slots are taken, one more computation may run if it is interactive. A computation that does
+/// not stop takes no slot either, as long as there are no more such computations than slots; otherwise threads would be
+/// used up by computations that nobody waits for. Any thread may call.
 class ComputeSlots {
  public:
   explicit ComputeSlots(int count) : count_(count) {}
@@ -25,9 +27,10 @@ class ComputeSlots {
    public:
     /// Waits for a slot. Throws the error of a stop request that comes meanwhile. All clients that are not told apart
     /// have the name "".
-    Slot(ComputeSlots& slots, const CancellationToken& token, std::string client = {})
+    Slot(ComputeSlots& slots, const CancellationToken& token, std::string client = {},
+         Priority priority = Priority::normal)
         : slots_(slots), client_(std::move(client)) {
-      slots_.acquire(token, client_);
+      slots_.acquire(token, {priority, client_});
     }
     ~Slot() { slots_.release(client_, is_given_up_); }
     Slot(const Slot&) = delete;
@@ -50,17 +53,24 @@ class ComputeSlots {
   int in_use() const;
 
  private:
-  void acquire(const CancellationToken& token, const std::string& client);
+  struct Waiting {
+    Priority priority;
+    std::string client;
+  };
+  void acquire(const CancellationToken& token, const Waiting& waiting);
   void release(const std::string& client, bool is_given_up);
   void give_up_one();
   // The caller of the following functions holds the mutex.
-  int free() const { return count_ + std::min(given_up_, count_) - running_; }
+  int free(Priority priority) const {
+    const int for_interactive = priority == Priority::interactive ? 1 : 0;
+    return count_ + for_interactive + std::min(given_up_, count_) - running_;
+  }
   /// The computation that runs next; the end where none waits.
-  std::list<std::string>::const_iterator next() const;
+  std::list<Waiting>::const_iterator next() const;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::list<std::string> waiting_;  // clients of the computations that wait, in the order of arrival
+  std::list<Waiting> waiting_;  // the computations that wait, in the order of arrival
   std::map<std::string, int> running_of_client_;
   const int count_;
   int running_ = 0;

@@ -69,22 +69,31 @@ bool FairQueue::is_last_attempt(const Job& job) const {
   return job.earlier_attempts > 0 && job.earlier_attempts + 1 >= options_.max_attempts;
 }
 
-int FairQueue::running_jobs_of(const std::string& client) const {
-  const auto found = running_.find(client);
+int FairQueue::running_jobs_of(const Runner& runner) const {
+  const auto found = running_.find(runner);
   return found == running_.end() ? 0 : found->second;
 }
 
-JobPointer FairQueue::next() const {
+JobPointer FairQueue::next(Priority first, Priority last) const {
   const Entry* next = nullptr;
-  int fewest = 0;
+  std::pair<Priority, int> least;  // its priority, and the running jobs of its client
   for (const auto& entry : entries_) {
     if (entry.is_paused || (last_attempt_runs_ && is_last_attempt(*entry.job))) continue;
-    const int running = running_jobs_of(entry.job->computation.client);
-    if (next && running >= fewest) continue;
+    const auto& computation = entry.job->computation;
+    const auto priority = computation.priority;
+    if (priority < first || priority > last) continue;
+    const std::pair rank(priority, running_jobs_of(runner_of(computation.client, priority)));
+    if (next && rank >= least) continue;
     next = &entry;
-    fewest = running;
+    least = rank;
   }
   return next ? next->job : nullptr;
+}
+
+std::size_t FairQueue::size(Priority priority) const {
+  return static_cast<std::size_t>(std::count_if(entries_.begin(), entries_.end(), [&](const Entry& entry) {
+    return entry.job->computation.priority == priority;
+  }));
 }
 
 std::vector<JobPointer> FairQueue::stopped_jobs() const {
@@ -100,10 +109,10 @@ std::vector<JobPointer> FairQueue::jobs() const {
   return jobs;
 }
 
-void FairQueue::begin(const Job& job) { ++running_[job.computation.client]; }
+void FairQueue::begin(const Job& job) { ++running_[runner_of(job.computation.client, job.computation.priority)]; }
 
-void FairQueue::end(const std::string& client) {
-  if (const auto count = running_.find(client); --count->second == 0) running_.erase(count);
+void FairQueue::end(const std::string& client, Priority priority) {
+  if (const auto count = running_.find(runner_of(client, priority)); --count->second == 0) running_.erase(count);
 }
 
 void FairQueue::note_time(double seconds) {

@@ -81,7 +81,7 @@ Result ImmediateRunner::run(const Computation& computation, Waiting waiting, Pro
         watchdog_, {token, Clock::now() + duration(computation.deadline), std::move(waiting.hung_up), give_up});
     if (computation.takes_slot) {
       const Stopwatch waited(noted.waited);
-      slot.emplace(slots_, token, computation.client);
+      slot.emplace(slots_, token, computation.client, computation.priority);
       held_slot = &*slot;
       token.throw_if_requested();  // from here on, the watch gives the slot up if the computation does not stop
     }

@@ -70,6 +70,8 @@ JobQueue::JobQueue(store::Store& store, const QueueOptions& options, Render rend
 JobQueue::~JobQueue() { shut_down(0); }
 
 store::Result JobQueue::run_now(const Computation& computation, Waiting waiting, Profile* profile) {
+  if (computation.priority == Priority::background)
+    return parts_->admission.run_in_background(computation, waiting.hung_up, profile);
   return parts_->immediate.run(computation, std::move(waiting), profile);
 }
 
@@ -112,6 +114,7 @@ std::optional<JobStatus> JobQueue::remove(const std::string& id) {
 bool JobQueue::mesh_in_use(const std::string& mesh) const { return parts_->reader.is_mesh_in_use(mesh); }
 std::size_t JobQueue::running() const { return parts_->scheduler.running(); }
 std::size_t JobQueue::waiting() const { return parts_->scheduler.waiting(); }
+std::size_t JobQueue::waiting(Priority priority) const { return parts_->scheduler.waiting(priority); }
 int JobQueue::immediate() const { return parts_->immediate.in_use(); }
 std::size_t JobQueue::abandoned() const { return parts_->abandoned(); }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "run_computation.h"
+#include "supple/base/background_threads.h"
 #include "supple/log/context.h"
 #include "supple/store/clock.h"
 
@@ -70,6 +71,7 @@ JobPointer JobRunner::make_job(Computation computation, bool has_request, Row ro
   record.owner = computation.owner;
   record.idempotency_key = computation.idempotency_key;
   record.request_hash = computation.request_hash;
+  record.priority = computation.priority;
   return std::make_shared<Job>(board_, watchdog_, std::move(computation), std::move(record), has_request, row);
 }
 
@@ -97,6 +99,7 @@ void JobRunner::take_over(store::JobRecord record) {
 /// an attempt.
 Computation JobRunner::computation_again(const store::JobRecord& record) {
   Computation computation{record.kind, record.mesh, record.deadline, {}, record.session, record.client};
+  computation.priority = record.priority;
   computation.run = [this, record](const Execution& execution) {
     auto request = store_.blobs().job_request(record.id);
     return remake_(record, std::move(request), execution).run(execution);
@@ -217,10 +220,18 @@ void JobRunner::end_stopped(const JobPointer& job) {
 }
 
 void JobRunner::add_workers() {
-  for (auto missing = scheduler_.missing_workers(); missing > 0; --missing) {
-    auto& worker = workers_.emplace_back(Worker{scheduler_.add_seat()});
+  add_workers(WorkerKind::foreground);
+  add_workers(WorkerKind::background);
+}
+
+void JobRunner::add_workers(WorkerKind kind) {
+  for (auto missing = scheduler_.missing_workers(kind); missing > 0; --missing) {
+    auto& worker = workers_.emplace_back(Worker{scheduler_.add_seat(kind)});
     try {
-      worker.thread = std::thread([this, &seat = worker.seat] { work(seat); });
+      worker.thread = std::thread([this, &seat = worker.seat] {
+        if (seat.kind == WorkerKind::background) become_background_thread();
+        work(seat);
+      });
     } catch (...) {
       scheduler_.remove_seat(worker.seat);
       workers_.pop_back();

@@ -50,6 +50,7 @@ class JobRunner {
     std::thread thread{};
   };
 
+  void add_workers(WorkerKind kind);
   void work(Scheduler::Seat& seat);
   /// Takes a step for a job. What it throws is logged and returned, so that the thread goes on with other jobs.
   template <typename Step>

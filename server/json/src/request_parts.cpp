@@ -17,6 +17,11 @@ double read_deadline(Fields& fields, const Limits& limits) {
   return deadline;
 }
 
+void check_priority(Fields& fields) {
+  auto priority = Priority::normal;
+  fields.choice("priority", priority, priority_name_table);
+}
+
 bool is_builder(Fields& fields, std::string_view name) {
   const auto* value = fields.optional(name);
   return value && value->is_object();

@@ -14,6 +14,10 @@ namespace supple::json {
 
 inline constexpr auto switch_names =
     names_of<Switch>({{Switch::automatic, "automatic"}, {Switch::on, "on"}, {Switch::off, "off"}});
+inline constexpr auto priority_name_table =
+    names_of<Priority>({{Priority::interactive, priority_name(Priority::interactive)},
+                        {Priority::normal, priority_name(Priority::normal)},
+                        {Priority::background, priority_name(Priority::background)}});
 
 /// The ranges of lengths, of factors of energies, of angles, and of strains and other plain numbers. Meshes are 1e-70
 /// to 1e70 mesh units wide: in these ranges, squares of their energies do not overflow.
@@ -32,7 +36,11 @@ inline constexpr double max_stretch = 4;
 /// The field "deadline" in seconds, or its default. Throws "request.limit_exceeded".
 double read_deadline(Fields& fields, const Limits& limits);
 
-/// Reads a request, of which read(fields, request) reads all fields but the deadline. Throws what requests.h says.
+/// Checks the field "priority", whose value `peek_priority` reads.
+void check_priority(Fields& fields);
+
+/// Reads a request, of which read(fields, request) reads all fields but the deadline and the priority. Throws what
+/// requests.h says.
 template <class Request, class Read>
 Request read_request(std::string_view body, const Limits& limits, const CancellationToken& cancellation, Read read) {
   const auto document = parse_document(body, limits, cancellation);
@@ -41,6 +49,7 @@ Request read_request(std::string_view body, const Limits& limits, const Cancella
   Request request;
   read(fields, request);
   request.deadline = read_deadline(fields, limits);
+  check_priority(fields);
   fields.finish();
   faults.throw_if_any();
   return request;

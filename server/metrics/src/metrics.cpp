@@ -67,6 +67,10 @@ struct Metrics::Implementation {
                                                              .Register(registry);
   prometheus::Family<prometheus::Gauge>& jobs =
       prometheus::BuildGauge().Name("supple_jobs").Help("Unfinished jobs by state.").Register(registry);
+  prometheus::Family<prometheus::Gauge>& waiting_jobs = prometheus::BuildGauge()
+                                                            .Name("supple_jobs_waiting")
+                                                            .Help("Jobs that wait for a worker by priority.")
+                                                            .Register(registry);
   prometheus::Gauge& connections = gauge("supple_connections", "Open connections.");
   prometheus::Gauge& event_streams = gauge("supple_event_streams", "Event streams that are followed.");
   prometheus::Gauge& answering = gauge("supple_requests_answering", "Requests that are answered, probes aside.");
@@ -154,6 +158,8 @@ void Metrics::count_evaluations(const std::string& model, std::int64_t states) {
 std::string Metrics::text(const Snapshot& snapshot) {
   auto& self = *implementation_;
   for (const auto& [state, count] : snapshot.jobs) self.jobs.Add({{"state", state}}).Set(static_cast<double>(count));
+  for (const auto& [priority, count] : snapshot.waiting_jobs)
+    self.waiting_jobs.Add({{"priority", priority}}).Set(static_cast<double>(count));
   for (const auto& [part, bytes] : snapshot.store_bytes)
     self.store.Add({{"part", part}}).Set(static_cast<double>(bytes));
   self.store_limit.Set(static_cast<double>(snapshot.store_limit));

@@ -103,14 +103,17 @@ class EndpointHandler {
     if (request.body.size() <= max_bytes_at_once) return endpoint_.prepare(asked, Loader(services_, request, begin));
     PreparedComputation prepared;
     const double deadline = remaining_seconds(json::peek_deadline(request.body, services_.limits.json), begin);
-    work_now(services_, request, {.kind = endpoint_.kind, .mesh = {}, .deadline = deadline, .run = {}},
-             [&](const Execution& execution) {
-               prepared = endpoint_.prepare(asked, Loader(services_, request, execution));
-             });
+    jobs::Computation reading{.kind = endpoint_.kind, .mesh = {}, .deadline = deadline, .run = {}};
+    reading.priority = priority_of_preparation(request.body);
+    work_now(services_, request, std::move(reading), [&](const Execution& execution) {
+      prepared = endpoint_.prepare(asked, Loader(services_, request, execution));
+    });
     return prepared;
   }
 
   jobs::Computation computation_of(const http::Request& request, PreparedComputation prepared) const {
+    // Who sends requests with a session, one after the other, waits for the latest one.
+    const auto unasked = prepared.session.empty() ? Priority::normal : Priority::interactive;
     // Sessions of two keys that have the same name are two.
     if (!prepared.session.empty() && !request.key.empty()) prepared.session = request.key + " " + prepared.session;
     return {.kind = endpoint_.kind,
@@ -121,7 +124,8 @@ class EndpointHandler {
             .client = request.client,
             .owner = request.key,
             .bytes = static_cast<std::int64_t>(request.body.size()),
-            .max_waiting = request.max_waiting_jobs};
+            .max_waiting = request.max_waiting_jobs,
+            .priority = json::peek_priority(request.body).value_or(unasked)};
   }
 
   http::Response answer_with_job(const http::Request& request, jobs::Computation computation,

@@ -1,11 +1,13 @@
 #include "job_events.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <thread>
 
 #include "supple/json/answers.h"
 #include "supple/json/json_writer.h"
+#include "supple/store/clock.h"
 #include "supple/store/store_error.h"
 
 namespace supple::routes {
@@ -56,6 +58,13 @@ class EventStream {
 
 }  // namespace
 
+std::optional<double> estimated_remaining_seconds(const jobs::JobStatus& status, std::int64_t now) {
+  constexpr double min_progress = 0.02;  // what has to be done first says little about the speed of the rest
+  if (status.record.state != JobState::running || status.progress <= min_progress) return std::nullopt;
+  const double elapsed = 1e-3 * static_cast<double>(std::max<std::int64_t>(0, now - status.record.started));
+  return elapsed * (1 - status.progress) / status.progress;
+}
+
 std::string write_job(const jobs::JobStatus& status) {
   const auto& record = status.record;
   json::JsonWriter out;
@@ -64,11 +73,17 @@ std::string write_job(const jobs::JobStatus& status) {
   out.field("state", store::state_name(record.state))
       .field("progress", status.progress)
       .field("stage", status.stage)
+      .field("priority", priority_name(record.priority))
       .field("created", json::time_text(record.created));
   if (record.started) out.field("started", json::time_text(record.started));
   if (record.finished) out.field("finished", json::time_text(record.finished));
   if (record.expires) out.field("expires", json::time_text(record.expires));
-  out.field("deadline", record.deadline);
+  out.field("deadline", record.deadline).key("remaining_seconds");
+  if (const auto remaining = estimated_remaining_seconds(status, store::now_milliseconds())) {
+    out.number(*remaining);
+  } else {
+    out.null();
+  }
   if (record.state == JobState::successful) out.field("result", "/v1/jobs/" + record.id + "/result");
   if (!record.error.empty()) out.key("error").raw(record.error);
   if (!status.partial.empty() && !is_finished(status)) out.key("partial").raw(status.partial);

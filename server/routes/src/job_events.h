@@ -2,12 +2,17 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "supple/http/message.h"
 #include "supple/jobs/job_queue.h"
 
 namespace supple::routes {
+
+/// Seconds until a running job ends, if it goes on as fast as it has gone so far; nothing while its progress tells too
+/// little. `now` is in milliseconds since 1970.
+std::optional<double> estimated_remaining_seconds(const jobs::JobStatus& status, std::int64_t now);
 
 /// A job as the contract describes it.
 std::string write_job(const jobs::JobStatus& status);

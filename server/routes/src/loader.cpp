@@ -1,11 +1,19 @@
 #include "loader.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "immediate_answer.h"
 #include "ownership.h"
 #include "request_pointers.h"
+#include "supple/json/requests.h"
 #include "supple/store/store_error.h"
 
 namespace supple::routes {
+
+Priority priority_of_preparation(std::string_view body) {
+  return std::min(json::peek_priority(body).value_or(Priority::normal), Priority::normal);
+}
 
 std::shared_ptr<const store::LoadedMesh> Loader::mesh(const std::string& id, double deadline) const {
   return fault_of_field<store::MeshNotFound>("/mesh", [&] {
@@ -29,7 +37,9 @@ const surface::NearestPointSearch& Loader::nearest_search(const std::string& id,
 void Loader::run(const std::string& mesh, double deadline, const std::function<void(const Execution&)>& work) const {
   if (execution_) return work(*execution_);
   const double left = remaining_seconds(deadline, begin_);
-  work_now(services_, request_, {.kind = "meshes", .mesh = mesh, .deadline = left, .run = {}}, work);
+  jobs::Computation loading{.kind = "meshes", .mesh = mesh, .deadline = left, .run = {}};
+  loading.priority = priority_of_preparation(request_.body);
+  work_now(services_, request_, std::move(loading), work);
 }
 
 }  // namespace supple::routes

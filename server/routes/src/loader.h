@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "supple/base/execution.h"
 #include "supple/http/message.h"
@@ -12,6 +13,10 @@
 #include "supple/surface/nearest_point.h"
 
 namespace supple::routes {
+
+/// The priority of what has to be done before a request can become a computation. Whoever asks for something in the
+/// background does not wait for other background jobs until it is accepted.
+Priority priority_of_preparation(std::string_view body);
 
 /// Gives an endpoint what it prepares a computation from: the server's limits and models, and the meshes that the
 /// request may see.

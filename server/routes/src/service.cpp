@@ -77,6 +77,9 @@ http::Response metrics_text(const Services& services) {
   if (services.ready) {
     snapshot.jobs = {{"accepted", static_cast<std::int64_t>(services.jobs->waiting())},
                      {"running", static_cast<std::int64_t>(services.jobs->running())}};
+    for (const auto priority : {Priority::interactive, Priority::normal, Priority::background})
+      snapshot.waiting_jobs.emplace(priority_name(priority),
+                                    static_cast<std::int64_t>(services.jobs->waiting(priority)));
     snapshot.computations = services.jobs->immediate();
     snapshot.abandoned = static_cast<std::int64_t>(services.jobs->abandoned());
     const auto size = services.meshes->size();

@@ -75,6 +75,7 @@ void add_job(RecordFile& file, const JobRecord& job) {
       .add("attempts", std::int64_t{job.attempts})
       .add("error", job.error)
       .add("error-status", std::int64_t{job.error_status});
+  if (job.priority != Priority::normal) file.add("priority", priority_name(job.priority));
   if (job.idempotency_key.empty()) return;
   file.add("idempotency-key", job.idempotency_key).add("request-hash", job.request_hash);
 }
@@ -169,6 +170,7 @@ JobRecord job_of(const RecordFile& file) {
   job.error_status = static_cast<int>(file.integer("error-status"));
   job.idempotency_key = file.value("idempotency-key");
   job.request_hash = file.value("request-hash");
+  job.priority = priority_of(file.value("priority")).value_or(Priority::normal);  // files name no normal one
   return job;
 }
 

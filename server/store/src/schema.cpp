@@ -65,6 +65,7 @@ constexpr Column later_columns[] = {
     {"jobs", "session", "TEXT NOT NULL DEFAULT ''"},         {"jobs", "attempts", "INTEGER NOT NULL DEFAULT 0"},
     {"meshes", "bytes", "INTEGER NOT NULL DEFAULT -1"},      {"jobs", "bytes", "INTEGER NOT NULL DEFAULT -1"},
     {"jobs", "idempotency_key", "TEXT NOT NULL DEFAULT ''"}, {"jobs", "request_hash", "TEXT NOT NULL DEFAULT ''"},
+    {"jobs", "priority", "TEXT NOT NULL DEFAULT 'normal'"},
 };
 
 constexpr const char* indices_of_later_columns =
@@ -73,7 +74,7 @@ constexpr const char* indices_of_later_columns =
 /// The columns of the table "jobs" that make a job.
 constexpr const char* job_columns =
     "id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, session, "
-    "attempts, idempotency_key, request_hash";
+    "attempts, idempotency_key, request_hash, priority";
 
 bool has_column(const Database& database, const Column& column) {
   Statement rows(database, "SELECT 1 FROM pragma_table_info(?) WHERE name = ?");
@@ -127,13 +128,14 @@ JobRecord read_job(const Statement& row) {
   job.attempts = static_cast<int>(row.integer(13));
   job.idempotency_key = row.text(14);
   job.request_hash = row.text(15);
-  job.owner = row.text(16);
+  job.priority = priority_of(row.text(16)).value_or(Priority::normal);
+  job.owner = row.text(17);
   return job;
 }
 
 void insert_job(const Database& database, const JobRecord& job, std::int64_t request_bytes, OwnerTable& owners) {
   Statement(database, "INSERT INTO jobs (" + std::string(job_columns) +
-                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                          ", bytes) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
       .bind(job.id)
       .bind(job.kind)
       .bind(job.mesh)
@@ -150,6 +152,7 @@ void insert_job(const Database& database, const JobRecord& job, std::int64_t req
       .bind(static_cast<std::int64_t>(job.attempts))
       .bind(job.idempotency_key)
       .bind(job.request_hash)
+      .bind(priority_name(job.priority))
       .bind(request_bytes)
       .run();
   if (!job.owner.empty()) owners.add(OwnerTable::Kind::job, job.id, job.owner);

@@ -10,6 +10,8 @@ namespace {
 /// get some too.
 constexpr std::size_t abandoned_jobs_per_call = 8;
 
+constexpr const char* by_urgency = "array_position(ARRAY['interactive', 'normal', 'background'], priority), sequence";
+
 /// The leases of jobs, by the clock of the database.
 class SharedLeases final : public LeaseStore {
  public:
@@ -36,26 +38,31 @@ class SharedLeases final : public LeaseStore {
     return leased;
   }
 
-  std::vector<JobRecord> lease_jobs(std::size_t max_count) override {
+  std::vector<JobRecord> lease_jobs(const IdleWorkers& idle) override {
     return state_.database.transaction([&](pqxx::work& transaction) {
       std::vector<JobRecord> taken;
       const auto take = [&](const std::string& condition, std::size_t limit) {
         const auto rows = transaction.exec_params(
             "WITH free AS (SELECT id, sequence FROM jobs "
             "WHERE finished = 0 AND holder <> $1 AND " +
-                condition +
-                " ORDER BY sequence LIMIT $2 FOR UPDATE SKIP LOCKED), "
+                condition + " ORDER BY " + by_urgency +
+                " LIMIT $2 FOR UPDATE SKIP LOCKED), "
                 "taken AS (UPDATE jobs SET holder = $1, hold = hold + 1, revision = revision + 1 FROM free "
                 "WHERE jobs.id = free.id RETURNING jobs.*) SELECT " +
-                shared_job_columns() + " FROM taken AS jobs ORDER BY sequence",
+                shared_job_columns() + " FROM taken AS jobs ORDER BY " + by_urgency,
             state_.server, static_cast<std::int64_t>(limit));
         for (const auto& row : rows) taken.push_back(read_shared_job(row));
       };
       // A join would not do. If another server has just taken a row, PostgreSQL evaluates the condition again, but a
       // join would still use the old row of "servers".
       take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now()",
-           std::max(max_count, abandoned_jobs_per_call));
-      if (max_count > taken.size()) take("state = 'accepted'", max_count - taken.size());
+           std::max(idle.foreground + idle.background, abandoned_jobs_per_call));
+      const auto lost_in_background = static_cast<std::size_t>(std::count_if(
+          taken.begin(), taken.end(), [](const JobRecord& job) { return job.priority == Priority::background; }));
+      const auto lost = taken.size() - lost_in_background;
+      if (idle.foreground > lost) take("state = 'accepted' AND priority <> 'background'", idle.foreground - lost);
+      if (idle.background > lost_in_background)
+        take("state = 'accepted' AND priority = 'background'", idle.background - lost_in_background);
       return taken;
     });
   }

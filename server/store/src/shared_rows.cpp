@@ -156,7 +156,7 @@ void read_rows(pqxx::work& transaction, const Database& database) {
                                    "(SELECT content FROM requests WHERE job = jobs.id) FROM jobs ORDER BY sequence");
        row.step();) {
     const auto job = read_job(row);
-    constexpr int end = 17;  // number of columns that read_job reads
+    constexpr int end = 18;  // number of columns that read_job reads
     insert_shared_job(transaction, job, row.integer(end), {}, row.text(end + 4));
     transaction.exec_params("UPDATE jobs SET result_type = $2, result_headers = $3, result_hash = $4 WHERE id = $1",
                             job.id, row.text(end + 1), row.text(end + 2), row.text(end + 3));

@@ -16,6 +16,9 @@ constexpr int version_of_shared_tables = 1;
 /// SQL statement of a lock, with which servers that start together make the tables one after the other.
 constexpr const char* table_creation_lock = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
 
+/// Columns that were added to tables of version 1. A server that does not know them writes rows with their defaults.
+constexpr const char* later_shared_columns = "ALTER TABLE jobs ADD COLUMN priority text NOT NULL DEFAULT 'normal'";
+
 /// In "jobs", `holder` is the server that has the lease of the job, empty where none has. `hold` is the fencing token.
 constexpr const char* shared_tables = R"(
 CREATE TABLE IF NOT EXISTS store (
@@ -69,7 +72,8 @@ CREATE TABLE IF NOT EXISTS jobs (
   progress double precision NOT NULL DEFAULT 0,
   stage text NOT NULL DEFAULT '',
   partial text NOT NULL DEFAULT '',
-  revision bigint NOT NULL DEFAULT 1
+  revision bigint NOT NULL DEFAULT 1,
+  priority text NOT NULL DEFAULT 'normal'
 );
 CREATE INDEX IF NOT EXISTS unfinished_jobs ON jobs (sequence) WHERE finished = 0;
 CREATE INDEX IF NOT EXISTS held_jobs ON jobs (holder) WHERE finished = 0;
@@ -96,6 +100,13 @@ void require_no_own_database(const DataPaths& paths) {
   throw StoreUnavailable("The data folder " + paths.folder.string() + " is not the one that this database belongs to.");
 }
 
+/// Altering a table waits for all others who use it, so that it is done only where a column is missing.
+void add_later_columns(pqxx::work& transaction) {
+  const auto missing = transaction.exec1(
+      "SELECT NOT EXISTS (SELECT 1 FROM pg_attribute WHERE attrelid = 'jobs'::regclass AND attname = 'priority')");
+  if (missing[0].as<bool>()) transaction.exec0(later_shared_columns);
+}
+
 constexpr const char* version_and_id = "SELECT version, id FROM store";
 
 void require_version_and_folder(const pqxx::row& row, const DataPaths& paths) {
@@ -115,6 +126,7 @@ void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   database.transaction([&](pqxx::work& transaction) {
     transaction.exec(table_creation_lock);
     transaction.exec0(shared_tables);
+    add_later_columns(transaction);
     if (const auto rows = transaction.exec(version_and_id); !rows.empty()) {
       require_version_and_folder(rows[0], paths);
       return true;
@@ -134,6 +146,7 @@ void require_shared_tables(pqxx::work& transaction, const DataPaths& paths) {
   const auto rows = transaction.exec(version_and_id);
   if (rows.empty()) throw_no_store();
   require_version_and_folder(rows[0], paths);
+  add_later_columns(transaction);
 }
 
 void lock_out_servers(pqxx::work& transaction) {
@@ -153,7 +166,7 @@ void lock_out_servers(pqxx::work& transaction) {
 
 std::string shared_job_columns() {
   return "jobs.id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, client, "
-         "session, owner, attempts, idempotency_key, request_hash, hold";
+         "session, owner, attempts, idempotency_key, request_hash, priority, hold";
 }
 
 JobRecord read_shared_job(const pqxx::row& row) {
@@ -178,6 +191,7 @@ JobRecord read_shared_job(const pqxx::row& row) {
   job.attempts = static_cast<int>(integer());
   job.idempotency_key = text();
   job.request_hash = text();
+  job.priority = priority_of(text()).value_or(Priority::normal);
   job.fencing_token = integer();
   return job;
 }
@@ -186,11 +200,12 @@ bool insert_shared_job(pqxx::work& transaction, const JobRecord& job, std::int64
                        const std::string& request) {
   const auto rows = transaction.exec_params(
       "INSERT INTO jobs (id, kind, mesh, state, created, started, finished, expires, deadline, error, error_status, "
-      "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold) VALUES ($1, $2, $3, $4, "
-      "$5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20) ON CONFLICT DO NOTHING",
+      "client, session, owner, attempts, idempotency_key, request_hash, bytes, holder, hold, priority) VALUES ($1, $2, "
+      "$3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20, $21) ON CONFLICT DO NOTHING",
       job.id, job.kind, job.mesh, std::string(state_name(job.state)), job.created, job.started, job.finished,
       job.expires, job.deadline, job.error, job.error_status, job.client, job.session, job.owner, job.attempts,
-      job.idempotency_key, job.request_hash, bytes, holder, job.fencing_token);
+      job.idempotency_key, job.request_hash, bytes, holder, job.fencing_token,
+      std::string(priority_name(job.priority)));
   if (rows.affected_rows() == 0) return false;
   if (!request.empty()) {
     transaction.exec_params("UPDATE jobs SET request = $2 WHERE id = $1", job.id,

@@ -30,6 +30,7 @@ export type Simulation = Schemas["SimulationResponse"];
 export type PatchMesh = Schemas["PatchMesh"];
 export type KeySession = Schemas["KeySession"];
 export type Job = Schemas["Job"];
+export type Priority = Schemas["Priority"];
 export type ProblemDocument = Schemas["Problem"];
 export type Mesh = Schemas["Mesh"];
 export type MeshRepair = Schemas["MeshRepair"];

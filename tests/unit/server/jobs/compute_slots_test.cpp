@@ -75,5 +75,28 @@ TEST(ComputeSlots, AreTakenNextByTheClientThatHasTheFewest) {
   EXPECT_EQ(slots.in_use(), 1);
 }
 
+TEST(ComputeSlots, AreTakenByInteractiveComputationsFirstAndOneOfThemNeedsNone) {
+  ComputeSlots slots(1);
+  std::mutex mutex;
+  std::string order;
+  std::vector<std::thread> threads;
+  std::optional<ComputeSlots::Slot> taken(std::in_place, slots, CancellationToken());
+  std::optional<ComputeSlots::Slot> beyond(std::in_place, slots, CancellationToken(), "", Priority::interactive);
+  EXPECT_EQ(slots.in_use(), 2) << "it did not wait";
+  int in_use = 2;
+  for (const auto priority : {Priority::normal, Priority::normal, Priority::interactive}) {
+    threads.emplace_back([&, priority] {
+      const ComputeSlots::Slot slot(slots, {}, "", priority);
+      const std::lock_guard lock(mutex);
+      order += priority_name(priority)[0];
+    });
+    for (++in_use; slots.in_use() < in_use;) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  beyond.reset();
+  taken.reset();
+  for (auto& thread : threads) thread.join();
+  EXPECT_EQ(order, "inn");
+}
+
 }  // namespace
 }  // namespace supple::jobs

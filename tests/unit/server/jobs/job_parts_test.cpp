@@ -46,6 +46,18 @@ class JobPartsTest : public ::testing::Test {
     }
     return std::nullopt;
   }
+  static Computation of_priority(Priority priority, const std::string& client = {}) {
+    auto computation = of_client(client);
+    computation.priority = priority;
+    return computation;
+  }
+  static JobPointer next(const FairQueue& queue) { return queue.next(Priority::interactive, Priority::background); }
+  /// A worker of this kind that has begun a job.
+  Scheduler::Seat& start_job(WorkerKind kind) {
+    auto& seat = scheduler_.add_seat(kind);
+    EXPECT_TRUE(scheduler_.take(seat));
+    return seat;
+  }
   static std::string id_of(const JobPointer& job) { return job ? job->id : ""; }
 
   QueueOptions options_;
@@ -61,25 +73,49 @@ TEST_F(JobPartsTest, AQueueGivesTheFirstJobOfTheClientWithTheFewestThatIsNotPaus
   const auto a2 = job("a2", of_client("a"));
   const auto b = job("b", of_client("b"));
   for (const auto& one : {a1, a2, b}) queue.add(one, false);
-  EXPECT_EQ(id_of(queue.next()), "a1");
+  EXPECT_EQ(id_of(next(queue)), "a1");
   queue.pause(*a1, true);
-  EXPECT_EQ(id_of(queue.next()), "a2");
+  EXPECT_EQ(id_of(next(queue)), "a2");
   queue.pause(*a1, false);
   queue.remove(*a1);
   queue.begin(*a1);
-  EXPECT_EQ(id_of(queue.next()), "b");
+  EXPECT_EQ(id_of(next(queue)), "b");
   queue.begin(*b);
-  EXPECT_EQ(id_of(queue.next()), "a2") << "both have one";
-  queue.end("a");
+  EXPECT_EQ(id_of(next(queue)), "a2") << "both have one";
+  queue.end("a", Priority::normal);
   queue.remove(*a2);
   queue.pause(*b, true);
-  EXPECT_EQ(queue.next(), nullptr);
+  EXPECT_EQ(next(queue), nullptr);
   EXPECT_EQ(queue.size(), 1U);
   EXPECT_EQ(queue.jobs(), std::vector{b});
   b->token.request(StopReason::cancelled);
   EXPECT_TRUE(queue.stopped_jobs().empty()) << "it is paused";
   queue.pause(*b, false);
   EXPECT_EQ(queue.stopped_jobs(), std::vector{b});
+}
+
+TEST_F(JobPartsTest, AQueueGivesUrgentJobsFirstAndIsFairAmongThoseOfOnePriority) {
+  FairQueue queue(options_);
+  const auto background = job("background", of_priority(Priority::background, "a"));
+  const auto normal = job("normal", of_priority(Priority::normal, "b"));
+  const auto first = job("first", of_priority(Priority::interactive, "a"));
+  const auto second = job("second", of_priority(Priority::interactive, "b"));
+  for (const auto& one : {background, normal, first, second}) queue.add(one, false);
+  EXPECT_EQ(queue.size(Priority::interactive), 2U);
+  EXPECT_EQ(queue.size(Priority::background), 1U);
+  EXPECT_EQ(id_of(next(queue)), "first");
+  queue.begin(*job("runs", of_priority(Priority::background, "a")));
+  EXPECT_EQ(id_of(next(queue)), "first") << "jobs in the background take no worker from others";
+  queue.begin(*job("runs too", of_priority(Priority::normal, "a")));
+  EXPECT_EQ(id_of(next(queue)), "second") << "its client has none";
+  queue.remove(*second);
+  EXPECT_EQ(id_of(next(queue)), "first") << "it comes before a normal job of a client without any";
+  EXPECT_EQ(id_of(queue.next(Priority::normal, Priority::normal)), "normal");
+  EXPECT_EQ(id_of(queue.next(Priority::background, Priority::background)), "background");
+  queue.end("a", Priority::normal);
+  queue.end("a", Priority::background);
+  for (const auto& one : {first, normal}) queue.remove(*one);
+  EXPECT_EQ(id_of(next(queue)), "background");
 }
 
 TEST_F(JobPartsTest, AQueueGivesNoLastAttemptBesideAnother) {
@@ -91,9 +127,9 @@ TEST_F(JobPartsTest, AQueueGivesNoLastAttemptBesideAnother) {
   EXPECT_FALSE(queue.is_last_attempt(*other));
   for (const auto& one : {last, other}) queue.add(one, false);
   queue.set_last_attempt_runs(true);
-  EXPECT_EQ(id_of(queue.next()), "other");
+  EXPECT_EQ(id_of(next(queue)), "other");
   queue.set_last_attempt_runs(false);
-  EXPECT_EQ(id_of(queue.next()), "last");
+  EXPECT_EQ(id_of(next(queue)), "last");
   options_.max_attempts = 1;
   EXPECT_FALSE(queue.is_last_attempt(*job("new"))) << "a first attempt is not suspect";
 }
@@ -280,10 +316,12 @@ TEST_F(JobPartsTest, AComputationIsOverdueASecondAfterItsDeadlineItsEndOrItsClie
 
 TEST_F(JobPartsTest, ASchedulerThatRefusesTakesNoJobAndStopsThoseThatWait) {
   options_.workers = 3;
-  EXPECT_EQ(scheduler_.missing_workers(), 3U);
+  EXPECT_EQ(scheduler_.missing_workers(WorkerKind::foreground), 4U) << "one is for interactive jobs";
+  EXPECT_EQ(scheduler_.missing_workers(WorkerKind::background), 3U);
   const auto one = job("a", {}, Row::written);
   scheduler_.admit(one);
-  EXPECT_EQ(scheduler_.idle_workers(), 2U);
+  EXPECT_EQ(scheduler_.idle_workers()->foreground, 2U);
+  EXPECT_EQ(scheduler_.idle_workers()->background, 3U);
   EXPECT_TRUE(scheduler_.adopt(job("b", {}, Row::written)));
   EXPECT_FALSE(scheduler_.adopt(job("b", {}, Row::written))) << "it is known";
   EXPECT_EQ(scheduler_.waiting(), 2U);
@@ -297,7 +335,34 @@ TEST_F(JobPartsTest, ASchedulerThatRefusesTakesNoJobAndStopsThoseThatWait) {
   EXPECT_EQ(scheduler_.waiting_jobs().at(0)->token.reason(), StopReason::shutdown);
   scheduler_.end();
   EXPECT_FALSE(scheduler_.take(scheduler_.add_seat()));
-  EXPECT_EQ(scheduler_.missing_workers(), 0U);
+  EXPECT_EQ(scheduler_.missing_workers(WorkerKind::foreground), 0U);
+  EXPECT_EQ(scheduler_.missing_workers(WorkerKind::background), 0U);
+}
+
+TEST_F(JobPartsTest, JobsInTheBackgroundTakeNoWorkerFromOthersAndOthersNoneFromThem) {
+  options_.workers = 1;
+  scheduler_.admit(job("quiet", of_priority(Priority::background), Row::written));
+  scheduler_.admit(job("normal", of_priority(Priority::normal), Row::written));
+  EXPECT_EQ(scheduler_.idle_workers()->foreground, 0U);
+  EXPECT_EQ(scheduler_.idle_workers()->background, 0U);
+  auto& quiet = start_job(WorkerKind::background);
+  auto& normal = start_job(WorkerKind::foreground);
+  EXPECT_EQ(id_of(quiet.job), "quiet");
+  EXPECT_EQ(id_of(normal.job), "normal");
+  EXPECT_EQ(scheduler_.running(), 2U);
+  scheduler_.admit(job("quiet too", of_priority(Priority::background), Row::written));
+  scheduler_.admit(job("normal too", of_priority(Priority::normal), Row::written));
+  scheduler_.admit(job("drag", of_priority(Priority::interactive), Row::written));
+  EXPECT_EQ(scheduler_.waiting(Priority::background), 1U);
+  auto& drag = start_job(WorkerKind::foreground);
+  EXPECT_EQ(id_of(drag.job), "drag") << "one more may run than there are workers";
+  scheduler_.leave(drag);
+  scheduler_.leave(normal);
+  ASSERT_TRUE(scheduler_.take(normal));
+  EXPECT_EQ(id_of(normal.job), "normal too");
+  scheduler_.leave(quiet);
+  ASSERT_TRUE(scheduler_.take(quiet));
+  EXPECT_EQ(id_of(quiet.job), "quiet too");
 }
 
 TEST_F(JobPartsTest, AJobThatDoesNotStopIsAbandonedOnceAndLateUntilItsComputationReturns) {

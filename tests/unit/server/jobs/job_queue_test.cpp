@@ -1,4 +1,9 @@
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <mutex>
 #include <new>
@@ -8,6 +13,7 @@
 #include <vector>
 
 #include "job_queue_fixture.h"
+#include "supple/base/background_threads.h"
 #include "supple/base/memory_account.h"
 #include "supple/budget/counting_malloc.h"
 
@@ -249,6 +255,82 @@ TEST_F(JobQueueTest, LetsNoClientKeepTheWorkersFromOthers) {
   }
   queue().remove(running);
   for (const auto& id : others) wait_until_finished(id);
+}
+
+/// The computation with this priority.
+Computation prioritized(Computation computation, Priority priority) {
+  computation.priority = priority;
+  return computation;
+}
+
+TEST_F(JobQueueTest, ComputesInTheBackgroundWithoutDelayingOthers) {
+  std::vector<std::string> in_background;
+  for (int i = 0; i < 3; ++i)
+    in_background.push_back(queue().submit(prioritized(endless(), Priority::background)).record.id);
+  wait_until_started();
+  EXPECT_EQ(queue().run_within(prioritized(answering("drag"), Priority::interactive), 60, {}).result->body, "drag");
+  EXPECT_EQ(queue().run_within(answering("normal"), 60, {}).result->body, "normal");
+  EXPECT_EQ(queue().run_now(answering("now"), {}).body, "now");
+  EXPECT_EQ(started_, 1) << "there is one worker in the background";
+  EXPECT_EQ(queue().waiting(Priority::background), 2U);
+  const auto normal = queue().submit(endless()).record.id;
+  wait_until_started(2);
+  EXPECT_EQ(queue().run_within(prioritized(answering("drag"), Priority::interactive), 60, {}).result->body, "drag")
+      << "nor do normal jobs delay it";
+  in_background.push_back(normal);
+  for (const auto& id : in_background) queue().remove(id);
+}
+
+TEST_F(JobQueueTest, AnswersInTheBackgroundOnThreadsWithALowerPriority) {
+  const auto niceness = [] { return ::getpriority(PRIO_PROCESS, static_cast<id_t>(::gettid())); };
+  const auto asking = [&] {
+    return computation([&](const Execution&) {
+      const bool is_background = is_background_thread();
+      return store::Result{"text/plain", {}, std::to_string(niceness()) + (is_background ? " in the background" : "")};
+    });
+  };
+  EXPECT_EQ(queue().run_now(asking(), {}).body, std::to_string(niceness()));
+  const auto nicer = std::to_string(std::min(19, niceness() + 10)) + " in the background";
+  Profile profile;
+  EXPECT_EQ(queue().run_now(prioritized(asking(), Priority::background), {}, &profile).body, nicer);
+  EXPECT_GT(profile.computed, 0);
+  EXPECT_EQ(code_of([&] { queue().run_now(prioritized(endless(0.05), Priority::background), {}); }),
+            "job.deadline_exceeded");
+  EXPECT_EQ(queue().run_now(asking(), {}).body, std::to_string(niceness())) << "other threads are as they were";
+}
+
+TEST_F(JobQueueTest, StopsASupersededComputationWithinMilliseconds) {
+  const auto in_session = [](Computation computation) {
+    computation.session = "drag";
+    return prioritized(std::move(computation), Priority::interactive);
+  };
+  std::chrono::steady_clock::time_point stopped;
+  const auto noting = in_session(computation([&](const Execution& execution) -> store::Result {
+    ++started_;
+    while (!execution.cancellation.requested()) std::this_thread::yield();
+    stopped = std::chrono::steady_clock::now();
+    execution.cancellation.throw_if_requested();
+    return {};
+  }));
+  std::string code;
+  std::thread caller([&] { code = code_of([&] { queue().run_within(noting, 60, {}); }); });
+  wait_until_started();
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_EQ(queue().run_within(in_session(answering("new")), 60, {}).result->body, "new");
+  caller.join();
+  EXPECT_EQ(code, "design.superseded");
+  EXPECT_LT(stopped - begin, std::chrono::seconds(1)) << "the request stops it, and no thread that looks now and then";
+}
+
+TEST_F(JobQueueTest, KeepsThePriorityOfAJobForTheNextProcess) {
+  remake_ = echo;
+  const auto id = queue().submit(prioritized(endless(), Priority::background), request("body")).record.id;
+  wait_until_started();
+  EXPECT_EQ(queue().status(id).record.priority, Priority::background);
+  restart();
+  const auto status = wait_until_finished(id);
+  EXPECT_EQ(status.record.priority, Priority::background);
+  EXPECT_EQ(status.record.state, JobState::successful);
 }
 
 TEST_F(JobQueueTest, TellsProgressAndStage) {

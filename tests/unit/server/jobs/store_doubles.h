@@ -62,7 +62,7 @@ class OwnLeases final : public store::LeaseStore {
     for (const auto& job : jobs_.unfinished_jobs()) leased.push_back({job.id, job.fencing_token});
     return leased;
   }
-  std::vector<store::JobRecord> lease_jobs(std::size_t) override { return {}; }
+  std::vector<store::JobRecord> lease_jobs(const store::IdleWorkers&) override { return {}; }
   std::optional<store::JobProgress> job_progress(const std::string&) const override { return std::nullopt; }
   std::optional<store::JobRecord> dismiss_job(const std::string&, std::int64_t, std::int64_t) override {
     return std::nullopt;

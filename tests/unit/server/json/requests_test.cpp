@@ -240,6 +240,25 @@ TEST(Requests, TellTheirDeadlineBeforeTheyAreParsed) {
     EXPECT_EQ(peek(body), limits.default_deadline) << body;
 }
 
+TEST(Requests, TellTheirPriorityBeforeTheyAreParsed) {
+  EXPECT_EQ(peek_priority(R"({"mesh":"x", "priority" : "background", "points":[]})"), Priority::background);
+  EXPECT_EQ(peek_priority(R"({"priority":"normal","priority":"interactive"})"), Priority::interactive)
+      << "as parsers do";
+  for (const char* body : {"", "{", R"({"priority)", R"({"priority":)", R"({"priority":"backgr)", R"({"priority":2})",
+                           R"({"priority":"urgent"})", R"({"inner":{"priority":"background"}})",
+                           R"({"text":"\"priority\":\"background\""})"})
+    EXPECT_FALSE(peek_priority(body)) << body;
+}
+
+TEST(Requests, RefuseAPriorityThatThereIsNot) {
+  const std::string begin = R"({"mesh":")" + std::string(64, '0') + R"(","points":[{"vertex":0}],"priority":)";
+  EXPECT_EQ(parse_karcher_mean(begin + R"("background"})", {}).points.size(), 1U);
+  const auto error = error_of([&] { parse_karcher_mean(begin + R"("urgent"})", {}); });
+  EXPECT_EQ(error.code(), "request.invalid");
+  ASSERT_EQ(error.details().size(), 1U);
+  EXPECT_EQ(error.details()[0].where, "/priority");
+}
+
 TEST(Requests, RefuseMoreFacesThanTheLimit) {
   surface::MeshLimits limits;
   limits.faces = 1;

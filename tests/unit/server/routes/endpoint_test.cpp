@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -53,7 +54,9 @@ class EndpointTest : public ::testing::Test {
         loader.cancellation().throw_if_requested();
         std::this_thread::yield();
       }
-    return {.deadline = 60, .run = [format = std::string(asked.format), length = asked.body.size()](const Execution&) {
+    return {.deadline = 60,
+            .session = session_,
+            .run = [format = std::string(asked.format), length = asked.body.size()](const Execution&) {
               return store::Result{format, {}, std::to_string(length)};
             }};
   }
@@ -70,6 +73,14 @@ class EndpointTest : public ::testing::Test {
 
   http::Response ask(const http::Request& request) const {
     return router_.find(request.method, request.path).route->handler(request);
+  }
+
+  /// The priority of the job that a request with this body becomes.
+  Priority priority_of_job(const std::string& body) {
+    const auto response = ask(request_with(body, {{"Prefer", "respond-async"}}));
+    for (const auto& [name, value] : response.headers)
+      if (name == "Location") return jobs_->status(value.substr(std::string("/v1/jobs/").size())).record.priority;
+    throw std::runtime_error("no job");
   }
 
   std::string refusal(const http::Request& request) const {
@@ -97,6 +108,7 @@ class EndpointTest : public ::testing::Test {
   http::Router router_;
   int slots_during_preparation_ = -1;
   bool waits_for_stop_ = false;
+  std::string session_;
 };
 
 TEST_F(EndpointTest, TheFormatIsNegotiatedBeforeTheComputationIsPrepared) {
@@ -108,6 +120,15 @@ TEST_F(EndpointTest, TheFormatIsNegotiatedBeforeTheComputationIsPrepared) {
   untyped.headers.clear();
   EXPECT_EQ(refusal(untyped), "http.unsupported_media_type");
   EXPECT_EQ(slots_during_preparation_, -1) << "neither of them was prepared";
+}
+
+TEST_F(EndpointTest, AJobHasThePriorityOfItsRequest) {
+  EXPECT_EQ(priority_of_job("{}"), Priority::normal);
+  EXPECT_EQ(priority_of_job(R"({"priority":"background"})"), Priority::background);
+  session_ = "drag";
+  EXPECT_EQ(priority_of_job("{}"), Priority::interactive) << "who sends requests with a session waits for the latest";
+  EXPECT_EQ(priority_of_job(R"({"priority":"normal"})"), Priority::normal);
+  EXPECT_EQ(ask(request_with(R"({"priority":"background"})")).body, "25") << "also where it becomes no job";
 }
 
 TEST_F(EndpointTest, TheFaultOfAFormatNamesAllThatThereAre) {

@@ -59,6 +59,23 @@ std::size_t count(const std::string& text, const std::string& part) {
   return found;
 }
 
+TEST(JobEvents, TheRemainingTimeFollowsFromTheProgressOfARunningJob) {
+  auto status = status_in(JobState::running);
+  status.record.started = 1'000'000;
+  status.progress = 0.25;
+  EXPECT_DOUBLE_EQ(estimated_remaining_seconds(status, 1'010'000).value_or(0), 30);
+  EXPECT_NE(write_job(status).find("\"remaining_seconds\":"), std::string::npos);
+  EXPECT_EQ(estimated_remaining_seconds(status, 900'000), 0) << "the clock was set";
+  status.progress = 0.02;
+  EXPECT_FALSE(estimated_remaining_seconds(status, 1'010'000)) << "too little is known";
+  EXPECT_NE(write_job(status).find("\"remaining_seconds\":null"), std::string::npos);
+  for (const auto state : {JobState::accepted, JobState::successful, JobState::failed, JobState::dismissed}) {
+    auto other = status_in(state);
+    other.progress = 0.5;
+    EXPECT_FALSE(estimated_remaining_seconds(other, 1'010'000));
+  }
+}
+
 TEST(JobEvents, AJobIsFollowedUntilItIsFinished) {
   const auto text = stream_of({{JobState::accepted}, {JobState::running}, {JobState::successful}});
   EXPECT_EQ(count(text, "event: progress\n"), 2U) << text;

@@ -208,7 +208,7 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
   const auto change = [&](const char* statement) { Database(folder_ / "supple.sqlite").execute(statement); };
   for (const char* statement :
        {"ALTER TABLE jobs DROP COLUMN client", "ALTER TABLE jobs DROP COLUMN session",
-        "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
+        "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE jobs DROP COLUMN priority", "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
     change(statement);
   std::ofstream(folder_ / "results" / "old.result") << "42";  // a file of version 1, which is the body alone
   {
@@ -216,6 +216,7 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
     EXPECT_EQ(store.blobs().job_result("old").body.text(), "42");
     store.jobs().add_job(new_job("new"));
     EXPECT_EQ(store.jobs().unfinished_jobs().size(), 1U);
+    EXPECT_EQ(store.jobs().job("old")->priority, Priority::normal);
     EXPECT_TRUE(warnings_.empty());
   }
   change("PRAGMA user_version = 3");

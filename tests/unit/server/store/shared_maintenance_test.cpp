@@ -77,8 +77,9 @@ class SharedMaintenanceTest : public SharedStoreTest {
     for (const auto& job : store.jobs().jobs({}, 100, {})) {
       order += job.id + " ";
       auto& text = all["job " + job.id];
-      for (const auto& part : {job.kind, job.mesh, std::string(state_name(job.state)), job.error, job.client,
-                               job.session, job.owner, job.idempotency_key, job.request_hash})
+      for (const auto& part :
+           {job.kind, job.mesh, std::string(state_name(job.state)), std::string(priority_name(job.priority)), job.error,
+            job.client, job.session, job.owner, job.idempotency_key, job.request_hash})
         text += part + "|";
       for (const auto number : {job.created, job.started, job.finished, job.expires, std::int64_t{job.error_status},
                                 std::int64_t{job.attempts}})
@@ -260,7 +261,7 @@ TEST_F(SharedMaintenanceTest, RefusesWhatALostServerSaysAfterARepair) {
   const Result result{"text/plain", {}, "answer"};
   EXPECT_FALSE(lost.jobs().finish_job(ended(job), &result));
   SharedStore other(options());
-  EXPECT_EQ(other.leases()->lease_jobs(1).size(), 1U);
+  EXPECT_EQ(other.leases()->lease_jobs({.foreground = 1}).size(), 1U);
 }
 
 TEST_F(SharedMaintenanceTest, FindsNothingWrongWhileServersStoreAndRemove) {
@@ -296,7 +297,8 @@ TEST_F(SharedMaintenanceTest, RestoresWhatWasBackedUpToEitherKindOfStore) {
   EXPECT_EQ(check_shared_store(shared).faults, std::vector<std::string>());
   EXPECT_TRUE(fs::exists(shared.folder / "keys"));
   EXPECT_FALSE(fs::exists(shared.folder / "restoring"));
-  EXPECT_EQ(SharedStore(options_of(shared)).leases()->lease_jobs(10).size(), 2U) << "any server may run them";
+  EXPECT_EQ(SharedStore(options_of(shared)).leases()->lease_jobs({.foreground = 10}).size(), 2U)
+      << "any server may run them";
 
   restore(folder_ / "backup", folder_ / "local", false);
   {

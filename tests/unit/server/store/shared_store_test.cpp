@@ -73,6 +73,7 @@ TEST_F(SharedStoreTest, KeepsAJobWithItsRequestAndItsResult) {
     auto job = new_job(id, "alice");
     job.client = "client";
     job.session = "session";
+    job.priority = Priority::background;
     const JobRequest request{"POST", "/v1/x", {{"a", "b=c"}}, "text/plain", "*/*"};
     EXPECT_TRUE(one.jobs().add_job(job, one.blobs().store_request(job, request, body)));
     EXPECT_TRUE(two.blobs().has_request(id));
@@ -86,6 +87,7 @@ TEST_F(SharedStoreTest, KeepsAJobWithItsRequestAndItsResult) {
     EXPECT_EQ(seen->client, "client");
     EXPECT_EQ(seen->session, "session");
     EXPECT_EQ(seen->deadline, job.deadline);
+    EXPECT_EQ(seen->priority, Priority::background);
 
     EXPECT_FALSE(two.jobs().remove_job(id)) << "it has not ended";
     const auto revision = two.leases()->job_progress(id)->revision;
@@ -113,13 +115,13 @@ TEST_F(SharedStoreTest, TakesTheJobsOfAServerThatIsNotHeardOf) {
   SharedStore other(options());
   auto job = running(lost, "job");
   wait_milliseconds(100);
-  const auto taken = other.leases()->lease_jobs(0);
+  const auto taken = other.leases()->lease_jobs({.foreground = 0});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].id, "job");
   EXPECT_EQ(taken[0].state, JobState::running);
   EXPECT_EQ(taken[0].attempts, 1);
   EXPECT_EQ(taken[0].fencing_token, job.fencing_token + 1);
-  EXPECT_EQ(other.leases()->lease_jobs(5).size(), 0U) << "it has them already";
+  EXPECT_EQ(other.leases()->lease_jobs({.foreground = 5}).size(), 0U) << "it has them already";
 
   // The lost server goes on without knowing that it was lost: its reports are refused.
   const Result late{"text/plain", {}, "late"};
@@ -140,7 +142,7 @@ TEST_F(SharedStoreTest, RemovesTheFileOfAServerThatWasLostBeforeItsRow) {
   running(lost, "job");
   std::ofstream(folder_ / "data" / "results" / "job.0.result") << "its row is missing";
   wait_milliseconds(100);
-  const auto taken = other.leases()->lease_jobs(0);
+  const auto taken = other.leases()->lease_jobs({.foreground = 0});
   ASSERT_EQ(taken.size(), 1U);
   const Result result{"text/plain", {}, "right"};
   EXPECT_TRUE(other.jobs().finish_job(ended(taken[0]), &result));
@@ -148,16 +150,34 @@ TEST_F(SharedStoreTest, RemovesTheFileOfAServerThatWasLostBeforeItsRow) {
   EXPECT_EQ(other.blobs().job_result("job").body.text(), "right");
 }
 
+TEST_F(SharedStoreTest, GivesTheMostUrgentJobsToWorkersThatHaveTimeForThem) {
+  SharedStore one(options());
+  SharedStore two(options());
+  for (const auto priority : {Priority::background, Priority::normal, Priority::interactive}) {
+    auto job = new_job(std::string(priority_name(priority)));
+    job.priority = priority;
+    one.jobs().add_job(job, "request");
+  }
+  const auto urgent = two.leases()->lease_jobs({.foreground = 1});
+  ASSERT_EQ(urgent.size(), 1U);
+  EXPECT_EQ(urgent[0].id, "interactive") << "though it came last";
+  const auto quiet = two.leases()->lease_jobs({.background = 3});
+  ASSERT_EQ(quiet.size(), 1U) << "the normal one is not for workers of the background";
+  EXPECT_EQ(quiet[0].id, "background");
+  EXPECT_EQ(two.leases()->lease_jobs({.foreground = 3}).at(0).id, "normal");
+}
+
 TEST_F(SharedStoreTest, LeavesJobsToAServerThatIsHeardOf) {
   SharedStore one(options());
   SharedStore two(options());
   running(one, "runs");
   one.jobs().add_job(new_job("waits"), "request");
-  EXPECT_EQ(two.leases()->lease_jobs(0).size(), 0U) << "it has no time for them";
-  const auto taken = two.leases()->lease_jobs(5);
+  EXPECT_EQ(two.leases()->lease_jobs({.foreground = 0}).size(), 0U) << "it has no time for them";
+  const auto taken = two.leases()->lease_jobs({.foreground = 5});
   ASSERT_EQ(taken.size(), 1U);
   EXPECT_EQ(taken[0].id, "waits");
-  EXPECT_EQ(two.leases()->lease_jobs(5).size(), 0U) << "its own are not taken again, though they have not begun";
+  EXPECT_EQ(two.leases()->lease_jobs({.foreground = 5}).size(), 0U)
+      << "its own are not taken again, though they have not begun";
   const auto held = one.leases()->renew_leases({});
   ASSERT_EQ(held.size(), 1U);
   EXPECT_EQ(held[0].id, "runs");
@@ -175,7 +195,7 @@ TEST_F(SharedStoreTest, TakesEachJobOnce) {
   }
   std::atomic<int> taken{0};
   const auto take = [&](SharedStore& server) {
-    for (int i = 0; i < jobs; ++i) taken += static_cast<int>(server.leases()->lease_jobs(0).size());
+    for (int i = 0; i < jobs; ++i) taken += static_cast<int>(server.leases()->lease_jobs({.foreground = 0}).size());
   };
   std::thread first([&] { take(one); });
   take(two);
@@ -193,9 +213,9 @@ TEST_F(SharedStoreTest, FreesItsJobsAtItsEnd) {
     auto job = running(ends, "put back");
     job.state = JobState::accepted;
     EXPECT_TRUE(ends.jobs().update_job(job));
-    EXPECT_EQ(other.leases()->lease_jobs(0).size(), 1U) << "one that is put back is free at once";
+    EXPECT_EQ(other.leases()->lease_jobs({.foreground = 0}).size(), 1U) << "one that is put back is free at once";
   }
-  EXPECT_EQ(other.leases()->lease_jobs(0).size(), 1U);
+  EXPECT_EQ(other.leases()->lease_jobs({.foreground = 0}).size(), 1U);
 }
 
 TEST_F(SharedStoreTest, TellsOtherServersHowFarAJobIs) {
@@ -322,8 +342,8 @@ TEST_F(SharedStoreTest, RefusesTheFormerTokenOfAJobThatAServerLostAndTookAgain) 
     EXPECT_TRUE(server.jobs().update_job(job));
   };
   put_back(one, former);
-  put_back(two, two.leases()->lease_jobs(1).at(0));
-  const auto present = one.leases()->lease_jobs(1).at(0);
+  put_back(two, two.leases()->lease_jobs({.foreground = 1}).at(0));
+  const auto present = one.leases()->lease_jobs({.foreground = 1}).at(0);
   EXPECT_FALSE(one.jobs().update_job(former));
   const Result result{"text/plain", {}, "answer"};
   EXPECT_FALSE(one.jobs().finish_job(ended(former), &result));
@@ -337,8 +357,8 @@ TEST_F(SharedStoreTest, TakesNoNewJobsBesideThoseOfALostServerBeyondItsTime) {
   for (const char* id : {"a", "b", "c"}) running(lost, id);
   waiting.jobs().add_job(new_job("waits"), "request");
   wait_milliseconds(100);
-  EXPECT_EQ(other.leases()->lease_jobs(1).size(), 3U);
-  EXPECT_EQ(other.leases()->lease_jobs(1).at(0).id, "waits");
+  EXPECT_EQ(other.leases()->lease_jobs({.foreground = 1}).size(), 3U);
+  EXPECT_EQ(other.leases()->lease_jobs({.foreground = 1}).at(0).id, "waits");
 }
 
 TEST_F(SharedStoreTest, DropsTheLargeRequestOfAJobThatIsDismissed) {

@@ -97,7 +97,9 @@ TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
     LocalStore store(folder_);
     mesh = store.meshes().add_mesh("abc", describe).first.id;
     auto job = new_job("j1");
+    job.priority = Priority::background;
     store.jobs().add_job(job);
+    store.jobs().add_job(new_job("j2"));
     job.state = JobState::successful;
     job.finished = job.created + 5;
     const Result result{"application/octet-stream", {{"A", "1"}, {"B", "x: y"}}, std::string("\0\n\xFF", 3)};
@@ -109,6 +111,8 @@ TEST_F(StoreTest, KeepsMeshesJobsAndResultsOverARestart) {
   ASSERT_TRUE(job);
   EXPECT_EQ(job->state, JobState::successful);
   EXPECT_EQ(job->deadline, 1.5);
+  EXPECT_EQ(job->priority, Priority::background);
+  EXPECT_EQ(store.jobs().job("j2")->priority, Priority::normal);
   const auto result = store.blobs().job_result("j1");
   EXPECT_EQ(result.body.text(), std::string("\0\n\xFF", 3));
   EXPECT_EQ(result.headers, (std::vector<std::pair<std::string, std::string>>{{"A", "1"}, {"B", "x: y"}}));

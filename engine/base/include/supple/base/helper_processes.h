@@ -34,8 +34,9 @@ class HelperEnded : public Error {
 /// helper process runs no task itself, but forks a child for each. Without this, earlier tasks would change the
 /// addresses in memory, by which some libraries order things. Processes are reused, so that a small task takes only one
 /// or two milliseconds longer than in this process. If no process is free, another one is started, up to the limit.
-/// Beyond the limit callers wait. A process whose task is stopped is killed with its child. All of them end with the
-/// process that started them, however that ends. Members may be called from any thread.
+/// Beyond the limit callers wait. Background threads have processes of their own, as many again, since a process has
+/// the priority of the thread that started it. A process whose task is stopped is killed with its child. All of them
+/// end with the process that started them, however that ends. Members may be called from any thread.
 ///
 /// This process becomes the parent of orphans among its descendants (PR_SET_CHILD_SUBREAPER), so that it can wait for
 /// the child of a helper that was killed.
@@ -60,6 +61,10 @@ class HelperProcesses {
   class Process;
   std::unique_ptr<Process> acquire(const Execution& execution);
   void release(std::unique_ptr<Process> process);
+  // The caller of the following functions holds the mutex.
+  void add_idle(std::unique_ptr<Process> process);
+  /// Number of busy processes of threads in the background, or of the others.
+  int busy(bool in_background) const;
 
   const HelperOptions options_;
   mutable std::mutex mutex_;
@@ -67,6 +72,7 @@ class HelperProcesses {
   std::vector<std::unique_ptr<Process>> idle_;
   std::map<const Process*, int> busy_;  ///< busy processes and their ids
   int starting_ = 0;
+  int starting_in_background_ = 0;
 };
 
 /// The helpers of this process. Null, as at the start, means that everything runs in this process itself.

@@ -9,7 +9,8 @@ namespace supple {
 void set_thread_count(int count);
 int thread_count();
 
-/// Calls body(i) for i in [0, n), in parallel on these threads. If there are exceptions, one reaches the caller.
+/// Calls body(i) for i in [0, n), in parallel on these threads. If there are exceptions, one reaches the caller. A
+/// background thread has others for it (background_threads.h).
 void parallel_for(int n, const std::function<void(int)>& body);
 
 }  // namespace supple

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "supple/base/execution.h"
+#include "supple/base/priority.h"
 #include "supple/problem/problem.h"
 #include "supple/store/records.h"
 
@@ -30,6 +31,9 @@ struct Computation {
   /// the request has none.
   std::string idempotency_key{};
   std::string request_hash{};  ///< hash of the request that came with that key
+  /// Urgent computations start first. Computations in the background run on workers of their own, whose threads have a
+  /// lower priority.
+  Priority priority = Priority::normal;
 };
 
 /// Where an immediate computation's time and memory went.

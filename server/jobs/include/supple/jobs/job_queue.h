@@ -24,7 +24,7 @@ struct JobStatus {
 };
 
 struct QueueOptions {
-  int workers = 2;                             ///< jobs that run at the same time
+  int workers = 2;                             ///< jobs that run at the same time, and as many in the background
   int immediate = 4;                           ///< immediate computations that run at the same time
   std::size_t max_queue = 1000;                ///< jobs that wait for a worker; setting --max-queue
   std::int64_t max_queue_bytes = 256LL << 20;  ///< bytes of memory that those hold; setting --max-queue-bytes
@@ -37,6 +37,11 @@ struct QueueOptions {
 };
 
 /// Runs computations: immediately on the caller's thread, or as jobs on worker threads.
+///
+/// Interactive computations start before normal ones. They also start where `workers` jobs, or `immediate`
+/// computations, run already: one more may run if it is interactive. Background computations run on workers of their
+/// own, as many as the others have. Their threads have a lower priority, so that they delay no other computation
+/// (background_threads.h).
 ///
 /// A job that comes with its request outlives the process. The next process runs it with the same id, client and
 /// session, in the same order, and its deadline counts anew. That holds for jobs that waited and for jobs that ran,
@@ -71,7 +76,8 @@ class JobQueue {
   JobQueue(const JobQueue&) = delete;
   JobQueue& operator=(const JobQueue&) = delete;
 
-  /// Computes on this thread within a compute slot. Throws what the computation throws, "job.cancelled" once
+  /// Computes on this thread within a compute slot, or on a worker if it is in the background, for which the queue must
+  /// have a place ("job.queue_full", "job.client_queue_full"). Throws what the computation throws, "job.cancelled" once
   /// `waiting.hung_up` returns true, "job.deadline_exceeded", "server.shutting_down". Stores nothing. `profile`, if
   /// there is one, is filled however the computation ends.
   ///
@@ -113,6 +119,7 @@ class JobQueue {
   bool mesh_in_use(const std::string& mesh) const;
   std::size_t running() const;
   std::size_t waiting() const;
+  std::size_t waiting(Priority priority) const;  ///< jobs of this priority that wait for a worker
   int immediate() const;
   /// Number of computations that do not stop, and whose callers were answered.
   std::size_t abandoned() const;

@@ -10,6 +10,7 @@
 
 #include "supple/base/cancellation.h"
 #include "supple/base/effect_switch.h"
+#include "supple/base/priority.h"
 #include "supple/json/limits.h"
 #include "supple/json/name_table.h"
 #include "supple/surface/geodesic_field.h"
@@ -27,6 +28,9 @@ namespace supple::json {
 /// The deadline in seconds of a body that has not been parsed yet, which bounds its parsing: its outermost field
 /// "deadline", at most the largest one, or the default where that is missing or no number. O(bytes), about 1 ns each.
 double peek_deadline(std::string_view body, const Limits& limits);
+/// The outermost field "priority" of a body, which need not have been parsed yet; nothing where it is missing or no
+/// name. Every parser checks the field, and nobody else reads it. O(bytes), about 1 ns each.
+std::optional<Priority> peek_priority(std::string_view body);
 
 /// A point as a client writes it.
 struct PointSpec {

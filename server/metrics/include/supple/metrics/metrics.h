@@ -9,7 +9,8 @@ namespace supple::metrics {
 
 /// Values that other rooms count. They are collected when the metrics are requested.
 struct Snapshot {
-  std::map<std::string, std::int64_t> jobs;  ///< number of unfinished jobs, by state
+  std::map<std::string, std::int64_t> jobs;          ///< number of unfinished jobs, by state
+  std::map<std::string, std::int64_t> waiting_jobs;  ///< number of jobs that wait for a worker, by priority
   std::int64_t connections = 0;
   std::int64_t event_streams = 0;
   std::int64_t answering = 0;     ///< requests that are being answered, except probes

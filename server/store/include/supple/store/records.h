@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -7,6 +8,8 @@
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "supple/base/priority.h"
 
 namespace supple::store {
 
@@ -44,6 +47,7 @@ struct JobRecord {
   int attempts = 0;             ///< number of starts, except those that a shutdown of the server interrupted
   std::string idempotency_key;  ///< hash of the access key and the idempotency key; empty where none was sent
   std::string request_hash;     ///< hash of the request that came with that key
+  Priority priority = Priority::normal;
   std::int64_t fencing_token = 0;  ///< number of its lease, in a shared store
 };
 
@@ -52,6 +56,12 @@ struct JobRecord {
 struct LeasedJob {
   std::string id;
   std::int64_t fencing_token = 0;
+};
+
+/// How many jobs a server could start now: of those in the background, and of the others.
+struct IdleWorkers {
+  std::size_t foreground = 0;
+  std::size_t background = 0;
 };
 
 /// Progress of a job.

@@ -137,9 +137,9 @@ class LeaseStore {
   /// Renews the lease of this server, and stores the progress of its jobs and the times at which meshes were used.
   /// Returns the jobs that are leased to it.
   virtual std::vector<LeasedJob> renew_leases(const std::vector<JobProgress>& running) = 0;
-  /// Leases jobs to this server, the oldest first: those of servers that have not been heard of, then those that wait
-  /// at other servers.
-  virtual std::vector<JobRecord> lease_jobs(std::size_t max_count) = 0;
+  /// Leases jobs to this server, the most urgent first and of those the oldest: those of servers that have not been
+  /// heard of, then as many of those that wait at other servers as its workers could start.
+  virtual std::vector<JobRecord> lease_jobs(const IdleWorkers& idle) = 0;
   /// Progress of a job that another server runs.
   virtual std::optional<JobProgress> job_progress(const std::string& id) const = 0;
   /// Ends an unfinished job as dismissed, whichever server has it. Nullopt where there is no such job.
