@@ -13,7 +13,7 @@ import pytest
 
 from contract import Contract
 from elastic_networks import CENTRES, CORNERS, NETWORKS, SHELL, at_vertices, effect, net, springs, volume
-from harness import Api, ServerProcess, pointers, problem_code
+from harness import SLOWNESS, Api, ServerProcess, pointers, problem_code
 from shapes import bumpy_sphere, flat_grid, sphere, two_triangles_apart
 from working_time import WorkingTime, comes_true, ends_within
 from test_jobs import events, start_job
@@ -555,4 +555,23 @@ def test_a_deadline_ends_builders_and_relaxations(api: Api, slow_network: Dict[s
     work = WorkingTime(api.server.pid)
     response = api.post(NETWORKS, {**slow_network, "fixed_points": [], **builders, "deadline": 0.3})
     work.check(3, "the computation goes on")
-    assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded"), response.text[:300]
+    if response.status_code == 200 and builders["springs"]:  # the network was built in time
+        assert response.json()["stopped"] == "deadline"
+    else:
+        assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded"), response.text[:300]
+
+
+def test_a_deadline_gives_the_best_state_until_then(api: Api, slow_network: Dict[str, Any]) -> None:
+    late = {**slow_network, "deadline": 2 * SLOWNESS}
+    answer = api.ok(NETWORKS, late)
+    assert answer["stopped"] == "deadline"
+    energies = [state["energy"] for state in answer["history"]]
+    assert answer["energy"] == energies[-1] < energies[0] and answer["iterations"] == len(energies) - 1
+    assert sum(term["energy"] for term in answer["terms"]) == pytest.approx(answer["energy"], rel=1e-9)
+    assert any(f"The deadline passed after {answer['iterations']} iteration" in warning for warning in answer["warnings"])
+    going_on = api.ok(NETWORKS, {**slow_network, "points": answer["points"], "max_iterations": 1})
+    assert going_on["history"][0]["energy"] == pytest.approx(answer["energy"], rel=1e-9)
+    job = start_job(api, NETWORKS, late)
+    assert api.wait_for_job(job)["state"] == "successful"
+    file = api.post(NETWORKS, late, headers={"Accept": "model/obj"})
+    assert (file.status_code, file.headers["Supple-Stopped"]) == (200, "deadline")

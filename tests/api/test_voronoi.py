@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from contract import Contract
-from harness import Api, ServerProcess, pointers, problem_code
+from harness import SLOWNESS, Api, ServerProcess, pointers, problem_code
 from shapes import bumpy_sphere, exported_ring, flat_grid, sphere, torus, two_triangles_apart
 from working_time import WorkingTime
 from test_jobs import events, start_job
@@ -447,8 +447,27 @@ def test_events_carry_the_diagram_on_its_way_until_the_job_is_cancelled(api: Api
     assert api.get(f"/v1/jobs/{job}/result").status_code == 410
 
 
-def test_a_deadline_ends_an_optimization(api: Api, slow_optimization: Dict[str, Any]) -> None:
-    response = api.post(OPTIMIZATIONS, {**slow_optimization, "deadline": 0.5})
+def test_a_deadline_gives_the_best_diagram_until_then(api: Api, slow_optimization: Dict[str, Any]) -> None:
+    late = {**slow_optimization, "deadline": 3 * SLOWNESS}
+    answer = api.ok(OPTIMIZATIONS, late)
+    assert answer["stopped"] == "deadline"
+    energies = [state["energy"] for state in answer["history"]]
+    assert energies == sorted(energies, reverse=True)
+    assert (answer["energy"], answer["iterations"]) == (energies[-1], len(energies) - 1)
+    assert sum(term["energy"] for term in answer["terms"]) == pytest.approx(answer["energy"], rel=1e-9)
+    assert any(f"The deadline passed after {answer['iterations']} iteration" in warning for warning in answer["warnings"])
+    assert answer["statistics"]["after"]["edge_length"]["mean"] > 0 and len(answer["sites"]) == 60
+    going_on = api.ok(OPTIMIZATIONS, {**slow_optimization, "sites": answer["sites"], "max_iterations": 1})
+    assert going_on["history"][0]["energy"] == pytest.approx(answer["energy"], rel=1e-9)
+    job = start_job(api, OPTIMIZATIONS, late)
+    assert api.wait_for_job(job)["state"] == "successful"
+    assert api.get(f"/v1/jobs/{job}/result").json()["stopped"] == "deadline"
+    file = api.post(OPTIMIZATIONS, late, headers={"Accept": "model/obj"})
+    assert (file.status_code, file.headers["Supple-Stopped"]) == (200, "deadline")
+
+
+def test_a_deadline_before_the_first_diagram_is_an_error(api: Api, slow_optimization: Dict[str, Any]) -> None:
+    response = api.post(OPTIMIZATIONS, {**slow_optimization, "mesh": api.upload(*bumpy_sphere(6)), "deadline": 0.01})
     assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
 
 

@@ -130,7 +130,8 @@ class RelaxedNetwork(Drawn):
         gradient_norm: |grad E|, unit of the weights times mesh units; the requested bound is `gradient_tolerance`.
         iterations: number of iterations.
         history: the start and every step.
-        stopped: "converged", "cut_locus", "step_too_small" or "iteration_limit".
+        stopped: "converged", "cut_locus", "step_too_small", "iteration_limit", or "deadline" or "memory" if time or memory ran
+            out, and this is the best state until then.
         mollified: whether the energy at the end is the mollified one.
         at_vertices: points, ascending, that are in equilibrium at a vertex where the energy has a kink.
         loose_points: free points, ascending, without a spring of positive weight or a triangle; they did not move.

@@ -240,7 +240,8 @@ class OptimizedVoronoi(Drawn):
         iterations: number of iterations.
         history: the start and every step.
         stopped: "converged"; "step_too_small" if neither steps of all sites nor moves of single ones lower the energy by more
-            than a thousandth; or "iteration_limit".
+            than a thousandth; "iteration_limit"; or "deadline" or "memory" if time or memory ran out, and this is the best
+            state until then.
         site_moves: searches with single sites; None if steps of all sites sufficed.
     """
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "relaxation_phases.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/base/number_text.h"
 #include "supple/base/part_of_execution.h"
@@ -66,25 +69,53 @@ bool needs_mollifier(const RelaxationContext& context, const Equilibrium& end) {
          has_pinned_path(end.state);
 }
 
+/// The last state of the history, for a search that was stopped at another one.
+Equilibrium best_of(const RelaxationHistory& history) {
+  return {.state = *history.state(),
+          .termination = Termination::iteration_limit,
+          .energy = history.last().energy,
+          .gradient_norm = history.last().gradient_norm,
+          .iterations = static_cast<int>(history.size()) - 1};
+}
+
+/// Says why a search was stopped before it was at rest.
+void note_stop(StopReason reason, Relaxation& result) {
+  const bool is_late = reason == StopReason::deadline;
+  result.stopped = is_late ? RelaxationTermination::deadline : RelaxationTermination::memory;
+  result.warnings.push_back(std::string(is_late ? "The deadline passed" : "A limit of memory was reached") + " after " +
+                            std::to_string(result.iterations) +
+                            (result.iterations == 1 ? " iteration" : " iterations") +
+                            ": this is the best state until then, and the network is not at rest.");
+}
+
 Relaxation run_phases(const RelaxationContext& context) {
-  bool is_mollified = context.follows_geodesics() && context.options.mollifier == Switch::on;
+  const bool starts_mollified = context.follows_geodesics() && context.options.mollifier == Switch::on;
   const auto* moving = std::get_if<MovingHost>(&context.options.host);
   const bool moves = moving || !context.host.moved().empty();
-  RelaxationHistory history(context.options);
-  const PartOfExecution rest(context.execution, 0, moves ? fraction_before_moving : 1);
-  FollowedEquilibrium found{rest_on_host(context, is_mollified, history, rest.execution()), {}};
-  if (moves) {
-    const PartOfExecution motion(context.execution, fraction_before_moving, 1 - fraction_before_moving);
-    found = moving ? follow_surface(context, std::move(found.end), *moving, history, motion.execution())
-                   : follow_supports(context, std::move(found.end), history, motion.execution());
-  }
-  if (needs_mollifier(context, found.end)) {
-    is_mollified = true;
-    found.end =
-        find_equilibrium(context, found.end, {.is_mollified = true, .max_iterations = context.options.max_iterations},
+  RelaxationHistory history(context.options, !moves);
+  std::optional<FollowedEquilibrium> found;
+  std::size_t first_mollified = starts_mollified ? 0 : std::numeric_limits<std::size_t>::max();  // in the history
+  const auto search = [&] {
+    const PartOfExecution rest(context.execution, 0, moves ? fraction_before_moving : 1);
+    found = FollowedEquilibrium{rest_on_host(context, starts_mollified, history, rest.execution()), {}};
+    if (moves) {
+      const PartOfExecution motion(context.execution, fraction_before_moving, 1 - fraction_before_moving);
+      found = moving ? follow_surface(context, std::move(found->end), *moving, history, motion.execution())
+                     : follow_supports(context, std::move(found->end), history, motion.execution());
+    }
+    if (!needs_mollifier(context, found->end)) return;
+    first_mollified = history.size();
+    found->end =
+        find_equilibrium(context, found->end, {.is_mollified = true, .max_iterations = context.options.max_iterations},
                          history, context.execution);
-  }
-  return describe_relaxation(context, found, is_mollified, std::move(history));
+  };
+  const StopReason reason = search_until_stopped(
+      context.execution.cancellation, [&] { return history.state().has_value(); }, search);
+  if (reason != StopReason::none) found = FollowedEquilibrium{best_of(history), {}};
+  const bool is_mollified = history.size() > first_mollified;
+  Relaxation result = describe_relaxation(context, *found, is_mollified, std::move(history));
+  if (reason != StopReason::none) note_stop(reason, result);
+  return result;
 }
 
 }  // namespace

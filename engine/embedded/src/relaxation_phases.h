@@ -40,18 +40,26 @@ struct RelaxationContext {
   HostModel host;
 };
 
-/// The steps of all phases so far, which an observer is told of.
+/// The steps of all phases so far, which an observer is told of, and the state after the last one.
 class RelaxationHistory {
  public:
-  explicit RelaxationHistory(const RelaxationOptions& options) : options_(options) {}
+  /// `keeps_state` is false where a state outlives its surface.
+  RelaxationHistory(const RelaxationOptions& options, bool keeps_state)
+      : options_(options), keeps_state_(keeps_state) {}
 
   void record(const numerics::MinimizerStep& step, const NetworkState& state);
   bool empty() const { return steps_.empty(); }
+  std::size_t size() const { return steps_.size(); }
+  const RelaxationStep& last() const { return steps_.back(); }
+  /// The state after the last step; nullopt before the first one, or if states are not kept.
+  const std::optional<NetworkState>& state() const { return state_; }
   std::vector<RelaxationStep> take() { return std::move(steps_); }
 
  private:
   const RelaxationOptions& options_;
+  bool keeps_state_;
   std::vector<RelaxationStep> steps_;
+  std::optional<NetworkState> state_;
 };
 
 /// Going back to an earlier load has found the same equilibrium if the energies differ by at most this fraction.

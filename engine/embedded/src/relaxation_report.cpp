@@ -197,6 +197,10 @@ std::string_view to_string(RelaxationTermination termination) {
       return "cut_locus";
     case RelaxationTermination::step_too_small:
       return "step_too_small";
+    case RelaxationTermination::deadline:
+      return "deadline";
+    case RelaxationTermination::memory:
+      return "memory";
     case RelaxationTermination::iteration_limit:
       break;
   }

@@ -87,6 +87,7 @@ std::vector<bool> RelaxationContext::fixed_degrees(const std::vector<bool>& fixe
 
 void RelaxationHistory::record(const numerics::MinimizerStep& step, const NetworkState& state) {
   steps_.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
+  if (keeps_state_) state_ = state;
   if (options_.observer) options_.observer(steps_.back(), state.points(), state.mesh());
 }
 

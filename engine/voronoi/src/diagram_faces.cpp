@@ -41,6 +41,7 @@ struct DiagramFaces::Workspace {
   FaceDistances distances;
   Active active;
   Active remaining;
+  PartMoments moments;  ///< of the present face
 };
 
 /// Cuts faces one after the other.
@@ -60,21 +61,26 @@ class DiagramFaces::Task {
     faces_.face_sites_[static_cast<std::size_t>(face)] = site;
     for (std::int32_t h = 3 * face; h < 3 * face + 3; ++h) {
       if (!faces_.owns_side(h) || !is_included(h)) continue;
-      LabelledSegment& side = faces_.sides_[static_cast<std::size_t>(h)];
-      side = {};
-      if (site == unreached_face_site) continue;
+      LabelledSegment side;
       if (site >= 0)
         side.sites.assign(1, site);
-      else
+      else if (site == cut_face_site)
         side = label_segment(work_.distances, work_.remaining, corners[static_cast<std::size_t>(h % 3)],
                              corners[static_cast<std::size_t>((h + 1) % 3)], site_at(mesh().tail(h)),
                              site_at(mesh().head(h)));
+      faces_.set_side(h, std::move(side));
     }
   }
 
   /// Cuts the inside of a face whose sides are cut, and computes what derivatives need.
   void cut_inside(std::int32_t face) {
-    if (needs_moments()) faces_.moments_[static_cast<std::size_t>(face)].clear();
+    work_.moments.clear();
+    divide_inside(face);
+    if (needs_moments()) faces_.set_moments(face, work_.moments);
+  }
+
+ private:
+  void divide_inside(std::int32_t face) {
     faces_.cut_faces_[static_cast<std::size_t>(face)].reset();
     std::int32_t& site = faces_.face_sites_[static_cast<std::size_t>(face)];
     if (site == unreached_face_site) return;
@@ -102,7 +108,6 @@ class DiagramFaces::Task {
     faces_.cut_faces_[static_cast<std::size_t>(face)] = std::make_unique<CutFace>(std::move(result));
   }
 
- private:
   const TriangleMesh& mesh() const { return *faces_.mesh_; }
   std::int32_t site_at(std::int32_t vertex) const { return faces_.vertex_sites_[static_cast<std::size_t>(vertex)]; }
 
@@ -165,11 +170,10 @@ class DiagramFaces::Task {
     cut.samples = {};
   }
 
-  CellMoments& moments_of(std::int32_t face, std::int32_t site) {
-    PartMoments& moments = faces_.moments_[static_cast<std::size_t>(face)];
-    for (auto& [of_site, sum] : moments)
+  CellMoments& moments_of(std::int32_t site) {
+    for (auto& [of_site, sum] : work_.moments)
       if (of_site == site) return sum;
-    return moments.emplace_back(site, CellMoments{}).second;
+    return work_.moments.emplace_back(site, CellMoments{}).second;
   }
 
   void add_moments(std::int32_t face, const CutFace& cut, const std::array<Vector2d, 3>& corners) {
@@ -179,8 +183,7 @@ class DiagramFaces::Task {
       if (sample.area == 0) continue;
       for (const auto& [site, area] : {std::pair(sample.left, -sample.area), {sample.right, sample.area}}) {
         const SiteDistance shortest = work_.distances.from_site(work_.active, site, sample.area_place);
-        if (shortest.arrival >= 0)
-          gradients_.add_area(shortest.arrival, sample.area_place, area, moments_of(face, site));
+        if (shortest.arrival >= 0) gradients_.add_area(shortest.arrival, sample.area_place, area, moments_of(site));
       }
     }
   }
@@ -202,12 +205,14 @@ class DiagramFaces::Task {
         of_site.push_back(static_cast<std::int32_t>(i));
     double size = 0;
     for (std::size_t i = 0; i < 3; ++i) size = std::max(size, (corners[(i + 1) % 3] - corners[i]).norm());
-    CellMoments& sum = moments_of(face, site);
-    StraightRegions regions(work_.distances, size);
-    const auto add = [&](std::span<const Vector2d> part, double sign) {
+    CellMoments& sum = moments_of(site);
+    double sign = 1;
+    StraightRegions regions(work_.distances, size,
+                            [&](const StraightRegion& region) { gradients_.add_region(region, sign, sum); });
+    const auto add = [&](std::span<const Vector2d> part, double sign_of_part) {
+      sign = sign_of_part;
       regions.clear();
       regions.divide(part, of_site);
-      for (std::size_t i = 0; i < regions.count(); ++i) gradients_.add_region(regions.region(i), sign, sum);
       for (const Sliver& sliver : regions.slivers()) {
         gradients_.add_area(sliver.loses, sliver.place, -sign * sliver.area, sum);
         gradients_.add_area(sliver.gains, sliver.place, sign * sliver.area, sum);
@@ -252,9 +257,11 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
       vertex_distances_(static_cast<std::size_t>(mesh.vertex_count()), std::numeric_limits<double>::infinity()),
       vertex_sites_(vertex_distances_.size(), -1),
       face_sites_(static_cast<std::size_t>(mesh.face_count()), unreached_face_site),
-      sides_(static_cast<std::size_t>(mesh.halfedge_count())),
+      side_sites_(static_cast<std::size_t>(mesh.halfedge_count()), -1),
+      cut_sides_(side_sites_.size()),
       cut_faces_(face_sites_.size()),
-      moments_(options.cell_moments && options.method != DiagramMethod::edges ? face_sites_.size() : 0) {
+      moments_(options.cell_moments && options.method != DiagramMethod::edges ? face_sites_.size() : 0),
+      part_moments_(moments_.size()) {
   const double tolerance =
       std::clamp(area_tolerance * mesh.face_count() / reference_face_count, area_tolerance, max_area_tolerance);
   for (std::int32_t face = 0; face < mesh.face_count(); ++face) {
@@ -272,14 +279,64 @@ DiagramFaces::DiagramFaces(const TriangleMesh& mesh, const DiagramOptions& optio
   }
 }
 
+void DiagramFaces::set_side(std::int32_t h, LabelledSegment side) {
+  const auto i = static_cast<std::size_t>(h);
+  side_sites_[i] = side.sites.size() == 1 ? side.sites.front() : -1;
+  cut_sides_[i] = side.cuts.empty() ? nullptr : std::make_unique<LabelledSegment>(std::move(side));
+}
+
+void DiagramFaces::set_moments(std::int32_t face, const PartMoments& parts) {
+  const auto i = static_cast<std::size_t>(face);
+  const bool whole = parts.size() == 1 && parts.front().first == face_sites_[i];
+  moments_[i] = whole ? parts.front().second : CellMoments{};
+  part_moments_[i] = whole || parts.empty() ? nullptr : std::make_unique<PartMoments>(parts);
+}
+
 LabelledSegment DiagramFaces::directed_side(std::int32_t h) const {
-  if (owns_side(h)) return side(h);
-  LabelledSegment result = side(mesh_->twin(h));
+  const Side own = side(owns_side(h) ? h : mesh_->twin(h));
+  LabelledSegment result;
+  result.cuts.assign(own.cuts.begin(), own.cuts.end());
+  result.distances.assign(own.distances.begin(), own.distances.end());
+  result.sites.assign(own.sites.begin(), own.sites.end());
+  if (owns_side(h)) return result;
   std::reverse(result.cuts.begin(), result.cuts.end());
   std::reverse(result.distances.begin(), result.distances.end());
   std::reverse(result.sites.begin(), result.sites.end());
   for (double& fraction : result.cuts) fraction = 1 - fraction;
   return result;
+}
+
+namespace {
+
+template <typename Value>
+std::size_t bytes_of(const std::vector<Value>& values) {
+  return values.capacity() * sizeof(Value);
+}
+
+std::size_t bytes_of(const LabelledSegment& side) {
+  return sizeof side + bytes_of(side.cuts) + bytes_of(side.distances) + bytes_of(side.sites);
+}
+
+std::size_t bytes_of(const CutFace& face) {
+  std::size_t bytes = sizeof face + bytes_of(face.points) + bytes_of(face.borders) + bytes_of(face.pieces) +
+                      bytes_of(face.samples) + bytes_of(face.vertex_gradients) + bytes_of(face.border_samples);
+  for (const FacePiece& piece : face.pieces) bytes += bytes_of(piece.corners) + bytes_of(piece.arc_corners);
+  return bytes;
+}
+
+}  // namespace
+
+std::int64_t DiagramFaces::memory_bytes() const {
+  std::size_t bytes = bytes_of(vertex_distances_) + bytes_of(vertex_sites_) + bytes_of(face_sites_) +
+                      bytes_of(side_sites_) + bytes_of(cut_sides_) + bytes_of(cut_faces_) + bytes_of(moments_) +
+                      bytes_of(part_moments_) + bytes_of(saddle_vertices_);
+  for (const auto& side : cut_sides_)
+    if (side) bytes += bytes_of(*side);
+  for (const auto& face : cut_faces_)
+    if (face) bytes += bytes_of(*face);
+  for (const auto& parts : part_moments_)
+    if (parts) bytes += sizeof *parts + bytes_of(*parts);
+  return static_cast<std::int64_t>(bytes);
 }
 
 void DiagramFaces::cut_all(const Source& source, const Execution& execution) {

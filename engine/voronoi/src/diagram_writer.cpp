@@ -93,7 +93,7 @@ class DiagramWriter {
 
   void write_side(std::int32_t h) {
     if (!faces_.owns_side(h)) return;
-    const LabelledSegment& side = faces_.side(h);
+    const DiagramFaces::Side side = faces_.side(h);
     auto number = static_cast<std::size_t>(first_cut_[static_cast<std::size_t>(h)]);
     for (std::size_t i = 0; i < side.cuts.size(); ++i) {
       const double fraction = side.cuts[i];
@@ -172,11 +172,11 @@ class DiagramWriter {
   void add_moments() {
     diagram_.cell_moments.resize(diagram_.cells.size());
     for (std::int32_t face = 0; face < mesh_.face_count(); ++face) {
-      for (const auto& [site, part] : faces_.moments(face)) {
+      faces_.visit_moments(face, [&](std::int32_t site, const CellMoments& part) {
         CellMoments& sum = diagram_.cell_moments[static_cast<std::size_t>(site)];
         sum.squared_distance += part.squared_distance;
         sum.gradient += part.gradient;
-      }
+      });
     }
   }
 
@@ -217,7 +217,7 @@ class DiagramWriter {
     };
     for (std::int32_t h = 0; h < mesh_.halfedge_count(); ++h) {
       if (mesh_.twin(h) >= 0 || diagram_.face_sites[static_cast<std::size_t>(h / 3)] == unreached_face_site) continue;
-      const LabelledSegment& side = faces_.side(h);
+      const DiagramFaces::Side side = faces_.side(h);
       std::int32_t before = boundary_point(h, h % 3);
       for (std::size_t i = 0; i < side.sites.size(); ++i) {
         const std::int32_t next = i < side.cuts.size()

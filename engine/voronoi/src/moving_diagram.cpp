@@ -278,6 +278,7 @@ const Diagram& MovingDiagram::move_to(std::span<const SurfacePoint> sites, const
 const Diagram& MovingDiagram::diagram() const { return implementation_->diagram; }
 Diagram MovingDiagram::take_diagram() { return std::exchange(implementation_->diagram, {}); }
 const DiagramRebuild& MovingDiagram::last_rebuild() const { return implementation_->last; }
+std::int64_t MovingDiagram::memory_bytes() const { return implementation_->faces.memory_bytes(); }
 bool MovingDiagram::is_near(std::span<const SurfacePoint> sites) const {
   return implementation_->is_near(implementation_->checked(sites));
 }

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "objectives.h"
 #include "site_moves.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/numerics/minimizer.h"
 #include "supple/numerics/system.h"
@@ -87,13 +89,14 @@ DiagramStatistics::Spread spread_of(const std::vector<double>& values) {
 
 }  // namespace
 
-DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagram& diagram,
-                             const Execution& execution) {
+namespace {
+
+/// `lengths` are the geodesics between the vertices of all edges that have two.
+DiagramStatistics statistics_of(const Diagram& diagram, const std::vector<surface::TangentGeodesic>& lengths) {
   DiagramStatistics result;
-  std::vector<std::int32_t> edges;
   std::vector<double> values;
-  for (const surface::TangentGeodesic& length : measure_edges(solver, diagram, edges, execution))
-    values.push_back(length.distance);
+  values.reserve(lengths.size());
+  for (const surface::TangentGeodesic& length : lengths) values.push_back(length.distance);
   result.edge_length = spread_of(values);
   values.clear();
   std::vector<double> ratios;
@@ -117,6 +120,14 @@ DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagra
   result.area = spread_of(areas);
   result.vertex_distance = spread_of(ratios);
   return result;
+}
+
+}  // namespace
+
+DiagramStatistics statistics(const surface::GeodesicSolver& solver, const Diagram& diagram,
+                             const Execution& execution) {
+  std::vector<std::int32_t> edges;
+  return statistics_of(diagram, measure_edges(solver, diagram, edges, execution));
 }
 
 namespace {
@@ -164,7 +175,15 @@ class Search {
         execution_(execution),
         result_(result) {}
 
+  /// Searches until it ends by itself, or until it is stopped once a state is known that it can answer with.
   void run() {
+    const StopReason reason = search_until_stopped(
+        execution_.cancellation, [&] { return best_.has_value(); }, [&] { search(); });
+    if (reason != StopReason::none) take_best(reason);
+  }
+
+ private:
+  void search() {
     using Termination = numerics::MinimizerTermination;
     Termination termination = minimize(0);
     while (termination == Termination::step_too_small) {
@@ -187,7 +206,16 @@ class Search {
     result_.stopped = termination_of(termination);
   }
 
- private:
+  /// Makes the last state of the history the result, after the search was stopped at another one.
+  void take_best(StopReason reason) {
+    system_.set_state(std::move(*best_));
+    result_.energy = result_.history.back().energy;
+    result_.gradient_norm = result_.history.back().gradient_norm;
+    result_.iterations = static_cast<int>(result_.history.size()) - 1;
+    result_.stopped =
+        reason == StopReason::deadline ? OptimizationTermination::deadline : OptimizationTermination::memory;
+  }
+
   /// Minimizes from the present state. `step_length` is that of the steps without steep sites and the single-site moves
   /// that led there, 0 if there were none.
   numerics::MinimizerTermination minimize(double step_length) {
@@ -197,6 +225,7 @@ class Search {
     minimizer_.after_step = [&](const numerics::MinimizerStep& step) {
       result_.history.push_back({step.value, step.gradient_norm, is_start ? step_length : step.step_length});
       is_start = false;
+      best_ = system_.state();
       if (options_.observer && system_.state().evaluation())
         options_.observer(result_.history.back(), system_.state().evaluation()->diagram);
     };
@@ -250,7 +279,18 @@ class Search {
   SiteMoves moves_;
   const Execution& execution_;
   Optimization& result_;
+  std::optional<SitesState> best_;  ///< the last state of the history, with its diagram
 };
+
+/// The sentence that warns of a search that was stopped; empty for the others.
+std::string warning_of(const Optimization& result) {
+  if (result.stopped != OptimizationTermination::deadline && result.stopped != OptimizationTermination::memory)
+    return {};
+  return std::string(result.stopped == OptimizationTermination::deadline ? "The deadline passed"
+                                                                         : "A limit of memory was reached") +
+         " after " + std::to_string(result.iterations) + (result.iterations == 1 ? " iteration" : " iterations") +
+         ": this is the best diagram until then, and its sites are not at rest.";
+}
 
 }  // namespace
 
@@ -296,8 +336,11 @@ Optimization optimize(const surface::GeodesicSolver& solver, std::vector<surface
     term->add(end, 0, sum);
     result.terms.push_back({std::string(term->name()), sum.value});
   }
-  result.diagram = std::move(end.evaluation()->diagram);
-  result.after = statistics(solver, result.diagram, unreported);
+  DiagramEvaluation& last = *end.evaluation();
+  result.diagram = std::move(last.diagram);
+  result.after = options.weights.edge_length > 0 ? statistics_of(result.diagram, last.edge_lengths)
+                                                 : statistics(solver, result.diagram, unreported);
+  if (std::string warning = warning_of(result); !warning.empty()) result.diagram.warnings.push_back(std::move(warning));
   return result;
 }
 
@@ -307,6 +350,10 @@ std::string_view to_string(OptimizationTermination termination) {
       return "converged";
     case OptimizationTermination::step_too_small:
       return "step_too_small";
+    case OptimizationTermination::deadline:
+      return "deadline";
+    case OptimizationTermination::memory:
+      return "memory";
     case OptimizationTermination::iteration_limit:
       break;
   }

@@ -130,21 +130,8 @@ std::optional<Slivers> slivers_between(const Hyperbola& border, const Vector2d& 
 
 }  // namespace
 
-void StraightRegions::clear() {
-  regions_.clear();
-  corners_.clear();
-  slivers_.clear();
-}
-
-StraightRegion StraightRegions::region(std::size_t i) const {
-  const StoredRegion& stored = regions_[i];
-  return {stored.arrival, {corners_.data() + stored.first_corner, stored.corners}};
-}
-
-void StraightRegions::add(const Polygon& polygon, std::int32_t arrival) {
-  if (polygon.size() < 3) return;
-  regions_.push_back({arrival, corners_.size(), polygon.size()});
-  corners_.insert(corners_.end(), polygon.begin(), polygon.end());
+void StraightRegions::add(const Polygon& polygon, std::int32_t arrival) const {
+  if (polygon.size() >= 3) visit_({arrival, polygon});
 }
 
 double StraightRegions::straight_length(std::int32_t arrival, const Vector2d& point) const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,26 +32,25 @@ struct Sliver {
 /// Two images that are equally far from the site are equally near along a straight line, and bundles of paths end at
 /// straight lines: most regions are exact. Otherwise the border of two regions is an arc of a hyperbola. It is divided
 /// into short chords, and slivers at quadrature points of each chord correct for the area between arc and chord.
+///
+/// Regions are visited as they are found and are not stored: where many arrivals compete there can be millions. Memory:
+/// the polygons that are being divided, at most some hundreds, and the slivers.
 class StraightRegions {
  public:
-  /// `size` is the size of the face, to which tolerances are relative.
-  StraightRegions(const FaceDistances& distances, double size) : distances_(distances), size_(size) {}
+  using Visit = std::function<void(const StraightRegion&)>;
 
-  /// Appends the regions of `active`, arrivals of one site, within a polygon. O(arrivals^2) for each region.
+  /// `size` is the size of the face, to which tolerances are relative. `visit` is called for each region.
+  StraightRegions(const FaceDistances& distances, double size, Visit visit)
+      : distances_(distances), size_(size), visit_(std::move(visit)) {}
+
+  /// Visits the regions of `active`, arrivals of one site, within a polygon, and appends their slivers. O(arrivals^2)
+  /// for each region.
   void divide(std::span<const Eigen::Vector2d> polygon, const Active& active);
-  void clear();
+  void clear() { slivers_.clear(); }
 
-  std::size_t count() const { return regions_.size(); }
-  StraightRegion region(std::size_t i) const;
   const std::vector<Sliver>& slivers() const { return slivers_; }
 
  private:
-  struct StoredRegion {
-    std::int32_t arrival;
-    std::size_t first_corner;
-    std::size_t corners;
-  };
-
   void divide(const Polygon& polygon, const Active& active, int depth);
   /// Divides the polygon along a line at which a bundle of paths ends, and both halves further. Returns false if no
   /// such line crosses it.
@@ -61,9 +61,9 @@ class StraightRegions {
   /// Drops arrivals that are nowhere shorter than another one of `active` that reaches the whole polygon straight.
   void drop_longer(const Polygon& polygon, Active& active) const;
   void divide_by_bisectors(const Polygon& polygon, const Active& active);
-  /// Adds the regions of two arrivals. Returns false, and adds nothing, if their border is too strongly curved.
+  /// Visits the regions of two arrivals. Returns false, and visits none, if their border is too strongly curved.
   bool divide_by_hyperbola(const Polygon& polygon, std::int32_t one, std::int32_t other);
-  void add(const Polygon& polygon, std::int32_t arrival);
+  void add(const Polygon& polygon, std::int32_t arrival) const;
 
   /// Whether all arrivals are equally long at the polygon's corners and centre.
   bool are_tied(const Polygon& polygon, const Eigen::Vector2d& centre, const Active& active) const;
@@ -77,9 +77,8 @@ class StraightRegions {
 
   const FaceDistances& distances_;
   double size_;
+  Visit visit_;
   int halvings_ = 0;  ///< halvings of the present polygon so far
-  std::vector<StoredRegion> regions_;
-  std::vector<Eigen::Vector2d> corners_;
   std::vector<Sliver> slivers_;
 };
 

@@ -57,7 +57,7 @@ void ComputationMemory::stop(StopCause why, std::int64_t needed) noexcept {
   if (stop_cause_ != StopCause::none) return;
   stop_cause_ = why;
   needed_ = needed;
-  token_.request(StopReason::cancelled);
+  token_.request(StopReason::memory);
 }
 
 void ComputationMemory::stop_largest(std::int64_t wanted) noexcept {

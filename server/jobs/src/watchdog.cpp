@@ -32,10 +32,12 @@ void Watchdog::remove(std::uint64_t id) {
 
 void Watchdog::check(Entry& entry, Clock::time_point now) {
   const auto& [token, deadline, hung_up, overdue] = entry.watch;
-  if (deadline && now >= *deadline) {
+  if (deadline && now >= *deadline && entry.stopped.reason == StopReason::none) {
     token.request(StopReason::deadline);
-    if (entry.stopped.reason == StopReason::none) entry.stopped = {StopReason::deadline, *deadline};
+    entry.stopped = {StopReason::deadline, *deadline};
   }
+  if (entry.stopped.reason == StopReason::deadline && now - entry.stopped.since >= report_time)
+    token.request(StopReason::deadline);
   if (hung_up && !token.requested() && hung_up()) {
     token.request(StopReason::cancelled);
     entry.stopped = {StopReason::cancelled, now};

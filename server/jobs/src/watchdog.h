@@ -14,12 +14,16 @@
 namespace supple::jobs {
 
 /// One thread that watches all running computations. It requests the stop of a computation when its deadline has passed
-/// or its client has hung up, and reports once if the computation goes on for a second nevertheless. A check takes
-/// about a microsecond for each computation, every `period`; the thread sleeps while there is none.
+/// or its client has hung up, and reports once if the computation goes on for a second nevertheless. A computation that
+/// takes the stop back, because it reports the best that it has found (CancellationToken::resume), is stopped again
+/// `report_time` after its deadline. A check takes about a microsecond for each computation, every `period`; the thread
+/// sleeps while there is none.
 class Watchdog {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds period{20};
+  /// Time after the deadline that a computation may take to report the best that it has found by then.
+  static constexpr std::chrono::milliseconds report_time{500};
   /// Time that a computation may take to stop.
   static constexpr std::chrono::seconds patience{1};
 

@@ -30,6 +30,8 @@ const char* code_of(StopReason reason) {
       return "server.shutting_down";
     case StopReason::superseded:
       return "design.superseded";
+    case StopReason::memory:
+      return "server.out_of_memory";
     default:
       return "job.cancelled";
   }

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
 #include <thread>
 
+#include "supple/base/best_so_far.h"
+#include "supple/base/error.h"
 #include "supple/base/execution.h"
 #include "support/expect_error.h"
 
@@ -35,6 +38,72 @@ TEST(Cancellation, KeepsTheFirstReason) {
   token.request(StopReason::deadline);
   token.request(StopReason::cancelled);
   EXPECT_EQ(token.reason(), StopReason::deadline);
+}
+
+TEST(Cancellation, IsTakenBackForItsReasonOnlyAndCanBeRequestedAgain) {
+  const CancellationToken token;
+  EXPECT_FALSE(token.resume(StopReason::none));
+  EXPECT_FALSE(token.resume(StopReason::deadline));
+  token.request(StopReason::deadline);
+  EXPECT_FALSE(token.resume(StopReason::memory));
+  EXPECT_TRUE(token.requested());
+  EXPECT_TRUE(token.resume(StopReason::deadline));
+  EXPECT_NO_THROW(token.throw_if_requested());
+  token.request(StopReason::cancelled);
+  expect_cancelled(StopReason::cancelled, [&] { token.throw_if_requested(); });
+}
+
+TEST(SearchUntilStopped, KeepsTheResultOfADeadlineOrALimitOfMemory) {
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    const CancellationToken token;
+    const auto search = [&] {
+      token.request(reason);
+      token.throw_if_requested();
+    };
+    EXPECT_EQ(search_until_stopped(
+                  token, [] { return true; }, search),
+              reason);
+    EXPECT_NO_THROW(token.throw_if_requested()) << "the report goes on";
+    expect_cancelled(reason, [&] {
+      search_until_stopped(
+          token, [] { return false; }, search);
+    });
+    EXPECT_TRUE(token.requested()) << "there is nothing to report";
+  }
+}
+
+TEST(SearchUntilStopped, TakesARefusedBlockForALimitOfMemory) {
+  const CancellationToken token;
+  const auto refused = [] { throw std::bad_alloc(); };
+  EXPECT_EQ(search_until_stopped(
+                token, [] { return true; }, refused),
+            StopReason::memory);
+  EXPECT_THROW(search_until_stopped(
+                   token, [] { return false; }, refused),
+               std::bad_alloc);
+  token.request(StopReason::memory);
+  EXPECT_EQ(search_until_stopped(
+                token, [] { return true; }, refused),
+            StopReason::memory);
+  EXPECT_FALSE(token.requested());
+}
+
+TEST(SearchUntilStopped, LetsEveryOtherStopPassAndReturnsWhereTheSearchEndsByItself) {
+  const CancellationToken token;
+  EXPECT_EQ(search_until_stopped(
+                token, [] { return true; }, [] {}),
+            StopReason::none);
+  const auto failing = [] { throw Error("karcher.weights", "Bad."); };
+  expect_error("karcher.weights", [&] {
+    search_until_stopped(
+        token, [] { return true; }, failing);
+  });
+  token.request(StopReason::cancelled);
+  const auto search = [&] { token.throw_if_requested(); };
+  expect_cancelled(StopReason::cancelled, [&] {
+    search_until_stopped(
+        token, [] { return true; }, search);
+  });
 }
 
 TEST(Cancellation, IsSharedByCopiesButNotByNewTokens) {

@@ -11,6 +11,7 @@
 #include "supple/surface/exponential_map.h"
 #include "supple/surface/karcher_mean.h"
 #include "supple/surface/vertex_cone.h"
+#include "support/expect_error.h"
 #include "support/sampling.h"
 #include "support/shapes.h"
 
@@ -31,6 +32,42 @@ Network dual_network(const TriangleMesh& mesh, const Eigen::Vector3d& barycentri
 void expect_never_rising(const Relaxation& relaxation) {
   for (std::size_t i = 1; i < relaxation.history.size(); ++i)
     EXPECT_LE(relaxation.history[i].energy, relaxation.history[i - 1].energy * (1 + 1e-12)) << "iteration " << i;
+}
+
+TEST(Relax, AnswersWithItsBestStateIfTimeOrMemoryRunsOut) {
+  const TriangleMesh mesh = testing::torus(24, 12);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network = dual_network(mesh, {0.2, 0.3, 0.5});
+  network.fixed_points = {0, 100, 200, 300};
+  RelaxationOptions options;
+  options.method = RelaxationMethod::gradient_descent;
+  options.max_iterations = 4;
+  const Relaxation whole = relax(solver, network, options);
+  ASSERT_EQ(whole.stopped, RelaxationTermination::iteration_limit);
+  options.max_iterations = 10'000;
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    const CancellationToken token;
+    int states = 0;
+    options.observer = [&](const RelaxationStep&, std::span<const SurfacePoint>, const TriangleMesh&) {
+      if (++states == 5) token.request(reason);
+    };
+    const Relaxation best = relax(solver, network, options, {.cancellation = token});
+    const bool is_late = reason == StopReason::deadline;
+    EXPECT_EQ(best.stopped, is_late ? RelaxationTermination::deadline : RelaxationTermination::memory);
+    EXPECT_EQ(best.iterations, 4);
+    EXPECT_EQ(best.history.size(), 5U);
+    EXPECT_EQ(best.energy, whole.energy);
+    EXPECT_NEAR(best.network_energy, best.energy, 1e-12 * best.energy);
+    for (std::size_t i = 0; i < best.points.size(); ++i)
+      EXPECT_EQ(best.points[i].barycentric, whole.points[i].barycentric) << i;
+    ASSERT_FALSE(best.warnings.empty());
+    EXPECT_NE(best.warnings.back().find("after 4 iterations"), std::string::npos) << best.warnings.back();
+  }
+  const CancellationToken token;
+  options.observer = [&](const RelaxationStep&, std::span<const SurfacePoint>, const TriangleMesh&) {
+    token.request(StopReason::cancelled);
+  };
+  testing::expect_cancelled(StopReason::cancelled, [&] { relax(solver, network, options, {.cancellation = token}); });
 }
 
 TEST(Relax, AStarOfSpringsComesToRestAtTheKarcherMean) {

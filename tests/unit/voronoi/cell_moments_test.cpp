@@ -107,19 +107,17 @@ std::pair<double, double> squares(const std::vector<surface::FaceArrival>& arriv
   Active active;
   distances.all(active);
   const Polygon triangle{{0, 0}, {1, 0}, {0.4, 0.9}};
-  StraightRegions regions(distances, 1);
-  regions.divide(triangle, active);
   double found = 0;
   double area = 0;
   const auto squared = [](double length) { return length * length; };
-  for (std::size_t i = 0; i < regions.count(); ++i) {
-    const StraightRegion region = regions.region(i);
+  StraightRegions regions(distances, 1, [&](const StraightRegion& region) {
     const surface::FaceArrival& from = arrivals[static_cast<std::size_t>(region.arrival)];
     const PolygonIntegrals integrals = polygon_integrals(region.corners, from.image);
     EXPECT_GE(integrals.area, -1e-12);
     area += integrals.area;
     found += integrals.square + 2 * from.sigma * integrals.length + from.sigma * from.sigma * integrals.area;
-  }
+  });
+  regions.divide(triangle, active);
   EXPECT_NEAR(area, 0.45, 1e-12);
   for (const Sliver& sliver : regions.slivers())
     found += sliver.area * (squared(arrivals[static_cast<std::size_t>(sliver.gains)].length_to(sliver.place)) -

@@ -167,6 +167,52 @@ TEST(Optimization, EndsForgottenWorkAtOnce) {
   });
 }
 
+TEST(Optimization, AnswersWithItsBestStateIfTimeOrMemoryRunsOut) {
+  const GeodesicSolver solver(testing::share(testing::icosphere(2)));
+  const auto sites = random_sites(solver.mesh(), 30, 1);
+  OptimizationOptions options;
+  options.weights = {.edge_length = 1, .centroidal = 1};
+  options.max_iterations = 4;
+  const Optimization whole = optimize(solver, sites, options);
+  ASSERT_EQ(whole.history.size(), 5U);
+  options.max_iterations = 100;
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    const CancellationToken token;
+    int states = 0;
+    options.observer = [&](const OptimizationStep&, const Diagram&) {
+      if (++states == 5) token.request(reason);
+    };
+    const Optimization best = optimize(solver, sites, options, {.cancellation = token});
+    const bool is_late = reason == StopReason::deadline;
+    EXPECT_EQ(best.stopped, is_late ? OptimizationTermination::deadline : OptimizationTermination::memory);
+    EXPECT_EQ(best.iterations, 4);
+    EXPECT_EQ(best.history.size(), 5U);
+    EXPECT_EQ(best.energy, whole.energy);
+    EXPECT_EQ(best.gradient_norm, whole.gradient_norm);
+    double terms = 0;
+    for (const auto& term : best.terms) terms += term.energy;
+    EXPECT_NEAR(terms, best.energy, 1e-12 * best.energy);
+    EXPECT_EQ(best.after.edge_length.mean, whole.after.edge_length.mean);
+    ASSERT_EQ(best.diagram.sites.size(), whole.diagram.sites.size());
+    for (std::size_t i = 0; i < sites.size(); ++i)
+      EXPECT_EQ(best.diagram.sites[i].barycentric, whole.diagram.sites[i].barycentric);
+    ASSERT_EQ(best.diagram.warnings.size(), 1U);
+    EXPECT_NE(best.diagram.warnings[0].find("after 4 iterations"), std::string::npos) << best.diagram.warnings[0];
+    EXPECT_FALSE(token.requested());
+  }
+}
+
+TEST(Optimization, FailsIfTimeRunsOutBeforeItsFirstState) {
+  const GeodesicSolver solver(testing::share(testing::icosphere(2)));
+  OptimizationOptions options;
+  options.weights.regularity = 1;
+  const CancellationToken token;
+  token.request(StopReason::deadline);
+  testing::expect_cancelled(StopReason::deadline, [&] {
+    optimize(solver, random_sites(solver.mesh(), 30, 1), options, {.cancellation = token});
+  });
+}
+
 TEST(Optimization, NamesWhatItRefuses) {
   const auto refused = [](const char* code, auto change) {
     OptimizationOptions options;

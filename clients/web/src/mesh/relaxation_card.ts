@@ -21,8 +21,12 @@ export const TERMINATION_SENTENCES: Record<EmbeddedSystem["stopped"], string> = 
   cut_locus: "No step lowers the energy any more: a compressed spring, or a side of a triangle that pushes, is where two paths are equally short.",
   step_too_small: "The network is at rest as far as rounding allows: no step lowers the energy any more.",
   iteration_limit: "The limit of iterations came first: the network is not at rest yet.",
+  deadline: "The time was up: this is the best state until then, and the network is not at rest yet.",
+  memory: "The memory was used up: this is the best state until then, and the network is not at rest yet.",
 };
 
+/** Ends of a relaxation from which another one goes on. */
+const RESUMABLE: ReadonlySet<EmbeddedSystem["stopped"]> = new Set(["iteration_limit", "deadline", "memory"]);
 /** Limit of the rows in the table of the history. */
 const MAX_ROWS = 60;
 /** Limit of the points of a network and of the vertices of a host whose positions the server sends in the events of a job. */
@@ -82,7 +86,7 @@ export function relaxationCard(network: NetworkSession, view: NetworkView): HTML
     sentence.textContent = answer ? TERMINATION_SENTENCES[answer.stopped] : runningSentence(relaxing, view.restVertices);
     replace(notes, ...(answer ? notesOf(answer) : []).map((words) => h("p", { class: "note" }, words)));
     for (const part of [...files, resumeButton]) part.disabled = !answer;
-    resumeButton.hidden = answer?.stopped !== "iteration_limit";
+    resumeButton.hidden = !answer || !RESUMABLE.has(answer.stopped);
     bill.hidden = !answer;
     showSlider(relaxing);
     if (answer) {

@@ -17,6 +17,8 @@ export const VORONOI_TERMINATIONS: Record<VoronoiOptimization["stopped"], string
   converged: "The sites are at rest: the gradient is below the tolerance.",
   step_too_small: "The sites are at rest: neither steps of all sites nor moves of single sites lower the energy by more than a thousandth.",
   iteration_limit: "The limit of iterations, or of passes over moves of single sites, came first: the sites are not at rest yet.",
+  deadline: "The time was up: these are the best sites until then, and they are not at rest yet.",
+  memory: "The memory was used up: these are the best sites until then, and they are not at rest yet.",
 };
 
 const CELL_COLOURS = [{ value: "cells", words: "One for each" }, { value: "area", words: "By area" }, { value: "none", words: "None" }] as const;

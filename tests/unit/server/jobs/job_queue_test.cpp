@@ -14,6 +14,7 @@
 
 #include "job_queue_fixture.h"
 #include "supple/base/background_threads.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/memory_account.h"
 #include "supple/budget/counting_malloc.h"
 
@@ -142,6 +143,59 @@ TEST_F(JobQueueTest, StopsWhatTakesMoreMemoryThanARequestMay) {
   EXPECT_EQ(job.record.state, JobState::failed);
   EXPECT_NE(job.record.error.find("--max-request-memory"), std::string::npos) << job.record.error;
   EXPECT_LT(memory_.used(), 1 << 20);
+}
+
+/// Searches until it is stopped, then reports that, without an end if `ends` is false.
+store::Result search_and_report(const Execution& execution, bool ends) {
+  const StopReason reason = search_until_stopped(
+      execution.cancellation, [] { return true; },
+      [&] {
+        while (true) execution.checkpoint(0.5, "searching");
+      });
+  while (!ends) execution.checkpoint(1, "reporting");
+  return {"text/plain", {}, reason == StopReason::deadline ? "deadline" : "another reason"};
+}
+
+TEST_F(JobQueueTest, LetsASearchReportItsBestAfterItsDeadline) {
+  const auto search = computation([](const Execution& execution) { return search_and_report(execution, true); }, 0.03);
+  const auto id = queue().submit(search).record.id;
+  EXPECT_EQ(wait_until_finished(id).record.state, JobState::successful);
+  EXPECT_EQ(queue().result(id).body.text(), "deadline");
+  EXPECT_EQ(queue().run_now(search, {}).body, "deadline");
+}
+
+TEST_F(JobQueueTest, StopsAReportThatTakesTooLong) {
+  const auto search = computation([](const Execution& execution) { return search_and_report(execution, false); }, 0.03);
+  EXPECT_EQ(code_of([&] { queue().run_now(search, {}); }), "job.deadline_exceeded");
+  const auto status = wait_until_finished(queue().submit(search).record.id);
+  EXPECT_EQ(status.record.error_status, 504);
+}
+
+TEST_F(JobQueueTest, StopsAReportWhoseJobIsCancelled) {
+  std::atomic<bool> reports{false};
+  const auto search = computation(
+      [&](const Execution& execution) -> store::Result {
+        try {
+          while (true) execution.checkpoint(0.5, "searching");
+        } catch (const Cancelled& stop) {
+          if (!execution.cancellation.resume(stop.reason())) throw;
+        }
+        reports = true;
+        while (true) execution.checkpoint(1, "reporting");
+      },
+      0.03);
+  EXPECT_EQ(code_of([&] { queue().run_now(search, [&] { return reports.load(); }); }), "job.cancelled");
+}
+
+TEST_F(JobQueueTest, LetsASearchReportItsBestWhereItReachesTheLimitOfMemory) {
+  options_.memory = &memory_;
+  const auto search = computation([](const Execution& execution) -> store::Result {
+    const StopReason reason = search_until_stopped(
+        execution.cancellation, [] { return true; }, [&] { fill(execution, 80 << 20); });
+    execution.checkpoint(1, "reporting");
+    return {"text/plain", {}, reason == StopReason::memory ? "memory" : "another reason"};
+  });
+  EXPECT_EQ(queue().run_now(search, {}).body, "memory");
 }
 
 TEST_F(JobQueueTest, FailsAWaitingJobAtItsDeadline) {

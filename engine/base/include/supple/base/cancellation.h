@@ -8,7 +8,9 @@
 
 namespace supple {
 
-enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4 };
+/// `memory`: a limit of memory is reached. An optimization that has a result answers a stop for `deadline` or `memory`
+/// with it (CancellationToken::resume); nobody waits for the result after the others.
+enum class StopReason { none = 0, cancelled = 1, deadline = 2, shutdown = 3, superseded = 4, memory = 5 };
 
 /// Ends a computation that was asked to stop. It is no Error: code that handles a failed computation must not take a
 /// stopped one for it.
@@ -35,6 +37,10 @@ class CancellationToken {
   void request(StopReason reason) const noexcept;
   StopReason reason() const noexcept { return static_cast<StopReason>(reason_->load(std::memory_order_relaxed)); }
   bool requested() const noexcept { return reason() != StopReason::none; }
+  /// Takes back the stop that was requested for `reason`, so that a computation can report the best of what it has
+  /// found. The report has to be short, because the owner of the deadline requests the stop again some time later, and
+  /// others may request it at once. Returns false, and changes nothing, if no stop was requested for that reason.
+  bool resume(StopReason reason) const noexcept;
 
   /// Throws Cancelled once a stop is requested.
   void throw_if_requested() const {

@@ -88,9 +88,11 @@ enum class RelaxationTermination {
   /// steps of these ends singly, in pairs and together.
   cut_locus,
   step_too_small,
-  iteration_limit
+  iteration_limit,
+  deadline,  ///< the deadline passed; the result is the last state of the history
+  memory     ///< a limit of memory was reached; the result is the last state of the history
 };
-/// "converged", "cut_locus", "step_too_small" or "iteration_limit".
+/// "converged", "cut_locus", "step_too_small", "iteration_limit", "deadline" or "memory".
 std::string_view to_string(RelaxationTermination termination);
 
 /// One load increment: how the network followed a moving surface or moved vertices to one of their positions.
@@ -170,6 +172,11 @@ struct Relaxation {
 /// equilibrium path if that lowers E, and then E is minimized. A step that loses the equilibrium, so that the reverse
 /// motion would lead elsewhere, is halved; if even the shortest step loses it, `stops` counts a jump. Motions that
 /// preserve all lengths do no work.
+///
+/// If a stop is requested for a deadline or a limit of memory (StopReason), or memory is refused, after the first state
+/// was evaluated, the result is the best state so far, which is the last one of the history. A warning says so. The
+/// stop is taken back for the report. On a host that moves, or whose vertices are moved, the stop is an error, because
+/// the answer would not be an equilibrium at any of the positions.
 ///
 /// Throws what checked_network throws; "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
 /// with Euclidean springs, a mollifier or Euclidean springs on a host that deforms or moves); "network.collapsed" if a

@@ -33,9 +33,11 @@ enum class OptimizationTermination {
   /// Neither a step for all sites nor a pass of single-site moves lowers the energy by more than the fraction
   /// min_pass_gain.
   step_too_small,
-  iteration_limit  ///< max_iterations or max_site_move_passes was reached
+  iteration_limit,  ///< max_iterations or max_site_move_passes was reached
+  deadline,         ///< the deadline passed; the result is the last state of the history
+  memory            ///< a limit of memory was reached; the result is the last state of the history
 };
-/// "converged", "step_too_small" or "iteration_limit".
+/// "converged", "step_too_small", "iteration_limit", "deadline" or "memory".
 std::string_view to_string(OptimizationTermination termination);
 
 /// One entry of the iteration history.
@@ -108,6 +110,10 @@ struct Optimization {
 /// single sites by themselves (SiteMoveTrials). Then steps for all sites go on. Everything between two sequences of
 /// steps for all sites counts as one iteration. A pass costs a few hundred diagrams, of which those that move few sites
 /// are only recomputed around them.
+///
+/// If a stop is requested for a deadline or a limit of memory (StopReason), or memory is refused, after the first state
+/// was evaluated, the result is the best state so far, which is the last one of the history. A warning of the diagram
+/// says so. The stop is taken back for the report, which measures the lengths of the Voronoi edges.
 ///
 /// Bills "propagation", "cells", "derivatives", "step", one effect for each term, and the quantity "site_moves". Throws
 /// what `diagram` throws, "voronoi.no_objective" (all weights 0), "voronoi.invalid_option" (weights, tolerance,
