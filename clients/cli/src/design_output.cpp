@@ -130,7 +130,14 @@ void print_structure(const nlohmann::json& material, const nlohmann::json& struc
   fmt::print("\n");
 }
 
+/// The verdict in the server's words.
+void print_verdict(const nlohmann::json& verdict) {
+  const auto sentence = text_in(verdict, "sentence");
+  fmt::print("{}\n", styled(sentence, text_in(verdict, "grade") == "reached" ? Style::success : Style::warning));
+}
+
 void print_design(const nlohmann::json& design) {
+  print_verdict(design.at("verdict"));
   const auto& error = design.at("error");
   const auto& profile = design.at("profile");
   if (design.contains("name")) fmt::print("region      {}\n", text_in(design, "name"));

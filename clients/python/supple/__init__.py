@@ -51,6 +51,7 @@ from .design_answers import (
     DesignError,
     DesignProfile,
     DesignResult,
+    FitRange,
     MadeOf,
     PartialDesign,
     PartialRound,
@@ -59,6 +60,7 @@ from .design_answers import (
     ProfileCurve,
     RegionDesigns,
     StructureSize,
+    Verdict,
     Verification,
 )
 from . import parts
@@ -179,7 +181,7 @@ __all__ = [
     "CrossingMember", "CurveNote", "DeadlineExceeded", "DeformedCell", "DeformedPatch", "Design", "DesignCandidate",
     "DesignError", "DesignOptions", "DesignProfile", "DesignRequest", "DesignResult", "DiscretizationError", "Drawing",
     "DrawingRequest", "DrawnPolygon", "Effect", "ErrorStatistics", "Evaluation", "EvaluationRequest", "ExponentialMap",
-    "ExponentialMapRequest", "Family", "Fault", "Field", "FieldRequest", "FollowedStop", "Force", "FoundChannel",
+    "ExponentialMapRequest", "Family", "Fault", "Field", "FieldRequest", "FitRange", "FollowedStop", "Force", "FoundChannel",
     "GcodeReport", "GcodeReportRequest", "Geodesic", "GeodesicsRequest", "Gradient", "GreenStrain", "Grip", "HeldPlace",
     "Hessian", "Host", "HostState", "InvalidDesign", "InvalidHost", "InvalidMesh", "InvalidNetwork", "InvalidPoint",
     "InvalidRequest", "InvalidStructure", "InvalidVoronoi", "InvalidWeave", "Job", "JobCancelled", "JobStatus",
@@ -194,7 +196,7 @@ __all__ = [
     "SheetState", "Shell", "Simulation", "SimulationRequest", "SiteMoves", "Sites", "Solid", "SolidRegion", "SpacePoint",
     "SplitErrors", "Spread", "Spring", "State", "Strand", "Structure", "StructureFileRequest", "StructureRequest",
     "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Uniaxial", "UniaxialCurve",
-    "UniaxialRequest", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
+    "UniaxialRequest", "Verdict", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
     "VoronoiFileRequest", "VoronoiOptimizationRequest", "VoronoiOptions", "VoronoiPiece", "VoronoiPieces", "VoronoiRequest",
     "VoronoiStatistics", "VoronoiVertex", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveHomogenization",
     "WeaveHomogenizationRequest", "WeaveLayout", "WeaveLayoutRequest", "WeaveOptions", "WeavePictureRequest",

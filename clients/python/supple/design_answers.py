@@ -69,6 +69,40 @@ class Verification(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class Verdict(Shown):
+    """How well a design meets its targets: by the simulation where it was verified, otherwise by the model.
+
+    Attributes:
+        grade: "reached" (at most 5 % off), "close" (at most 15 %), "missed" or "unknown": the model decides and is not trusted at
+            half of the samples or more, a value is missing, or there is no such structure.
+        source: "simulation" or "model".
+        deviation: relative root mean square deviation of the worst target; None if a value is missing.
+        sentence: the verdict in words, with the parts of the target that are reached.
+    """
+
+    grade: str
+    source: str
+    deviation: Optional[float]
+    sentence: str
+
+
+@dataclass(frozen=True, repr=False)
+class FitRange(Shown):
+    """A part of a target that is met equally well.
+
+    Attributes:
+        from_, to: strains or angles at which it begins and ends.
+        reached: whether each of its samples is within the band, or exceeds it by at most 1 % of the target's root mean square.
+        deviation: its root mean square over that of the whole target; None if the simulation misses a sample of it.
+    """
+
+    from_: Annotated[float, At("/from")]
+    to: float
+    reached: bool
+    deviation: Optional[float]
+
+
+@dataclass(frozen=True, repr=False)
 class PolishRound(Shown):
     """One structure that was simulated.
 
@@ -125,6 +159,8 @@ class DesignProfile(Drawn):
             bar is at most 5 % of a stress, 10 % of a stiffness, 0.1 for a Poisson's ratio, shape (n,).
         reached: whether `achieved` is within the band of each sample, or exceeds it by at most 1 % of the target's root mean
             square.
+        ranges: the parts of the target, from its first sample to its last one or over half a turn of directions: which are
+            reached, by the simulation if there is one.
         lower, upper: least and greatest values over all designs that the search evaluated, shape (n,); None if there are none.
         verified: None if no simulation was requested.
     """
@@ -140,6 +176,7 @@ class DesignProfile(Drawn):
     error_bar: Optional[Array]
     in_range: Flags
     reached: Flags
+    ranges: Tuple[FitRange, ...]
     lower: Annotated[Optional[Array], At("/envelope/lower")]
     upper: Annotated[Optional[Array], At("/envelope/upper")]
     verified: Optional[Verification]
@@ -226,6 +263,7 @@ class Design(Drawn):
         model, sha256: the neural model of the search, and the checksum of its file.
         orientation: angle by which the tiling is rotated counterclockwise, radians; directions do not rotate with it.
         material: its material; `size` has the size and density of its structure.
+        verdict: how well it meets its targets, with a sentence.
         profile: the main target and the profiles for it.
         also: the same for the further targets, in their order.
         error: its deviation from all targets.
@@ -245,6 +283,7 @@ class Design(Drawn):
     model: str
     sha256: str
     parameters: Array
+    verdict: Verdict
     profile: DesignProfile
     also: Tuple[DesignProfile, ...]
     error: DesignError

@@ -20,11 +20,14 @@ ERROR = {"relative_rms": 0.02, "max": 0.3}
 def profile_document(**more: Any) -> Dict[str, Any]:
     return {"task": "stress_strain", "direction": 0.5, "strain_measure": "green", "x": [0, 0.1], "target": [0, 1],
             "initial": [None, 2], "achieved": [0, 1.02], "error_bar": None, "verified": None, "in_range": [True, False],
-            "reached": [True, False], "envelope": None, **more}
+            "reached": [True, False], "envelope": None,
+            "ranges": [{"from": 0, "to": 0.05, "reached": True, "deviation": 0.0},
+                       {"from": 0.05, "to": 0.1, "reached": False, "deviation": None}], **more}
 
 
 def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
+            "verdict": {"grade": "reached", "source": "model", "deviation": 0.02, "sentence": "By the model: reached, 2 % off."},
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
             "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
                          "model_error": None, "simulated_error": None, "stopped": "converged",
@@ -109,6 +112,16 @@ def test_profiles_are_asked_for_at_places_or_in_a_range() -> None:
                              "strain_measure": "green", "x": [0.1], "range": [0, 1], "samples": 3,
                              "accuracy": {"equilibrium_tolerance": 1e-9}, "orientation": 0.2, "material": {"youngs_modulus": 5},
                              "deadline": 2.0}
+
+
+def test_a_design_has_its_verdict_and_the_ranges_that_are_reached() -> None:
+    found = decode(DesignResult, {**design_document(), **BILL})
+    assert (found.verdict.grade, found.verdict.source, found.verdict.deviation) == ("reached", "model", 0.02)
+    assert found.verdict.sentence == "By the model: reached, 2 % off."
+    assert [(part.from_, part.to, part.reached, part.deviation) for part in found.profile.ranges] == [
+        (0, 0.05, True, 0), (0.05, 0.1, False, None)]
+    lost = {"grade": "unknown", "source": "simulation", "deviation": None, "sentence": "Simulated: no result."}
+    assert decode(DesignResult, {**design_document(verdict=lost), **BILL}).verdict.deviation is None
 
 
 def test_missing_values_are_nan_and_missing_curves_none() -> None:

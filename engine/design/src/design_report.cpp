@@ -6,6 +6,9 @@
 #include <numbers>
 #include <optional>
 #include <sstream>
+#include <string_view>
+
+#include "supple/design/verdict.h"
 
 namespace supple::design {
 namespace {
@@ -19,6 +22,12 @@ std::string percent(double fraction) {
   text.precision(3);
   text << 100 * fraction << " %";
   return text.str();
+}
+
+/// Addition to a sentence about a design that does not reach the target: a design whose deviation counts as reached
+/// misses it at some samples only.
+std::string_view where_missed(double deviation) {
+  return grade_of(deviation) == Grade::reached ? " at every sample" : "";
 }
 
 /// A sample in words: a strain, or a direction in degrees.
@@ -57,6 +66,19 @@ std::string message_about_trust(const Design& design, const char* separator) {
 
 }  // namespace
 
+std::string message_about_bounds(const Design& design, const neural::Model& model,
+                                 const std::vector<Eigen::Index>& free) {
+  if (design.reached) return {};
+  std::ostringstream text;
+  for (const Eigen::Index k : free) {
+    const double rounding = bound_fraction * (model.network.upper[k] - model.network.lower[k]);
+    const bool low = design.parameters[k] <= model.network.lower[k] + rounding;
+    if (low || design.parameters[k] >= model.network.upper[k] - rounding)
+      text << " Parameter " << k + 1 << " is at its " << (low ? "lower" : "upper") << " bound.";
+  }
+  return text.str();
+}
+
 std::string message_about(const Design& design, const neural::Model& model, const std::vector<Eigen::Index>& free) {
   std::ostringstream text;
   if (!design.reached) {
@@ -74,36 +96,38 @@ std::string message_about(const Design& design, const neural::Model& model, cons
       text << "The closest design of " << model.family << " that was found deviates by " << deviation
            << ", no more than the model errs in the mean (" << percent(*model_error) << "); most ";
     else
-      text << "No design of " << model.family << " that was found reaches the target; the closest deviates by "
-           << deviation << ", most ";
-    text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << ".";
-    for (const Eigen::Index k : free) {
-      const double rounding = bound_fraction * (model.network.upper[k] - model.network.lower[k]);
-      const bool low = design.parameters[k] <= model.network.lower[k] + rounding;
-      if (low || design.parameters[k] >= model.network.upper[k] - rounding)
-        text << " Parameter " << k + 1 << " is at its " << (low ? "lower" : "upper") << " bound.";
-    }
+      text << "No design of " << model.family << " that was found reaches the target"
+           << where_missed(design.error.relative_rms) << "; the closest deviates by " << deviation << ", most ";
+    text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << "."
+         << message_about_bounds(design, model, free);
   }
   text << message_about_trust(design, design.reached ? "" : " ");
   return text.str();
 }
 
 void report_simulation(Design& design, const Polished& polished) {
-  if (!polished.target_error) return;
+  if (!polished.target_error) {
+    const std::string by_model = design.message.empty() ? "" : " By the model: " + design.message;
+    design.message = "The simulation does not get to every sample." + by_model;
+    return;
+  }
   bool reached = true;
   for (std::size_t t = 0; t < polished.targets.size(); ++t) {
     const auto flags = polished.targets[t].reached(polished.simulated[t]);
     reached = reached && std::all_of(flags.begin(), flags.end(), [](auto flag) { return flag != 0; });
   }
-  const std::string simulated = percent(*polished.target_error) + " (root mean square)";
-  const std::string model = ", the model's answer by " + percent(design.error.relative_rms) + ".";
-  if (reached && !design.reached) {
-    design.message = "The simulated structure reaches the target: it deviates by " + simulated + model;
-  } else if (!reached && design.reached) {
-    design.message = "The simulated structure does not reach the target: it deviates by " + simulated + model +
-                     (design.message.empty() ? "" : " " + design.message);
-  } else if (!reached) {
-    design.message += " Its simulation deviates by " + simulated + ".";
+  if (reached && design.reached) {
+    design.message.clear();
+  } else {
+    std::ostringstream text;
+    text << "The simulated structure ";
+    if (reached)
+      text << "reaches the target";
+    else
+      text << "does not reach the target" << where_missed(*polished.target_error);
+    text << ": it deviates by " << percent(*polished.target_error) << " (root mean square), the model's answer by "
+         << percent(design.error.relative_rms) << "." << (reached ? "" : design.at_limits);
+    design.message = text.str();
   }
   design.reached = reached;
 }

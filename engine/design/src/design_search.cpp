@@ -113,8 +113,9 @@ Design search(const DesignSpace& space, const DesignProblem& one_material, const
   for (std::size_t t = 0; t < design.profiles.size(); ++t) design.profiles[t].initial = local.initial_profiles()[t];
   if (execution.cost) bill_multi_start(problem, candidates.are_evaluated(), counts.starts, *execution.cost);
   add_envelope(design, problem, candidates, execution);
-  design.message =
-      message_about(design, space.model, bounds.free_of_family()) + message_about_modulus(design, one_material.moduli);
+  const std::string at_modulus_limit = message_about_modulus(design, one_material.moduli);
+  design.message = message_about(design, space.model, bounds.free_of_family()) + at_modulus_limit;
+  design.at_limits = message_about_bounds(design, space.model, bounds.free_of_family()) + at_modulus_limit;
   design.model_error = neural::mean_stress_error(space.model);
   if (execution.cost) {
     bill_choices(problem, best.min_deviation() < design.error.relative_rms, trust, *execution.cost);

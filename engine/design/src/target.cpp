@@ -13,9 +13,6 @@
 namespace supple::design {
 namespace {
 
-/// A sample counts as reached if its deviation beyond the band is at most this fraction of the target's scale.
-constexpr double reached_fraction = 0.01;
-
 constexpr double period = std::numbers::pi;
 constexpr int default_samples = 10;
 constexpr int default_directions = 50;

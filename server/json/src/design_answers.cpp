@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "answer_parts.h"
+#include "supple/design/verdict.h"
 #include "supple/design/verification.h"
+#include "supple/json/verdict_sentence.h"
 #include "supple/tiling/family.h"
 
 namespace supple::json {
@@ -105,7 +107,25 @@ void write_polish(JsonWriter& out, const std::optional<design::Polished>& verifi
   out.end_array().end_object();
 }
 
-void write_design_profile(JsonWriter& out, const FoundDesigns& found, std::size_t target) {
+void write_ranges(JsonWriter& out, const std::vector<design::FitRange>& ranges) {
+  out.key("ranges").begin_array();
+  for (const design::FitRange& range : ranges) {
+    out.begin_object().field("from", range.from).field("to", range.to).field("reached", range.is_reached());
+    write_number_or_null(out, "deviation", range.deviation);
+    out.end_object();
+  }
+  out.end_array();
+}
+
+void write_verdict(JsonWriter& out, const design::Verdict& verdict) {
+  out.key("verdict").begin_object().field("grade", design::to_string(verdict.grade));
+  out.field("source", design::to_string(verdict.source));
+  write_number_or_null(out, "deviation", verdict.deviation);
+  out.field("sentence", verdict_sentence(verdict)).end_object();
+}
+
+void write_design_profile(JsonWriter& out, const FoundDesigns& found, const design::Verdict& verdict,
+                          std::size_t target) {
   const design::DesignProfile& profile = found.ranking.front().design.profiles[target];
   out.begin_object();
   write_kind(out, profile.target.samples);
@@ -117,6 +137,7 @@ void write_design_profile(JsonWriter& out, const FoundDesigns& found, std::size_
   write_verified(out, found, target);
   write_flags(out, "in_range", profile.in_range);
   write_flags(out, "reached", profile.reached);
+  write_ranges(out, verdict.targets[target].ranges);
   out.key("envelope");
   if (profile.lowest.size() == 0) {
     out.null();
@@ -184,10 +205,12 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
   out.field("orientation", best.orientation);
   const auto material = material_of(found, best);
   write_material(out, material, best.youngs_modulus, model);
+  const auto verdict = design::judge(design::evidence_of(best, found.verification ? &*found.verification : nullptr));
+  write_verdict(out, verdict);
   out.key("profile");
-  write_design_profile(out, found, 0);
+  write_design_profile(out, found, verdict, 0);
   out.key("also").begin_array();
-  for (std::size_t t = 1; t < best.profiles.size(); ++t) write_design_profile(out, found, t);
+  for (std::size_t t = 1; t < best.profiles.size(); ++t) write_design_profile(out, found, verdict, t);
   out.end_array();
   write_error(out, best.error);
   out.field("reached", best.reached).field("iterations", best.iterations).field("starts", best.starts);

@@ -25,6 +25,9 @@ FoundDesigns found() {
   design::DesignProfile profile;
   profile.target.samples = {design::Task::stiffness, 0.3, 0.05, design::StrainMeasure::green, {0, 1}};
   profile.target.y = Eigen::Vector2d(1, 2);
+  profile.target.weights = Eigen::Vector2d(0.5, 0.5);
+  profile.target.bands = Eigen::Vector2d::Zero();
+  profile.target.scale = 2;
   profile.initial = Eigen::Vector2d(missing, 3);
   profile.achieved = Eigen::Vector2d(4, 5);
   profile.in_range = {1, 0};
@@ -147,6 +150,40 @@ TEST(DesignAnswers, CompareTheSimulationWithModelAndTarget) {
   EXPECT_TRUE(verified["discretization_error"].is_null()) << "nobody estimated it";
   EXPECT_EQ(verified["target"], (json{3.0, 4.0, 5.0}));
   EXPECT_EQ(verified["model"], (json{3.0, 5.0, 6.0}));
+}
+
+TEST(DesignAnswers, LetTheModelDecideOnlyWhereItIsTrusted) {
+  auto designs = found();
+  auto verdict = written(designs)["verdict"];
+  EXPECT_EQ(verdict["grade"], "unknown") << "one of two samples is not trusted";
+  EXPECT_EQ(verdict["source"], "model");
+  EXPECT_EQ(verdict["deviation"], 1.5);
+  EXPECT_NE(verdict["sentence"].get<std::string>().find("not trusted at 1 of 2 samples"), std::string::npos);
+  designs.ranking[0].design.profiles[0].in_range = {1, 1};
+  EXPECT_EQ(written(designs)["verdict"]["grade"], "missed");
+  designs.ranking[0].design.profiles[0].achieved = Eigen::Vector2d(1, 2);
+  EXPECT_EQ(written(designs)["verdict"]["grade"], "reached");
+  designs.ranking[0].design.measures.reset();
+  verdict = written(designs)["verdict"];
+  EXPECT_EQ(verdict["grade"], "unknown");
+  EXPECT_EQ(verdict["sentence"].get<std::string>().rfind("There is no such structure.", 0), 0U);
+}
+
+TEST(DesignAnswers, LetTheSimulationDecideWhereThereIsOne) {
+  auto designs = found();
+  designs.ranking[0].design.profiles[0].achieved = Eigen::Vector2d(1, 2);
+  designs.verification = polished();
+  const auto answer = written(designs);
+  EXPECT_EQ(answer["verdict"]["grade"], "missed") << "although the model meets the target";
+  EXPECT_EQ(answer["verdict"]["source"], "simulation");
+  EXPECT_EQ(answer["verdict"]["deviation"], 0.25);
+  EXPECT_EQ(answer["profile"]["ranges"], json::parse(R"([{"from": 0.0, "to": 1.5, "reached": true, "deviation": 0.0},
+                            {"from": 1.5, "to": 2.0, "reached": false, "deviation": 0.5}])"));
+  designs.verification->simulated = {Eigen::Vector3d(3, 4, missing)};
+  const auto incomplete = written(designs);
+  EXPECT_EQ(incomplete["verdict"]["grade"], "unknown");
+  EXPECT_TRUE(incomplete["verdict"]["deviation"].is_null());
+  EXPECT_TRUE(incomplete["profile"]["ranges"][1]["deviation"].is_null());
 }
 
 TEST(DesignAnswers, SayWhatTheMeshOfTheSimulationErrsBy) {

@@ -144,6 +144,8 @@ struct Design {
   std::int64_t evaluations = 0;
   DesignTermination stopped = DesignTermination::converged;
   std::string message;  ///< sentences for the user about the result; may be empty
+  /// The sentences of `message` about parameters and the modulus at their limits, each after a space.
+  std::string at_limits;
   double residual = 0;  ///< largest residual of the equilibria, as neural::uniaxial_residual
   /// Expected error of the samples at which the model is not trusted, relative to the targets' scales: the root mean
   /// square of their error bars / 1.645, with the weights of DesignError::relative_rms. A sample without an error bar

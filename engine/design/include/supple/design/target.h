@@ -14,6 +14,8 @@ namespace supple::design {
 inline constexpr double largest_coordinate = 1e6;
 /// Minimum distance of two neighbouring x, as a fraction of the range of all x.
 inline constexpr double min_fraction_of_range = 1e-9;
+/// A sample counts as reached if its deviation beyond the band is at most this fraction of the target's scale.
+inline constexpr double reached_fraction = 0.01;
 
 /// One target profile: a curve through control points, at which the solver takes samples.
 struct Target {

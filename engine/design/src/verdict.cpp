@@ -1,0 +1,110 @@
+#include "supple/design/verdict.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace supple::design {
+namespace {
+
+TargetVerdict target_verdict(const CurveAtSamples& curve) {
+  TargetVerdict verdict;
+  verdict.task = curve.target.samples.task;
+  verdict.samples = curve.target.samples.x.size();
+  const auto reached = curve.target.reached(curve.values);
+  verdict.reached = static_cast<std::size_t>(std::count(reached.begin(), reached.end(), 1));
+  verdict.deviation = curve.target.relative_rms(curve.values);
+  verdict.ranges = fit_ranges(curve.target, curve.values);
+  return verdict;
+}
+
+double or_infinite(const std::optional<double>& deviation) {
+  return deviation.value_or(std::numeric_limits<double>::infinity());
+}
+
+/// The largest deviation of all targets; none if one of them has none.
+std::optional<double> worst_deviation(const std::vector<CurveAtSamples>& curves) {
+  std::optional<double> worst = 0;
+  for (const auto& [target, values] : curves) {
+    const auto deviation = target.relative_rms(values);
+    if (or_infinite(deviation) >= or_infinite(worst)) worst = deviation;
+  }
+  return worst;
+}
+
+std::size_t untrusted_samples(const std::vector<std::uint8_t>& trusted) {
+  return static_cast<std::size_t>(std::count(trusted.begin(), trusted.end(), 0));
+}
+
+bool is_mostly_untrusted(const Evidence& evidence) {
+  return std::any_of(evidence.trusted.begin(), evidence.trusted.end(), [](const auto& trusted) {
+    const double limit = untrusted_fraction * static_cast<double>(trusted.size());
+    return !trusted.empty() && static_cast<double>(untrusted_samples(trusted)) >= limit;
+  });
+}
+
+Doubt doubt_about(const Evidence& evidence, const Verdict& verdict) {
+  if (!evidence.has_structure) return Doubt::no_structure;
+  if (!verdict.deviation) return Doubt::incomplete;
+  const bool by_model = verdict.source == VerdictSource::model;
+  return by_model && is_mostly_untrusted(evidence) ? Doubt::untrusted : Doubt::none;
+}
+
+}  // namespace
+
+std::string_view to_string(Grade grade) {
+  switch (grade) {
+    case Grade::reached:
+      return "reached";
+    case Grade::close:
+      return "close";
+    case Grade::missed:
+      return "missed";
+    case Grade::unknown:
+      return "unknown";
+  }
+  return "";
+}
+
+std::string_view to_string(VerdictSource source) {
+  return source == VerdictSource::simulation ? "simulation" : "model";
+}
+
+Grade grade_of(double deviation) {
+  if (deviation <= max_reached_deviation) return Grade::reached;
+  return deviation <= max_close_deviation ? Grade::close : Grade::missed;
+}
+
+Verdict judge(const Evidence& evidence) {
+  Verdict verdict;
+  const bool simulated = !evidence.simulated.empty();
+  verdict.source = simulated ? VerdictSource::simulation : VerdictSource::model;
+  for (const CurveAtSamples& curve : simulated ? evidence.simulated : evidence.model)
+    verdict.targets.push_back(target_verdict(curve));
+  for (std::size_t t = 0; t < verdict.targets.size(); ++t)
+    if (or_infinite(verdict.targets[t].deviation) > or_infinite(verdict.targets[verdict.worst].deviation))
+      verdict.worst = t;
+  if (!verdict.targets.empty()) verdict.deviation = verdict.targets[verdict.worst].deviation;
+  verdict.model_deviation = worst_deviation(evidence.model);
+  for (const auto& trusted : evidence.trusted) {
+    verdict.untrusted += untrusted_samples(trusted);
+    verdict.samples += trusted.size();
+  }
+  verdict.doubt = doubt_about(evidence, verdict);
+  if (verdict.doubt == Doubt::none) verdict.grade = grade_of(*verdict.deviation);
+  return verdict;
+}
+
+Evidence evidence_of(const Design& design, const Polished* verification) {
+  Evidence evidence;
+  evidence.has_structure = design.measures.has_value();
+  for (const DesignProfile& profile : design.profiles) {
+    evidence.model.push_back({profile.target, profile.achieved});
+    evidence.trusted.push_back(profile.in_range);
+  }
+  if (!verification) return evidence;
+  for (std::size_t t = 0; t < verification->targets.size(); ++t)
+    evidence.simulated.push_back({verification->targets[t], verification->simulated[t]});
+  return evidence;
+}
+
+}  // namespace supple::design
