@@ -145,6 +145,11 @@ def test_a_profile_and_a_structure_have_the_material_and_the_size_that_are_given
     assert structure["beam_width"] == 0.6
 
 
+def test_a_design_begins_with_the_verdict_in_words(program: Program) -> None:
+    answer = json.loads(program.ok("--json", *IH29, *TARGET))
+    assert program.ok(*IH29, *TARGET).splitlines()[0] == answer["verdict"]["sentence"]
+
+
 def test_a_target_out_of_reach_is_said_and_no_failure(program: Program) -> None:
     finished = program.run(*IH29, "--target", "0.01,100;0.03,300")
     assert finished.returncode == 0 and "not reached" in finished.stdout and "reaches the target" in finished.stderr
@@ -223,7 +228,7 @@ def test_python_finds_a_known_design(client: supple.Client, designs: Api) -> Non
     assert result.profile.lower is not None and (result.profile.lower <= result.profile.achieved).all()
     assert result.profile.verified is None and result.profile.strain is None and result.profile.direction == 0.3
     assert {effect.name for effect in result.effects} == {
-        "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish"}
+        "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification", "polish", "ways_out"}
     assert result.polish is None and result.residual <= result.equilibrium_tolerance and result.cost.quantities["evaluations"] > 0
 
 

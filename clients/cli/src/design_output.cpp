@@ -136,6 +136,12 @@ void print_verdict(const nlohmann::json& verdict) {
   fmt::print("{}\n", styled(sentence, text_in(verdict, "grade") == "reached" ? Style::success : Style::warning));
 }
 
+void print_ways_out(const nlohmann::json& ways) {
+  if (ways.empty()) return;
+  fmt::print("What helps:\n");
+  for (const auto& way : ways) fmt::print("  {}\n", text_in(way, "sentence"));
+}
+
 void print_design(const nlohmann::json& design) {
   print_verdict(design.at("verdict"));
   const auto& error = design.at("error");
@@ -160,6 +166,7 @@ void print_design(const nlohmann::json& design) {
              design.at("starts").get<int>(), text_in(design, "stopped"));
   for (const auto& shown : profiles_in(design)) print_samples(shown);
   print_ranking(design.at("ranking"));
+  print_ways_out(design.at("ways_out"));
   std::fflush(stdout);
   if (const auto message = text_in(design, "message"); !message.empty()) print_notice(message);
 }

@@ -62,6 +62,7 @@ from .design_answers import (
     StructureSize,
     Verdict,
     Verification,
+    WayOut,
 )
 from . import parts
 from .designs import DesignOptions, DesignRequest, Limits, Material, ProfileRequest, Region, RegionsRequest
@@ -198,7 +199,7 @@ __all__ = [
     "StructureSize", "Superseded", "SuppleError", "Support", "SurfacePoint", "Target", "Tile", "Uniaxial", "UniaxialCurve",
     "UniaxialRequest", "Verdict", "Verification", "Vertex", "Violation", "VoronoiCell", "VoronoiDiagram", "VoronoiDual", "VoronoiEdge",
     "VoronoiFileRequest", "VoronoiOptimizationRequest", "VoronoiOptions", "VoronoiPiece", "VoronoiPieces", "VoronoiRequest",
-    "VoronoiStatistics", "VoronoiVertex", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveHomogenization",
+    "VoronoiStatistics", "VoronoiVertex", "WayOut", "Weave", "WeaveDeformation", "WeaveDeformationRequest", "WeaveHomogenization",
     "WeaveHomogenizationRequest", "WeaveLayout", "WeaveLayoutRequest", "WeaveOptions", "WeavePictureRequest",
     "WeaveSimulation", "WeaveSimulationRequest", "WeaveToolpath", "WeaveToolpathRequest", "parts",
 ]

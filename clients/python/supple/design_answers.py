@@ -233,6 +233,32 @@ class MadeOf(Shown):
 
 
 @dataclass(frozen=True, repr=False)
+class WayOut(Shown):
+    """A change of the request with which a missed target is reached, or nearly; everything else remains as requested.
+
+    Attributes:
+        change: "turn" (another orientation), "modulus" (another material), "turn_and_modulus", "shorten" (only a part of the
+            range of strains) or "family".
+        sentence: the change in words, with the deviation after and before it.
+        family, model, parameters: the design that is then found.
+        orientation: angle by which the tiling is rotated counterclockwise, radians.
+        youngs_modulus: of the material, in MPa.
+        range: least and greatest strain of the shortened target, shape (2,); None if the target remains.
+        deviation: relative root mean square deviation by the model, which is not verified.
+    """
+
+    change: str
+    sentence: str
+    family: str
+    model: str
+    parameters: Array
+    orientation: float
+    youngs_modulus: float
+    range: Optional[Array]
+    deviation: float
+
+
+@dataclass(frozen=True, repr=False)
 class StructureSize(Shown):
     """The size and density of a design's structure; None where there is no such structure (the design's `message` says why).
 
@@ -276,6 +302,7 @@ class Design(Drawn):
         ranking: the best design of each family that was searched, the best one first. They are compared by the simulated
             deviation, or without a simulation by the root of the summed squares of its deviation and its model's error.
         structure: paths of the structure's files on the server, by "svg", "dxf" and "stl".
+        ways_out: what would help if the target is missed, the best one first; empty if nothing helps or nothing was sought.
     """
 
     name: Name
@@ -298,6 +325,7 @@ class Design(Drawn):
     orientation: float
     material: MadeOf
     size: Annotated[StructureSize, At("/structure")]
+    ways_out: Tuple[WayOut, ...]
 
     def _drawing(self) -> Drawing:
         off = 100 * self.error.relative_rms
@@ -312,7 +340,8 @@ class DesignResult(Design):
     Attributes:
         tolerance, equilibrium_tolerance: as requested.
         residual: largest residual of the design's equilibria.
-        effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification" and "polish".
+        effects: "trust", "multi_start", "envelope", "modulus", "orientation", "limits", "verification",
+            "polish" and "ways_out".
     """
 
     tolerance: Annotated[float, ACCURACY]

@@ -99,6 +99,8 @@ class DesignOptions(Sent):
         envelope: whether least and greatest values over all evaluated designs are returned: "automatic", "on" or "off".
         polish: whether the design is corrected by simulations until they follow the targets: "on" (which verifies it too),
             "off", or "automatic", which polishes a design that is verified.
+        ways_out: whether changes are looked for with which a missed target is reached (`Design.ways_out`): "automatic", which
+            does so if the design deviates by more than 5 % and the request has no `session`, "on" or "off". It takes up to 4 s.
     """
 
     tolerance: Annotated[Optional[float], ACCURACY] = None
@@ -114,6 +116,7 @@ class DesignOptions(Sent):
     polish_rounds: Annotated[Optional[int], ACCURACY] = None
     polish_seconds: Annotated[Optional[float], ACCURACY] = None
     trust: Annotated[Optional[str], EFFECT] = None
+    ways_out: Annotated[Optional[str], EFFECT] = None
 
 
 @dataclass(frozen=True)

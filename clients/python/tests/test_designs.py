@@ -29,7 +29,7 @@ def design_document(**more: Any) -> Dict[str, Any]:
     return {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.15, 0.65], "profile": profile_document(),
             "verdict": {"grade": "reached", "source": "model", "deviation": 0.02, "sentence": "By the model: reached, 2 % off."},
             "also": [], "error": ERROR, "reached": False, "iterations": 7, "starts": 2, "stopped": "converged", "message": "m",
-            "polish": None, "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
+            "polish": None, "ways_out": [], "ranking": [{"family": "IH21", "model": "ih21", "parameters": [0.15, 0.65], "error": ERROR,
                          "model_error": None, "simulated_error": None, "stopped": "converged",
                          "orientation": 0.25, "material": MATERIAL}],
             "structure": {"svg": "/s", "dxf": "/d", "stl": "/t", "beam_width": 0.3, "cell_size": 4.8,
@@ -77,13 +77,25 @@ def test_a_design_tells_its_material_and_its_size() -> None:
     assert lost.size.density is None and lost.material.name == "PLA"
 
 
+def test_a_missed_design_tells_what_would_help() -> None:
+    way = {"change": "turn", "sentence": "Turn the tiling by 82 degrees: 3.5 % instead of 55 % by the model.", "family": "IH21",
+           "model": "ih21", "parameters": [0.1, 0.7], "orientation": 1.43, "youngs_modulus": 26, "range": None, "deviation": 0.035}
+    shorter = {**way, "change": "shorten", "range": [0, 0.12]}
+    found = decode(DesignResult, {**design_document(ways_out=[way, shorter]), **BILL})
+    assert [one.change for one in found.ways_out] == ["turn", "shorten"]
+    turned, shortened = found.ways_out
+    assert turned.sentence == way["sentence"] and turned.deviation == 0.035 and turned.range is None
+    assert turned.parameters.tolist() == [0.1, 0.7] and shortened.range is not None and shortened.range.tolist() == [0, 0.12]
+    assert decode(DesignResult, {**design_document(), **BILL}).ways_out == ()
+
+
 def test_everything_that_is_given_is_sent() -> None:
     target = Target("stress_strain", [(0, 0), (0.1, 1)], direction=0.5, strain_measure="engineering", interpolation="linear",
                     weights=[1, 2], bands=(0, 0.1), samples=5, weight=2)
     also = Target("stiffness", [(0, 1), (1, 2)], strain=0.02)
     problem: Dict[str, Any] = {"target": target, "name": "heel", "family": "IH21", "also": [also], "initial": np.array([0.15, 0.65]),
                                "fixed": [None, 0.65]}
-    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off")
+    options = DesignOptions(1e-7, 1e-11, 9, 3, 32, 4, "on", "off", "on", 0.01, 7, 50, "off", "on")
     document = DesignRequest(**problem, options=options, verify=True, session="s", deadline=7.0).to_wire()
     assert document == {
         "task": "stress_strain", "direction": 0.5, "strain_measure": "engineering", "samples": 5, "weight": 2,
@@ -93,7 +105,7 @@ def test_everything_that_is_given_is_sent() -> None:
         "deadline": 7.0, "accuracy": {"tolerance": 1e-7, "equilibrium_tolerance": 1e-11, "max_iterations": 9, "starts": 3,
                                       "candidates": 32, "verified_samples": 4, "polish_tolerance": 0.01, "polish_rounds": 7,
                                       "polish_seconds": 50},
-        "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on"}}
+        "effects": {"trust": "off", "multi_start": "on", "envelope": "off", "polish": "on", "ways_out": "on"}}
     assert RegionsRequest([Region(**problem)] * 2).to_wire()["regions"][1]["name"] == "heel"
 
 

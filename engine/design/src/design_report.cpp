@@ -64,6 +64,15 @@ std::string message_about_trust(const Design& design, const char* separator) {
   return text.str();
 }
 
+/// Whether all values of a target that is missed lie within the envelope.
+bool is_missed_within_envelope(const DesignProfile& profile) {
+  if (profile.lowest.size() == 0) return false;
+  const bool is_missed =
+      std::any_of(profile.reached.begin(), profile.reached.end(), [](auto flag) { return flag == 0; });
+  const auto& y = profile.target.y.array();
+  return is_missed && (y >= profile.lowest.array()).all() && (y <= profile.highest.array()).all();
+}
+
 }  // namespace
 
 std::string message_about_bounds(const Design& design, const neural::Model& model,
@@ -98,8 +107,10 @@ std::string message_about(const Design& design, const neural::Model& model, cons
     else
       text << "No design of " << model.family << " that was found reaches the target"
            << where_missed(design.error.relative_rms) << "; the closest deviates by " << deviation << ", most ";
-    text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << "."
-         << message_about_bounds(design, model, free);
+    text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << ".";
+    if (std::any_of(design.profiles.begin(), design.profiles.end(), is_missed_within_envelope))
+      text << " Each value of the target is within the envelope, but a curve that has all of them need not exist.";
+    text << message_about_bounds(design, model, free);
   }
   text << message_about_trust(design, design.reached ? "" : " ");
   return text.str();

@@ -9,8 +9,9 @@
 
 namespace supple::design {
 
-/// Sentences about a design: its deviation from a target that it does not reach, which of the `free` parameters are at
-/// their bounds, and how many samples the model is not trusted at. Empty if none of these applies.
+/// Sentences about a design: its deviation from a target that it does not reach, whether the target nevertheless lies
+/// within the envelope, which of the `free` parameters are at their bounds, and how many samples the model is not
+/// trusted at. Empty if none of these applies.
 std::string message_about(const Design& design, const neural::Model& model, const std::vector<Eigen::Index>& free);
 
 /// Sentences about the `free` parameters that are at their bounds, each after a space. Empty if the model reaches the

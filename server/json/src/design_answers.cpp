@@ -195,6 +195,25 @@ void write_material(JsonWriter& out, const MaterialSpec& material, double youngs
   out.field("density", material.density).end_object();
 }
 
+void write_ways_out(JsonWriter& out, const FoundDesigns& found) {
+  const DesignModel& own = found.models[found.ranking.front().design.space];
+  out.key("ways_out").begin_array();
+  for (const design::WayOut& way : found.ways_out) {
+    out.begin_object().field("change", design::to_string(way.change)).field("sentence", way.sentence);
+    write_model(out, way.other ? found.other_models[*way.other] : own, false);
+    out.key("parameters").numbers(way.parameters);
+    out.field("orientation", way.orientation).field("youngs_modulus", way.youngs_modulus);
+    out.key("range");
+    if (way.range) {
+      out.begin_array().number(way.range->least).number(way.range->most).end_array();
+    } else {
+      out.null();
+    }
+    out.field("deviation", way.deviation).end_object();
+  }
+  out.end_array();
+}
+
 /// The fields of one design, without the braces.
 void write_found(JsonWriter& out, const FoundDesigns& found) {
   const auto& best = found.ranking.front().design;
@@ -229,6 +248,7 @@ void write_found(JsonWriter& out, const FoundDesigns& found) {
     out.field("stopped", design::to_string(design.stopped)).end_object();
   }
   out.end_array();
+  write_ways_out(out, found);
   write_structure(out, found, material.density);
 }
 

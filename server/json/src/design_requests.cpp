@@ -297,6 +297,7 @@ void read_options(Fields& fields, DesignRequest& request) {
     effects.choice("trust", request.options.trust, switch_names);
     effects.choice("envelope", request.options.envelope, switch_names);
     effects.choice("polish", request.verification.polish, switch_names);
+    effects.choice("ways_out", request.ways_out, switch_names);
   });
 }
 

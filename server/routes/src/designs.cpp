@@ -10,6 +10,7 @@
 #include "supple/base/part_of_execution.h"
 #include "supple/design/design_fault.h"
 #include "supple/design/verified_designs.h"
+#include "supple/design/ways_out.h"
 #include "supple/json/design_answers.h"
 #include "supple/store/store_error.h"
 
@@ -17,6 +18,9 @@ namespace supple::routes {
 namespace {
 
 using Model = std::shared_ptr<const store::LoadedModel>;
+
+/// Fraction of the progress after which ways out are sought.
+constexpr double fraction_before_ways_out = 0.8;
 
 json::DesignModel name_of(const store::LoadedModel& model) {
   const auto& provenance = model.model.provenance;
@@ -55,7 +59,8 @@ Model model_by_id(const store::ModelStore& store, const std::string& id, const s
 struct Region {
   json::RegionSpec spec;
   std::vector<Model> models;
-  std::string pointer;  ///< to its fields: "" or "/regions/3"
+  std::string pointer;             ///< to its fields: "" or "/regions/3"
+  std::vector<Model> others = {};  ///< models of other families, which may be ways out
 };
 
 std::vector<Model> models_of(const store::ModelStore& store, const json::RegionSpec& spec, const std::string& region) {
@@ -109,15 +114,38 @@ void prepare_materials(Region& region) {
   }
 }
 
+/// The best models of the families that are not searched, as far as they know the region's materials. All families are
+/// searched where the request names none.
+std::vector<Model> models_of_other_families(const store::ModelStore& store, const Region& region) {
+  std::vector<Model> others;
+  if (region.spec.model.empty() && region.spec.family == "any") return others;
+  for (const Model& model : models_by_family(store)) {
+    if (model->model.family == region.models.front()->model.family) continue;
+    try {
+      for (const auto& material : region.spec.materials) check_material(material, model->model, region.pointer);
+      others.push_back(model);
+    } catch (const Error&) {
+      // The model does not know the material.
+    }
+  }
+  return others;
+}
+
+std::vector<design::DesignSpace> spaces_of(const std::vector<Model>& models) {
+  std::vector<design::DesignSpace> spaces;
+  spaces.reserve(models.size());
+  for (const Model& model : models)
+    spaces.push_back(design::design_space(model->model, model->evaluator, model->candidates));
+  return spaces;
+}
+
 json::FoundDesigns search(const Region& region, const json::DesignRequest& request, const Execution& execution) {
   json::FoundDesigns found;
   found.spec = region.spec;
-  std::vector<design::DesignSpace> spaces;
+  const auto spaces = spaces_of(region.models);
   std::vector<design::FamilySimulation> simulations;
-  spaces.reserve(region.models.size());
   for (const auto& model : region.models) {
     found.models.push_back(name_of(*model));
-    spaces.push_back(design::design_space(model->model, model->evaluator, model->candidates));
     if (request.simulates()) simulations.push_back(design::simulation_of_model(model->model));
   }
   design::DesignSearch problem{region.spec.problem, request.options};
@@ -140,16 +168,37 @@ json::FoundDesigns search(const Region& region, const json::DesignRequest& reque
   return found;
 }
 
+/// Adds ways out of a missed target to the designs that were found.
+void add_ways_out(json::FoundDesigns& found, const Region& region, const json::DesignRequest& request,
+                  const Execution& execution) {
+  const design::Design& design = found.ranking.front().design;
+  const auto own = spaces_of({region.models[design.space]});
+  const auto others = spaces_of(region.others);
+  for (const Model& model : region.others) found.other_models.push_back(name_of(*model));
+  found.ways_out = design::find_ways_out({own.front(), others, region.spec.problem, request.options}, design,
+                                         found.verification, execution);
+}
+
 store::Result compute_design(const std::vector<Region>& regions, const json::DesignRequest& request,
                              metrics::Metrics& metrics, const Execution& outer) {
   std::vector<json::FoundDesigns> found;
   found.reserve(regions.size());
   const auto bill = billed(outer, [&](const Execution& execution) {
-    for (std::size_t i = 0; i < regions.size(); ++i) {
-      const double fraction = 1 / static_cast<double>(regions.size());
-      const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
-      found.push_back(search(regions[i], request, part.execution()));
-    }
+    const bool seeks_ways_out = request.seeks_ways_out();
+    const double designs_fraction = seeks_ways_out ? fraction_before_ways_out : 1;
+    const auto part_of = [&](std::size_t i, double first, double length) {
+      const double fraction = length / static_cast<double>(regions.size());
+      return PartOfExecution(execution, first + fraction * static_cast<double>(i), fraction);
+    };
+    for (std::size_t i = 0; i < regions.size(); ++i)
+      found.push_back(search(regions[i], request, part_of(i, 0, designs_fraction).execution()));
+    // The deadline may pass while ways out are sought; by then all regions have their designs.
+    for (std::size_t i = 0; seeks_ways_out && i < regions.size(); ++i)
+      add_ways_out(found[i], regions[i], request, part_of(i, designs_fraction, 1 - designs_fraction).execution());
+    if (!seeks_ways_out && execution.cost)
+      execution.cost->add_effect(
+          "ways_out", false,
+          request.ways_out == Switch::off ? "the request turns it off" : "the request belongs to a session");
   });
   for (const auto& region : found)
     for (const auto& [design, simulated_error] : region.ranking)
@@ -167,6 +216,7 @@ PreparedComputation prepare_design(const EndpointRequest& asked, const Loader& l
     Region region{.spec = spec, .models = models_of(loader.models(), spec, pointer), .pointer = pointer};
     check_targets(region);
     prepare_materials(region);
+    if (request->seeks_ways_out()) region.others = models_of_other_families(loader.models(), region);
     regions->push_back(std::move(region));
   }
   return {.deadline = request->deadline,

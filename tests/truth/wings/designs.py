@@ -156,7 +156,8 @@ def _deviation(problem: Dict[str, Any], profile: Dict[str, Any]) -> Tuple[float,
 
 def _body(drawn: Dict[str, Any]) -> Dict[str, Any]:
     main, *also = drawn["targets"]
-    body: Dict[str, Any] = {**main, "family": drawn["family"], "also": also, "accuracy": {"starts": 1, "candidates": 16, "max_iterations": 30}}
+    body: Dict[str, Any] = {**main, "family": drawn["family"], "also": also, "accuracy": {"starts": 1, "candidates": 16, "max_iterations": 30},
+                            "effects": {"ways_out": "off"}}
     if drawn["turns"]:
         body["orientation"] = drawn["orientation"]
     if drawn["material"]:
@@ -300,7 +301,8 @@ def _given(server: Server, model: Dict[str, Any], design: Dict[str, Any], proble
     """Compares the error bars of a given design from three kinds of requests. Designs beyond the model's bounds are refused."""
     if not _within(model, design["parameters"]):
         return
-    told = server.post("/v1/designs", {**problem, "family": design["family"], "initial": design["parameters"], "fixed": design["parameters"]})["profile"]
+    told = server.post("/v1/designs", {**problem, "family": design["family"], "initial": design["parameters"], "fixed": design["parameters"],
+                                         "effects": {"ways_out": "off"}})["profile"]
     asked = server.post("/v1/profiles", _profile_body(problem, design, told["x"]))
     yield "bars", _apart(told["error_bar"], asked["error_bar"])
     if problem["task"] == "stress_strain":
@@ -379,7 +381,7 @@ def _rules(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]
 
 
 def _materials(server: Server, drawn: Dict[str, Any]) -> Iterator[Tuple[str, float]]:
-    body = {**drawn["targets"][0], "family": drawn["family"], "accuracy": {"starts": 4}, "effects": {"trust": "off"}}
+    body = {**drawn["targets"][0], "family": drawn["family"], "accuracy": {"starts": 4}, "effects": {"trust": "off", "ways_out": "off"}}
     materials = [{"youngs_modulus": modulus} for modulus in drawn["moduli"]]
     answer = server.post("/v1/designs", {**body, "material": materials})
     if answer["reached"]:

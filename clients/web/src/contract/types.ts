@@ -14,6 +14,7 @@ export type DesignCandidate = Schemas["DesignCandidate"];
 export type DesignStop = Schemas["DesignStop"];
 export type PartialDesign = Schemas["PartialDesign"];
 export type Polish = NonNullable<Schemas["Polish"]>;
+export type WayOut = Schemas["WayOut"];
 export type Verified = NonNullable<DesignProfile["verified"]>;
 export type MeasuredCurveRequest = Schemas["MeasuredCurveRequest"];
 export type MeasuredCurve = Schemas["MeasuredCurveResponse"];

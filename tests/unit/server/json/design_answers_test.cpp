@@ -97,6 +97,33 @@ TEST(DesignAnswers, SayWhatTheStructureIsMadeOfAndMeasures) {
   EXPECT_EQ(answer["structure"]["beam_width"], 0.75);
 }
 
+TEST(DesignAnswers, SayWhatWouldHelp) {
+  auto designs = found();
+  EXPECT_TRUE(written(designs)["ways_out"].is_array() && written(designs)["ways_out"].empty());
+  design::WayOut shorter;
+  shorter.change = design::WayOut::Change::shorten;
+  shorter.sentence = "Shorten it.";
+  shorter.parameters = Eigen::Vector2d(0.25, 0.75);
+  shorter.orientation = 0.5;
+  shorter.youngs_modulus = 26;
+  shorter.range = {0, 0.125};
+  shorter.deviation = 0.0625;
+  design::WayOut family = shorter;
+  family.change = design::WayOut::Change::family;
+  family.other = 0;
+  family.range.reset();
+  designs.ways_out = {shorter, family};
+  designs.other_models = {{"IH67", "ih67", "cc", 26, 0.48}};
+  const auto ways = written(designs)["ways_out"];
+  const json expected = {{"change", "shorten"},    {"sentence", "Shorten it."},  {"family", "IH21"},
+                         {"model", "ih21"},        {"parameters", {0.25, 0.75}}, {"orientation", 0.5},
+                         {"youngs_modulus", 26.0}, {"range", {0.0, 0.125}},      {"deviation", 0.0625}};
+  EXPECT_EQ(ways[0], expected);
+  EXPECT_EQ(ways[1]["family"], "IH67");
+  EXPECT_EQ(ways[1]["model"], "ih67");
+  EXPECT_TRUE(ways[1]["range"].is_null());
+}
+
 TEST(DesignAnswers, SayHowFarTheModelIsOff) {
   auto designs = found();
   designs.ranking[0].design.model_error = 0.0625;

@@ -31,7 +31,7 @@ TEST(DesignRequests, ReadEveryField) {
           "target":{"control_points":[[-0.1,-1],[0.2,2]]}}],"model":"ih21","initial":[0.15,0.6],"fixed":[null,0.6],
           "verify":true,"accuracy":{"tolerance":1e-4,"equilibrium_tolerance":1e-8,"max_iterations":9,"starts":3,
           "candidates":40,"verified_samples":5,"polish_tolerance":0.01,"polish_rounds":7,"polish_seconds":50},
-          "effects":{"multi_start":"on","envelope":"off","polish":"on"},"session":"tab-1",
+          "effects":{"multi_start":"on","envelope":"off","polish":"on","ways_out":"on"},"session":"tab-1",
           "deadline":9})",
       {});
   EXPECT_FALSE(request.several);
@@ -67,6 +67,7 @@ TEST(DesignRequests, ReadEveryField) {
   EXPECT_EQ(request.options.candidates, 40);
   EXPECT_EQ(request.options.multi_start, Switch::on);
   EXPECT_EQ(request.options.envelope, Switch::off);
+  EXPECT_EQ(request.ways_out, Switch::on);
   EXPECT_EQ(request.session, "tab-1");
   EXPECT_EQ(request.deadline, 9);
 }
@@ -80,6 +81,16 @@ TEST(DesignRequests, SimulateWhereTheyAreVerifiedOrPolishedAtAllEvents) {
   EXPECT_TRUE(simulates(",\"verify\":true"));
   EXPECT_TRUE(simulates(",\"verify\":true,\"effects\":{\"polish\":\"off\"}"));
   EXPECT_TRUE(simulates(",\"effects\":{\"polish\":\"on\"}"));
+}
+
+TEST(DesignRequests, SeekWaysOutUnlessTheyBelongToASession) {
+  const auto seeks = [](const std::string& more) {
+    return parse_design("{\"task\":\"stiffness\"," + target + more + "}", {}).seeks_ways_out();
+  };
+  EXPECT_TRUE(seeks(""));
+  EXPECT_FALSE(seeks(",\"session\":\"a\""));
+  EXPECT_TRUE(seeks(",\"session\":\"a\",\"effects\":{\"ways_out\":\"on\"}"));
+  EXPECT_FALSE(seeks(",\"effects\":{\"ways_out\":\"off\"}"));
 }
 
 TEST(DesignRequests, ReadRegions) {

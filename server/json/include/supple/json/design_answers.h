@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "supple/design/verified_designs.h"
+#include "supple/design/ways_out.h"
 #include "supple/json/answers.h"
 #include "supple/json/design_requests.h"
 
@@ -27,6 +28,8 @@ struct FoundDesigns {
   std::optional<design::Polished> verification;  ///< verification of the first design; none where not requested
   RegionSpec spec{};                             ///< what the request asks for
   std::vector<std::optional<double>> discretization_error{};  ///< see VerifiedDesigns; empty without verification
+  std::vector<design::WayOut> ways_out{};                     ///< best first
+  std::vector<DesignModel> other_models{};                    ///< models of the families that `ways_out` may name
 };
 
 std::string write_design(const DesignRequest& request, const std::vector<FoundDesigns>& found, const Bill& bill);

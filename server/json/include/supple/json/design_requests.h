@@ -54,11 +54,14 @@ struct DesignRequest {
   bool verify = false;
   design::VerificationPlan verification;
   design::DesignOptions options;
-  std::string session;  ///< empty where it is not given
-  double deadline = 0;  ///< seconds; set also where the request leaves it out
+  Switch ways_out = Switch::automatic;  ///< whether ways out of a missed target are sought
+  std::string session;                  ///< empty where it is not given
+  double deadline = 0;                  ///< seconds; set also where the request leaves it out
 
   /// Whether designs are simulated: the request asks for it, or switches their polish on.
   bool simulates() const { return verify || verification.polish == Switch::on; }
+  /// Whether ways out are sought where the target is missed. An editing session asks anew with every move.
+  bool seeks_ways_out() const { return ways_out == Switch::on || (ways_out == Switch::automatic && session.empty()); }
 };
 DesignRequest parse_design(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
 
