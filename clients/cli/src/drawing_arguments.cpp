@@ -204,8 +204,9 @@ void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
       if (!is_region[i]) outline.push_back(polygons[i].at("points"));
     }
   }
-  if (outline.empty()) throw Failure(ExitCode::usage, "--outline: every closed curve of the drawing is a region");
-  request["outline"] = {{"polygons", outline}};
+  // Where every closed curve is a region, the part is their union.
+  request["outline"] = outline.empty() ? nlohmann::json{{"regions", true}} : nlohmann::json{{"polygons", outline}};
+  if (outline.empty() && !request.contains("structure")) request["structure"] = filled.at(0).at("structure");
   if (!filled.empty()) request["regions"] = filled;
 }
 

@@ -31,7 +31,8 @@ struct DrawingChoice {
 DrawingChoice drawing_choice(const std::string& text);
 
 /// Puts the outline and the regions of a drawing into a request for a part. A region is NAME=FAMILY[,WIDTH[,ANGLE]].
-/// The outline consists of the polygons with the name `outline_name`, or of all that belong to no region. Throws
+/// The outline consists of the polygons with the name `outline_name`, or of all that belong to no region; where there
+/// are none, it is the union of the regions, and the part needs no other structure. Throws
 /// Failure(usage), which lists the names in the drawing if a name is unknown.
 void use_drawing(const nlohmann::json& drawing, const std::string& outline_name,
                  const std::vector<std::string>& regions, nlohmann::json& request);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <numbers>
 
@@ -29,6 +30,7 @@ struct PartArguments {
   double beam_width = 0;
   std::string orientation;
   std::string direction;
+  std::string axis;
   double frame = -1;
   double seam = -1;
   double smallest_wall = -1;
@@ -85,8 +87,8 @@ nlohmann::json load_direction(const nlohmann::json& design) {
   return direction;
 }
 
-/// Sets the structure from a file with the output of `supple design --json`. The load axis of a coupon or a block is
-/// the direction of the design's load.
+/// Sets the structure from a file with the output of `supple design --json`. If the part has an axis of load, the
+/// direction of the design's load lies along it.
 void use_design(const std::string& file, bool has_load_axis, nlohmann::json& request) {
   const nlohmann::json design = object_in(file);
   try {
@@ -104,8 +106,11 @@ void use_design(const std::string& file, bool has_load_axis, nlohmann::json& req
 nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   nlohmann::json request = nlohmann::json::object();
   if (!arguments.request_file.empty()) request = object_in(arguments.request_file);
-  if (!arguments.design_file.empty())
-    use_design(arguments.design_file, !arguments.coupon.empty() || !arguments.block.empty(), request);
+  if (!arguments.axis.empty()) request["axis"] = parse_angle(arguments.axis, "--axis");
+  if (!arguments.design_file.empty()) {
+    const bool has_axis = !arguments.coupon.empty() || !arguments.block.empty() || request.contains("axis");
+    use_design(arguments.design_file, has_axis, request);
+  }
   if (!arguments.family.empty()) request["structure"] = {{"family", arguments.family}};
   if (!arguments.parameters.empty())
     request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
@@ -114,7 +119,9 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   if (arguments.outline.empty() && (!arguments.regions.empty() || arguments.drawing.any()))
     throw Failure(ExitCode::usage,
                   "--region, --unit, --width and --tolerance are about a drawing: give it with --outline");
-  if (!request.contains("structure") || !(request.contains("outline") || !arguments.outline.empty())) {
+  const bool has_structure =
+      request.contains("structure") || (!arguments.outline.empty() && !arguments.regions.empty());
+  if (!has_structure || !(request.contains("outline") || !arguments.outline.empty())) {
     throw Failure(
         ExitCode::usage,
         "no part: give a family or a design and --outline, --coupon, --block or --rectangle, or a file with --request");
@@ -122,6 +129,10 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   if (!arguments.outline.empty()) {
     const auto [file, name] = drawing_choice(arguments.outline);
     use_drawing(read_drawing(session, file, arguments.drawing), name, arguments.regions, request);
+    if (!request.contains("structure")) {
+      throw Failure(ExitCode::usage,
+                    "no part: curves of the drawing belong to no region; give a family or a design that fills them");
+    }
   }
   const auto set = [&request](const char* name, double value, double least) {
     if (value >= least) request[name] = value;
@@ -138,12 +149,39 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   return request;
 }
 
-void print_part(const nlohmann::json& answer) {
+/// The size of the structure of a coupon or a block, which has solid ends; empty for other outlines.
+std::string size_between_ends(const nlohmann::json& outline) {
+  const auto words = [](const nlohmann::json& shape, const char* length, const char* ends) {
+    return fmt::format("; {:.6g} x {:.6g} mm between the {}", shape.at("width").get<double>(),
+                       shape.at(length).get<double>(), ends);
+  };
+  if (outline.contains("coupon")) return words(outline.at("coupon"), "length", "grips");
+  if (outline.contains("block")) return words(outline.at("block"), "height", "plates");
+  return {};
+}
+
+/// Tells which direction of the design lies along the load, and how the structure was turned for that.
+void print_load(const nlohmann::json& request, const nlohmann::json& answer) {
+  const auto& direction = answer.at("tested_direction");
+  if (direction.is_null()) return;
+  constexpr double degrees = 180 / std::numbers::pi;
+  const std::string axis = request.contains("axis") ? fmt::format("the part's axis of {:.4g} degrees",
+                                                                  degrees * request["axis"].get<double>())
+                                                    : "y";
+  fmt::print("load     along the direction {:.6g} rad ({:.4g} degrees) of the design, which lies along {}\n",
+             direction.get<double>(), degrees * direction.get<double>(), axis);
+  const double turned = answer.at("orientation").get<double>() - request.value("orientation", 0.0);
+  if (request.contains("direction") && std::abs(turned) > 1e-9) {
+    fmt::print("         turned by {:.4g} degrees so that the design's load runs along the part\n", degrees * turned);
+  }
+}
+
+void print_part(const nlohmann::json& request, const nlohmann::json& answer) {
   const auto number = [&answer](const char* name) { return answer.at(name).get<double>(); };
   const auto& size = answer.at("size");
   const auto& checks = answer.at("checks");
-  fmt::print("size     {:.6g} x {:.6g} x {:.6g} mm\n", size.at(0).get<double>(), size.at(1).get<double>(),
-             size.at(2).get<double>());
+  fmt::print("size     {:.6g} x {:.6g} x {:.6g} mm{}\n", size.at(0).get<double>(), size.at(1).get<double>(),
+             size.at(2).get<double>(), size_between_ends(request.at("outline")));
   fmt::print("solid    {:.6g} mm^2, {:.3g} of the outline\n", number("solid_area"), number("relative_density"));
   fmt::print("mass     {:.4g} g, {:.6g} mm^3\n", number("mass"), number("volume"));
   fmt::print("walls    {:.3g} mm^2 narrower than {:.3g} mm were left out\n", checks.at("trimmed_area").get<double>(),
@@ -152,11 +190,7 @@ void print_part(const nlohmann::json& answer) {
   fmt::print("necks    {}; {} were widened, {} cut\n",
              neck.is_null() ? "none" : fmt::format("at least {:.3g} mm", neck.get<double>()),
              checks.at("widened_necks").get<int>(), checks.at("cut_necks").get<int>());
-  if (const auto& direction = answer.at("tested_direction"); !direction.is_null()) {
-    constexpr double degrees = 180 / std::numbers::pi;
-    fmt::print("load     along the direction {:.6g} rad ({:.4g} degrees) of the design, which lies along y\n",
-               direction.get<double>(), degrees * direction.get<double>());
-  }
+  print_load(request, answer);
   fmt::print("pieces   one; {} without connection to it were left out\n", checks.at("crumbs").get<int>());
   const auto message = answer.at("message").get<std::string>();
   if (!message.empty()) fmt::print("note     {}\n", message);
@@ -176,7 +210,7 @@ void run(const GlobalOptions& options, const PartArguments& arguments) {
   }
   if (on_terminal) return;
   const nlohmann::json answer = session.compute("/v1/parts", request).json();
-  session.json() ? print_json(answer) : print_part(answer);
+  session.json() ? print_json(answer) : print_part(request, answer);
 }
 
 }  // namespace
@@ -197,7 +231,8 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
   block->excludes(rectangle);
   command
       ->add_option("--outline", arguments->outline,
-                   "Drawing, an SVG or DXF file: its closed curves, or FILE#NAME for those of an id or layer")
+                   "Drawing, an SVG or DXF file: its closed curves, or FILE#NAME for those of an id or layer; where "
+                   "every curve is a region, the part is their union")
       ->excludes(coupon)
       ->excludes(block)
       ->excludes(rectangle);
@@ -221,7 +256,11 @@ void add_part_command(CLI::App& program, const GlobalOptions& options) {
                       "Angle by which the tiling is turned, for example 30deg (0)");
   command->add_option(
       "--direction", arguments->direction,
-      "Direction of the design along which a coupon or a block is loaded: it comes to lie along y (90deg)");
+      "Direction of the design along which the part is loaded: it comes to lie along y in a coupon or a block, and "
+      "along --axis otherwise (90deg)");
+  command->add_option(
+      "--axis", arguments->axis,
+      "Direction in a drawing or a sheet along which the part will be loaded, for example 90deg (none)");
   command
       ->add_option("--design", arguments->design_file,
                    "A design as supple design --json prints it: its structure, walls, density, orientation and, if it "

@@ -37,6 +37,12 @@ def polygons(outlines: Sequence[ArrayLike]) -> Dict[str, Any]:
     return {"polygons": [_polygon(outline) for outline in outlines]}
 
 
+def regions_only() -> Dict[str, Any]:
+    """The union of the regions in `PartOptions.regions` as the outline. They must make one piece; the part's own family fills
+    nothing."""
+    return {"regions": True}
+
+
 def _polygon(outline: ArrayLike, name: str = "") -> Any:
     array = np.asarray(outline, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 or len(array) < 3:
@@ -53,7 +59,8 @@ class PartRegion(Sent):
         family, parameters: the structure; None takes the family's default parameters.
         beam_width: width of the beams, with which the structure scales. 0.3 mm by default.
         orientation: angle by which the tiling is rotated counterclockwise. 0 by default.
-        name: name of the region.
+        name: name of the region, and of its object in a 3MF file.
+        direction: direction of the region's own design along which the part is loaded, radians; by default that of the part.
     """
 
     outline: Annotated[ArrayLike, At(write=_polygon)]
@@ -62,6 +69,7 @@ class PartRegion(Sent):
     beam_width: Optional[float] = None
     orientation: Optional[float] = None
     name: Optional[str] = None
+    direction: Optional[float] = None
 
 
 @dataclass(frozen=True)
@@ -71,8 +79,8 @@ class PartOptions(Sent):
     Attributes:
         beam_width: width of the beams, with which the structure scales. 0.3 mm.
         orientation: angle by which the tiling is rotated counterclockwise. 0.
-        direction: direction of the design along which a coupon or a block is loaded, radians. All structures are also rotated
-            by pi/2 - direction, so that it is along y, the axis of the part. pi/2.
+        direction: direction of the design along which the part is loaded, radians. All structures are also rotated so that it is
+            along the axis of the part, which is y for a coupon or a block. By default nothing is rotated.
         regions: regions of the outline with their own structures; a later one replaces earlier ones where they overlap.
         frame: width of a solid rim. 0.
         seam: width of solid strips along the outlines of regions. By default the width of the finest beams.
@@ -81,6 +89,7 @@ class PartOptions(Sent):
             the finest beams' width.
         thickness: thickness of the part. 1 mm.
         density: density of the material for `Part.mass`, g/cm^3. 1.2.
+        axis: direction in an outline other than a coupon or a block along which the part will be loaded, radians. None.
     """
 
     beam_width: Optional[float] = None
@@ -93,11 +102,12 @@ class PartOptions(Sent):
     smallest_wall: Optional[float] = None
     thickness: Optional[float] = None
     density: Annotated[Optional[float], At("/material/")] = None
+    axis: Optional[float] = None
 
     @classmethod
     def of_design(cls, design: Design, **further: Any) -> "PartOptions":
-        """Options for a coupon or a block of a design: its beam width, density and orientation, and the direction of its load if
-        there is only one. `further` are options that replace these."""
+        """Options for a coupon or a block of a design, or for another outline with an `axis`: its beam width, density and
+        orientation, and the direction of its load if there is only one. `further` are options that replace these."""
         directions = {profile.direction for profile in (design.profile, *design.also)}
         options: Dict[str, Any] = {
             "beam_width": design.size.beam_width,
@@ -116,14 +126,13 @@ class Part:
     """The solid of a part.
 
     Attributes:
-        size: width, height and thickness, mm.
+        size: width, height and thickness of the whole part, with grips or plates, mm.
         outline_area, solid_area: mm^2; `relative_density` is their ratio.
         volume: mm^3.
         mass: g.
         holes: number of holes of the solid.
         orientation: angle by which the tiling is rotated in the part, radians.
-        tested_direction: direction of the design along y, the load axis of a coupon or a block, radians; None for other
-            outlines.
+        tested_direction: direction of the design along the axis of the load, radians; None for a part without an axis.
         smallest_wall: the least width of walls that was used, mm.
         smallest_neck: width of the narrowest neck, measured on the finished outline, mm; None if there is no neck.
         widened_necks, cut_necks: numbers of necks narrower than the smallest wall that were widened or cut.

@@ -209,7 +209,8 @@ SAMPLES: List[Request[Any]] = [
     supple.MeasuredCurveRequest(None, [[0, 0], [1, 1]]),
     supple.DrawingRequest("<svg/>", 50.0, "mm", 0.1, None, 72.0),
     supple.PartRequest(supple.parts.coupon(20, 60), "IH21", [0.1], supple.PartOptions(
-        0.4, 0.1, 0.2, [supple.PartRegion([[0, 0], [1, 0], [0, 1]], "IH21", [0.1], 0.4, 0.1, "heel")], 1.0, 0.5, "whole", 0.2, 2.0, 1.2)),
+        0.4, 0.1, 0.2, [supple.PartRegion([[0, 0], [1, 0], [0, 1]], "IH21", [0.1], 0.4, 0.1, "heel", 0.2)], 1.0, 0.5, "whole", 0.2, 2.0, 1.2, 0.3)),
+    supple.PartRequest(supple.parts.regions_only(), "IH21", options=supple.PartOptions(regions=[supple.PartRegion([[0, 0], [1, 0], [0, 1]], "IH21")])),
     supple.PartFileRequest(supple.parts.polygons([[[0, 0], [1, 0], [0, 1]]]), "IH21", kind="3mf"),
     supple.WeaveLayoutRequest(supple.Weave.layout(STRANDS, lattice=[[8, 0], [0, 8]])),
     supple.WeavePictureRequest(supple.Weave.circles(2, circle_radius=6)),

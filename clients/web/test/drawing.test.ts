@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Outlines } from "../src/contract/types";
-import { type Drawing, isDrawing, layoutOf, withRegionMoved } from "../src/design/drawing";
+import { type Drawing, isDrawing, layoutOf, regionsIn, withRegionMoved } from "../src/design/drawing";
 import { fillingsOf, materialsNote } from "../src/design/fillings";
 import { DEFAULT_SPECIFICATION } from "../src/design/specification";
 import { type Filling, INITIAL_PART, outlineRequest, partRequest, productOf } from "../src/design/part";
@@ -46,6 +46,28 @@ describe("the curves of a drawing", () => {
   });
 });
 
+describe("the regions of a drawing", () => {
+  const drawing = (...curves: { names: string[]; points: [number, number][] }[]): Drawing => ({ ...sole, curves: { polygons: curves } as unknown as Outlines });
+
+  it("have the names of its curves, and one is the rest of what is around them", () => {
+    expect(regionsIn(sole)).toEqual(["heel", "Rest"]);
+    const labelled = drawing({ names: ["path12", "Toes", "regions"], points: square(3, 5, 5) }, { names: ["sole"], points: square(9) }, { names: ["heel"], points: square(3, 1, 1) });
+    expect(regionsIn(labelled)).toEqual(["Toes", "heel", "Rest"]);
+  });
+
+  it("have no rest where they cover the outline, or need no outline", () => {
+    const halves = [{ names: ["left"], points: [[0, 0], [5, 0], [5, 9], [0, 9]] as [number, number][] }, { names: ["right"], points: [[5, 0], [9, 0], [9, 9], [5, 9]] as [number, number][] }];
+    expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, ...halves))).toEqual(["left", "right"]);
+    expect(regionsIn(drawing(...halves))).toEqual(["left", "right"]);
+  });
+
+  it("are none where curves have no names of their own", () => {
+    expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, { names: ["circle4"], points: square(2, 2, 2) }))).toEqual([]);
+    expect(regionsIn(drawing({ names: ["0"], points: square(9) }, { names: ["0"], points: square(2, 2, 2) }))).toEqual([]);
+    expect(regionsIn(drawing({ names: ["sole"], points: square(9) }))).toEqual([]);
+  });
+});
+
 describe("a file", () => {
   it("is a drawing by its name or by what it begins with", () => {
     expect(isDrawing("SOLE.DXF", "0\nSECTION")).toBe(true);
@@ -61,7 +83,13 @@ describe("a file", () => {
 });
 
 describe("a product", () => {
-  const filling = (name: string, orientation = 0): Filling => ({ name, found: { family: `of ${name}`, parameters: [0.5] }, orientation, beamWidth: 0.4 });
+  const filling = (name: string, orientation = 0, direction: number | null = null): Filling => ({
+    name,
+    found: { family: `of ${name}`, parameters: [0.5] },
+    orientation,
+    direction,
+    beamWidth: 0.4,
+  });
   const layout = { outline: [1], regions: ["rest", 0, 2] as const };
 
   it("has a structure in each region", () => {
@@ -75,6 +103,27 @@ describe("a product", () => {
     expect(request).not.toHaveProperty("orientation");
   });
 
+  it("is turned towards its axis region by region", () => {
+    const product = productOf(sole, layout, [filling("a", 0, 0.1), filling("b", 0.3, 0.2), filling("c")]);
+    const request = partRequest({ family: "IH22", parameters: [] }, { ...INITIAL_PART, kind: "drawing", axis: 90 }, product);
+    expect(request.axis).toBeCloseTo(Math.PI / 2);
+    expect(request.direction).toBe(0.1);
+    expect(request.regions?.map((region) => region.direction)).toEqual([0.2, request.axis]);
+    const plain = partRequest({ family: "IH22", parameters: [] }, { ...INITIAL_PART, kind: "drawing" }, product);
+    expect(plain).not.toHaveProperty("direction");
+    expect(plain.regions?.[0]).not.toHaveProperty("direction");
+  });
+
+  it("is the union of its regions where no curve is around them", () => {
+    const bands = { ...sole, curves: { polygons: [{ names: ["heel"], points: square(4) }, { names: ["toes"], points: square(4, 4) }] } as unknown as Outlines };
+    const whole = layoutOf(bands, ["heel", "toes"], none);
+    expect(whole).toEqual({ outline: [], regions: [0, 1] });
+    const request = partRequest({ family: "IH22", parameters: [] }, { ...INITIAL_PART, kind: "drawing" }, productOf(bands, whole, [filling("heel"), filling("toes")]));
+    expect(request.outline).toEqual({ regions: true });
+    expect(request.regions?.map((region) => region.name)).toEqual(["heel", "toes"]);
+    expect(layoutOf(sole, ["Rest", "Heel"], { ...none, outline: "regions" }).outline).toEqual([]);
+  });
+
   it("is made without the regions that have no design", () => {
     expect(productOf(sole, layout, [null, filling("b"), null])).toMatchObject({ rest: { name: "b" }, regions: [{ filling: { name: "b" } }] });
     expect(productOf(sole, layout, [null, null, null])).toBeNull();
@@ -86,7 +135,7 @@ describe("a product", () => {
     const cells: Region = { ...plain, made: { ...DEFAULT_SPECIFICATION, size: { kind: "cell_size", value: 5 } } };
     const shown = [null, null, [{ measures: { beamWidth: 0.61234567 } } as TargetResponse], null];
     const all = fillingsOf([plain, wide, cells, { ...plain, found: null }], shown, [undefined, undefined, undefined, 3]);
-    expect(all.map((one) => one?.beamWidth)).toEqual([INITIAL_PART.beamWidth, 0.8, 0.6123, undefined]);
+    expect(all.map((one) => one?.beamWidth)).toEqual([0.3, 0.8, 0.6123, undefined]);
     expect(all[1]).toMatchObject({ name: "Heel", orientation: Math.PI });
     expect(fillingsOf([plain], [null], [1.5])[0]?.beamWidth).toBe(1.5);
   });

@@ -247,7 +247,7 @@ describe("what a design is made of", () => {
   it("is what a part begins with", () => {
     const [shown] = designResponses(answer, searched);
     expect(settingsOf(shown)).toEqual({ beamWidth: 0.45, density: 1.21, orientation: 71.62, direction: 0 });
-    expect(settingsOf({ ...shown, made: DEFAULT_SPECIFICATION }).beamWidth).toBe(INITIAL_PART.beamWidth);
+    expect(settingsOf({ ...shown, measures: { ...shown.measures, beamWidth: null } }).beamWidth).toBe(INITIAL_PART.beamWidth);
     expect(partRequest(found, { ...INITIAL_PART, ...settingsOf(shown) })).toMatchObject({
       beam_width: 0.45,
       material: { density: 1.21 },
@@ -264,6 +264,10 @@ describe("what a design is made of", () => {
     expect(settings(along(Math.PI / 6)).direction).toBe(30);
     expect(partRequest(found, settings(along(Math.PI / 6)))).toMatchObject({ direction: expect.closeTo(Math.PI / 6, 4) });
     expect(partRequest(found, { ...settings(along(Math.PI / 6)), kind: "rectangle" })).not.toHaveProperty("direction");
+    expect(partRequest(found, { ...settings(along(Math.PI / 6)), kind: "rectangle", axis: 90 })).toMatchObject({
+      axis: expect.closeTo(Math.PI / 2, 8),
+      direction: expect.closeTo(Math.PI / 6, 4),
+    });
     for (const several of [settings(along(0), along(1)), settings({ ...along(0), task: "stiffness" }), settings(along(0), { ...along(0), task: "poisson" })]) {
       expect(several.direction).toBeNull();
       expect(partRequest(found, several)).not.toHaveProperty("direction");

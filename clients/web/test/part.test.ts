@@ -9,13 +9,13 @@ describe("a part", () => {
     expect(partRequest(FOUND, INITIAL_PART)).toEqual({
       outline: { coupon: { width: 30, length: 60, grip_length: 15 } },
       structure: { family: "IH21", parameters: [0.1, 0.6] },
-      beam_width: 0.4,
-      thickness: 4,
+      beam_width: 0.3,
+      thickness: 1,
       frame: 0,
       rim: "clipped",
       material: { density: 1.2 },
     });
-    expect(partRequest(FOUND, { ...INITIAL_PART, kind: "block", end: 2, whole: true })).toMatchObject({ outline: { block: { width: 30, height: 60, plate: 2 } }, rim: "whole" });
+    expect(partRequest(FOUND, { ...INITIAL_PART, kind: "block", plate: 2, whole: true })).toMatchObject({ outline: { block: { width: 30, height: 60, plate: 2 } }, rim: "whole" });
     expect(partRequest(FOUND, { ...INITIAL_PART, kind: "rectangle" }).outline).toEqual({ rectangle: [30, 60] });
   });
 

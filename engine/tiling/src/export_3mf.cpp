@@ -69,27 +69,50 @@ class Nodes {
   std::vector<Eigen::Vector2d> points_;
 };
 
-}  // namespace
+/// The text escaped for an attribute, without control characters.
+std::string escaped(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+  }
+  return result;
+}
 
-std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
-                        const std::string& title) {
-  // Node k of the plane is two nodes of the solid: 2 k at the bottom and 2 k + 1 at the top. 3MF requires that
-  // neighbouring triangles share the indices of their nodes. A corner at which two parts of one face touch is one node.
+/// Writes the triangles of a solid into `triangles`, and returns its nodes in the plane.
+///
+/// Node k of the plane is two nodes of the solid: 2 k at the bottom and 2 k + 1 at the top. 3MF requires that
+/// neighbouring triangles share the indices of their nodes. A corner at which two parts of one face touch is one node.
+std::vector<Eigen::Vector2d> write_triangles(const NamedSolid& solid, FileText& triangles) {
   Nodes nodes;
-  FileText triangles;
   const auto add = [&triangles](std::size_t a, std::size_t b, std::size_t c) {
     triangles << "<triangle v1=\"";
     triangles.number(a, '"') << " v2=\"";
     triangles.number(b, '"') << " v3=\"";
     triangles.number(c, '"') << "/>\n";
   };
+  const auto& caps = solid.caps;
   for (const auto& [a, b, c] : caps.triangles) {
     const std::size_t p = 2 * nodes.at(caps.points[a]), q = 2 * nodes.at(caps.points[b]),
                       r = 2 * nodes.at(caps.points[c]);
     add(p + 1, q + 1, r + 1);
     add(p, r, q);
   }
-  for (const Face& face : faces) {
+  for (const Face& face : solid.faces) {
     for (const Polygon& polygon : face) {
       for (std::size_t k = 0; k < polygon.size(); ++k) {
         const std::size_t p = 2 * nodes.at(polygon[k]), q = 2 * nodes.at(polygon[(k + 1) % polygon.size()]);
@@ -98,12 +121,15 @@ std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMes
       }
     }
   }
-  FileText model;
-  model << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" "
-           "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n<metadata name=\"Title\">"
-        << title << "</metadata>\n<resources>\n<object id=\"1\" type=\"model\" name=\"" << title
-        << "\">\n<mesh>\n<vertices>\n";
-  for (const Eigen::Vector2d& p : nodes.points()) {
+  return nodes.points();
+}
+
+void write_object(FileText& model, std::size_t id, const NamedSolid& solid, double thickness) {
+  FileText triangles;
+  const auto nodes = write_triangles(solid, triangles);
+  model << "<object id=\"";
+  model.number(id, '"') << " type=\"model\" name=\"" << escaped(solid.name) << "\">\n<mesh>\n<vertices>\n";
+  for (const Eigen::Vector2d& p : nodes) {
     for (const double z : {0.0, thickness}) {
       model << "<vertex x=\"";
       model.number(p.x(), '"') << " y=\"";
@@ -111,9 +137,30 @@ std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMes
       model.number(z, '"') << "/>\n";
     }
   }
-  model << "</vertices>\n<triangles>\n"
-        << triangles.take()
-        << "</triangles>\n</mesh>\n</object>\n</resources>\n<build><item objectid=\"1\"/></build>\n</model>\n";
+  model << "</vertices>\n<triangles>\n" << triangles.take() << "</triangles>\n</mesh>\n</object>\n";
+}
+
+}  // namespace
+
+std::string three_mf_of(const std::vector<NamedSolid>& solids, double thickness, const std::string& title) {
+  FileText model;
+  model << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" "
+           "xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n<metadata name=\"Title\">"
+        << title << "</metadata>\n<resources>\n";
+  std::size_t id = 0;
+  for (const NamedSolid& solid : solids) write_object(model, ++id, solid, thickness);
+  if (solids.size() > 1) {
+    model << "<object id=\"";
+    model.number(id + 1, '"') << " type=\"model\" name=\"" << title << "\">\n<components>\n";
+    for (std::size_t component = 1; component <= solids.size(); ++component) {
+      model << "<component objectid=\"";
+      model.number(component, '"') << "/>\n";
+    }
+    model << "</components>\n</object>\n";
+    ++id;
+  }
+  model << "</resources>\n<build><item objectid=\"";
+  model.number(id, '"') << "/></build>\n</model>\n";
   const std::string text = model.take();
   return zip_of({{"[Content_Types].xml", content_types}, {"_rels/.rels", relationships}, {"3D/3dmodel.model", text}});
 }

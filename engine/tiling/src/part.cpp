@@ -11,6 +11,7 @@
 #include "clipper_paths.h"
 #include "narrow_places.h"
 #include "neck_repair.h"
+#include "part_regions.h"
 #include "part_tasks.h"
 #include "polygon.h"
 #include "supple/base/faults.h"
@@ -31,8 +32,6 @@ constexpr std::size_t max_corners = 5'000;
 constexpr double min_part_side = 0.005;
 /// Limit of the repairs. Repairing a neck may leave others beside it.
 constexpr int max_repairs = 8;
-/// Distance by which corners that touch recede on either side, mm: less than any printer or laser resolves.
-constexpr double corner_recess = 2e-3;
 /// Radius of the disk that must fit into a wall, as a ratio to the smallest wall. Walls into which it does not fit are
 /// narrow.
 constexpr double disk_radius = 0.49;
@@ -78,7 +77,8 @@ void check(const PartDesign& design) {
                  "must have at most " + std::to_string(max_corners) + " corners together with all regions, got " +
                      std::to_string(corners));
   faults.throw_if_any<PartError>("tiling.part", "The part");
-  faults.require(!design.outline.empty(), "outline", "must have at least one polygon");
+  faults.require(!design.outline.empty() || design.outline_of_regions, "outline", "must have at least one polygon");
+  faults.require(!design.regions.empty() || !design.outline_of_regions, "outline", "needs at least one region");
   for (std::size_t i = 0; i < design.outline.size(); ++i)
     check_polygon(design.outline[i], "outline/" + std::to_string(i), faults);
   for (std::size_t i = 0; i < design.solids.size(); ++i)
@@ -94,19 +94,6 @@ void check(const PartDesign& design) {
     check_filling(design.regions[i].filling, design, folder, faults);
   }
   faults.throw_if_any<PartError>("tiling.part", "The part");
-}
-
-double area_of(const Paths& paths) {
-  double sum = 0;
-  for (const auto& path : paths) sum += ClipperLib::Area(path);
-  return sum / (units_per_millimetre * units_per_millimetre);
-}
-
-/// The area within an odd number of polygons, which may overlap in any way.
-Paths even_odd(const std::vector<Polygon>& polygons) {
-  Paths result;
-  ClipperLib::SimplifyPolygons(to_paths(polygons), result, ClipperLib::pftEvenOdd);
-  return result;
 }
 
 /// The tiles of a filling, rotated and scaled, whose beams may reach into a box.
@@ -208,16 +195,6 @@ Paths trimmed(const Paths& solid, double wall, double& trimmed_area) {
   return result;
 }
 
-/// Whether two corners of the solid coincide.
-bool has_touching_corners(const Paths& paths) {
-  std::vector<std::pair<ClipperLib::cInt, ClipperLib::cInt>> corners;
-  for (const auto& path : paths) {
-    for (const auto& p : path) corners.emplace_back(p.X, p.Y);
-  }
-  std::sort(corners.begin(), corners.end());
-  return std::adjacent_find(corners.begin(), corners.end()) != corners.end();
-}
-
 /// Makes the largest face that of the part, and adds the others to its crumbs.
 void retain_largest(std::vector<SolidFace>& faces, Part& part) {
   const auto area_of_face = [](const SolidFace& face) {
@@ -289,26 +266,25 @@ void repair_necks(Part& part, const Paths& outline, double wall, double beam_wid
 
 Part make_part_here(const PartDesign& design) {
   check(design);
-  const Paths outline = even_odd(design.outline);
+  const PartAreas areas = areas_of(design);
+  const Paths& outline = areas.outline;
   const Eigen::Vector2d centre = bounds_of_paths(outline).middle();
-  // The area of a region is the part of it that no later region covers.
-  Paths remaining = outline, solid;
+  Paths solid;
   double min_beam_width = design.filling.beam_width;
-  for (auto region = design.regions.rbegin(); region != design.regions.rend(); ++region) {
-    const Paths shape = even_odd({region->outline});
-    const Paths own = operation(ClipperLib::ctIntersection, remaining, shape);
-    const Paths beams = filled(region->filling, own, centre, design.rim);
+  for (std::size_t i = design.regions.size(); i-- > 0;) {
+    const PartRegion& region = design.regions[i];
+    const Paths beams = filled(region.filling, areas.regions[i], centre, design.rim);
     solid.insert(solid.end(), beams.begin(), beams.end());
-    remaining = operation(ClipperLib::ctDifference, remaining, shape);
-    min_beam_width = std::min(min_beam_width, region->filling.beam_width);
+    min_beam_width = std::min(min_beam_width, region.filling.beam_width);
     if (design.seam > 0) {
+      const Paths shape = even_odd({region.outline});
       const Paths strip = operation(ClipperLib::ctDifference, grown(shape, design.seam / 2, ClipperLib::jtMiter),
                                     grown(shape, -design.seam / 2, ClipperLib::jtMiter));
       const Paths inside = operation(ClipperLib::ctIntersection, strip, outline);
       solid.insert(solid.end(), inside.begin(), inside.end());
     }
   }
-  const Paths beams = filled(design.filling, remaining, centre, design.rim);
+  const Paths beams = filled(design.filling, areas.rest, centre, design.rim);
   solid.insert(solid.end(), beams.begin(), beams.end());
   if (design.frame > 0) {
     const Paths rim = operation(ClipperLib::ctDifference, outline, grown(outline, -design.frame, ClipperLib::jtMiter));
@@ -338,6 +314,7 @@ Part make_part_here(const PartDesign& design) {
   part.lower = extent.lower;
   part.upper = extent.upper;
   part.lost_solids = lost_solids(design, outline, part.faces[0]);
+  part.regions = divided(part.faces[0], design, areas, min_part_side * min_beam_width);
   return part;
 }
 

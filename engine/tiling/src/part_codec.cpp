@@ -49,9 +49,11 @@ void write(ByteWriter& writer, const PartDesign& design) {
   writer.list(design.regions, [&writer](const PartRegion& region) {
     write_polygons(writer, {region.outline});
     write_filling(writer, region.filling);
+    writer.text(region.name);
   });
   write_polygons(writer, design.solids);
-  writer.number(design.frame)
+  writer.number(design.outline_of_regions)
+      .number(design.frame)
       .number(design.seam)
       .number(design.rim)
       .number(design.smallest_wall)
@@ -66,9 +68,11 @@ PartDesign read_part_design(ByteReader& reader) {
     PartRegion region;
     region.outline = read_polygon_list(reader).at(0);
     region.filling = read_filling(reader);
+    region.name = reader.text();
     return region;
   });
   design.solids = read_polygon_list(reader);
+  design.outline_of_regions = reader.number<bool>();
   design.frame = reader.number<double>();
   design.seam = reader.number<double>();
   design.rim = reader.number<Rim>();
@@ -97,6 +101,10 @@ void write(ByteWriter& writer, const Part& part) {
       .size(part.left_necks)
       .number(part.smallest_neck.value_or(no_neck));
   writer.list(part.lost_solids, [&writer](std::size_t solid) { writer.size(solid); });
+  writer.list(part.regions, [&writer](const RegionSolid& region) {
+    writer.text(region.name);
+    write(writer, region.faces);
+  });
 }
 
 Part read_part(ByteReader& reader) {
@@ -115,6 +123,12 @@ Part read_part(ByteReader& reader) {
   part.left_necks = static_cast<std::size_t>(reader.number<std::uint64_t>());
   if (const double width = reader.number<double>(); width != no_neck) part.smallest_neck = width;
   reader.list(part.lost_solids, [&reader] { return static_cast<std::size_t>(reader.number<std::uint64_t>()); });
+  reader.list(part.regions, [&reader] {
+    RegionSolid region;
+    region.name = reader.text();
+    region.faces = read_faces(reader);
+    return region;
+  });
   return part;
 }
 

@@ -65,7 +65,9 @@ PartShape tensile_coupon(double width, double length, double grip_length) {
   return shape;
 }
 
-double orientation_under_load(double orientation, double direction) { return orientation + load_axis - direction; }
+double orientation_under_load(double orientation, double direction, double axis) {
+  return orientation + axis - direction;
+}
 
 PartShape compression_block(double width, double height, double plate) { return tensile_coupon(width, height, plate); }
 
@@ -76,7 +78,10 @@ std::string size_words(const Part& part) {
 
 Part make_part(const PartDesign& design, const Execution& execution) {
   execution.cancellation.throw_if_requested();
-  const Bounds bounds = bounds_of(design.outline);
+  Bounds bounds = bounds_of(design.outline);
+  for (const PartRegion& region : design.regions) {
+    if (design.outline_of_regions) bounds.include(region.outline);
+  }
   double min_beam_width = design.filling.beam_width;
   for (const PartRegion& region : design.regions) min_beam_width = std::min(min_beam_width, region.filling.beam_width);
   const auto helpers = helper_processes();
@@ -99,7 +104,13 @@ std::string part_stl(const Part& part, const Execution& execution) {
 }
 
 std::string part_3mf(const Part& part, const Execution& execution) {
-  return three_mf_of(part.faces, caps(part.faces, execution), part.thickness, title_of(part));
+  std::vector<NamedSolid> solids;
+  const auto add = [&solids, &execution](const std::string& name, const std::vector<SolidFace>& faces) {
+    solids.push_back({name, faces, caps(faces, execution)});
+  };
+  if (part.regions.empty()) add(title_of(part), part.faces);
+  for (const RegionSolid& region : part.regions) add(region.name, region.faces);
+  return three_mf_of(solids, part.thickness, title_of(part));
 }
 
 std::string part_step(const Part& part, const Execution& execution) {

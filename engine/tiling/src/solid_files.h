@@ -22,9 +22,15 @@ meshing::PlanarMesh caps_of(const std::vector<Face>& faces);
 /// to 79 bytes, must not begin with "solid".
 std::string stl_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
                    const std::string& title);
-/// The extruded faces as a 3MF package, whose one object is named by the title. The title must not need escapes.
-std::string three_mf_of(const std::vector<Face>& faces, const meshing::PlanarMesh& caps, double thickness,
-                        const std::string& title);
+/// Faces with a name, and the triangles of their top (see `caps_of`).
+struct NamedSolid {
+  std::string name;
+  std::vector<Face> faces;
+  meshing::PlanarMesh caps;
+};
+/// The extruded solids as a 3MF package with one object for each, named after it. If there are several, they are the
+/// components of one object named by the title, so that programs keep them together. The title must not need escapes.
+std::string three_mf_of(const std::vector<NamedSolid>& solids, double thickness, const std::string& title);
 
 /// The faces extruded by `thickness` (mm) as solids with plane faces, ISO 10303-21 of the protocol AP214. The title
 /// must not need escapes. Takes some 1.2 kB for each corner.

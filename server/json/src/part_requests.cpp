@@ -42,16 +42,22 @@ double length(Fields& fields, std::string_view name, double usual, bool may_vani
 /// The two solid ends of a coupon or a block, in the order of its solids.
 std::vector<std::string> ends(const char* what) { return {std::string("lower_") + what, std::string("upper_") + what}; }
 
-tiling::PartShape read_shape(Fields& fields, std::vector<std::string>& solid_names) {
+/// The shape of a part; empty if it is the union of its regions.
+tiling::PartShape read_shape(Fields& fields, std::vector<std::string>& solid_names, bool& is_of_regions) {
   tiling::PartShape shape;
   const auto* value = fields.required("outline");
   if (!value) return shape;
   Fields outline(*value, fields.at("outline"), fields.faults());
-  const int kinds =
-      outline.present("rectangle") + outline.present("polygons") + outline.present("coupon") + outline.present("block");
+  const int kinds = outline.present("rectangle") + outline.present("polygons") + outline.present("regions") +
+                    outline.present("coupon") + outline.present("block");
   if (value->is_object() && kinds != 1) {
     fields.faults().add(fields.at("outline"),
-                        "must have exactly one of \"rectangle\", \"polygons\", \"coupon\" and \"block\"");
+                        R"(must have exactly one of "rectangle", "polygons", "regions", "coupon" and "block")");
+  }
+  if (const auto* regions = outline.optional("regions")) {
+    is_of_regions = true;
+    if (!regions->is_boolean() || !regions->get<bool>())
+      fields.faults().add(outline.at("regions"), "must be true, or left out");
   }
   if (const auto* size = outline.optional("rectangle")) {
     Eigen::Vector2d sides(1, 1);
@@ -94,7 +100,28 @@ FillingSpec read_filling(Fields& fields, const Limits& limits) {
   return filling;
 }
 
-PartRegionSpec read_region(Fields& fields, const Limits& limits) {
+/// Reads a direction of a design, which needs a part that has an axis of load.
+void read_direction(Fields& fields, bool has_axis, std::optional<double>& direction) {
+  if (!fields.present("direction")) return;
+  fields.number("direction", direction.emplace(0), -1000, 1000);
+  if (!has_axis) {
+    fields.faults().add(fields.at("direction"),
+                        R"(needs an axis of load: a "coupon" or a "block" as outline, or the part's "axis")");
+  }
+}
+
+/// Reads the axis along which the part is loaded, and the direction of the design that is to lie along it.
+void read_load(Fields& fields, PartRequest& request) {
+  if (!request.solid_names.empty()) request.axis = tiling::load_axis;
+  if (fields.present("axis")) {
+    if (!request.solid_names.empty())
+      fields.faults().add("/axis", "is for other outlines: a coupon or a block is loaded along y");
+    fields.number("axis", request.axis.emplace(0), -1000, 1000);
+  }
+  read_direction(fields, request.axis.has_value(), request.filling.direction);
+}
+
+PartRegionSpec read_region(Fields& fields, const PartRequest& request, const Limits& limits) {
   PartRegionSpec region;
   if (const auto* name = fields.optional("name")) {
     if (name->is_string() && name->get_ref<const std::string&>().size() <= max_region_name_bytes) {
@@ -107,6 +134,8 @@ PartRegionSpec read_region(Fields& fields, const Limits& limits) {
   if (const auto* outline = fields.required("outline"))
     region.outline = read_polygon(*outline, fields.at("outline"), fields.faults());
   region.filling = read_filling(fields, limits);
+  region.filling.direction = request.filling.direction;
+  read_direction(fields, request.axis.has_value(), region.filling.direction);
   return region;
 }
 
@@ -114,24 +143,23 @@ PartRegionSpec read_region(Fields& fields, const Limits& limits) {
 
 PartRequest parse_part(std::string_view body, const Limits& limits, const CancellationToken& cancellation) {
   return read_request<PartRequest>(body, limits, cancellation, [&](Fields& fields, PartRequest& request) {
-    auto shape = read_shape(fields, request.solid_names);
+    auto shape = read_shape(fields, request.solid_names, request.design.outline_of_regions);
     request.design.outline = std::move(shape.outline);
     request.design.solids = std::move(shape.solids);
     request.filling = read_filling(fields, limits);
-    if (fields.present("direction")) {
-      fields.number("direction", request.direction.emplace(0), -1000, 1000);
-      if (request.solid_names.empty())
-        fields.faults().add("/direction", "needs an outline with an axis of load: \"coupon\" or \"block\"");
-    }
-    double finest = request.filling.beam_width;
+    read_load(fields, request);
+    // Where the regions are the part, nothing has the structure of the rest.
+    double finest = request.design.outline_of_regions ? max_beam_width : request.filling.beam_width;
     if (const auto* regions = fields.array("regions", false, 0, max_part_regions, "")) {
       for (std::size_t i = 0; i < regions->size(); ++i) {
         Fields region((*regions)[i], fields.at("regions") + "/" + std::to_string(i), fields.faults());
-        request.regions.push_back(read_region(region, limits));
+        request.regions.push_back(read_region(region, request, limits));
         region.finish();
         finest = std::min(finest, request.regions.back().filling.beam_width);
       }
     }
+    if (request.design.outline_of_regions && request.regions.empty())
+      fields.faults().add("/outline/regions", "needs at least one region in \"regions\"");
     request.design.frame = length(fields, "frame", 0, true);
     request.design.seam = length(fields, "seam", request.regions.empty() ? 0 : finest, true);
     fields.choice("rim", request.design.rim, rim_names);
@@ -144,13 +172,13 @@ PartRequest parse_part(std::string_view body, const Limits& limits, const Cancel
   });
 }
 
-double PartRequest::orientation_in_part(double orientation) const {
-  return direction ? tiling::orientation_under_load(orientation, *direction) : orientation;
+double PartRequest::orientation_in_part(const FillingSpec& spec) const {
+  if (!axis || !spec.direction) return spec.orientation;
+  return tiling::orientation_under_load(spec.orientation, *spec.direction, *axis);
 }
 
 std::optional<double> PartRequest::tested_direction() const {
-  if (solid_names.empty()) return std::nullopt;
-  return direction.value_or(tiling::load_axis);
+  return axis && filling.direction ? filling.direction : axis;
 }
 
 std::string part_message(const PartRequest& request, const tiling::Part& part) {
@@ -187,7 +215,7 @@ std::string write_part(const PartRequest& request, const tiling::Part& part, con
   out.field("relative_density", part.solid_area / part.outline_area);
   out.field("volume", volume).field("mass", volume * request.material_density / 1000);
   out.field("holes", part.faces.at(0).size() - 1);
-  out.field("orientation", request.orientation_in_part(request.filling.orientation));
+  out.field("orientation", request.orientation_in_part(request.filling));
   out.key("tested_direction");
   if (const auto direction = request.tested_direction())
     out.number(*direction);

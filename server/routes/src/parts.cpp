@@ -30,7 +30,7 @@ constexpr PartFormat part_formats[] = {
 
 tiling::Filling filling_of(const json::PartRequest& request, const json::FillingSpec& spec, const std::string& owner) {
   return {make_structure(spec.structure, PointerMap(owner + "/structure")), spec.beam_width,
-          request.orientation_in_part(spec.orientation)};
+          request.orientation_in_part(spec)};
 }
 
 tiling::PartDesign design_of(const json::PartRequest& request) {
@@ -38,8 +38,11 @@ tiling::PartDesign design_of(const json::PartRequest& request) {
   design.filling = filling_of(request, request.filling, "");
   for (std::size_t i = 0; i < request.regions.size(); ++i) {
     const auto& region = request.regions[i];
-    design.regions.push_back({region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i))});
+    design.regions.push_back(
+        {region.outline, filling_of(request, region.filling, "/regions/" + std::to_string(i)), region.name});
   }
+  // Where the regions are the part, the structure of the rest fills nothing and sets no limit.
+  if (design.outline_of_regions && !design.regions.empty()) design.filling = design.regions.front().filling;
   return design;
 }
 

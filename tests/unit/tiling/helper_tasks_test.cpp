@@ -91,6 +91,12 @@ TEST_F(TilingInHelpers, GivesThePartsMadeHere) {
   EXPECT_TRUE(there.smallest_neck.has_value());
   EXPECT_EQ(there.smallest_neck, here.smallest_neck);
   EXPECT_EQ(there.thickness, 2);
+  ASSERT_EQ(there.regions.size(), here.regions.size());
+  ASSERT_GT(there.regions.size(), 1U);
+  for (std::size_t i = 0; i < here.regions.size(); ++i) {
+    EXPECT_EQ(there.regions[i].name, here.regions[i].name);
+    EXPECT_EQ(there.regions[i].faces, here.regions[i].faces);
+  }
   const std::string stl = part_stl(there), package = part_3mf(there);
   use_helper_processes(nullptr);
   EXPECT_EQ(part_stl(here), stl);

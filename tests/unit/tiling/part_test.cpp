@@ -312,6 +312,59 @@ TEST(Part, IsWrittenInEveryFormatWithItsSize) {
   EXPECT_EQ(part_3mf(part), package) << "the same bytes again";
 }
 
+/// Three regions side by side, the second of which begins `gap` mm beside the first.
+PartDesign three_regions(double gap) {
+  PartDesign design = plate("IH21", 1, 1);
+  design.outline.clear();
+  design.outline_of_regions = true;
+  design.seam = 0.3;
+  const Filling filling = design.filling, other{preset_structure("IH29"), 0.3};
+  design.regions = {{box(0, 0, 10, 10), filling, "heel"},
+                    {box(10 + gap, 0, 20, 10), other, "arch"},
+                    {box(20, 2, 28, 9), filling, ""}};
+  return design;
+}
+
+TEST(Part, WhoseOutlineIsItsRegionsIsTheirUnion) {
+  for (const double gap : {0.0, 1e-8, 0.03, -2.0}) {
+    const Part part = make_part(three_regions(gap));
+    ASSERT_EQ(part.faces.size(), 1U);
+    EXPECT_NEAR(part.outline_area, 256, 1e-3) << "gaps are closed: " << gap;
+    EXPECT_NEAR((part.upper - Eigen::Vector2d(28, 10)).norm(), 0, 1e-5);
+    EXPECT_LT(part.crumb_area, 0.1 * part.solid_area);
+    ASSERT_EQ(part.regions.size(), 3U) << "nothing is the rest";
+    EXPECT_EQ(part.regions[2].name, "Region 3");
+  }
+}
+
+TEST(Part, WhoseRegionsAreSeveralPiecesNamesThem) {
+  PartDesign design = three_regions(1);
+  const Error error = expect_error<PartError>("tiling.part", [&] { make_part(design); });
+  EXPECT_NE(std::string(error.what()).find("2 pieces instead of one"), std::string::npos) << error.what();
+  EXPECT_NE(std::string(error.what()).find("heel"), std::string::npos) << error.what();
+  EXPECT_NE(std::string(error.what()).find("arch, Region 3"), std::string::npos) << error.what();
+  EXPECT_EQ(places(error), std::vector<std::string>{"regions/0/outline"});
+}
+
+TEST(Part, IsDividedAmongItsRegions) {
+  PartDesign design = plate("IH21", 30, 20);
+  design.seam = 0.4;
+  design.frame = 0.8;
+  const Filling other{preset_structure("IH29"), 0.3};
+  // The second region lies over the first one, and the rest surrounds both.
+  design.regions = {{box(2, 2, 15, 18), other, "a & b"}, {box(10, 5, 25, 15), design.filling, "c"}};
+  const Part part = make_part(design);
+  ASSERT_EQ(part.regions.size(), 3U);
+  EXPECT_EQ(part.regions[0].name, "a & b");
+  EXPECT_EQ(part.regions[2].name, "Rest");
+  double sum = 0;
+  for (const RegionSolid& region : part.regions) sum += area_of(region.faces);
+  EXPECT_NEAR(sum, part.solid_area, 1e-3 * part.solid_area);
+  const double heel = area_of(part.regions[0].faces);
+  EXPECT_LT(heel, 13 * 16 - 5 * 10) << "the solid within what the second region leaves of the first";
+  EXPECT_TRUE(make_part(plate("IH21", 10, 10)).regions.empty());
+}
+
 TEST(Part, NamesWhatIsWrongWithIt) {
   const auto refused = [](auto change) {
     PartDesign design = plate("IH21", 10, 10);

@@ -21,10 +21,11 @@ export type RegionLocation = CurveIndex | "rest" | "nowhere";
 /** The user's choices. Undefined ones are made automatically, by the names of the curves. */
 export interface LayoutChoices {
   /**
-   * The outline of the part: one curve, or all curves that bound no region ("others"). Undefined for the largest of the latter, with the
-   * holes in it.
+   * The outline of the part: one curve, all curves that bound no region ("others"), or none, so that the regions alone make the part
+   * ("regions"). Undefined for the largest of the curves that bound no region, with the holes in it, or for the regions alone if they fill
+   * the part and lie in no such curve.
    */
-  readonly outline?: CurveIndex | "others";
+  readonly outline?: CurveIndex | "others" | "regions";
   /** Locations of the regions, in the order of the regions. */
   readonly regions: readonly (RegionLocation | undefined)[];
 }
@@ -32,6 +33,35 @@ export interface LayoutChoices {
 export interface PartLayout {
   readonly outline: readonly CurveIndex[];
   readonly regions: readonly RegionLocation[];
+}
+
+/** Names that drawing programs give to every curve, and the name of the group whose shapes may cross each other. */
+const GIVEN_BY_PROGRAMS = /^(((path|rect|circle|ellipse|polygon|polyline|line|g|layer|svg|curve|shape)[-_ ]?)?\d*|regions)$/i;
+export const REST_NAME = "Rest";
+/** Fraction of the outline outside its regions below which they cover it. */
+const MAX_UNCOVERED = 1e-3;
+
+/**
+ * The names of the regions that a drawing has: those of its named curves, and one for the rest of the outline around them unless they cover
+ * it. Empty if there are fewer than two.
+ */
+export function regionsIn({ curves: { polygons } }: Drawing): readonly string[] {
+  if (polygons.length < 2) return [];
+  const largest = largestOf(polygons, polygons.map((_, place) => place));
+  const around = polygons[largest].points;
+  const inside = polygons.map((_, place) => place).filter((place) => place !== largest && isInside(middleOf(polygons[place].points), around));
+  const candidates = inside.length > 0 ? inside : polygons.map((_, place) => place);
+  const names: string[] = [];
+  let covered = 0;
+  for (const place of candidates) {
+    const name = polygons[place].names.find((one) => one.trim() !== "" && !GIVEN_BY_PROGRAMS.test(one.trim()));
+    if (name === undefined || names.some((known) => sameName(known, name))) continue;
+    names.push(name.trim());
+    covered += area(polygons[place].points);
+  }
+  if (names.length === 0) return [];
+  if (inside.length > 0 && covered < (1 - MAX_UNCOVERED) * area(around)) names.push(REST_NAME);
+  return names.length > 1 ? names : [];
 }
 
 /** Whether a file is a drawing, and not a table of measured data. */
@@ -55,7 +85,7 @@ export function layoutOf(drawing: Drawing, names: readonly string[], choices: La
   const chosen = names.map((_, k) => validated(choices.regions[k], polygons.length));
   const occupied = new Set<RegionLocation>(chosen.filter((where) => where !== undefined));
   const largest = largestOf(polygons, polygons.map((_, place) => place));
-  if (names.length === 1) return layoutWithOutline(polygons, ["rest"], choices.outline);
+  if (names.length === 1) return layoutWithOutline(polygons, ["rest"], choices.outline === "regions" ? undefined : choices.outline);
   const matched = chosen.map((where, k) => {
     if (where !== undefined) return where;
     const place = polygons.findIndex((polygon, at) => !occupied.has(at) && polygon.names.some((name) => sameName(name, names[k])));
@@ -87,16 +117,25 @@ type Polygons = Outlines["polygons"];
 
 function layoutWithOutline(polygons: Polygons, regions: readonly RegionLocation[], outline: LayoutChoices["outline"]): PartLayout {
   if (typeof outline === "number" && outline < polygons.length) return { outline: [outline], regions };
+  if (outline === "regions") return { outline: [], regions };
   const others = polygons.map((_, place) => place).filter((place) => !regions.includes(place));
   if (outline === "others" || others.length === 0) return { outline: others, regions };
   const largest = largestOf(polygons, others);
   const around = polygons[largest].points;
+  const isAround = (where: RegionLocation): boolean => typeof where !== "number" || isInside(middleOf(polygons[where].points), around);
+  if (!regions.includes("rest") && !regions.every(isAround)) return { outline: [], regions };
   return { outline: others.filter((place) => place === largest || polygons[place].points.every((point) => isInside(point, around))), regions };
 }
 
 /** The index of the curve with the largest area; `places` has at least one index. */
 function largestOf(polygons: Polygons, places: readonly CurveIndex[]): CurveIndex {
   return places.reduce((largest, place) => (area(polygons[place].points) > area(polygons[largest].points) ? place : largest));
+}
+
+/** The mean of the corners. */
+function middleOf(points: readonly (readonly number[])[]): [number, number] {
+  const sum = points.reduce(([x, y], [dx, dy]) => [x + dx, y + dy], [0, 0]);
+  return [sum[0] / points.length, sum[1] / points.length];
 }
 
 /** Whether a point lies inside a polygon, by the parity of the edges that a ray to the right crosses. */

@@ -1,13 +1,13 @@
 // The fields for a part whose shape is a drawing: file, size, outline, and the location of each region.
-import { Select } from "../base/controls";
+import { button, Select } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { textOf } from "../base/text_file";
 import { showText } from "../base/writing";
-import { curveWords, type Drawing, layoutOf, withRegionMoved, type RegionLocation } from "./drawing";
+import { curveWords, type Drawing, layoutOf, regionsIn, withRegionMoved, type RegionLocation } from "./drawing";
 import { materialsNote, wallWidthOf } from "./fillings";
 import type { Part } from "./part";
-import { regionWords } from "./region_list";
+import { MAX_REGIONS, regionWords } from "./region_list";
 import type { DesignSession } from "./session";
 
 const FILE_TYPES = ".svg,.dxf,image/svg+xml,image/vnd.dxf";
@@ -15,6 +15,7 @@ const NO_DRAWING = "SVG or DXF (ASCII): a closed curve for the outline, and one 
 const RESOLUTIONS = [["72", "72 (Adobe Illustrator)"], ["90", "90 (Inkscape before 0.92)"], ["96", "96 (browsers, Inkscape)"]] as const;
 const LARGEST = "largest";
 const OTHERS = "others";
+const REGIONS = "regions";
 
 /** The fields of one region: its location and the width of its walls. */
 class RegionFields {
@@ -89,10 +90,12 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
   const resolution = new Select<string>("Pixels per inch", [{ value: "", words: "Not said: 96" }, ...RESOLUTIONS.map(([value, words]) => ({ value, words }))],
     (value) => part.setResolution(value === "" ? null : Number(value)));
   const outline = new Select<string>("Outline of the part", [],
-    (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS ? OTHERS : Number(value) }));
+    (value) => part.choices.set({ ...part.choices.get(), outline: value === LARGEST ? undefined : value === OTHERS || value === REGIONS ? value : Number(value) }));
   const regions = h("div", { class: "drawing-regions", role: "group", "aria-label": "Regions of the drawing" });
   const note = h("p", { class: "note" });
-  const settings = h("div", { class: "drawing-settings" }, width.element, outline.element, regions, note);
+  let namesFound: readonly string[] = [];
+  const makeRegions = button("Make regions", () => session.regionEdits.make(namesFound), { kind: "primary" });
+  const settings = h("div", { class: "drawing-settings" }, width.element, makeRegions, outline.element, regions, note);
   const element = h("div", { class: "drawing-fields" }, opener(part), words, problem, resolution.element, settings);
 
   let fields: RegionFields[] = [];
@@ -105,6 +108,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     if (key === builtKey) return;
     builtKey = key;
     outline.setChoices([{ value: LARGEST, words: "The largest curve, with its holes" }, { value: OTHERS, words: several ? "All curves of no region" : "All curves" },
+      ...(several ? [{ value: REGIONS, words: "None: the regions make the part" }] : []),
       ...polygons.map((polygon, place) => ({ value: String(place), words: curveWords(polygon, place) }))]);
     fields = several ? names.map((_, k) => new RegionFields(part, names, k, drawing)) : [];
     regions.hidden = !several;
@@ -121,8 +125,12 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     const choices = part.choices.get();
     const layout = layoutOf(drawing, names, choices);
     words.textContent = drawingWords(drawing);
+    namesFound = regionsIn(drawing).slice(0, MAX_REGIONS);
+    makeRegions.hidden = namesFound.length === 0 || namesFound.every((name) => names.some((one) => one.toLowerCase() === name.toLowerCase()));
+    makeRegions.replaceChildren(h("span", {}, `Make ${namesFound.length} regions`));
+    makeRegions.title = `A region with a design of its own for each of: ${namesFound.join(", ")}`;
     build(drawing, names);
-    outline.value = String(choices.outline ?? LARGEST);
+    outline.value = String(choices.outline ?? (layout.outline.length === 0 ? REGIONS : LARGEST));
     fields.forEach((one, k) => one.show(layout.regions[k], choices.walls[k] ?? wallWidthOf(all[k], session.results.ofRegions[k])));
     resolution.value = drawing.resolution === null ? "" : String(drawing.resolution);
     width.show();

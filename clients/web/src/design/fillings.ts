@@ -1,14 +1,16 @@
 // The structures that fill the regions of a part: the design of each region.
-import { DEFAULT_SPECIFICATION, modulusOf, modulusWords, orientationOf } from "./specification";
+import { modulusOf, modulusWords, orientationOf } from "./specification";
 import { INITIAL_PART, type Filling } from "./part";
+import { loadDirection } from "./part_load";
 import { regionWords } from "./region_list";
 import type { TargetResponse } from "./shown";
 import type { Region } from "./state";
+import { targetsOf } from "./target_list";
 
-/** Width of the walls of a region in mm: the one that its design was searched with, or that of a common nozzle. */
+/** Width of the walls of a region in mm: the one that its design was searched with. */
 export function wallWidthOf({ made }: Pick<Region, "made">, shown: readonly TargetResponse[] | null): number {
   const { size } = made;
-  if (size.kind === "beam_width") return size.value === DEFAULT_SPECIFICATION.size.value ? INITIAL_PART.beamWidth : size.value;
+  if (size.kind === "beam_width") return size.value;
   const width = shown?.[0].measures.beamWidth;
   return width === null || width === undefined ? INITIAL_PART.beamWidth : Number(width.toPrecision(4));
 }
@@ -20,6 +22,7 @@ export function fillingsOf(regions: readonly Region[], shown: readonly (readonly
       name: regionWords(region, k),
       found: region.found,
       orientation: orientationOf(region.made, region.found),
+      direction: loadDirection(targetsOf(region)),
       beamWidth: walls[k] ?? wallWidthOf(region, shown[k]),
     }
   );

@@ -1,5 +1,5 @@
 // The card for measured data: opens a file or pastes the clipboard, and has the settings with which the table is read.
-import { button, Select, Slider } from "../base/controls";
+import { button, Segments, Select, Slider } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
 import { rebuild } from "../base/writing";
@@ -16,7 +16,7 @@ const FORCES = ["mN", "N", "kN", "lbf", "kgf", "gf"];
 
 const DECIMALS = [{ value: "point", words: "Points: 1.234" }, { value: "comma", words: "Commas: 1,234" }];
 const ZEROS = [{ value: "first", words: "The first one" }, { value: "as_written", words: "Zero" }];
-const SENSES = [{ value: "tension", words: "Tension" }, { value: "compression", words: "Compression" }];
+const SENSES = [{ value: "tension", words: "Tension" }, { value: "compression", words: "Compression" }] as const;
 
 export function measuredCard(measured: Measured): HTMLElement {
   const file = h("input", {
@@ -109,13 +109,21 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
     length("Gauge length, mm", settings.specimen.gauge_length, (value) => specimen({ gauge_length: value })),
     (FORCES.includes(y) || needs("/specimen/area") || settings.specimen.area !== undefined) &&
     length("Cross-section, mm²", settings.specimen.area, (value) => specimen({ area: value })),
+    !polar && (curve?.sense !== undefined || needs("/sense") || settings.sense !== undefined) && senseSwitch(measured, data),
     (needs("/zero") || settings.zero !== undefined) &&
     choice("Displacements count from", ZEROS, settings.zero ?? "", (value) => measured.change({ zero: value as MeasuredSettings["zero"] })),
-    !polar && (needs("/sense") || settings.sense !== undefined) &&
-    choice("What was measured", SENSES, settings.sense ?? (curve?.sense?.told_by === "nothing" ? "" : curve?.sense?.used ?? ""),
-      (value) => measured.change({ sense: value as MeasuredSettings["sense"] })),
     points.element,
   ];
+}
+
+/** Tension or compression, for every curve of stress. Neither is chosen, and a question stands there, if the file does not say which it was. */
+function senseSwitch(measured: Measured, { curve, settings, problem }: MeasuredData): HTMLElement {
+  const sense = new Segments<NonNullable<MeasuredSettings["sense"]>>("What was measured", SENSES, (value) => measured.change({ sense: value }));
+  const told = curve?.sense?.told_by === "nothing" ? undefined : curve?.sense?.used;
+  const used = settings.sense ?? (told === "both" ? undefined : told);
+  if (used) sense.value = used;
+  const isOpen = settings.sense === undefined && (curve?.sense?.told_by === "nothing" || problem !== "");
+  return h("div", { class: "measured-sense" }, isOpen && h("p", { class: "note" }, "The file does not say it: was the specimen pulled or pressed?"), sense.element);
 }
 
 function column(label: string, curve: MeasuredCurve, index: number, chosen: (index: number) => void): HTMLElement {

@@ -4,9 +4,11 @@ import { type Client, explain, explainFile, Problem } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import type { LayoutChoices, Drawing, PartLayout, RegionLocation } from "./drawing";
-import { DEFAULT_SPECIFICATION, radians } from "./specification";
+import { loadDirection } from "./part_load";
+import { axisOf } from "./part_sketch";
+import { radians } from "./specification";
 import type { TargetResponse } from "./shown";
-import { type TilingDesign, isPolar } from "./state";
+import type { TilingDesign } from "./state";
 
 export type PartKind = "rectangle" | "coupon" | "block" | "drawing";
 export type PartFormat = "stl" | "3mf" | "step" | "dxf" | "svg";
@@ -17,30 +19,36 @@ export interface PartSettings {
   readonly width: number;
   /** Length of the structure, without grips or plates. */
   readonly length: number;
-  /** Length of a grip, or thickness of a plate. */
-  readonly end: number;
+  /** Length of each grip of a coupon. */
+  readonly grip: number;
+  /** Thickness of each plate of a block. */
+  readonly plate: number;
   readonly beamWidth: number;
   readonly thickness: number;
   readonly frame: number;
   readonly density: number;
   readonly orientation: number;
-  /** The direction of the design that lies along the load of a coupon or a block; null if the targets of the design have no common direction. */
+  /** The direction of the design that lies along the axis of the part; null if the targets of the design have no common direction. */
   readonly direction: number | null;
+  /** Direction in a sheet or a drawing along which the part will be loaded; null for none. */
+  readonly axis: number | null;
   readonly whole: boolean;
 }
 
-/** The initial settings. Walls are as wide as a common nozzle, and the strip is wide enough that the tiles of every family connect its ends. */
+/** The initial settings: the defaults of the contract, and a strip that is wide enough that the tiles of every family connect its ends. */
 export const INITIAL_PART: PartSettings = {
   kind: "coupon",
   width: 30,
   length: 60,
-  end: 15,
-  beamWidth: 0.4,
-  thickness: 4,
+  grip: 15,
+  plate: 1,
+  beamWidth: 0.3,
+  thickness: 1,
   frame: 0,
   density: 1.2,
   orientation: 0,
   direction: null,
+  axis: null,
   whole: false,
 };
 
@@ -49,16 +57,18 @@ export const PART_TYPES: Record<PartFormat, string> = { stl: "model/stl", "3mf":
 type Polygon = Outlines["polygons"][number]["points"];
 type Structure = Pick<PartRequest, "structure" | "beam_width" | "orientation">;
 
-/** The structure that fills a part or one of its regions. Orientation in radians, beam width in mm. */
+/** The structure that fills a part or one of its regions. Angles in radians, beam width in mm. `direction`: that of the design's load, if it has a single one. */
 export interface Filling {
   readonly name: string;
   readonly found: TilingDesign;
   readonly orientation: number;
+  readonly direction: number | null;
   readonly beamWidth: number;
 }
 
 /** The contents of a part whose shape is a drawing. */
 export interface Product {
+  /** Empty if the regions alone make the part. */
   readonly outline: readonly Polygon[];
   /** The structure outside all regions. */
   readonly rest: Filling;
@@ -80,24 +90,28 @@ export function productOf({ curves }: Drawing, { outline, regions }: PartLayout,
   };
 }
 
-function structureOf({ found, beamWidth, orientation }: Omit<Filling, "name">): Structure {
+function structureOf({ found, beamWidth, orientation }: Omit<Filling, "name" | "direction">): Structure {
   return { structure: { family: found.family, parameters: [...found.parameters] }, beam_width: beamWidth, ...(orientation !== 0 && { orientation }) };
 }
 
 /** `product`: the contents of a part whose shape is a drawing; null for the other shapes. */
 export function partRequest(found: TilingDesign, settings: PartSettings, product: Product | null = null): PartRequest {
-  const { kind, width, length, end } = settings;
-  const outline: PartRequest["outline"] = product ? { polygons: [...product.outline] }
+  const { kind, width, length, grip, plate } = settings;
+  const outline: PartRequest["outline"] = product ? (product.outline.length > 0 ? { polygons: [...product.outline] } : { regions: true })
     : kind === "rectangle" ? { rectangle: [width, length] }
-    : kind === "coupon" ? { coupon: { width, length, grip_length: end } }
-    : { block: { width, height: length, plate: end } };
+    : kind === "coupon" ? { coupon: { width, length, grip_length: grip } }
+    : { block: { width, height: length, plate } };
   const regions = product?.regions ?? [];
-  const loaded = !product && (kind === "coupon" || kind === "block");
+  const axis = axisOf(settings);
+  const direction = product ? product.rest.direction : settings.direction === null ? null : radians(settings.direction);
+  // A region of a design without a direction is not turned: its own axis is along the part's.
+  const turned = (filling: Filling): { direction?: number } => (axis === null ? {} : { direction: filling.direction ?? axis });
   return {
     outline,
     ...structureOf(product?.rest ?? { found, beamWidth: settings.beamWidth, orientation: radians(settings.orientation) }),
-    ...(regions.length > 0 && { regions: regions.map((region) => ({ name: region.filling.name, outline: region.outline, ...structureOf(region.filling) })) }),
-    ...(loaded && settings.direction !== null && { direction: radians(settings.direction) }),
+    ...(regions.length > 0 && { regions: regions.map((region) => ({ name: region.filling.name, outline: region.outline, ...structureOf(region.filling), ...turned(region.filling) })) }),
+    ...(axis !== null && kind !== "coupon" && kind !== "block" && { axis }),
+    ...(axis !== null && direction !== null && { direction }),
     thickness: settings.thickness,
     frame: settings.frame,
     rim: settings.whole ? "whole" : "clipped",
@@ -105,29 +119,22 @@ export function partRequest(found: TilingDesign, settings: PartSettings, product
   };
 }
 
-/** The direction of all targets in degrees; null if a target is over direction, or if the directions differ. */
-function loadDirection(targets: TargetResponse["targets"]): number | null {
-  const directions = new Set(targets.map(({ task, direction }) => (isPolar(task) ? null : direction)));
-  const [only] = directions;
-  return directions.size === 1 && only !== null ? degrees(only) : null;
-}
-
 /** An angle in degrees, rounded to two decimals. */
 function degrees(angle: number): number {
   return Number(((angle * 180) / Math.PI).toFixed(2));
 }
 
-/** The initial settings of a part of a design. The walls are those of a common nozzle unless the user chose a size for the design. */
+/** The initial settings of a part of a design: walls, density and orientation of the design, and the direction of its load. */
 export function settingsOf(
-  { measures, made, targets }: Pick<TargetResponse, "measures" | "made" | "targets">,
+  { measures, targets }: Pick<TargetResponse, "measures" | "targets">,
 ): Pick<PartSettings, "beamWidth" | "density" | "orientation" | "direction"> {
   const { beamWidth, materialDensity, orientation } = measures;
-  const isSizeChosen = made.size.kind !== DEFAULT_SPECIFICATION.size.kind || made.size.value !== DEFAULT_SPECIFICATION.size.value;
+  const direction = loadDirection(targets);
   return {
-    beamWidth: isSizeChosen && beamWidth !== null ? Number(beamWidth.toPrecision(4)) : INITIAL_PART.beamWidth,
+    beamWidth: beamWidth === null ? INITIAL_PART.beamWidth : Number(beamWidth.toPrecision(4)),
     density: materialDensity,
     orientation: degrees(orientation),
-    direction: loadDirection(targets),
+    direction: direction === null ? null : degrees(direction),
   };
 }
 

@@ -4,12 +4,14 @@ import { h } from "../base/dom";
 import { download } from "../base/download";
 import { debounce } from "../base/debounce";
 import { explain } from "../contract/client";
-import { layoutOf } from "./drawing";
+import { layoutOf, type PartLayout } from "./drawing";
 import { drawingFields } from "./drawing_fields";
 import { fillingsOf } from "./fillings";
 import { type Part, type PartFormat, type PartSettings, type Product, productOf, settingsOf } from "./part";
 import { PartFields } from "./part_fields";
+import { loadWords } from "./part_load";
 import { partResult } from "./part_result";
+import { axisOf, sizeWords, sketchOf } from "./part_sketch";
 import { radians } from "./specification";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
@@ -17,17 +19,31 @@ import type { DesignSession } from "./session";
 const PAUSE_MS = 400;
 const SHAPES = [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }, { value: "drawing", words: "Drawing" }] as const;
 
+/** Which curves of the drawing bound the part and its regions; null for the other shapes. */
+function layoutShown(session: DesignSession, part: Part): PartLayout | null {
+  const drawing = part.drawing.get();
+  if (part.settings.get().kind !== "drawing" || !drawing) return null;
+  return layoutOf(drawing, session.regionEdits.all.map(regionWords), part.choices.get());
+}
+
+/** Says how the structures are turned in the part. */
+function turnShown(session: DesignSession, settings: PartSettings): string {
+  const axis = axisOf(settings);
+  if (settings.kind === "drawing" && axis !== null && session.regionEdits.all.length > 1)
+    return "Each region is turned so that its design’s load runs along the part.";
+  return loadWords(settings.direction === null ? null : radians(settings.direction), axis);
+}
+
 /** The contents of a part whose shape is a drawing; null for the other shapes. */
 function productShown(session: DesignSession, part: Part): Product | null {
   const drawing = part.drawing.get();
   const settings = part.settings.get();
-  if (settings.kind !== "drawing" || !drawing) return null;
+  const layout = layoutShown(session, part);
+  if (!drawing || !layout) return null;
   const regions = session.regionEdits.all;
-  const choices = part.choices.get();
-  const fillings = fillingsOf(regions, session.results.ofRegions, choices.walls);
-  const one = regions.length === 1;
-  return productOf(drawing, layoutOf(drawing, regions.map(regionWords), choices),
-    fillings.map((filling) => filling && (one ? { ...filling, beamWidth: settings.beamWidth, orientation: radians(settings.orientation) } : filling)));
+  const fillings = fillingsOf(regions, session.results.ofRegions, part.choices.get().walls);
+  const own = { beamWidth: settings.beamWidth, orientation: radians(settings.orientation), direction: settings.direction === null ? null : radians(settings.direction) };
+  return productOf(drawing, layout, fillings.map((filling) => filling && (regions.length === 1 ? { ...filling, ...own } : filling)));
 }
 
 export function partCard(session: DesignSession, part: Part): HTMLElement {
@@ -38,9 +54,11 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) =>
     button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` })
   );
+  const size = h("p", { class: "muted part-size" });
+  const turned = h("p", { class: "note part-turn", role: "status" });
   const result = partResult(part, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
   const element = h("details", { class: "card controls part", "aria-label": "Part" }, h("summary", {}, "Part to make"), kind.element, fromDrawing, fields.element, whole.element,
-    result.element);
+    size, turned, result.element);
 
   const later = debounce(() => describe(), PAUSE_MS);
 
@@ -58,6 +76,16 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     fromDrawing.hidden = !isDrawing;
     // Until a drawing has been read, the last result belongs to another shape.
     result.element.hidden = isDrawing && part.drawing.get() === null;
+    sketch();
+  }
+
+  /** Draws the shape from the fields alone, before the server has made the part. */
+  function sketch(): void {
+    const settings = part.settings.get();
+    const shape = sketchOf(settings, part.drawing.get(), layoutShown(session, part), session.regionEdits.all.map(regionWords));
+    result.sketch(shape);
+    size.textContent = shape ? sizeWords(settings, shape) : "";
+    turned.textContent = shape ? turnShown(session, settings) : "";
   }
 
   function describe(): void {
@@ -97,12 +125,19 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
   });
   let several = false;
   session.state.watch(({ otherRegions }) => {
+    // The names of regions say in which curves they lie.
+    if (part.settings.get().kind === "drawing") sketch();
     if (several === otherRegions.length > 0) return;
     several = !several;
     show();
   });
   // A part whose shape is a drawing depends on the designs of all regions.
-  for (const one of [part.choices, session.results.regionCache, session.results.all]) one.watch(() => part.settings.get().kind === "drawing" && later.schedule());
+  const redraw = (): void => {
+    if (part.settings.get().kind !== "drawing") return;
+    sketch();
+    later.schedule();
+  };
+  for (const one of [part.choices, session.results.regionCache, session.results.all]) one.watch(redraw);
   element.addEventListener("toggle", () => describe());
   return element;
 }

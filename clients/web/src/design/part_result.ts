@@ -3,6 +3,8 @@ import { h, replace, svg } from "../base/dom";
 import { digits } from "../base/format";
 import type { PartAnswer } from "../contract/types";
 import type { Part, PartState } from "./part";
+import { axisArrow } from "./part_load";
+import { pathOf, type Sketch } from "./part_sketch";
 
 /** Why the part cannot be made, or the server's message about it. */
 function noteOf(state: PartState): string {
@@ -28,25 +30,72 @@ function factsOf(answer: PartAnswer): [string, string][] {
   ];
 }
 
-/** `element`: the picture with the facts and `files`. `tell` shows a sentence below the facts. */
-export function partResult(part: Part, files: HTMLElement): { element: HTMLElement; tell: (sentence: string) => void } {
-  const shape = svg("path", { class: "solid", "fill-rule": "evenodd" });
-  const drawing = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, shape);
+/** Space around the sketch, as a fraction of its larger side. */
+const MARGIN = 0.04;
+/** Length of the arrow of the load, as a fraction of the smaller side. */
+const ARROW_LENGTH = 0.6;
+
+/** The picture of a part: its sketch at once, and over it the solid that the server has made. */
+class PartPicture {
+  private readonly outline = svg("path", { class: "outline", "fill-rule": "evenodd" });
+  private readonly regions = svg("g", { class: "sketch-regions" });
+  private readonly solid = svg("path", { class: "solid", "fill-rule": "evenodd" });
+  private readonly ends = svg("path", { class: "ends" });
+  private readonly halo = svg("path", { class: "load-halo" });
+  private readonly arrow = svg("path", { class: "load-arrow" });
+  readonly element = svg("svg", { class: "part-drawing", role: "img", "aria-label": "The part" }, this.outline, this.regions, this.solid, this.ends, this.halo, this.arrow);
+  private centre: readonly [number, number] = [0, 0];
+  private key = "";
+
+  sketch(sketch: Sketch | null): void {
+    const key = JSON.stringify(sketch);
+    if (!sketch || key === this.key) return;
+    this.key = key;
+    const { lower, upper, axis } = sketch;
+    const [width, height] = [upper[0] - lower[0], upper[1] - lower[1]];
+    const margin = MARGIN * Math.max(width, height);
+    this.centre = [(lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2];
+    this.element.setAttribute("viewBox", [-width / 2 - margin, -height / 2 - margin, width + 2 * margin, height + 2 * margin].join(" "));
+    this.outline.setAttribute("d", pathOf(sketch.outline, this.centre));
+    this.ends.setAttribute("d", pathOf(sketch.ends, this.centre));
+    replace(this.regions, ...sketch.regions.map(({ name, points }) => svg("path", { d: pathOf([points], this.centre) }, svg("title", {}, name))));
+    const path = axis === null ? "" : axisArrow([0, 0], axis, ARROW_LENGTH * Math.min(width, height));
+    for (const one of [this.halo, this.arrow]) one.setAttribute("d", path);
+    // The solid that is shown belongs to another shape until the server has answered.
+    this.solid.classList.add("outdated");
+    this.name(`Sketch of the part, ${digits(width)} by ${digits(height)} mm`);
+  }
+
+  /** Draws the solid of an answer, whose picture has the middle of the solid as its origin. */
+  made({ svg: text, lower, upper, size }: PartAnswer): void {
+    const file = new DOMParser().parseFromString(text ?? "", "image/svg+xml");
+    const [x, y] = [(lower[0] + upper[0]) / 2 - this.centre[0], (lower[1] + upper[1]) / 2 - this.centre[1]];
+    this.solid.setAttribute("d", file.querySelector("path")?.getAttribute("d") ?? "");
+    this.solid.setAttribute("transform", `translate(${x} ${-y})`);
+    this.solid.classList.remove("outdated");
+    this.name(`The part, ${size.map((value) => digits(value)).join(" by ")} mm`);
+  }
+
+  private name(words: string): void {
+    this.element.setAttribute("aria-label", words);
+  }
+}
+
+/** `element`: the picture with the facts and `files`. `sketch` draws the shape before it is made; `tell` shows a sentence below the facts. */
+export function partResult(part: Part, files: HTMLElement): { element: HTMLElement; sketch: (sketch: Sketch | null) => void; tell: (sentence: string) => void } {
+  const picture = new PartPicture();
   const facts = h("dl", { class: "facts compact" });
   const note = h("p", { class: "note", role: "status" });
   part.state.watch((state) => {
     note.textContent = noteOf(state);
-    drawing.classList.toggle("old", state.kind === "failed");
+    picture.element.classList.toggle("old", state.kind === "failed");
     if (state.kind !== "made") return;
     const { answer } = state;
-    const solid = new DOMParser().parseFromString(answer.svg ?? "", "image/svg+xml");
-    shape.setAttribute("d", solid.querySelector("path")?.getAttribute("d") ?? "");
-    drawing.setAttribute("viewBox", solid.documentElement.getAttribute("viewBox") ?? "0 0 1 1");
-    drawing.setAttribute("aria-label", `The part, ${answer.size.map((value) => digits(value)).join(" by ")} mm`);
+    picture.made(answer);
     replace(facts, ...factsOf(answer).flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
   });
   const tell = (sentence: string): void => {
     note.textContent = sentence;
   };
-  return { element: h("div", { class: "part-result" }, drawing, facts, note, files), tell };
+  return { element: h("div", { class: "part-result" }, picture.element, facts, note, files), sketch: (sketch) => picture.sketch(sketch), tell };
 }

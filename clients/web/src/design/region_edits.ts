@@ -36,6 +36,24 @@ export class RegionEdits {
     this.enter();
   }
 
+  /** Makes the product one of regions with these names: those that have a name already stay, and the others are copies of the selected one. */
+  make(names: readonly string[]): void {
+    const { session } = this;
+    session.finish();
+    const { all } = this;
+    const { regionAt } = session.state.get();
+    const sources = names.slice(0, MAX_REGIONS).map((name) => {
+      const known = all.findIndex(({ region }) => region.toLowerCase() === name.toLowerCase());
+      return { name: name.slice(0, MAX_REGION_NAME_LENGTH), from: known >= 0 ? known : regionAt };
+    });
+    if (sources.length === 0) return;
+    session.leaveRegion();
+    session.results.copyRegions(sources.map(({ from }) => from));
+    session.edited.change(withRegions(sources.map(({ name, from }) => ({ ...all[from], region: name })), 0));
+    session.push();
+    this.enter();
+  }
+
   remove(at: number): void {
     const { session } = this;
     session.finish();

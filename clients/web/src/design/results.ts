@@ -136,6 +136,12 @@ export class Results {
     this.regionCache.set([...cached, cached[this.state.get().regionAt]]);
   }
 
+  /** Stores, for each region of a new list, the results of the present region with this index. */
+  copyRegions(sources: readonly number[]): void {
+    const cached = this.cached();
+    this.regionCache.set(sources.map((from) => cached[from]));
+  }
+
   dropRegion(at: number): void {
     this.regionCache.set(this.cached().filter((_, k) => k !== at));
   }

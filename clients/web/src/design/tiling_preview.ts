@@ -4,10 +4,11 @@ import { digits, percent } from "../base/format";
 import type { Client } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { Family } from "../contract/types";
+import { axisArrow } from "./part_load";
 import { DEFAULT_SPECIFICATION, orientationOf } from "./specification";
 import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
-import type { TilingDesign } from "./state";
+import { isPolar, type TilingDesign } from "./state";
 
 /** Cells of the requested patch along each translation. The patch is small because uniting its beams takes time; copies of it fill the window. */
 const PATCH_CELLS = 2;
@@ -15,6 +16,8 @@ const PATCH_CELLS = 2;
 const MAX_COPIES = 8;
 /** Height of the frame over its width. */
 const HEIGHT_RATIO = 3 / 4;
+/** Length of the arrow along the load over the side of the window. */
+const ARROW_LENGTH = 0.45;
 /** Width of the beams in the server's file, in mm. */
 const DRAWN_WIDTH = DEFAULT_SPECIFICATION.size.value;
 
@@ -56,8 +59,11 @@ class TilingDrawing {
   private readonly copies = svg("g", { class: "copies" });
   private readonly scaleBar = svg("path", { class: "scale-bar" });
   private readonly scaleWords = svg("text", { class: "scale-words" });
+  private readonly loadHalo = svg("path", { class: "load-halo" });
+  private readonly loadArrow = svg("path", { class: "load-arrow" });
   private readonly rotated = svg("g", {}, this.copies, this.shape);
-  readonly element = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, this.rotated, this.scaleBar, this.scaleWords);
+  readonly element = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, this.rotated, this.loadHalo, this.loadArrow, this.scaleBar, this.scaleWords);
+  private loadAxis: number | null = null;
   /** Side of the drawn window in mm; 0 before the first drawing. */
   private side = 0;
 
@@ -71,6 +77,14 @@ class TilingDrawing {
     replace(this.copies, ...places.map(([x, y]) => svg("use", { href: `#${this.shape.id}`, x, y })));
     this.element.setAttribute("viewBox", `${-side / 2} ${-side / 2} ${side} ${side}`);
     this.side = side;
+    this.load(this.loadAxis);
+  }
+
+  /** Draws an arrow along the load, whose direction is in radians; null for none. */
+  load(axis: number | null): void {
+    this.loadAxis = axis;
+    const path = axis === null || this.side === 0 ? "" : axisArrow([0, 0], axis, ARROW_LENGTH * this.side);
+    for (const one of [this.loadHalo, this.loadArrow]) one.setAttribute("d", path);
   }
 
   /** Names the picture for screen readers. */
@@ -132,7 +146,8 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
   }
 
   // The drawing follows the state, whose design may be newer than the shown response.
-  session.state.watch(({ found, made }) => {
+  session.state.watch(({ found, made, task, direction }) => {
+    drawing.load(isPolar(task) ? null : direction);
     if (!found) return;
     drawing.turn(orientationOf(made, found));
     drawing.scale(widthNow());

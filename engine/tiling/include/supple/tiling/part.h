@@ -25,6 +25,7 @@ struct Filling {
 struct PartRegion {
   Polygon outline;  ///< mm; a simple polygon of either direction
   Filling filling;
+  std::string name{};  ///< may be empty
 };
 
 /// What happens to tiles at the outline.
@@ -35,8 +36,10 @@ enum class Rim {
 
 /// A flat part to be cut or printed: an outline that structures fill. Lengths in millimetres.
 struct PartDesign {
-  std::vector<Polygon> outline;     ///< simple polygons; the part lies within an odd number of them
-  Filling filling;                  ///< filling outside the regions
+  std::vector<Polygon> outline;  ///< simple polygons; the part lies within an odd number of them
+  bool outline_of_regions =
+      false;        ///< the part is the union of the regions; `outline` is empty, and nothing is the rest
+  Filling filling;  ///< filling outside the regions
   std::vector<PartRegion> regions;  ///< later ones lie over earlier ones
   std::vector<Polygon> solids;      ///< areas that are solid, such as grips and plates
   double frame = 0;                 ///< width of a solid rim along the outline
@@ -53,7 +56,7 @@ struct PartShape {
   std::vector<Polygon> outline, solids;
 };
 
-/// The direction of y, along which coupons and blocks are loaded: its angle from x, rad.
+/// The direction of y, along which coupons and blocks are loaded: its angle from x, rad. Other outlines may have any.
 inline constexpr double load_axis = std::numbers::pi / 2;
 
 /// A strip for a tensile test: `length` of the structure along y between solid grips of `grip_length` (mm).
@@ -62,13 +65,22 @@ PartShape tensile_coupon(double width, double length, double grip_length);
 /// (mm).
 PartShape compression_block(double width, double height, double plate);
 
-/// The orientation (rad) that a structure must have in a coupon or a block, which is loaded along y, so that it is
-/// loaded as in a design: there it has the orientation `orientation` (rad) and is loaded along `direction` (rad).
-double orientation_under_load(double orientation, double direction);
+/// The orientation (rad) that a structure must have in a part, which is loaded along `axis` (rad), so that it is loaded
+/// as in a design: there it has the orientation `orientation` (rad) and is loaded along `direction` (rad).
+double orientation_under_load(double orientation, double direction, double axis = load_axis);
+
+/// The solid within one region, or outside all of them.
+struct RegionSolid {
+  std::string name;              ///< that of the region, or "Region 2" by its number from 1; "Rest" outside all regions
+  std::vector<SolidFace> faces;  ///< its connected pieces
+};
 
 /// The solid of a part.
 struct Part {
   std::vector<SolidFace> faces;  ///< one face, since the solid is connected; none if nothing remains
+  /// The same solid, divided among the regions in their order and the rest, which is last; those without solid are left
+  /// out. Empty if the design has no regions.
+  std::vector<RegionSolid> regions;
   Eigen::Vector2d lower, upper;  ///< the solid's bounding box, mm
   double outline_area = 0;       ///< area within the outline, mm^2
   double solid_area = 0;         ///< mm^2
@@ -88,19 +100,23 @@ struct Part {
   double thickness = 0;  ///< mm
 };
 
-/// Fills the outline. A lattice point of every filling lies in the middle of the outline's bounding box. Walls and tips
-/// narrower than the smallest wall are left out, and necks are widened to it or cut. Corners that touch are joined, and
-/// are necks then. If they cannot be joined, they are separated by some micrometres, so that the solid is a manifold.
+/// Fills the outline. If it is the union of the regions, gaps between them up to 0.1 mm wide are closed. A lattice
+/// point of every filling lies in the middle of the outline's bounding box. Walls and tips narrower than the smallest
+/// wall are left out, and necks are widened to it or cut. Corners that touch are joined, and are necks then. If they
+/// cannot be joined, they are separated by some micrometres, so that the solid is a manifold.
 ///
 /// Throws "tiling.part" if an outline is empty, crosses itself or is larger than 2000 mm, a length is out of range, the
 /// smallest wall is wider than the beams, the outlines have more than 5,000 corners, or more than 50,000 tiles would
 /// fill a region (each with its place: "outline/0", "regions/2/outline"); also if no tile lies within the outline and
-/// `rim` is whole. If there is a helper process and there are many tiles, the helper makes the union of the beams.
-/// O(n log n) for n sides of all tiles: some 5 ms for 40 holes, 0.5 s for 2,300.
+/// `rim` is whole, and if the union of the regions is not one piece (with the places of those apart from the largest).
+/// If there is a helper process and there are many tiles, the helper makes the union of the beams. O(n log n) for n
+/// sides of all tiles: some 5 ms for 40 holes, 0.5 s for 2,300.
 Part make_part(const PartDesign& design, const Execution& execution = {});
 
 // The part as files, lengths in millimetres; their titles give the size. STL and 3MF are closed, consistently oriented
-// surfaces. If there is a helper process, it makes their triangles, and what `HelperProcesses` throws is thrown.
+// surfaces. A 3MF package has one object for each of the part's regions, if there are any, which bear their names and
+// are the components of one object. If there is a helper process, it makes their triangles, and what `HelperProcesses`
+// throws is thrown.
 
 std::string part_svg(const Part& part);
 std::string part_dxf(const Part& part);

@@ -23,6 +23,9 @@ struct FillingSpec {
   StructureSpec structure;
   double beam_width = tiling::printed_beam_width;
   double orientation = 0;
+  /// The direction of its design (rad) that is to lie along the axis of the part; none where the structure is not
+  /// turned.
+  std::optional<double> direction;
 };
 
 struct PartRegionSpec {
@@ -35,16 +38,17 @@ struct PartRequest {
   tiling::PartDesign design;  ///< without its fillings and regions
   FillingSpec filling;
   std::vector<PartRegionSpec> regions;
-  /// The direction of the design (rad) that is to lie along the load; only for coupons and blocks.
-  std::optional<double> direction;
+  /// The direction (rad) along which the part is loaded: that of a coupon or a block, or the one that the request
+  /// gives.
+  std::optional<double> axis;
   std::vector<std::string> solid_names;  ///< names of the design's solids: "lower_grip", "upper_plate"
   double material_density = 1.2;         ///< g/cm^3
   bool svg = false;
   double deadline = 0;  ///< seconds; set also where the request leaves it out
 
-  /// The orientation in the part of a structure that has this orientation in the design, rad.
-  double orientation_in_part(double orientation) const;
-  /// The direction of the design (rad) that lies along the load; none where the shape has no axis of load.
+  /// The orientation in the part of a structure that fills it or a region of it, rad.
+  double orientation_in_part(const FillingSpec& spec) const;
+  /// The direction of the design (rad) that lies along the load; none where the part has no axis.
   std::optional<double> tested_direction() const;
 };
 PartRequest parse_part(std::string_view body, const Limits& limits, const CancellationToken& cancellation = {});
