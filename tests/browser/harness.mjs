@@ -135,9 +135,13 @@ function keepDownloads(page) {
 /** Allowed messages of the console. Failed requests are among them, because pages handle and show these. */
 const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL Driver Message/];
 
-/** Opens a page that records its complaints and the requests for designs. */
-export async function openPage(browser, url, options = {}) {
+/**
+ * Opens a page that records its complaints and the requests for designs. `background`: whether the design page verifies and looks for ways
+ * out by itself. It does not otherwise, since each such request would be counted and would compete with the others.
+ */
+export async function openPage(browser, url, { background = false, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
+  if (!background) await context.addInitScript(() => location.protocol.startsWith("http") && localStorage.setItem("supple-background", "off"));
   const page = await context.newPage();
   page.setDefaultTimeout(WAIT_MS);
   if (SHARED) keepDownloads(page);

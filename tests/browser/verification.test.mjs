@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { describe, it } from "node:test";
 import { DesignPage } from "./design_page.mjs";
-import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+import { browser, closePage, heldJob, picture, server, setUp, until } from "./harness.mjs";
 
 const SIMULATION_MS = 150_000;
 
@@ -30,6 +30,10 @@ describe("a verification", () => {
     await design.drag(2, 0, -60);
     await until(async () => (await page.locator(".plot .verified path").count()) === 0, "the end of what no longer belongs");
     await design.settled();
+    await design.button("Undo (Ctrl+Z)").click();
+    await design.settled();
+    await until(async () => (await page.locator(".plot .verified path").count()) >= 2, "the simulated curve of the design that is back");
+    assert.match(await page.locator(".verdict-words").textContent(), /^Simulated: /);
     await closePage(page);
   });
 
@@ -68,4 +72,78 @@ describe("a verification", () => {
     await until(async () => (await (await fetch(`${server.url}/v1/jobs?limit=1`)).json()).jobs[0]?.state === "dismissed", "the job’s dismissal");
     await closePage(page);
   });
+
+  it("outranks the model in the line under the plot and in the card, also after a reload and for another size", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const { page } = design;
+    assert.match(await page.locator(".verdict-words").textContent(), /^By the model: /);
+    await design.button("Verify").click();
+    await until(async () => /^Simulated: /.test(await page.locator(".verdict-words").textContent()), "the simulated verdict", SIMULATION_MS);
+    const said = await page.locator(".verdict-words").textContent();
+    assert.match(await page.locator(".result .chip").textContent(), /^Simulated: /);
+    assert.match(await page.locator(".result .facts").textContent(), /Deviation, simulated \(rms\)/);
+    await page.locator("details.made summary").click();
+    await page.getByLabel("Beam width, mm", { exact: true }).fill("0.6");
+    await page.keyboard.press("Tab");
+    await design.settled();
+    assert.equal(await page.locator(".verdict-words").textContent(), said, "the response does not depend on the size");
+    await page.reload();
+    await design.settled();
+    await until(async () => (await page.locator(".verdict-words").textContent()) === said, "the same verdict after a reload");
+    await picture(page, "design-verdict");
+    await closePage(page);
+  });
+
+  it("begins by itself once the target rests, tells how far it is, and is dropped when the target changes", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK, { background: true });
+    const { page } = design;
+    // The first verification may have begun already: the held job is that of the next target.
+    const isVerification = (request) => request.postDataJSON()?.verify === true;
+    const job = await heldJob(page, "/v1/designs", isVerification);
+    job.tell(0.4, "simulating");
+    await design.drag(2, 0, -40);
+    await until(async () => /^Checking by simulation, 40 %/.test(await page.locator(".verdict-state").textContent()), "word of it");
+    assert.equal(page.designs.asked.filter((asked) => asked.verify).at(-1).priority, "background");
+    await design.drag(2, 0, 30);
+    await until(async () => !/40 %/.test(await page.locator(".verdict-state").textContent()), "the end of it");
+    await page.getByLabel("Check by itself").uncheck();
+    await page.reload();
+    await design.settled();
+    assert.equal(await page.getByLabel("Check by itself").isChecked(), false, "the choice is remembered");
+    await closePage(page);
+  });
+
+  it("goes on when the page is left, and its job is found again", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const { page } = design;
+    await design.button("Verify").click();
+    const jobs = async () => (await (await fetch(`${server.url}/v1/jobs?limit=20`)).json()).jobs.filter(({ kind }) => kind === "designs").length;
+    await page.locator(".verdict-state", { hasText: /Checking/ }).waitFor();
+    const count = await jobs();
+    await page.goto(`${server.url}/#/weave`);
+    await page.reload();
+    await page.goto(`${server.url}/${LINK}`);
+    await page.reload();
+    await until(async () => /^Simulated: /.test(await page.locator(".verdict-words").textContent()), "its result", SIMULATION_MS);
+    assert.equal(await jobs(), count, "no other job was needed");
+    await closePage(page);
+  });
+});
+
+describe("the verdict", () => {
+  for (const [width, height] of [[1280, 720], [390, 844]]) {
+    it(`is in sight with its buttons in a window of ${width} by ${height}`, async () => {
+      const design = await DesignPage.open(browser, server.url + "/" + LINK, { viewport: { width, height } });
+      const { page } = design;
+      for (const place of [page.locator(".verdict-words"), design.button("Verify"), design.button("Save part")]) {
+        const box = await place.boundingBox();
+        assert.ok(box && box.y >= 0 && box.y + box.height <= height, `${JSON.stringify(box)} is above the fold`);
+      }
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), "no scrolling to the side");
+      await picture(page, `design-verdict-${width}`);
+      await design.button("Save part").click();
+      assert.equal(await page.locator("details.part").getAttribute("open"), "");
+      await closePage(page);
+    });
+  }
 });

@@ -4,7 +4,6 @@ import { relaxation, projectedTarget } from "../src/design/reach";
 import { errorBand, expectedDeviation, freshness, modelError, partialResponse, profileResponses, type TargetResponse } from "../src/design/shown";
 import { relativeDeviation, targetCurve } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
-import { judge } from "../src/design/verdict";
 
 const model = { errors: { design_split: { gradient: { mean: 0.1, percentile_99: 0.4 } } } } as unknown as Model;
 const shown = (achieved: readonly (number | null)[]) => ({ task: "stress_strain", x: [-0.1, 0, 0.1], achieved }) as unknown as TargetResponse;
@@ -79,36 +78,6 @@ describe("what is shown beside what was decided", () => {
     expect(best.inRange).toHaveLength(2);
     expect(best.largest).toBeCloseTo(1);
     expect([best.byHand, best.provisional]).toEqual([false, true]);
-  });
-});
-
-describe("a verdict", () => {
-  const responseWithError = (fraction: number) => profileOf(state.points, [0, 0.5, 1, 1.5, 2].map((y) => y * (1 + fraction)));
-  const searched = (fraction: number) => ({ ...responseWithError(fraction), byHand: false });
-
-  it("keeps in mind what the model errs by", () => {
-    const model = { mean: 0.013, percentile99: 0.05 };
-    expect(judge(searched(0.0123), model)).toMatchObject({ verdict: "within", words: "Within the model’s error" });
-    expect(judge(searched(0.0123), model).sentence).toBe("IH22 is 1.2 % from the target (root mean square); the model itself errs by 1.3 % in the mean.");
-    expect(judge(searched(0.045), model).verdict).toBe("close");
-    expect(judge(searched(0.24), model)).toMatchObject({ verdict: "out", words: "Out of reach" });
-    expect(judge(searched(0.24), model).sentence).toMatch(/^The closest design of IH22 that was found is 24 %/);
-  });
-
-  it("is not certain where the model is not trusted, whatever its mean error", () => {
-    const doubtful = { ...searched(0.0123), inRange: [true, true, false, true, false] };
-    const judged = judge(doubtful, { mean: 0.013, percentile99: 0.05 });
-    expect(judged).toMatchObject({ verdict: "doubtful", words: "Not certain" });
-    expect(judged.sentence).toBe("IH22 is 1.2 % from the target (root mean square); the model is not trusted at 2 of 5 samples: verify it by simulation.");
-    expect(judge({ ...doubtful, ...searched(0.004), inRange: doubtful.inRange }, null).verdict).toBe("doubtful");
-    expect(judge({ ...searched(0.24), inRange: doubtful.inRange }, null).verdict).toBe("out");
-  });
-
-  it("takes the error bars where no mean is known, and at least 1 % at every sample", () => {
-    expect(judge({ ...searched(0.02), errorBar: [0, 0.02, 0.04, 0.06, 0.08] }, null).verdict).toBe("within");
-    expect(judge({ ...searched(0.03), errorBar: null }, null)).toMatchObject({ verdict: "close", sentence: expect.stringMatching(/not known/) });
-    expect(judge({ ...searched(0.004), errorBar: null }, null).verdict).toBe("within");
-    expect(judge({ ...searched(0.004), achieved: [0, null, 1, 1.5, 2] }, null).verdict).toBe("out");
   });
 });
 

@@ -27,6 +27,11 @@ export class EditedState<State extends object> {
     this.publishSteps();
   }
 
+  /** Whether a change with intermediate states, such as a drag, has begun and not ended. */
+  get isBeingChanged(): boolean {
+    return this.isChanging;
+  }
+
   /** Begins a change with intermediate states. Returns false if one has begun before. */
   beginChange(): boolean {
     const begins = !this.isChanging;

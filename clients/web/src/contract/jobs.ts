@@ -21,8 +21,12 @@ export async function runJob<Answer>(client: Client, path: string, document: unk
     client.onAnswer(path, answer, document);
     return answer;
   }
-  const job = await readJson<Job>(response);
-  options.onProgress?.(job);
+  return followJob(client, await readJson<Job>(response), path, document, options);
+}
+
+/** The answer of a job that was started before, for example by a page that was left. `path`, `document`: of the request that started it. */
+export async function followJob<Answer>(client: Client, job: Pick<Job, "id"> & Partial<Job>, path: string, document: unknown, options: JobOptions): Promise<Answer> {
+  if (job.state) options.onProgress?.(job as Job);
   const dismiss = () => {
     client.send("DELETE", `/v1/jobs/${job.id}`).catch(() => {}); // the job has ended, or the server is gone: nothing is left to do
   };
@@ -38,7 +42,7 @@ export async function runJob<Answer>(client: Client, path: string, document: unk
   }
 }
 
-async function waitForEnd(client: Client, job: Job, options: JobOptions): Promise<void> {
+async function waitForEnd(client: Client, job: Pick<Job, "id">, options: JobOptions): Promise<void> {
   try {
     if (await followEvents(client, job, options)) return;
   } catch (error) {
@@ -49,7 +53,7 @@ async function waitForEnd(client: Client, job: Job, options: JobOptions): Promis
 }
 
 /** True when the event `finished` has arrived, false if the stream ended without it. */
-async function followEvents(client: Client, job: Job, options: JobOptions): Promise<boolean> {
+async function followEvents(client: Client, job: Pick<Job, "id">, options: JobOptions): Promise<boolean> {
   const response = await client.send("GET", `/v1/jobs/${job.id}/events`, undefined, { signal: options.signal });
   const events = new EventReader();
   const reader = response.body?.pipeThrough(new TextDecoderStream()).getReader();
@@ -67,7 +71,7 @@ async function followEvents(client: Client, job: Job, options: JobOptions): Prom
   }
 }
 
-async function poll(client: Client, job: Job, options: JobOptions): Promise<void> {
+async function poll(client: Client, job: Pick<Job, "id">, options: JobOptions): Promise<void> {
   for (;;) {
     const current = await client.get<Job>(`/v1/jobs/${job.id}`, { signal: options.signal });
     options.onProgress?.(current);

@@ -2,7 +2,7 @@
 // what has to be repeated once the server answers again.
 import { Observable } from "../base/observable";
 import { type Client, ConnectionLost, explain, isAbort } from "./client";
-import { runJob } from "./jobs";
+import { followJob, runJob } from "./jobs";
 import type { Job } from "./types";
 
 /** What a part of a page is doing. `Work` says what is computed; the progress is a fraction from 0 to 1, or null if it is not known. */
@@ -48,6 +48,14 @@ export class Run<Work extends object> {
       if (!this.isCancelled) onJob?.(job);
     };
     return this.unlessCancelled(runJob<Answer>(this.client, path, request, { signal: this.signal, wait, onProgress }));
+  }
+
+  /** The answer of a job that was started before. `path`, `request`: those that started it. */
+  startedJob<Answer>(id: string, path: string, request: unknown, { onJob }: JobSettings = {}): Promise<Answer> {
+    const onProgress = (job: Job): void => {
+      if (!this.isCancelled) onJob?.(job);
+    };
+    return this.unlessCancelled(followJob<Answer>(this.client, { id }, path, request, { signal: this.signal, onProgress }));
   }
 
   /** The answer of a computation that is no job. */

@@ -14,8 +14,14 @@ export function searchOf(state: DesignState): DesignRequest {
   return request;
 }
 
-export function curlOf(state: DesignState, origin: string): string {
-  return curlText(origin, "/v1/designs", searchOf(state));
+/** The verdict as a comment of shells and of Python; empty without one. */
+function comment(verdict: string | null): string {
+  return verdict === null ? "" : `# ${verdict}\n`;
+}
+
+/** `verdict`: what a simulation has said of the design; null if it was not simulated. */
+export function curlOf(state: DesignState, origin: string, verdict: string | null = null): string {
+  return comment(verdict) + curlText(origin, "/v1/designs", searchOf(state));
 }
 
 /** An option as name="value"; the equals sign is needed for values that begin with a minus. */
@@ -23,11 +29,11 @@ function option(name: string, value: string | number | undefined): string[] {
   return value === undefined ? [] : [`--${name}="${value}"`];
 }
 
-export function commandOf(state: DesignState, origin: string): string {
+export function commandOf(state: DesignState, origin: string, verdict: string | null = null): string {
   const request = searchOf(state);
   // The command line has no options for further targets, regions, several materials and an initial orientation: they need a request file.
   if (request.also ?? request.regions ?? (Array.isArray(request.material) || request.initial_orientation !== undefined)) {
-    return `cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
+    return `${comment(verdict)}cat > design.json <<'END'\n${JSON.stringify(request)}\nEND\nsupple --server ${origin} design --request design.json\n`;
   }
   const { target } = request as { target: { control_points: readonly (readonly number[])[]; interpolation?: string } };
   const parts = [
@@ -45,7 +51,7 @@ export function commandOf(state: DesignState, origin: string): string {
     ...option("multi-start", request.effects?.multi_start),
     ...option("envelope", request.effects?.envelope),
   ];
-  return `supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
+  return `${comment(verdict)}supple --server ${origin} design \\\n  ${parts.join(" \\\n  ")}\n`;
 }
 
 function specificationOptions({ made }: DesignState): string[] {
@@ -112,10 +118,10 @@ function pythonRegion(region: RequestedRegion): string {
   return `supple.Region(${[pythonTarget(region), ...others].filter((words) => words).join(", ")})`;
 }
 
-export function pythonOf(state: DesignState, origin: string): string {
+export function pythonOf(state: DesignState, origin: string, verdict: string | null = null): string {
   const request = searchOf(state);
   const { effects, also = [], regions } = request as { effects?: { multi_start?: string; envelope?: string }; also?: RequestedTarget[]; regions?: RequestedRegion[] };
-  const head = ["import supple", "", `client = supple.Client(${pythonLiteral(origin)})`];
+  const head = [...(verdict === null ? [] : [comment(verdict).trimEnd()]), "import supple", "", `client = supple.Client(${pythonLiteral(origin)})`];
   const options = `options = supple.DesignOptions(${keywordArguments({ multi_start: effects?.multi_start, envelope: effects?.envelope })})`;
   if (regions) {
     return [

@@ -26,19 +26,25 @@ import { regionCard } from "./region_card";
 import { resultCard } from "./result_card";
 import { DesignSession } from "./session";
 import { startMenu } from "./start_menu";
+import { Background } from "./background";
+import { judgedDesign } from "./judged";
 import type { DesignState } from "./state";
 import { targetControls } from "./target_controls";
 import { tilingPreview } from "./tiling_preview";
 import { valueTable } from "./value_table";
+import { verdictLine } from "./verdict_line";
 import { Verification } from "./verification";
 import { verificationCard } from "./verification_card";
+import { WaysOut } from "./ways_out";
 
 export function designPage({ client, link }: PageContext): Page {
   const session = new DesignSession(client);
   const hasTarget = () => session.state.get().points.length > 0;
   const address = new StateLink(link, session.edited, { write: writeLink, read: readLink }, hasTarget);
   const verification = new Verification(session, client);
-  const pins = new Pins(session);
+  const waysOut = new WaysOut(session, client);
+  const background = new Background(session, verification, waysOut);
+  const pins = new Pins(session, verification);
   const measured = new Measured(session, client);
   const part = new Part(client);
   const overlays = new Overlays(session);
@@ -47,7 +53,13 @@ export function designPage({ client, link }: PageContext): Page {
     return undefined;
   });
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const copied = (write: (state: DesignState, origin: string) => string) => (hasTarget() ? write(session.state.get(), location.origin) : null);
+  const copied = (write: (state: DesignState, origin: string, verdict: string | null) => string) => (hasTarget() ? write(session.state.get(), location.origin, simulatedVerdict()) : null);
+  /** What a simulation says of the shown design; null without one. */
+  function simulatedVerdict(): string | null {
+    const shown = session.results.shown.get();
+    const judgement = shown && session.results.isCurrent ? judgedDesign(session, verification, shown) : null;
+    return judgement?.source === "simulation" ? judgement.sentence : null;
+  }
   const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
     pin,
     share,
@@ -58,6 +70,8 @@ export function designPage({ client, link }: PageContext): Page {
     ]),
     exportMenu(session, verification, client, () => panel.plot.element),
   ]);
+  const parts = partCard(session, part);
+  const line = verdictLine(session, verification, waysOut, background, () => openPart(parts));
   const empty = h("p", { class: "card note wide", role: "alert", hidden: true }, "This server has no neural models: start it with --models and a folder of them.");
   const element = h(
     "div",
@@ -65,8 +79,8 @@ export function designPage({ client, link }: PageContext): Page {
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
-    h("div", { class: "column middle" }, panel.element, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), partCard(session, part), regionCard(session), resultCard(session, overlays),
+    h("div", { class: "column middle" }, panel.element, line, valueTable(session)),
+    h("div", { class: "column right" }, tilingPreview(session, client), parts, regionCard(session), resultCard(session, overlays, verification, waysOut, background),
       verificationCard(session, verification), pinList(pins, client)),
   );
 
@@ -98,17 +112,28 @@ export function designPage({ client, link }: PageContext): Page {
     element,
     async open(text) {
       document.addEventListener("keydown", keys);
+      background.setOpen(true);
       if (!started) return start(text);
       const linked = address.follow(text);
       if (linked) session.apply(linked);
     },
     close() {
       document.removeEventListener("keydown", keys);
+      background.setOpen(false);
       address.close();
     },
     reconnected() {
-      if (started) session.search.retry();
-      else void start(link.read());
+      if (started) {
+        session.search.retry();
+        verification.follow(); // a job that went on meanwhile
+      } else void start(link.read());
     },
   };
+}
+
+/** Opens the card of the part and brings it into sight. */
+function openPart(card: HTMLElement): void {
+  if (card instanceof HTMLDetailsElement) card.open = true;
+  card.scrollIntoView({ block: "start" });
+  card.querySelector("summary")?.focus({ preventScroll: true });
 }

@@ -1,11 +1,13 @@
 // Pinned designs: their curves are drawn for comparison, and their states can be restored.
 import { Observable } from "../base/observable";
 import { percent } from "../base/format";
+import { judgedResponse } from "./judged";
 import { readLink, writeLink } from "./link";
 import type { PinnedCurve } from "./plot";
 import { regionOf, withRegions } from "./region_list";
 import type { DesignSession } from "./session";
 import { type DesignState, type TilingDesign, type ProfileKind, sameProfile, TASK_WORDS } from "./state";
+import type { Verification } from "./verification";
 
 const KEY = "supple-pins";
 const MAX_PINS = 12;
@@ -23,7 +25,7 @@ export class Pins {
   private nextId = 0;
   private kind: (ProfileKind & Pick<DesignState, "points">) | null = null;
 
-  constructor(private readonly session: DesignSession) {
+  constructor(private readonly session: DesignSession, private readonly verification: Verification) {
     session.state.watch((state) => this.follow(state));
   }
 
@@ -44,7 +46,9 @@ export class Pins {
     const state = this.session.state.get();
     const shown = this.session.results.shown.get();
     if (!state.found || !shown || !this.session.results.isCurrent || this.list.get().length >= MAX_PINS) return;
-    const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${percent(shown.deviation)} off`;
+    const { source, deviation } = judgedResponse(this.session, this.verification, shown);
+    const off = source === "simulation" && deviation !== null ? `${percent(deviation)} off, simulated` : `${percent(shown.deviation)} off`;
+    const name = `${state.found.family}, ${TASK_WORDS[state.task].short.toLowerCase()}, ${off}`;
     // Only the selected region is pinned.
     this.insert(name, { ...withRegions([regionOf(state)], 0), found: state.found });
     this.store();

@@ -21,6 +21,8 @@ export interface PlotView {
   /** Error band of the model around the achieved curve. */
   readonly uncertainty: Band | null;
   readonly verified: Curve | null;
+  /** The curves of the rounds of a running polish. */
+  readonly rounds: readonly (Curve & { readonly isBest: boolean })[];
   /** Measured points from which the target was made. */
   readonly measured: readonly ControlPoint[];
   /** Curves of pinned designs and overlaid families. */

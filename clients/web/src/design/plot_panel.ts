@@ -15,10 +15,10 @@ import { regionTabs } from "./region_tabs";
 import { labelOf } from "./result_card";
 import type { SearchActivity } from "./search";
 import type { DesignSession } from "./session";
+import { judgedDesign, judgedResponse } from "./judged";
 import { errorBand, freshness, modelError } from "./shown";
 import { openCurve, periodicCurve, targetCurve } from "./spline";
 import { type ControlPoint, isPolar, sameProfile, STRAIN_WORDS, TASK_WORDS } from "./state";
-import { judge } from "./verdict";
 import { addPoint, minPoints, movePoint, removePoint, middleOfGapAfter } from "./targets";
 import { targetWords } from "./target_list";
 import { targetTabs } from "./target_tabs";
@@ -58,7 +58,7 @@ export class PlotPanel {
       h("span", { class: "stretch" }), ...tools);
     const region = h("div", { class: "region-panel", id: uniqueId("region") });
     const { element: regions, divide } = regionTabs(session, region);
-    const targets = targetTabs(session, this.stage);
+    const targets = targetTabs(session, verification, this.stage);
     targets.append(h("span", { class: "stretch" }), divide);
     region.append(targets, toolbar, this.stage, this.reading, h("div", { class: "plot-foot" }, this.legend, this.status));
     this.element = h("section", { class: "card plot-card", "aria-label": "Target and response" }, regions, region);
@@ -72,7 +72,7 @@ export class PlotPanel {
       if (shownKey !== `${at} ${regionAt}`) this.selected = null;
       shownKey = `${at} ${regionAt}`;
     });
-    for (const part of [session.state, session.results.shown, session.results.previous, session.results.envelope, verification.state, pins.list, overlays.list, measured.data]) {
+    for (const part of [session.state, session.results.shown, session.results.previous, session.results.envelope, verification.state, verification.rounds.list, pins.list, overlays.list, measured.data]) {
       part.watch(() => this.schedule());
     }
     session.search.activity.watch((activity) => this.showActivity(activity));
@@ -191,11 +191,12 @@ export class PlotPanel {
       envelope: fits ? envelope : null,
       uncertainty: shown && errorBand(shown, modelError(this.session.catalogue.model(shown.found.family), shown)),
       verified: this.verification.simulated?.curve ?? null,
+      rounds: this.verification.rounds.list.get().flatMap(({ curve, isBest }) => (curve ? [{ ...curve, isBest }] : [])),
       measured: drawnBehind(this.measured.data.get(), state),
       pins: [...this.pins.list.get().flatMap((pin) => pin.curve ?? []), ...this.overlays.list.get()],
       hovered: this.hovered === null || polar ? this.hovered : Math.max(state.points[0]?.[0] ?? 0, Math.min(state.points.at(-1)?.[0] ?? 0, this.hovered)),
       // Missed samples are marked only if the deviation is larger than the error of the model.
-      missed: shown && fresh === "current" && !this.dragging && judge(shown, modelError(this.session.catalogue.model(shown.found.family), shown)).verdict !== "within"
+      missed: shown && fresh === "current" && !this.dragging && !judgedResponse(this.session, this.verification, shown).isWithinError
         ? shown.x.flatMap((x, k): ControlPoint[] => (shown.reached[k] ? [] : [[x, shown.target[k]]])) : [],
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
@@ -217,6 +218,7 @@ export class PlotPanel {
       entry(view.achieved !== null, "achieved",
         view.uncertainty ? `Design, with ${this.session.results.shown.get()?.errorBar ? "error bars (90 %)" : "the model’s mean error"}` : "Design"),
       entry(view.previous !== null, "before", "Before"),
+      entry(view.rounds.length > 0, "round", "Rounds of the polish, the best one solid"),
       entry(view.verified !== null, "simulated", "Simulated", "M11 0L16 5 11 10 6 5Z"),
       entry(view.envelope !== null, "reachable", `What ${view.envelope?.family ?? ""} reaches, each value by itself`, "M0 0H22V10H0Z",
         "At each place some design of the family reaches every value in here; one design need not reach a whole curve in here."),
@@ -263,9 +265,11 @@ export class PlotPanel {
   private tellOutcome(): void {
     const shown = this.session.results.shown.get();
     if (!shown || this.dragging) return;
-    const judgement = judge(shown, modelError(this.session.catalogue.model(shown.found.family), shown));
+    const judgement = judgedDesign(this.session, this.verification, shown);
     const several = shown.targets.length > 1 ? ` ${targetWords(this.session.state.get())}; ${percent(shown.overall)} from all targets` : "";
-    const how = `${labelOf(shown, judgement)}: ${percent(shown.deviation)} from the target${several}`;
+    const inSight = judgedResponse(this.session, this.verification, shown);
+    const off = inSight.source === "simulation" && inSight.deviation !== null ? inSight.deviation : shown.deviation;
+    const how = `${labelOf(shown, judgement)}: ${percent(off)} from the target${several}`;
     announce(`${shown.found.family}, parameters ${shown.found.parameters.map((value) => Number(value.toPrecision(3))).join(", ")}. ${how}.`);
   }
 }

@@ -29,6 +29,7 @@ export abstract class ProfilePlot {
   private readonly target = svg("path", { class: "curve target" });
   private readonly achieved = svg("path", { class: "curve achieved" });
   private readonly verified = svg("g", { class: "verified" });
+  private readonly rounds = svg("g", { class: "rounds" });
   private readonly missed = svg("g", { class: "missed" });
   private readonly guide = svg("path", { class: "guide" });
 
@@ -81,6 +82,7 @@ export abstract class ProfilePlot {
         return path;
       }),
     );
+    this.rounds.replaceChildren(...view.rounds.map((round) => svg("path", { class: `curve round ${round.isBest ? "best" : ""}`.trim(), d: this.curvePath(round) })));
     this.drawMarks(this.verified, view.verified ? pieces(view.verified).flat() : [], DIAMOND);
     this.drawMarks(this.missed, view.missed, CROSS);
     this.guide.setAttribute("d", view.hovered === null ? "" : this.guidePath(view.hovered));
@@ -93,7 +95,7 @@ export abstract class ProfilePlot {
   }
   /** The layers above the axes, the lowest first. */
   protected get layersAboveAxes(): SVGElement[] {
-    return [this.guide, this.uncertainty, this.pins, this.previous, this.target, this.missed, this.achieved, this.verified];
+    return [this.guide, this.uncertainty, this.pins, this.rounds, this.previous, this.target, this.missed, this.achieved, this.verified];
   }
 
   /** Arranges the plot for its present size. */

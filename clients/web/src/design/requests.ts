@@ -107,25 +107,40 @@ export function structureRequest(found: TilingDesign, { size }: Specification): 
   return { family: found.family, parameters: [...found.parameters], ...(size.kind === "beam_width" && { beam_width: size.value }) };
 }
 
+/** What goes first on a busy server: what somebody waits for, or what was begun without being asked for. */
+export type Priority = "normal" | "background";
+
 /** The request to simulate the shown design at its native scale along the profile of the target. Its parameters are fixed. */
-export function verificationRequest(state: DesignState, found: TilingDesign): DesignRequest {
+export function verificationRequest(state: DesignState, found: TilingDesign, priority: Priority = "normal"): DesignRequest {
   return {
     ...designRequest({ ...state, made: withFoundValues(state.made, found), family: found.family, found, fixed: [] }, "follow", "unused"),
     fixed: [...found.parameters],
     verify: true,
+    effects: { multi_start: "off", envelope: "off", ways_out: "off" },
     accuracy: { verified_samples: VERIFIED_SAMPLES },
     session: undefined,
-  };
+    ...(priority !== "normal" && { priority }),
+  } as DesignRequest;
 }
 
 /** The request to correct the shown design by simulations until they follow the target. Fixed parameters stay. */
 export function polishRequest(state: DesignState, found: TilingDesign): DesignRequest {
   return {
     ...designRequest({ ...state, family: found.family, found }, "search", "unused"),
-    effects: { multi_start: "off", envelope: "off", polish: "on" },
+    effects: { multi_start: "off", envelope: "off", polish: "on", ways_out: "off" },
     accuracy: { verified_samples: VERIFIED_SAMPLES },
     session: undefined,
-  };
+  } as DesignRequest;
+}
+
+/** The request for what would bring a design to a target that is missed. It has no session, so that no search replaces it or is replaced by it. */
+export function waysOutRequest(state: DesignState): DesignRequest {
+  return {
+    ...designRequest(state, "search", "unused"),
+    effects: { multi_start: "automatic", envelope: "off", ways_out: "on" },
+    session: undefined,
+    priority: "background",
+  } as DesignRequest;
 }
 
 /** Direction of the load in radians, from the x axis of the tiling, which may be rotated. */

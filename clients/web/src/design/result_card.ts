@@ -12,7 +12,12 @@ import type { DesignSession } from "./session";
 import { freshness, type Measures, type ModelError, modelError, sameRequirements, type TargetResponse } from "./shown";
 import { type DesignState, isPolar, TASK_WORDS } from "./state";
 import { targetWords } from "./target_list";
-import { judge, type Judgement, type Verdict } from "./verdict";
+import type { Background } from "./background";
+import { judgedDesign, judgedResponse } from "./judged";
+import type { Judgement } from "./verdict";
+import { type Grade, gradeWords } from "./verdict_words";
+import type { Verification } from "./verification";
+import type { WaysOut } from "./ways_out";
 
 const TERMINATION_WORDS: Record<DesignStop, string> = {
   converged: "no step comes closer",
@@ -23,59 +28,66 @@ const TERMINATION_WORDS: Record<DesignStop, string> = {
   trusted: "a nearer design is not trusted",
 };
 
-export function resultCard(session: DesignSession, overlays: Overlays): HTMLElement {
+/** Whether nothing else than another target would help. */
+export type NothingElseHelps = () => boolean;
+
+export function resultCard(session: DesignSession, overlays: Overlays, verification: Verification, waysOut: WaysOut, background: Background): HTMLElement {
+  const nothingElseHelps: NothingElseHelps = () => {
+    const found = waysOut.state.get();
+    return found.kind === "found" ? found.ways.length === 0 : !background.isOn.get();
+  };
   const body = h("div", { class: "dims" });
-  const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, rankingList(session, overlays));
+  const element = h("section", { class: "card result", "aria-label": "Design found" }, h("h2", {}, "Design"), body, rankingList(session, overlays, verification));
   let drawn = "";
   let last: TargetResponse | null = null;
+  let lastKnown: unknown = null;
 
   function show(): void {
     const shown = session.results.shown.get();
     const state = session.state.get();
     const fresh = freshness(shown, state);
-    const now = `${fresh} ${state.task} ${state.found?.family} ${session.search.activity.get().kind} ${state.at} ${session.targets.map(targetWords).join()}`;
-    if (now === drawn && shown === last) return;
-    [drawn, last] = [now, shown];
+    const now = `${fresh} ${state.task} ${state.found?.family} ${session.search.activity.get().kind} ${state.at} ${session.targets.map(targetWords).join()} ${nothingElseHelps()}`;
+    const known = verification.simulations.list.get();
+    if (now === drawn && shown === last && known === lastKnown) return;
+    [drawn, last, lastKnown] = [now, shown, known];
     element.setAttribute("aria-busy", String(fresh !== "current"));
     // A design of another family or with another kind of profile is not shown: the sliders do not belong to it.
     if (!shown || fresh === "other") return replace(body, ...waiting(session, state));
     const error = modelError(session.catalogue.model(shown.found.family), shown);
-    const judgement = judge(shown, error);
-    const label = fresh === "current" ? chip(shown, worstJudgement(session, shown, judgement)) : h("span", { class: "chip plain" }, waitingWords(session));
-    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, shown), facts(shown, error),
-      h("p", { class: "judgement" }, judgement.sentence), ...notes(shown, judgement),
-      ...(fresh === "current" && !shown.provisional && !shown.byHand && ["close", "out"].includes(judgement.verdict) ? [advice(session, shown)] : []));
+    const judgement = judgedResponse(session, verification, shown);
+    const label = fresh === "current" ? chip(shown, judgedDesign(session, verification, shown)) : h("span", { class: "chip plain" }, waitingWords(session));
+    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, verification, shown), facts(shown, error, judgement),
+      ...notes(shown, judgement),
+      ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.grade !== "reached" ? [advice(session, shown, nothingElseHelps())] : []));
   }
 
-  for (const part of [session.results.shown, session.state, session.search.activity]) part.watch(show);
+  for (const part of [session.results.shown, session.state, session.search.activity, verification.simulations.list, waysOut.state, background.isOn]) part.watch(show);
   return element;
 }
 
-const WORST_FIRST: readonly Verdict[] = ["out", "doubtful", "close", "within"];
-
-/** The judgement of the target that is met worst. */
-function worstJudgement(session: DesignSession, inSight: TargetResponse, judgement: Judgement): Judgement {
-  const all = session.results.all.get().filter((shown): shown is TargetResponse => shown !== null && sameRequirements(shown, inSight));
-  const judged = all.map((shown) => judge(shown, modelError(session.catalogue.model(shown.found.family), shown)));
-  return WORST_FIRST.map((verdict) => judged.find((one) => one.verdict === verdict)).find((one) => one !== undefined) ?? judgement;
-}
-
 /** The deviation from each target, if there are several. */
-function targetList(session: DesignSession, inSight: TargetResponse): HTMLElement | false {
+function targetList(session: DesignSession, verification: Verification, inSight: TargetResponse): HTMLElement | false {
   const { targets } = inSight;
   if (targets.length === 1) return false;
   const all = session.results.all.get();
   return h("div", { class: "target-errors" }, h("h3", {}, "Targets"), h("ul", { "aria-label": "Deviation from each target" }, ...targets.map((target, k) => {
     const shown = all[k];
     const known = shown && sameRequirements(shown, inSight) ? shown : null;
-    const verdict = known && judge(known, modelError(session.catalogue.model(known.found.family), known));
+    const verdict = known && judgedResponse(session, verification, known);
     return h("li", { class: known === inSight ? "in-sight" : null }, h("span", { class: "target-name" }, targetWords(session.targets[k] ?? target)),
-      h("span", { class: `verdict-mark ${verdict?.verdict ?? ""}` }, verdict ? VERDICT_WORDS[verdict.verdict] : "not known yet"),
-      h("strong", {}, known ? percent(known.deviation) : "–"));
+      h("span", { class: `verdict-mark ${verdict?.grade ?? ""}` }, verdict ? markWords(verdict) : "not known yet"),
+      h("strong", {}, known && verdict ? percent(deviationFrom(known, verdict)) : "–"));
   })), h("p", { class: "overall" }, h("span", {}, "All together (rms)"), h("strong", {}, percent(inSight.overall))));
 }
 
-const VERDICT_WORDS: Record<Verdict, string> = { within: "within", close: "close", doubtful: "not certain", out: "out of reach" };
+function markWords({ grade, source }: Judgement): string {
+  return `${gradeWords(grade).toLowerCase()}${source === "simulation" ? ", simulated" : ""}`;
+}
+
+/** The simulated deviation where there is one, otherwise that of the model. */
+function deviationFrom(shown: TargetResponse, { source, deviation }: Judgement): number {
+  return source === "simulation" && deviation !== null ? deviation : shown.deviation;
+}
 
 function waitingWords(session: DesignSession): string {
   return session.search.activity.get().kind === "busy" ? "Computing" : "Not computed";
@@ -92,20 +104,25 @@ function waiting(session: DesignSession, { found, task }: DesignState): HTMLElem
 /** Label of a result: the judgement, unless the search is running or the parameters were set by hand. */
 export function labelOf(shown: TargetResponse, judgement: Judgement): string {
   if (shown.provisional) return "Searching";
-  return shown.byHand ? "Set by hand" : judgement.words;
+  // A simulation tells as much of a design that was set by hand as of one that was found.
+  return shown.byHand && judgement.source === "model" ? "Set by hand" : judgement.words;
 }
 
+const CHIP_KINDS: Record<Grade, string> = { reached: "good", close: "close", missed: "out", unknown: "close" };
+
 function chip(shown: TargetResponse, judgement: Judgement): HTMLElement {
-  const { verdict } = judgement;
-  const isPlain = shown.provisional || shown.byHand;
-  const kind = isPlain ? "plain" : verdict === "within" ? "good" : verdict === "out" ? "out" : "close";
+  const isPlain = shown.provisional || (shown.byHand && judgement.source === "model");
+  const kind = isPlain ? "plain" : CHIP_KINDS[judgement.grade];
   return h("span", { class: `chip ${kind}` }, kind === "good" && icon("check"), labelOf(shown, judgement));
 }
 
-function facts(shown: TargetResponse, error: ModelError | null): HTMLElement {
+function facts(shown: TargetResponse, error: ModelError | null, judgement: Judgement): HTMLElement {
   const { unit } = TASK_WORDS[shown.task];
+  const isSimulated = judgement.source === "simulation" && judgement.deviation !== null;
+  const of = shown.targets.length > 1 ? "Target in sight" : "Deviation";
   const rows: [string, string][] = [
-    [shown.targets.length > 1 ? "Target in sight (rms)" : "Deviation (rms)", percent(shown.deviation)],
+    [isSimulated ? `${of}, simulated (rms)` : `${of} (rms)`, percent(deviationFrom(shown, judgement))],
+    ...(isSimulated ? [["By the model (rms)", percent(shown.deviation)] as [string, string]] : []),
     ["Largest", `${digits(shown.largest)}${unit && ` ${unit}`}`],
     ["Parameters", shown.found.parameters.map((value) => digits(value, 4)).join(", ")],
   ];
@@ -130,20 +147,20 @@ function measureRows({ material, youngsModulus, orientation, beamWidth, cellSize
   ];
 }
 
-function notes(shown: TargetResponse, { verdict }: Judgement): HTMLElement[] {
+function notes(shown: TargetResponse, { grade, source }: Judgement): HTMLElement[] {
   const outside = shown.inRange.filter((inside) => !inside).length;
   const words: HTMLElement[] = [];
   // The message is a warning only if the target is out of reach.
-  if (shown.message) words.push(h("p", { class: verdict === "out" && !shown.byHand ? "note" : "muted" }, shown.message));
-  if (outside > 0 && !/samples/.test(shown.message)) {
+  if (shown.message) words.push(h("p", { class: grade === "missed" && !shown.byHand ? "note" : "muted" }, shown.message));
+  if (source === "model" && outside > 0 && !/samples/.test(shown.message)) {
     words.push(h("p", { class: "note" }, `${outside} of ${shown.inRange.length} samples are beyond what the model can be trusted with: verify them.`));
   }
   return words;
 }
 
 /** Buttons that change a target which no design meets: they move all of its control points, or one. */
-function advice(session: DesignSession, shown: TargetResponse): HTMLElement {
-  const relaxed = relaxation(shown);
+function advice(session: DesignSession, shown: TargetResponse, nothingElseHelps: boolean): HTMLElement {
+  const relaxed = nothingElseHelps ? relaxation(shown) : null;
   const { unit } = TASK_WORDS[shown.task];
   const height = (y: number) => `${digits(y)}${unit && ` ${unit}`}`;
   const at = relaxed && (isPolar(shown.task) ? degrees(relaxed.from[0]) : `a strain of ${digits(relaxed.from[0])}`);

@@ -4,6 +4,7 @@ import { foundSpecification, isRange, searchesModulus, type Specification, mater
 import { type TilingDesign, isPolar, type ProfileKind, sameProfile, type Region, type Target } from "./state";
 import { relativeDeviation, targetCurve } from "./spline";
 import { askedOrder, sameTargets, targetOf, targetsOf } from "./target_list";
+import type { Grade, Source } from "./verdict_words";
 
 export interface Band {
   readonly x: readonly number[];
@@ -41,6 +42,15 @@ export interface Measures {
   readonly density: number | null;
 }
 
+/** The verdict of an answer, which the server has made by the page's rules and with its words. */
+export interface AnsweredVerdict {
+  readonly grade: Grade;
+  readonly source: Source;
+  /** Of the worst target; null if a value is missing. */
+  readonly deviation: number | null;
+  readonly sentence: string;
+}
+
 /** The response of a design to one of its targets. */
 export interface TargetResponse extends Target, Requirements {
   readonly found: TilingDesign;
@@ -70,6 +80,8 @@ export interface TargetResponse extends Target, Requirements {
   readonly byHand: boolean;
   /** Whether the search is running and this is its best design so far. */
   readonly provisional: boolean;
+  /** The server's verdict on the design; null for one that was set by hand or is not final. */
+  readonly answered: AnsweredVerdict | null;
 }
 
 /** Deviations of Poisson's ratio are relative to at least this value, since a target of zeros has no scale. */
@@ -225,6 +237,7 @@ export function designResponses(answer: CostedDesign, asked: Region): readonly T
       seconds: answer.cost.seconds,
       byHand: false,
       provisional: false,
+      answered: (answer as { verdict?: AnsweredVerdict }).verdict ?? null,
     };
   });
 }
@@ -256,6 +269,7 @@ export function profileResponses(profiles: readonly Profile[], asked: Region, st
       seconds: profiles.reduce((sum, { cost }) => sum + cost.seconds, 0),
       byHand: true,
       provisional: false,
+      answered: null,
     };
   });
 }
@@ -281,6 +295,7 @@ export function partialResponse(partial: PartialDesign, asked: Region): TargetRe
     seconds: 0,
     byHand: false,
     provisional: true,
+    answered: null,
   };
 }
 

@@ -1,29 +1,31 @@
-// The judgement of a deviation, which takes the error of the model into account.
-import { percent } from "../base/format";
+// The judgement of a design: by its simulation wherever there is one, otherwise by the model, whose trust and error count.
+import type { Curve } from "../base/curve";
 import type { Model, Profile } from "../contract/types";
 import type { ModelError, TargetResponse } from "./shown";
+import { targetCurve } from "./spline";
+import { isPolar } from "./state";
+import { deviationOf, fitRanges, type JudgedCurve, reachedSamples } from "./verdict_ranges";
+import { deviationWords, type Doubt, type TargetVerdict, verdictSentence } from "./verdict_sentence";
+import { type Grade, gradeWords, limits, type Source, words } from "./verdict_words";
 
-/**
- * `within`: the deviation is below the error of the model, or every sample is reached. `doubtful`: within or close, but the model is not
- * trusted at some sample.
- */
-export type Verdict = "within" | "close" | "doubtful" | "out";
-
+/** The judgement of a design against one target, or against several. */
 export interface Judgement {
-  readonly verdict: Verdict;
+  readonly grade: Grade;
+  readonly source: Source;
+  /** Relative root mean square deviation from the worst target, of the simulation where there is one; null if a value is missing. */
+  readonly deviation: number | null;
+  /** Whether a model's deviation is below its error, and this error small against the target. */
+  readonly isWithinError: boolean;
   /** A label. */
   readonly words: string;
-  /** A sentence with the numbers. */
+  /** The verdict in words. */
   readonly sentence: string;
 }
 
-/** A design is close up to this relative deviation, or up to this multiple of the model's error. */
-const CLOSE_DEVIATION = 0.05;
-const CLOSE_ERROR_FACTOR = 3;
+/** Errors of a model up to this fraction of the target are small. */
+const SMALL_ERROR = 0.05;
 
-const WORDS: Record<Verdict, string> = { within: "Within the model’s error", close: "Close", doubtful: "Not certain", out: "Out of reach" };
-
-type JudgedResponse = Pick<TargetResponse, "deviation" | "reached" | "found" | "byHand" | "achieved" | "target" | "errorBar" | "inRange">;
+type JudgedResponse = Pick<TargetResponse, "x" | "achieved" | "target" | "errorBar" | "inRange" | "task" | "points" | "interpolation" | "answered">;
 
 /**
  * The two models from which the initial target is made: the first one, and the one of the others with the shortest error bars of the
@@ -58,20 +60,96 @@ export function relativeErrorBars({ errorBar, target }: Pick<TargetResponse, "er
   return norm > 0 ? size(errorBar) / norm : null;
 }
 
-export function judge(shown: JudgedResponse, error: ModelError | null): Judgement {
-  const { deviation, found, byHand } = shown;
-  const bars = relativeErrorBars(shown);
-  // The mean error of a model does not apply to samples at which the model is not trusted.
-  const doubtful = shown.inRange.filter((inside) => !inside).length;
-  const trusted = doubtful > 0 ? null : error?.mean ?? bars;
-  const complete = shown.achieved.every((value) => value !== null);
-  const allReached = shown.reached.length > 0 && shown.reached.every(Boolean);
-  const isWithin = allReached || (trusted !== null && deviation <= trusted);
-  const isClose = isWithin || deviation <= Math.max(CLOSE_DEVIATION, CLOSE_ERROR_FACTOR * (trusted ?? 0));
-  const verdict = !complete || !isClose ? "out" : doubtful > 0 ? "doubtful" : isWithin ? "within" : "close";
-  const who = byHand || verdict !== "out" ? found.family : `The closest design of ${found.family} that was found`;
-  const model = doubtful > 0 ? `the model is not trusted at ${doubtful} of ${shown.inRange.length} samples: verify it by simulation`
-    : error ? `the model itself errs by ${percent(error.mean)} in the mean`
-    : bars !== null ? `in 90 of 100 cases a simulation is within ${percent(bars)} of the model` : "how far the model errs is not known";
-  return { verdict, words: WORDS[verdict], sentence: `${who} is ${percent(deviation)} from the target (root mean square); ${model}.` };
+/** A response with what judges it: the model's error and the simulated curve, null if there is none. */
+export interface JudgedEvidence {
+  readonly shown: JudgedResponse;
+  readonly error: ModelError | null;
+  readonly simulated: Curve | null;
+}
+
+/** The judgement of one response. */
+export function judge(shown: JudgedResponse, error: ModelError | null, simulated: Curve | null = null): Judgement {
+  return judgeAll([{ shown, error, simulated }]);
+}
+
+/** The judgement of the responses to all targets: the worst decides. It is by simulation if all of them are simulated. */
+export function judgeAll(all: readonly JudgedEvidence[]): Judgement {
+  const source: Source = all.every(({ simulated }) => simulated?.y.some((value) => value !== null)) ? "simulation" : "model";
+  const targets = all.map(({ shown, simulated }) => targetVerdict(source === "simulation" ? simulatedCurve(shown, simulated as Curve) : modelCurve(shown)));
+  const worst = indexOfWorst(targets);
+  const { deviation } = targets[worst];
+  const doubt = doubtAbout(all, targets, source);
+  const grade = doubt === "none" ? gradeOf(deviation as number) : "unknown";
+  const byModel = all.map(({ shown }) => deviationOf(modelCurve(shown)));
+  const facts = {
+    grade,
+    source,
+    doubt,
+    deviation,
+    modelDeviation: byModel.includes(null) ? null : Math.max(...(byModel as number[])),
+    untrusted: all.reduce((sum, { shown }) => sum + untrusted(shown), 0),
+    samples: all.reduce((sum, { shown }) => sum + shown.inRange.length, 0),
+    targets,
+    worst,
+  };
+  const isWithinError = grade === "reached" && source === "model" && all.every(isWithinItsError);
+  const { answered } = all[0].shown;
+  // The server knows more of a target than the page. It has no say where both disagree, since the page may have a simulation of its own.
+  const isAnswered = answered && answered.grade === grade && answered.source === source && deviationWords(answered.deviation) === deviationWords(deviation);
+  return {
+    grade,
+    source,
+    deviation,
+    isWithinError,
+    words: isWithinError ? "Within the model’s error" : source === "simulation" ? `${words.source.simulation}: ${gradeWords(grade).toLowerCase()}` : gradeWords(grade),
+    sentence: isAnswered ? answered.sentence : verdictSentence(facts),
+  };
+}
+
+function gradeOf(deviation: number): Grade {
+  return deviation <= limits.reached ? "reached" : deviation <= limits.close ? "close" : "missed";
+}
+
+/** The simulated deviation from a target; null if the simulation does not get to every sample. */
+export function simulatedDeviation(shown: Pick<TargetResponse, "task" | "points" | "interpolation">, simulated: Curve): number | null {
+  return deviationOf(simulatedCurve(shown, simulated));
+}
+
+function simulatedCurve({ task, points, interpolation }: Pick<TargetResponse, "task" | "points" | "interpolation">, { x, y }: Curve): JudgedCurve {
+  return { task, x, target: x.map(targetCurve(isPolar(task), points, interpolation)), y };
+}
+
+function modelCurve({ task, x, target, achieved }: JudgedResponse): JudgedCurve {
+  return { task, x, target, y: achieved };
+}
+
+function targetVerdict(curve: JudgedCurve): TargetVerdict {
+  return { task: curve.task, samples: curve.x.length, reached: reachedSamples(curve), deviation: deviationOf(curve), ranges: fitRanges(curve) };
+}
+
+function indexOfWorst(targets: readonly TargetVerdict[]): number {
+  const size = ({ deviation }: TargetVerdict) => deviation ?? Infinity;
+  return targets.reduce((worst, target, k) => (size(target) > size(targets[worst]) ? k : worst), 0);
+}
+
+function untrusted({ inRange }: JudgedResponse): number {
+  return inRange.filter((inside) => !inside).length;
+}
+
+function doubtAbout(all: readonly JudgedEvidence[], targets: readonly TargetVerdict[], source: Source): Doubt {
+  if (targets.some(({ deviation }) => deviation === null)) {
+    return targets.every(({ ranges }) => ranges.every(({ fit }) => fit === "missing")) ? "nothing" : "incomplete";
+  }
+  const isMostlyUntrusted = all.some(({ shown }) => shown.inRange.length > 0 && untrusted(shown) >= limits.untrusted * shown.inRange.length);
+  return source === "model" && isMostlyUntrusted ? "untrusted" : "none";
+}
+
+/**
+ * Whether a deviation is below the error of the model, and this error small against the target. Error bars are those of this design; the
+ * mean is that of all designs on which the model was tried, and holds where the model is trusted.
+ */
+function isWithinItsError({ shown, error }: JudgedEvidence): boolean {
+  const bar = relativeErrorBars(shown) ?? (untrusted(shown) > 0 ? null : (error?.mean ?? null));
+  const deviation = deviationOf(modelCurve(shown));
+  return bar !== null && bar <= SMALL_ERROR && deviation !== null && deviation <= bar;
 }

@@ -1,48 +1,79 @@
 // Simulations of the shown design at its native scale: its curves, its deformed patch, and on request its correction by simulations
-// (polish). A change of the design ends them.
+// (polish). Results are kept (`simulations.ts`), and jobs are found again after the page was left (`started_jobs.ts`).
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
-import { type Client, explain } from "../contract/client";
-import { JobRunner, type Run } from "../contract/runner";
-import type { DesignAnswer, DesignRequest, Job, Polish, Simulation } from "../contract/types";
+import { type Client, ConnectionLost, explain, Problem } from "../contract/client";
+import { type JobSettings, JobRunner, type Run } from "../contract/runner";
+import type { DesignAnswer, Job, Polish, Simulation } from "../contract/types";
+import { PolishRounds } from "./polish_rounds";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
-import { designOf, sameTilingDesign, sameRequirements, type TargetResponse } from "./shown";
-import type { DesignState, TilingDesign } from "./state";
-import { askedOrder } from "./target_list";
+import { designOf, kindOf, type TargetResponse } from "./shown";
+import { sameSimulatedDesign, type SimulatedDesign, simulatedDesign, simulatedTarget, type SimulatedTarget, type SimulationRecord, Simulations } from "./simulations";
+import { forgetJob, rememberJob, type SimulationWork, startedJob, targetsText } from "./started_jobs";
+import type { DesignState } from "./state";
+import { askedOrder, targetsOf } from "./target_list";
+
+export type { SimulatedTarget } from "./simulations";
+
+const PATH = "/v1/designs";
 
 export type VerificationState =
-  | { kind: "none" }
-  | { kind: "running"; progress: number; stage: string; round: PolishRound | null }
-  | { kind: "failed"; sentence: string }
-  | { kind: "done"; simulated: readonly SimulatedTarget[]; polish: Polish; seconds: number };
+  | { readonly kind: "none" }
+  | RunningSimulation
+  | { readonly kind: "failed"; readonly sentence: string }
+  | { readonly kind: "done"; readonly simulated: readonly SimulatedTarget[]; readonly polish: Polish | null; readonly seconds: number };
 
-/** The simulated response to one target. */
-export interface SimulatedTarget {
-  readonly curve: Curve;
-  /** Relative root mean square difference from the model; null if it is not known. */
-  readonly deviation: number | null;
-  /** Estimated relative error of the mesh; null if it is not known. */
-  readonly mesh: number | null;
-}
-
-/** The last round of a running polish: its number, and the deviation of the simulation from the target. */
-export interface PolishRound {
-  readonly count: number;
-  readonly error: number | null;
+export interface RunningSimulation {
+  readonly kind: "running";
+  readonly work: SimulationWork;
+  /** Whether it began without being asked for. */
+  readonly isBackground: boolean;
+  readonly progress: number;
+  readonly stage: string;
+  /** Estimated seconds until it ends; null if they are not known. */
+  readonly remaining: number | null;
 }
 
 export type PatchState =
-  | { kind: "none" }
-  | { kind: "running"; progress: number }
-  | { kind: "failed"; sentence: string }
-  | { kind: "done"; simulation: Simulation; direction: number };
+  | { readonly kind: "none" }
+  | { readonly kind: "running"; readonly progress: number }
+  | { readonly kind: "failed"; readonly sentence: string }
+  | { readonly kind: "done"; readonly simulation: Simulation; readonly direction: number };
+
+/** What a running simulation is of. */
+interface Subject {
+  readonly work: SimulationWork;
+  readonly isBackground: boolean;
+  readonly design: SimulatedDesign;
+  readonly asked: DesignState;
+  readonly targets: string;
+}
+
+type AnswerOf = (run: Run<object>, settings: JobSettings) => Promise<DesignAnswer>;
 
 export class Verification {
   readonly state = new Observable<VerificationState>({ kind: "none" });
   readonly patch = new Observable<PatchState>({ kind: "none" });
+  readonly rounds: PolishRounds;
   private readonly runner: JobRunner;
-  private subject: TargetResponse | null = null;
+  private subject: Subject | null = null;
+  /** The simulation that is shown, and its targets in the order of the tabs. */
+  private record: SimulationRecord | null = null;
+  private recordTargets = "";
+  private readonly patches = new WeakMap<SimulationRecord, Extract<PatchState, { kind: "done" }>>();
+  /** Designs and targets whose verification has failed or was stopped: it does not begin by itself again. */
+  private readonly declined = new Set<string>();
+
+  constructor(
+    private readonly session: DesignSession,
+    client: Client,
+    readonly simulations = new Simulations(),
+  ) {
+    this.runner = new JobRunner(client);
+    this.rounds = new PolishRounds(session);
+    for (const part of [session.results.shown, session.state, simulations.list]) part.watch(() => this.follow());
+  }
 
   /** The simulated response to the selected target. */
   get simulated(): SimulatedTarget | null {
@@ -50,111 +81,230 @@ export class Verification {
     return state.kind === "done" ? (state.simulated[this.session.state.get().at] ?? null) : null;
   }
 
-  constructor(
-    private readonly session: DesignSession,
-    client: Client,
-  ) {
-    this.runner = new JobRunner(client);
-    session.results.shown.watch((shown) => {
-      if (this.subject && (!shown || !isSameResult(shown, this.subject))) this.clear();
-    });
+  /** The simulated curve of a response; null if there is none. */
+  curveOf(shown: TargetResponse): Curve | null {
+    return shown.provisional ? null : this.simulations.curveOf(shown);
   }
 
-  async verify(): Promise<void> {
-    await this.simulate(verificationRequest);
+  /** Whether the shown design rests and could be verified without being asked for: it was not, and nobody has stopped it. */
+  get isWanted(): boolean {
+    const subject = this.restingSubject("verify");
+    return subject !== null && this.state.get().kind === "none" && !this.declined.has(textOf(subject));
+  }
+
+  /** Simulates the shown design, and its deformed patch if somebody has asked for it. */
+  async verify({ background = false } = {}): Promise<void> {
+    const { subject } = this;
+    // What runs in the background already goes on for the user.
+    if (subject?.work === "verify" && !background) return this.adopt(subject);
+    await this.simulate("verify", background);
   }
 
   /** Corrects the design by simulations and shows the result. */
   async polish(): Promise<void> {
-    await this.simulate(polishRequest);
+    await this.simulate("polish", false);
   }
 
-  private async simulate(requestOf: (state: DesignState, found: TilingDesign) => DesignRequest): Promise<void> {
-    const shown = this.session.results.shown.get();
-    if (!shown) return;
-    this.clear();
-    this.subject = shown;
-    this.state.set({ kind: "running", progress: 0, stage: "", round: null });
+  /** Cancels running simulations for the user. The best design of a polish stays. */
+  cancel(): void {
+    const { subject } = this;
+    if (subject) this.declined.add(textOf(subject));
+    const best = subject?.work === "polish" ? this.rounds.best : null;
+    this.drop();
+    this.patch.set({ kind: "none" });
+    if (best) this.session.setFound(best);
+    this.follow();
+  }
+
+  /** Simulates the deformed patch of the shown design, for example where its curve was found again without it. */
+  async showPatch(): Promise<void> {
+    const { record } = this;
     const asked = this.session.state.get();
+    if (record && !this.subject) await this.runner.start((run) => this.simulatePatch(record, asked, run));
+  }
+
+  /** Goes on with what belongs to the state: a running simulation, one that was found again, or none. */
+  follow(): void {
+    if (this.subject && !this.isStillOf(this.subject)) this.drop();
+    if (this.subject) return;
+    this.showRecord();
+    if (this.record === null) this.findJob();
+  }
+
+  /** Whether a running simulation is of the present design and targets. A design that a search is still looking for is not compared. */
+  private isStillOf({ asked, design, targets }: Subject): boolean {
+    const state = this.session.state.get();
+    if (state.points !== asked.points && targetsText(targetsOf(state)) !== targets) return false;
+    const shown = this.restingShown;
+    return shown === null || sameSimulatedDesign(simulatedDesign(shown.found, shown.made), design);
+  }
+
+  /** The shown response once it is the answer to the present state. */
+  private get restingShown(): TargetResponse | null {
+    const { results } = this.session;
+    const shown = results.shown.get();
+    return shown && !shown.provisional && results.isCurrent ? shown : null;
+  }
+
+  private restingSubject(work: SimulationWork, isBackground = false): Subject | null {
+    const shown = this.restingShown;
+    const asked = this.session.state.get();
+    return shown && { work, isBackground, design: simulatedDesign(shown.found, shown.made), asked, targets: targetsText(targetsOf(asked)) };
+  }
+
+  /** Shows the simulation of the present design, if there is one. */
+  private showRecord(): void {
+    const { found, made } = this.session.state.get();
+    const targets = targetsOf(this.session.state.get());
+    const record = this.simulations.find(found, made, targets);
+    const text = targetsText(targets);
+    if (record === this.record && text === this.recordTargets && (record !== null || this.state.get().kind !== "done")) return this.forgetFailure();
+    [this.record, this.recordTargets] = [record, text];
+    this.state.set(record
+      ? { kind: "done", simulated: targets.map((target) => simulatedTarget(record, target) as SimulatedTarget), polish: record.polish, seconds: record.seconds }
+      : { kind: "none" });
+    this.patch.set((record && this.patches.get(record)) ?? { kind: "none" });
+  }
+
+  /** A failure goes with its design. */
+  private forgetFailure(): void {
+    const subject = this.restingSubject("verify");
+    if (this.state.get().kind === "failed" && subject && !this.declined.has(textOf(subject))) this.state.set({ kind: "none" });
+  }
+
+  /** Goes on with a job that the page has started before it was left. */
+  private findJob(): void {
+    const subject = this.restingSubject("verify");
+    const job = subject && startedJob(subject.design, subject.targets);
+    if (!job) return;
+    void this.run({ ...subject, work: job.work, isBackground: job.isBackground }, (run, settings) => run.startedJob<DesignAnswer>(job.id, PATH, {}, settings), job.id);
+  }
+
+  private adopt(subject: Subject): void {
+    this.subject = { ...subject, isBackground: false };
+    const state = this.state.get();
+    if (state.kind === "running") this.state.set({ ...state, isBackground: false });
+  }
+
+  private async simulate(work: SimulationWork, isBackground: boolean): Promise<void> {
+    const shown = this.session.results.shown.get();
+    const asked = this.session.state.get();
+    if (!shown) return;
+    const request = work === "polish" ? polishRequest(asked, shown.found) : verificationRequest(asked, shown.found, isBackground ? "background" : "normal");
+    const subject = { work, isBackground, asked, design: simulatedDesign(shown.found, shown.made), targets: targetsText(targetsOf(asked)) };
+    await this.run(subject, (run, settings) => run.job<DesignAnswer>(PATH, request, settings));
+  }
+
+  /** Runs a job of the subject. `known`: the id of one that was started before the page was left. */
+  private async run(subject: Subject, answerOf: AnswerOf, known = ""): Promise<void> {
+    this.drop();
+    this.subject = subject;
+    this.record = null;
+    this.rounds.begin(subject.asked);
+    this.patch.set({ kind: "none" });
+    this.state.set({ kind: "running", work: subject.work, isBackground: subject.isBackground, progress: 0, stage: "", remaining: null });
     await this.runner.start(async (run) => {
-      await this.simulatePatch(await this.simulateProfile(shown, asked, requestOf(asked, shown.found), run), run);
+      const record = await this.simulateProfiles(subject, run, answerOf, known);
+      if (record && !subject.isBackground) await this.simulatePatch(record, subject.asked, run);
     });
   }
 
-  /** Cancels running simulations and removes the results. */
-  clear(): void {
-    this.runner.stop();
+  /** Ends the running simulation, whose job is dismissed. */
+  private drop(): void {
+    if (this.subject === null && !this.runner.isRunning) return;
     this.subject = null;
+    this.runner.stop();
+    this.rounds.clear();
     this.state.set({ kind: "none" });
-    this.patch.set({ kind: "none" });
   }
 
-  /** Simulates the profile. Returns the response of the design that was simulated last. */
-  private async simulateProfile(shown: TargetResponse, asked: DesignState, request: DesignRequest, run: Run<object>): Promise<TargetResponse> {
-    let count = 0;
-    let lastKey = "";
-    const onJob = ({ progress, stage, partial }: Job) => {
-      let round: PolishRound | null = null;
-      if (partial && "round" in partial) {
-        // Several events may report the same round.
-        const key = partial.round.parameters.join();
-        if (key !== lastKey) ++count;
-        lastKey = key;
-        round = { count, error: partial.round.target_error };
-      }
-      this.state.set({ kind: "running", progress, stage, round });
+  private async simulateProfiles(subject: Subject, run: Run<object>, answerOf: AnswerOf, known: string): Promise<SimulationRecord | null> {
+    let id = known;
+    const onJob = (job: Job): void => {
+      if (id === "") rememberJob({ id: job.id, work: subject.work, isBackground: subject.isBackground, design: subject.design, targets: subject.targets });
+      id = job.id;
+      this.showProgress(job, subject);
     };
     try {
-      const answer = await run.job<DesignAnswer>("/v1/designs", request, { onJob });
-      const simulated = simulatedTargets(answer, asked);
-      if (!simulated || !answer.polish) {
-        this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
-        return shown;
-      }
-      const found = designOf(answer, asked);
-      const polished = { ...shown, found };
-      const changed = !isSameResult(polished, shown);
-      this.subject = polished;
-      this.state.set({ kind: "done", simulated, polish: answer.polish, seconds: answer.cost.seconds });
-      if (changed) this.session.setFound(found);
-      return polished;
+      const answer = await answerOf(run, { onJob });
+      forgetJob(id);
+      return this.accept(answer, subject);
     } catch (error) {
+      // The server goes on with a job while the connection is lost. It is found again later.
+      const isLost = error instanceof ConnectionLost;
+      if (!isLost) forgetJob(id);
       if (run.isCancelled) throw error;
-      this.state.set({ kind: "failed", sentence: explain(error) });
-      return shown;
+      this.subject = null;
+      this.rounds.clear();
+      // A job that was found again may have been removed meanwhile, which is no failure of a simulation.
+      const isGone = known !== "" && error instanceof Problem && error.document.status === 404;
+      if (!isLost && !isGone) this.declined.add(textOf(subject));
+      this.state.set(isLost || isGone ? { kind: "none" } : { kind: "failed", sentence: explain(error) });
+      return null;
     }
   }
 
-  private async simulatePatch(shown: TargetResponse, run: Run<object>): Promise<void> {
-    this.patch.set({ kind: "running", progress: 0 });
+  private showProgress({ progress, stage, partial, ...job }: Job, { work }: Subject): void {
+    if (partial && "round" in partial) this.rounds.add(partial.round, partial.family);
+    const { remaining_seconds: remaining = null } = job as { remaining_seconds?: number | null };
+    this.state.set({ kind: "running", work, isBackground: this.subject?.isBackground ?? false, progress, stage, remaining });
+  }
+
+  /** Stores what an answer has simulated, and makes the design of a polish the shown one. Returns null if nothing was simulated. */
+  private accept(answer: DesignAnswer, subject: Subject): SimulationRecord | null {
+    const { asked } = subject;
+    this.subject = null;
+    const profiles = simulatedProfiles(answer, asked);
+    if (!profiles) {
+      this.declined.add(textOf(subject));
+      this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
+      return null;
+    }
+    const found = designOf(answer, asked);
+    // The parameters of a verification are those that were asked for, but for rounding.
+    const design = subject.work === "polish" ? simulatedDesign(found, asked.made) : subject.design;
+    const record = { design, profiles, polish: answer.polish, seconds: answer.cost.seconds };
+    if (subject.work === "polish" && !sameSimulatedDesign(design, subject.design)) this.session.setFound(found);
+    this.simulations.add(record);
+    this.follow();
+    return record;
+  }
+
+  private async simulatePatch(record: SimulationRecord, asked: DesignState, run: Run<object>): Promise<void> {
+    const isShown = (): boolean => this.record === record;
+    const tell = (state: PatchState): void => {
+      if (isShown()) this.patch.set(state);
+    };
+    tell({ kind: "running", progress: 0 });
     try {
-      const state = this.session.state.get();
-      const request = patchRequest(state, shown.found);
-      const direction = patchDirection(state, shown.found);
-      const onJob = ({ progress }: Job) => this.patch.set({ kind: "running", progress });
-      const simulation = await run.job<Simulation>("/v1/simulations", request, { onJob });
-      this.patch.set({ kind: "done", simulation, direction });
+      const { family, parameters, youngsModulus, orientation } = record.design;
+      const found = { family, parameters, youngsModulus, orientation };
+      const made = { ...asked.made, youngsModulus, materials: [], orientation: (orientation * 180) / Math.PI };
+      const state = { ...asked, made };
+      const onJob = ({ progress }: Job): void => tell({ kind: "running", progress });
+      const simulation = await run.job<Simulation>("/v1/simulations", patchRequest(state, found), { onJob });
+      const done = { kind: "done", simulation, direction: patchDirection(state, found) } as const;
+      this.patches.set(record, done);
+      tell(done);
     } catch (error) {
       if (run.isCancelled) throw error;
-      this.patch.set({ kind: "failed", sentence: explain(error) });
+      tell({ kind: "failed", sentence: explain(error) });
     }
   }
+}
+
+function textOf({ design, targets }: Subject): string {
+  return `${design.family} ${design.parameters.map((value) => value.toFixed(4)).join()} ${design.youngsModulus} ${design.orientation.toFixed(4)} ${targets}`;
 }
 
 /** The simulated responses in the order of the tabs; null if a target was not simulated. */
-function simulatedTargets(answer: DesignAnswer, asked: DesignState): SimulatedTarget[] | null {
+function simulatedProfiles(answer: DesignAnswer, asked: DesignState): SimulationRecord["profiles"] | null {
   const profiles = [answer.profile, ...answer.also];
   const order = askedOrder(asked);
-  const found: SimulatedTarget[] = [];
-  for (let place = 0; place < profiles.length; ++place) {
+  const targets = targetsOf(asked);
+  const found = targets.map((target, place) => {
     const { verified } = profiles[order.indexOf(place)];
-    if (!verified) return null;
-    found.push({ curve: verified, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error });
-  }
-  return found;
-}
-
-/** Whether two responses are of the same design and the same requirements. The latter count, since a result states its deviation from the targets. */
-function isSameResult(a: TargetResponse, b: TargetResponse): boolean {
-  return sameRequirements(a, b) && sameTilingDesign(a.found, b.found);
+    return verified && { kind: kindOf(target), curve: { x: verified.x, y: verified.y }, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error };
+  });
+  return found.every((one) => one !== null) ? found : null;
 }

@@ -4,14 +4,18 @@ import { h, replace } from "../base/dom";
 import { percent, seconds } from "../base/format";
 import { PatchView } from "./patch_view";
 import type { DesignSession } from "./session";
-import type { PatchState, SimulatedTarget, Verification, VerificationState } from "./verification";
+import type { PolishRound } from "./polish_rounds";
+import { limits } from "./verdict_words";
+import type { PatchState, RunningSimulation, SimulatedTarget, Verification, VerificationState } from "./verification";
 
 export function verificationCard(session: DesignSession, verification: Verification): HTMLElement {
   const verify = button("Verify by simulation", () => void verification.verify(), { kind: "primary" });
   const polish = button("Polish by simulation", () => void verification.polish(), {
     title: "Corrects the parameters until the simulation, not the model alone, follows the target",
   });
-  const cancel = button("Cancel", () => verification.clear());
+  const cancel = button("Cancel", () => verification.cancel());
+  const patch = button("Show the deformed patch", () => void verification.showPatch());
+  const rounds = h("ol", { class: "polish-rounds", "aria-label": "Rounds of the polish" });
   const words = h("p", { class: "muted" });
   const bar = h("progress", { max: 1, "aria-label": "Progress of the simulation" });
   const view = new PatchView();
@@ -19,18 +23,25 @@ export function verificationCard(session: DesignSession, verification: Verificat
 
   session.results.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
   let lastSeconds: number | null = null;
+  let announced = "";
   const tell = (state: VerificationState) => {
     if (state.kind === "done") lastSeconds = state.seconds;
-    words.textContent = sentence(state, verification.simulated, lastSeconds);
+    words.textContent = sentence(state, verification.simulated, lastSeconds, verification.rounds.list.get());
     words.className = state.kind === "failed" ? "note" : state.kind === "done" ? "verdict" : "muted";
   };
   verification.state.watch((state) => {
     tell(state);
-    if (state.kind === "done" || state.kind === "failed") announce(words.textContent ?? "");
+    if (state.kind !== "none" && state.kind !== "running" && state.kind !== announced) announce(words.textContent ?? "");
+    announced = state.kind;
     show();
   });
   // The card shows the result for the selected target.
   session.results.shown.watch(() => tell(verification.state.get()));
+  verification.rounds.list.watch((list) => {
+    replace(rounds, ...list.map((round) => h("li", { class: round.isBest ? "best" : null }, roundWords(round))));
+    rounds.hidden = list.length === 0;
+    tell(verification.state.get());
+  });
   verification.patch.watch((state) => {
     if (state.kind === "done") {
       const material = session.catalogue.model(state.simulation.family)?.material;
@@ -42,19 +53,20 @@ export function verificationCard(session: DesignSession, verification: Verificat
 
   function show(): void {
     const state = verification.state.get();
-    const patch = verification.patch.get();
-    const progress = progressOf(state, patch);
+    const patchState = verification.patch.get();
+    const progress = progressOf(state, patchState);
     bar.hidden = cancel.hidden = progress === null;
     verify.hidden = progress !== null || state.kind === "done";
-    polish.hidden = progress !== null || (state.kind === "done" && state.polish.rounds.length > 1);
+    polish.hidden = progress !== null || (state.kind === "done" && (state.polish?.rounds.length ?? 0) > 1);
+    patch.hidden = progress !== null || state.kind !== "done" || patchState.kind !== "none";
     if (progress !== null) bar.value = progress;
-    view.element.hidden = patch.kind !== "done";
+    view.element.hidden = patchState.kind !== "done";
     patchWords.hidden = patchWords.textContent === "";
   }
 
   show();
   const section = h("section", { class: "card verification", "aria-label": "Verification" });
-  replace(section, h("h2", {}, "Verification"), words, h("div", { class: "row" }, verify, polish, bar, cancel), view.element, patchWords);
+  replace(section, h("h2", {}, "Verification"), words, rounds, h("div", { class: "row" }, verify, polish, patch, bar, cancel), view.element, patchWords);
   return section;
 }
 
@@ -64,14 +76,14 @@ function progressOf(state: VerificationState, patch: PatchState): number | null 
 }
 
 /** The sentence about the present state. `lastSeconds`: duration of the last simulation, null before the first. */
-function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null): string {
+function sentence(state: VerificationState, simulated: SimulatedTarget | null, lastSeconds: number | null, rounds: readonly PolishRound[]): string {
   const last = lastSeconds === null ? "" : `; the last one took ${seconds(lastSeconds)}`;
   switch (state.kind) {
     case "none":
       return `The curve comes from a neural model. A simulation of the whole structure tells how far it can be trusted${last}.`;
     case "running":
-      if (state.round) return `Round ${state.round.count}: ${state.round.error === null ? "not simulated" : `${percent(state.round.error)} from the target`}`;
-      return state.stage ? `Simulating: ${state.stage}` : "Simulating the structure";
+      return [rounds.length > 0 ? roundWords(rounds[rounds.length - 1]) : state.stage ? `Simulating: ${state.stage}` : "Simulating the structure", leftWords(state)]
+        .filter((part) => part).join("; ");
     case "failed":
       return state.sentence;
     case "done":
@@ -82,14 +94,26 @@ function sentence(state: VerificationState, simulated: SimulatedTarget | null, l
 function doneSentence({ simulated, polish, seconds: elapsed }: Extract<VerificationState, { kind: "done" }>, inSight: SimulatedTarget | null): string {
   const { deviation, mesh } = inSight ?? { deviation: null, mesh: null };
   const words: string[] = [];
-  const first = polish.rounds[0]?.target_error ?? null;
-  if (polish.target_error !== null) {
+  const first = polish?.rounds[0]?.target_error ?? null;
+  if (polish && polish.target_error !== null) {
     const rounds = polish.rounds.length - 1;
     const before = rounds > 0 && first !== null ? `, ${percent(first)} before it was polished in ${rounds} ${rounds === 1 ? "round" : "rounds"}` : "";
     words.push(`The simulation is ${percent(polish.target_error)} from the ${simulated.length > 1 ? "targets" : "target"} (rms)${before}.`);
   }
   if (deviation !== null) words.push(`${simulated.length > 1 ? "Of the target in sight the" : "The"} simulation and the model differ by ${percent(deviation)} (rms).`);
+  if (polish && polish.rounds.length > 1 && polish.stopped === "no_improvement" && (polish.target_error ?? 1) > limits.reached) {
+    words.push("No polish brings it closer: turning the structure, another material, a shorter range or another family may.");
+  }
   if (mesh !== null) words.push(`The mesh of the simulation makes an error of less than about ${percent(mesh)}.`);
   words.push(`Simulated in ${seconds(elapsed)}.`);
   return words.join(" ");
+}
+
+/** A round as in "Round 3: 12 % from the target, 4.2 s, the best so far". */
+function roundWords({ number, deviation, seconds: took, isBest }: PolishRound): string {
+  return `Round ${number}: ${deviation === null ? "not simulated" : `${percent(deviation)} from the target`}, ${seconds(took)}${isBest ? ", the best so far" : ""}`;
+}
+
+function leftWords({ remaining }: RunningSimulation): string {
+  return remaining === null ? "" : `about ${seconds(Math.max(1, Math.round(remaining)))} left`;
 }

@@ -1,0 +1,144 @@
+import { describe, expect, it } from "vitest";
+import type { Profile } from "../src/contract/types";
+import { profileResponses, type TargetResponse } from "../src/design/shown";
+import { spaced } from "../src/design/spline";
+import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
+import { judge, judgeAll } from "../src/design/verdict";
+import { fitRanges, joinedAcrossPeriod } from "../src/design/verdict_ranges";
+
+const X = spaced(0, 0.2, 11);
+const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], interpolation: "linear", found: { family: "IH22", parameters: [0.3] } };
+
+/** A response to a target of control points. */
+function responseTo(points: readonly ControlPoint[], y: readonly (number | null)[], more: Partial<TargetResponse> = {}): TargetResponse {
+  const profile = { family: "IH22", parameters: [0.3], model: "m", x: X, y, error_bar: null, in_range: X.map(() => true), cost: { seconds: 1 } };
+  const [shown] = profileResponses([profile as unknown as Profile], { ...state, points });
+  return { ...shown, byHand: false, ...more };
+}
+
+const scaled = (factor: number, more: Partial<TargetResponse> = {}) => responseTo(state.points, X.map((x) => 10 * x * factor), more);
+const bars = (fraction: number) => X.map((x) => 10 * x * fraction);
+const trusted = (count: number) => X.map((_, k) => k < count);
+const simulatedAs = (factor: number) => ({ x: X, y: X.map((x) => 10 * x * factor) });
+
+/** A pseudorandom generator of numbers in [0, 1), the same in each run. */
+function random(seed: number): () => number {
+  let state = seed;
+  return () => {
+    state = (state * 16807) % 2147483647;
+    return state / 2147483647;
+  };
+}
+
+describe("the judgement of any design", () => {
+  it("is never green beyond 5 % or where half of the samples are not trusted, and never red within 1 %", () => {
+    const next = random(7);
+    for (let trial = 0; trial < 2000; ++trial) {
+      const off = (next() < 0.5 ? 0.02 : 0.4) * next();
+      const wave = X.map(() => 2 * next() - 1);
+      const y = X.map((x, k) => 10 * x + 1.2 * off * wave[k] + 10 * x * off * (next() - 0.5));
+      const count = Math.floor(12 * next());
+      const shown = responseTo(state.points, y, { inRange: trusted(count), errorBar: next() < 0.5 ? bars(0.4 * next()) : null });
+      const error = next() < 0.5 ? { mean: 0.3 * next(), percentile99: 0.5 } : null;
+      const simulated = next() < 0.5 ? { x: X, y: X.map((x) => 10 * x * (1 + 0.3 * (next() - 0.5))) } : null;
+      const { grade, deviation, source, isWithinError } = judge(shown, error, simulated);
+      expect(source).toBe(simulated ? "simulation" : "model");
+      if (!simulated) expect(deviation).toBeCloseTo(shown.deviation, 9);
+      const isTrusted = simulated !== null || 2 * (X.length - count) < X.length;
+      if (grade === "reached" || isWithinError) expect(deviation).toBeLessThanOrEqual(0.05);
+      if (grade === "reached" || isWithinError) expect(isTrusted).toBe(true);
+      if (isWithinError) expect([grade, source]).toEqual(["reached", "model"]);
+      if (deviation !== null && deviation <= 0.01) expect(grade).not.toBe("missed");
+      if (!isTrusted) expect(grade).toBe("unknown");
+      else expect(grade).toBe((deviation as number) <= 0.05 ? "reached" : (deviation as number) <= 0.15 ? "close" : "missed");
+    }
+  });
+
+  it("is that of the worst of several targets, and by simulation only if all of them are simulated", () => {
+    const evidence = (factor: number, simulated: number | null) => ({ shown: scaled(factor), error: null, simulated: simulated === null ? null : simulatedAs(simulated) });
+    expect(judgeAll([evidence(1.01, null), evidence(1.3, null)])).toMatchObject({ grade: "missed", source: "model" });
+    expect(judgeAll([evidence(1.01, 1.02), evidence(1.01, null)])).toMatchObject({ grade: "reached", source: "model" });
+    const judged = judgeAll([evidence(1.01, 1.02), evidence(1.01, 1.45)]);
+    expect(judged).toMatchObject({ grade: "missed", source: "simulation", words: "Simulated: missed" });
+    expect(judged.sentence).toContain("Of 2 targets, number 2 is the furthest off.");
+  });
+
+  it("is by simulation wherever there is one: a model that is close does not hide a miss", () => {
+    const judged = judge(scaled(1.035, { errorBar: bars(0.04) }), null, simulatedAs(1.45));
+    expect(judged).toMatchObject({ grade: "missed", source: "simulation", isWithinError: false });
+    expect(judged.sentence).toMatch(/^Simulated: 45 % off\./);
+    expect(judge(scaled(1.45), null, simulatedAs(1.02))).toMatchObject({ grade: "reached", source: "simulation", sentence: "Simulated: reached, 2 % off." });
+  });
+});
+
+describe("the error of a model", () => {
+  it("explains a deviation only where it is small against the target", () => {
+    expect(judge(scaled(1.02, { errorBar: bars(0.03) }), null)).toMatchObject({ grade: "reached", isWithinError: true, words: "Within the model’s error" });
+    expect(judge(scaled(1.02, { errorBar: bars(0.3) }), null)).toMatchObject({ grade: "reached", isWithinError: false, words: "Reached" });
+    expect(judge(scaled(1.2, { errorBar: bars(0.3) }), null)).toMatchObject({ grade: "missed", isWithinError: false });
+    expect(judge(scaled(1.02), { mean: 0.03, percentile99: 0.1 }).isWithinError).toBe(true);
+    expect(judge(scaled(1.02), null).isWithinError).toBe(false);
+  });
+
+  it("does not count where the model is not trusted: half of the samples make the verdict uncertain, fewer are told", () => {
+    const few = judge(scaled(1.02, { inRange: trusted(8) }), { mean: 0.03, percentile99: 0.1 });
+    expect(few).toMatchObject({ grade: "reached", isWithinError: false });
+    expect(few.sentence).toContain("The model is not trusted at 3 of 11 samples.");
+    const half = judge(scaled(1.02, { inRange: trusted(5) }), { mean: 0.03, percentile99: 0.1 });
+    expect(half).toMatchObject({ grade: "unknown", words: "Not certain" });
+    expect(half.sentence).toBe("By the model: 2 % off, not certain. The model is not trusted at 6 of 11 samples: verify it by simulation.");
+  });
+});
+
+describe("missing values", () => {
+  it("leave the verdict open", () => {
+    const gap = X.map((x, k) => (k === 4 ? null : 10 * x));
+    expect(judge(responseTo(state.points, gap), null)).toMatchObject({ grade: "unknown", deviation: null, sentence: expect.stringMatching(/^By the model: not at every sample\./) });
+    expect(judge(scaled(1), null, { x: X, y: gap })).toMatchObject({ grade: "unknown", source: "simulation" });
+    expect(judge(scaled(1), null, { x: X, y: X.map(() => null) })).toMatchObject({ grade: "reached", source: "model" });
+  });
+});
+
+describe("the parts of a target", () => {
+  const plateau: ControlPoint[] = [[0, 0], [0.08, 1], [0.2, 1.05]];
+
+  it("are named by what the curve does there, with the strains between which they are reached", () => {
+    const y = X.map((x) => (x < 0.08 ? 20 * x : 1 + 0.4 * (x - 0.08)));
+    const { sentence } = judge(responseTo(plateau, y.map((value, k) => (X[k] >= 0.08 ? value + (X[k] - 0.08) * 0.0167 : value))), null);
+    expect(sentence).toMatch(/^By the model: \d+ % off\. The plateau is reached from [\d.]+ to 20 %, the rise is missed from 0 to [\d.]+ % \([\d.]+ % off\)\.$/);
+  });
+
+  it("are not told where the target is reached, and all are missed where none is reached", () => {
+    expect(judge(scaled(1.001), null).sentence).toBe("By the model: reached, 0.1 % off.");
+    expect(judge(scaled(0.3), null).sentence).toBe("By the model: 70 % off. No part of it is reached.");
+  });
+
+  it("touch each other and cover the target, and over directions those at both ends are one", () => {
+    const next = random(3);
+    for (let trial = 0; trial < 300; ++trial) {
+      const task = next() < 0.5 ? "stress_strain" : "poisson";
+      const target = X.map(() => 2 * next() - 1);
+      const y = target.map((value) => (next() < 0.1 ? null : value + (next() < 0.5 ? 0 : 0.5 * next())));
+      const ranges = fitRanges({ task, x: X, target, y });
+      expect(ranges[0].from).toBe(0);
+      expect(ranges[ranges.length - 1].to).toBeCloseTo(task === "poisson" ? Math.PI : 0.2, 12);
+      ranges.slice(1).forEach((range, k) => {
+        expect(range.from).toBe(ranges[k].to);
+        expect(range.fit).not.toBe(ranges[k].fit);
+      });
+      const joined = joinedAcrossPeriod(ranges, task);
+      const ends = task === "poisson" && ranges.length > 1 && ranges[0].fit === ranges[ranges.length - 1].fit;
+      expect(joined.length).toBe(ranges.length - Number(ends));
+    }
+  });
+});
+
+describe("the server's verdict", () => {
+  const answered = { grade: "missed", source: "model", deviation: 0.3, sentence: "By the model: 30 % off, with a band." } as const;
+
+  it("is what is said of a design that it has judged, unless the page knows of a simulation", () => {
+    expect(judge(scaled(1.3, { answered }), null).sentence).toBe(answered.sentence);
+    expect(judge(scaled(1.3, { answered }), null, simulatedAs(1.02)).sentence).toBe("Simulated: reached, 2 % off.");
+    expect(judge(scaled(1.02, { answered }), null)).toMatchObject({ grade: "reached", sentence: "By the model: reached, 2 % off." });
+  });
+});

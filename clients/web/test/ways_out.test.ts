@@ -1,0 +1,67 @@
+import { describe, expect, it } from "vitest";
+import { DEFAULT_SPECIFICATION, type Specification } from "../src/design/specification";
+import { targetCurve } from "../src/design/spline";
+import { DEFAULT_STATE, type DesignState } from "../src/design/state";
+import { changeOf, shortenedPoints, type WayOut } from "../src/design/ways_out";
+
+const state: DesignState = {
+  ...DEFAULT_STATE,
+  points: [[-0.1, -1], [0, 0], [0.1, 1], [0.2, 1.2]],
+  found: { family: "IH21", parameters: [0.12, 0.7] },
+  fixed: [false, true],
+};
+const way = (more: Partial<WayOut>): WayOut => ({
+  change: "turn",
+  sentence: "Turn the tiling by 82 degrees: 3.5 % instead of 55 % by the model.",
+  family: "IH21",
+  parameters: [0.2, 0.7],
+  orientation: 1.4312,
+  youngs_modulus: 31.4159,
+  range: null,
+  deviation: 0.035,
+  ...more,
+});
+
+describe("the change of a way out", () => {
+  it("turns the structure, whose design is the next search's start", () => {
+    const change = changeOf(way({}), state);
+    expect(change).toMatchObject({ family: "IH21", found: { family: "IH21", parameters: [0.2, 0.7] }, fixed: [false, true], byHand: false });
+    expect(change.made).toEqual({ ...DEFAULT_SPECIFICATION, orientation: 82 });
+    expect(change).not.toHaveProperty("points");
+  });
+
+  it("changes the modulus, alone or with the orientation, of the material that the design has", () => {
+    expect(changeOf(way({ change: "modulus" }), state).made).toEqual({ ...DEFAULT_SPECIFICATION, youngsModulus: 31.42 });
+    expect(changeOf(way({ change: "turn_and_modulus" }), state).made).toEqual({ ...DEFAULT_SPECIFICATION, youngsModulus: 31.42, orientation: 82 });
+    const made: Specification = { ...DEFAULT_SPECIFICATION, materials: [{ name: "TPU", youngsModulus: 26, density: 1.2 }, { name: "PLA", youngsModulus: 2500, density: 1.24 }] };
+    const listed = changeOf(way({ change: "modulus" }), { ...state, made, found: { family: "IH21", parameters: [0.1, 0.7], material: "PLA" } });
+    expect(listed.made?.materials).toEqual([{ name: "PLA", youngsModulus: 31.42, density: 1.24 }]);
+    expect(listed.found).toMatchObject({ material: "PLA" });
+  });
+
+  it("takes another family, whose parameters are free", () => {
+    expect(changeOf(way({ change: "family", family: "IH67", parameters: [0.4] }), state)).toMatchObject({ family: "IH67", found: { family: "IH67", parameters: [0.4] }, fixed: [false] });
+  });
+
+  it("keeps values that the search chooses from a range", () => {
+    const made: Specification = { ...DEFAULT_SPECIFICATION, youngsModulus: [10, 60] };
+    expect(changeOf(way({}), { ...state, made }).found).toMatchObject({ youngsModulus: 31.4159 });
+    expect(changeOf(way({ change: "modulus" }), { ...state, made }).found).not.toHaveProperty("youngsModulus");
+  });
+
+  it("shortens the target to points on its own curve", () => {
+    const change = changeOf(way({ change: "shorten", range: [0, 0.15] }), state);
+    expect(change.family).toBe(DEFAULT_STATE.family);
+    const points = change.points ?? [];
+    expect(points.map(([x]) => x)).toEqual([0, 0.1, 0.15]);
+    expect(points[0]).toEqual([0, 0]);
+    expect(points[2][1]).toBeCloseTo(targetCurve(false, state.points, "cubic")(0.15), 12);
+  });
+});
+
+describe("a shortened target", () => {
+  it("has no points that nearly coincide", () => {
+    expect(shortenedPoints({ points: state.points, interpolation: "linear" }, [0, 0.10001]).map(([x]) => x)).toEqual([0, 0.10001]);
+    expect(shortenedPoints({ points: state.points, interpolation: "linear" }, [-0.1, 0.1])).toEqual([[-0.1, -1], [0, 0], [0.1, 1]]);
+  });
+});

@@ -1,0 +1,80 @@
+// Ways out of a target that is missed: they are looked for in the background, shown as buttons, and made by one click.
+import assert from "node:assert/strict";
+import { describe, it } from "node:test";
+import { DesignPage } from "./design_page.mjs";
+import { browser, closePage, picture, server, setUp, until } from "./harness.mjs";
+
+setUp();
+
+/** A target of one family that is far too stiff for its material. */
+const LINK = "#/design?task=stress_strain&family=IH29&direction=0&points=0,0;0.05,6;0.1,12&design=IH29&parameters=0.25";
+
+/** The way out of the mock server: the material is 20 times as stiff. */
+const WAY = {
+  change: "modulus",
+  sentence: "Make it of a material of 520 MPa: 2.1 % instead of 94 % by the model.",
+  family: "IH29",
+  model: "IH29",
+  parameters: [0.25],
+  orientation: 0,
+  youngs_modulus: 520,
+  range: null,
+  deviation: 0.021,
+};
+
+/** Answers requests for ways out with these ones, and others not at all: the server need not know them. */
+async function answerWays(page, ways) {
+  await page.route("**/v1/designs", async (route) => {
+    const asked = route.request().postDataJSON();
+    if (asked.effects?.ways_out !== "on") return asked.verify ? route.abort() : route.fallback();
+    await route.fulfill({ status: 200, json: { ways_out: ways, cost: { seconds: 1, stages: [], quantities: {} }, effects: [] } });
+  });
+}
+
+describe("a target that is missed", () => {
+  it("has ways out as buttons, of which one click makes the change as one step that can be undone", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const { page } = design;
+    await answerWays(page, [WAY]);
+    await page.getByLabel("Check by itself").check();
+    const way = page.getByRole("button", { name: WAY.sentence.replace(/\.$/, "") });
+    await way.waitFor();
+    assert.equal(await page.locator(".verdict-line").getAttribute("data-grade"), "missed");
+    const asked = page.designs.asked.find((one) => one.effects?.ways_out === "on");
+    assert.deepEqual([asked.priority, asked.session], ["background", undefined]);
+    assert.equal(await page.getByRole("button", { name: /^Relax point/ }).count(), 0, "a point gives way only where nothing else helps");
+    await picture(page, "design-ways-out");
+    await way.click();
+    await design.settled();
+    const last = page.designs.asked.filter((one) => one.session).at(-1);
+    assert.deepEqual([last.material, last.family], [{ youngs_modulus: 520 }, "IH29"]);
+    await until(async () => (await way.count()) === 0, "the end of what is done");
+    await design.button("Undo (Ctrl+Z)").click();
+    await design.settled();
+    await way.waitFor();
+    await closePage(page);
+  });
+
+  it("has a control point that may give way where nothing else helps", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const { page } = design;
+    await answerWays(page, []);
+    await page.getByLabel("Check by itself").check();
+    await page.getByRole("button", { name: /^Relax point/ }).waitFor();
+    assert.equal(await page.locator(".ways-out button:visible").count(), 0);
+    await closePage(page);
+  });
+
+  it("is brought closer by what the server itself proposes", async () => {
+    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    const { page } = design;
+    await page.getByLabel("Check by itself").check();
+    const ways = page.locator(".ways-out button");
+    await ways.first().waitFor();
+    const before = await design.deviation();
+    await ways.first().click();
+    await design.settled();
+    assert.ok((await design.deviation()) < 0.7 * before, `${await design.deviation()} % instead of ${before} %`);
+    await closePage(page);
+  });
+});
