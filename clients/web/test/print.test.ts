@@ -45,10 +45,10 @@ describe("the settings of a print", () => {
     const refused = {
       "{": "no JSON",
       "[]": "no printer",
-      '{"colour": "red"}': "/printer/colour",
-      '{"lift": {"run": "far"}}': "/printer/lift/run",
-      '{"channel": {"shape": "loop"}}': "/printer/channel/shape",
-      '{"lift": 3}': "/printer/lift",
+      '{"colour": "red"}': "does not have the colour",
+      '{"lift": {"run": "far"}}': "no number for the run of the lift",
+      '{"channel": {"shape": "loop"}}': "no text for the shape of the channel",
+      '{"lift": 3}': "does not have the lift",
     };
     for (const [text, words] of Object.entries(refused)) {
       expect(() => withProfile(DEFAULT_SETTINGS, text), text).toThrow(words);
@@ -67,7 +67,7 @@ describe("the settings of a print", () => {
   it("are found at the place that a problem names", () => {
     expect(fieldsAt("/printer/bed").map((field) => field.pointer)).toEqual(["/printer/bed/0", "/printer/bed/1", "/printer/bed/2"]);
     expect(fieldsAt("/printer/lift/run").map((field) => field.words)).toEqual(["Begins to rise at"]);
-    for (const pointer of ["", "/", "/weave/strands/3", "/printer/colour", "/frame"]) {
+    for (const pointer of ["", "/", "/weave/strands/3", "does not have the colour", "/frame"]) {
       expect(fieldsAt(pointer).map((field) => field.pointer), pointer).toEqual(pointer === "/frame" ? ["/frame/margin", "/frame/lead_in"] : []);
     }
   });

@@ -45,6 +45,11 @@ export function showText(field: Field, text: string): void {
   else field.value = text;
 }
 
+/** The label by which a field is found again; several fields of a container may have no label element. */
+function labelOf(field: HTMLInputElement | HTMLSelectElement): string {
+  return field.getAttribute("aria-label") ?? field.labels?.[0]?.textContent ?? "";
+}
+
 /** Rebuilds the fields of a container, or defers this while one of them is edited. The new field with the same label gets the focus. */
 export function rebuild(place: Element, build: () => readonly Child[]): void {
   if (edited && place.contains(edited)) {
@@ -54,9 +59,9 @@ export function rebuild(place: Element, build: () => readonly Child[]): void {
   pendingRebuilds.delete(place);
   const fields = () => [...place.querySelectorAll<HTMLInputElement | HTMLSelectElement>("input, select")];
   const focused = fields().find((field) => field === document.activeElement);
-  const [label, type] = [focused?.labels?.[0]?.textContent, focused?.type];
+  const [label, type] = [focused && labelOf(focused), focused?.type];
   replace(place, ...build());
-  const next = focused && fields().find((field) => field.type === type && field.labels?.[0]?.textContent === label);
+  const next = focused && fields().find((field) => field.type === type && labelOf(field) === label);
   next?.focus();
   // The text is selected, as in a field that is reached with the keyboard, so that input replaces it.
   if (next && isText(next)) next.select();

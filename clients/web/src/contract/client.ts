@@ -1,4 +1,5 @@
 // Requests to the server. Every failure is one of two errors: Problem, which the server describes, or ConnectionLost.
+import { problemWords } from "./refusals";
 import type { ProblemDocument } from "./types";
 
 /** The server answered with application/problem+json. */
@@ -128,19 +129,8 @@ export async function readJson<Answer>(response: Response): Promise<Answer> {
   }
 }
 
-/** An error as sentences for the user: the invalid field, the fault, and a hint if there is one. */
+/** An error as sentences for the user: the place at fault in words, the fault, and a hint if there is one. */
 export function explain(error: unknown): string {
-  if (error instanceof Problem) {
-    const { detail, errors, hint } = error.document;
-    const pointer = errors?.[0]?.pointer ?? "";
-    const sentence = pointer.length > 1 && !detail.includes(pointer) ? `${pointer}: ${detail}` : detail;
-    if (!hint || detail.includes(hint)) return sentence;
-    return `${sentence}${/[.!?)]$/.test(sentence) ? "" : "."} ${hint}`;
-  }
+  if (error instanceof Problem) return problemWords(error.document);
   return error instanceof Error ? error.message : String(error);
-}
-
-/** The sentences of an error about a file that was sent as text, without the pointer to the field "text". */
-export function explainFile(error: unknown): string {
-  return explain(error).replace(/^\/text: /, "");
 }

@@ -77,6 +77,7 @@ export class Handles {
     handle.setAttribute("aria-valuetext", this.plane.describe(point));
     handle.classList.toggle("selected", this.view?.selected === index);
     handle.classList.toggle("held", this.plane.isFixed(point));
+    handle.classList.toggle("faulty", this.view?.faulty.includes(index) ?? false);
   }
 
   private makeHandle(index: number): SVGGElement {

@@ -1,6 +1,6 @@
 // Measured data that become the target: the table, the settings with which it is read, and the points that are drawn behind the target.
 import { Observable } from "../base/observable";
-import { type Client, explainFile, Problem } from "../contract/client";
+import { type Client, explain, Problem } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { MeasuredCurve, MeasuredCurveRequest } from "../contract/types";
 import type { DesignSession } from "./session";
@@ -145,8 +145,8 @@ export class Measured {
       const pointers = error instanceof Problem ? (error.document.errors ?? []).map((entry) => entry.pointer ?? "") : [];
       const known = this.data.get();
       const sameTable = known?.table === table ? known : null;
-      this.data.set({ name, table, settings, curve: sameTable?.curve ?? null, problem: explainFile(error), pointers, kind: { ...sameTable?.kind, ...kind } });
-      done(explainFile(error));
+      this.data.set({ name, table, settings, curve: sameTable?.curve ?? null, problem: explain(error), pointers, kind: { ...sameTable?.kind, ...kind } });
+      done(explain(error));
     }, true);
   }
 }

@@ -1,6 +1,6 @@
 // A part made of the shown design: its settings, its requests, and the server's answers.
 import { Observable } from "../base/observable";
-import { type Client, explain, explainFile, Problem } from "../contract/client";
+import { type Client, explain, Problem } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { OutlineRequest, Outlines, PartAnswer, PartRequest } from "../contract/types";
 import type { LayoutChoices, Drawing, PartLayout, RegionLocation } from "./drawing";
@@ -223,9 +223,9 @@ export class Part {
         this.drawingProblem.set("");
         done("");
       }, (error) => {
-        this.drawingProblem.set(`${name}: ${explainFile(error)}`);
+        this.drawingProblem.set(`${name}: ${explain(error)}`);
         this.resolutionAsked.set(error instanceof Problem && error.document.code === "outline.resolution_missing");
-        done(explainFile(error));
+        done(explain(error));
       }, true);
     });
   }

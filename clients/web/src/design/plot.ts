@@ -13,6 +13,8 @@ export interface PlotView {
   readonly task: Task;
   readonly points: readonly ControlPoint[];
   readonly selected: number | null;
+  /** Control points for which the server has refused the target. */
+  readonly faulty: readonly number[];
   readonly target: (x: number) => number;
   readonly achieved: Curve | null;
   readonly provisional: boolean;

@@ -4,6 +4,8 @@ import { button } from "../base/controls";
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
 import { ProgressRow } from "../base/progress_row";
+import { Problem } from "../contract/client";
+import { entriesAtFault } from "../contract/refusals";
 import { CartesianPlot } from "./cartesian_plot";
 import { drawnBehind, type Measured } from "./measured";
 import type { Overlays } from "./overlays";
@@ -184,6 +186,7 @@ export class PlotPanel {
       task: state.task,
       points: state.points,
       selected: this.selected,
+      faulty: this.faultyPoints(),
       target: targetCurve(polar, state.points, state.interpolation),
       achieved: shown && { x: shown.x, y: shown.achieved },
       provisional: shown?.provisional ?? false,
@@ -201,6 +204,14 @@ export class PlotPanel {
       strainWord: STRAIN_WORDS[state.measure],
       dragging: this.dragging,
     };
+  }
+
+  /** The control points of the shown target for which the server has refused the last request. */
+  private faultyPoints(): readonly number[] {
+    const activity = this.session.search.activity.get();
+    if (activity.kind !== "failed" || !(activity.error instanceof Problem)) return [];
+    const errors = activity.error.document.errors?.filter(({ pointer }) => !pointer?.includes("/also/"));
+    return entriesAtFault({ errors }, "control_points", { list: "regions", index: this.session.state.get().regionAt });
   }
 
   private resize(): void {
@@ -250,6 +261,7 @@ export class PlotPanel {
     this.element.setAttribute("aria-busy", String(activity.kind === "busy"));
     if (activity.kind === "failed") {
       announce(activity.sentence);
+      this.schedule(); // control points at fault are marked
       replace(this.status, h("p", { class: "note" }, activity.sentence), button("Try again", () => session.search.retry()));
     } else if (activity.kind === "stopped") {
       replace(this.status, h("p", { class: "muted" }, session.results.isCurrent ? "The search was stopped." : "The search was stopped: what is dimmed is of an earlier target."),

@@ -1,6 +1,8 @@
 // Tables of the curves, for users who do not see the plot, and of the control points, with fields to edit them.
 import { h, replace } from "../base/dom";
 import { degrees, digits } from "../base/format";
+import { showText } from "../base/writing";
+import type { Task } from "../contract/types";
 import type { DesignSession } from "./session";
 import { freshness } from "./shown";
 import { type ControlPoint, isPolar, STRAIN_WORDS, type Target, TASK_WORDS } from "./state";
@@ -19,9 +21,25 @@ function withoutRounding(value: number, all: readonly (number | null)[]): number
   return Math.abs(value) < ROUNDING * Math.max(...all.map((other) => Math.abs(other ?? 0))) ? 0 : value;
 }
 
+/** The text of a control point's cell: of its strain or of its direction in degrees (axis 0), or of its value (axis 1). */
+export function cellText(polar: boolean, point: ControlPoint, axis: number): string {
+  return String(Number((axis === 0 && polar ? (point[0] * 180) / Math.PI : point[axis]).toPrecision(6)));
+}
+
+/** A control point after a text was entered in one of its cells; null if the text is not a number. */
+export function editedPoint(polar: boolean, point: ControlPoint, axis: number, text: string): ControlPoint | null {
+  const value = Number(text);
+  if (text.trim() === "" || !Number.isFinite(value)) return null;
+  return axis === 0 ? [polar ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
+}
+
 export function valueTable(session: DesignSession): HTMLElement {
   const curves = h("div", { class: "table-box dims", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
   const points = h("div", { class: "table-box" });
+  const caption = h("caption", {});
+  /** The fields of each control point, by axis, and what they were built for. */
+  let fields: readonly (readonly HTMLInputElement[])[] = [];
+  let builtKind = "";
   const details = h("details", { class: "card table" }, h("summary", {}, "Values as tables"), h("div", { class: "tables" }, points, curves));
 
   function show(): void {
@@ -53,43 +71,69 @@ export function valueTable(session: DesignSession): HTMLElement {
     );
   }
 
-  /** Rebuilds the table unless one of its fields is being edited. `anew`: rebuilds it in any case and restores the focus. */
-  function showPoints(anew = false): void {
-    const fields = () => [...points.querySelectorAll("input")];
-    const focused = fields().indexOf(document.activeElement as HTMLInputElement);
-    if (focused >= 0 && !anew) return; // a field is being edited
-    const state = session.state.get();
-    const polar = isPolar(state.task);
-    const x = (value: number) => (polar ? (value * 180) / Math.PI : value);
-    const field = (point: ControlPoint, index: number, axis: 0 | 1) =>
-      h("input", {
-        type: "number",
-        step: "any",
-        class: "number",
-        disabled: isAtRest(state.task, point),
-        title: isAtRest(state.task, point) ? "Without strain there is no stress" : null,
-        value: Number((axis === 0 ? x(point[0]) : point[1]).toPrecision(6)),
-        "aria-label": `Control point ${index + 1}, ${axis === 0 ? (polar ? "direction in degrees" : "strain") : TASK_WORDS[state.task].y}`,
-        onchange: (event: Event) => edit(index, axis, (event.target as HTMLInputElement).value),
+  /** Shows the control points. The fields stay where they are as long as their number and meaning do, because new fields would lose the focus on its way to the next cell. */
+  function showPoints(): void {
+    const { task, points: shown, others } = session.state.get();
+    const kind = `${task} ${shown.length}`;
+    if (kind !== builtKind) {
+      builtKind = kind;
+      buildPoints(task, shown.length);
+    }
+    caption.textContent = `Control points of ${named(session.state.get(), others.length + 1)}`;
+    fields.forEach((row, k) => {
+      const isFixed = isAtRest(task, shown[k]);
+      row.forEach((input, axis) => {
+        showText(input, cellText(isPolar(task), shown[k], axis));
+        input.disabled = isFixed;
+        input.title = isFixed ? "Without strain there is no stress" : "";
       });
-    replace(
-      points,
-      h("table", {}, h("caption", {}, `Control points of ${named(state, state.others.length + 1)}`),
-        h("thead", {},
-          h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[state.task].y))),
-        h("tbody", {}, ...state.points.map((point, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), h("td", {}, field(point, k, 0)), h("td", {}, field(point, k, 1)))))),
-    );
-    if (focused >= 0) fields()[focused]?.focus();
+    });
   }
 
-  function edit(index: number, axis: 0 | 1, text: string): void {
-    const value = Number(text);
+  function buildPoints(task: Task, count: number): void {
+    const polar = isPolar(task);
+    const names = [polar ? "direction in degrees" : "strain", TASK_WORDS[task].y];
+    fields = Array.from({ length: count }, (_, k) =>
+      names.map((name, axis) =>
+        h("input", {
+          type: "number",
+          step: "any",
+          class: "number",
+          "aria-label": `Control point ${k + 1}, ${name}`,
+          onchange: (event: Event) => edit(k, axis, event.target as HTMLInputElement),
+        })
+      ));
+    replace(
+      points,
+      h("table", {}, caption,
+        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[task].y))),
+        h("tbody", {}, ...fields.map((row, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), ...row.map((input) => h("td", {}, input)))))),
+    );
+  }
+
+  function edit(index: number, axis: number, input: HTMLInputElement): void {
     const state = session.state.get();
-    if (text === "" || !Number.isFinite(value)) return showPoints(true);
-    const point = state.points[index];
-    const to: ControlPoint = axis === 0 ? [isPolar(state.task) ? (value * Math.PI) / 180 : value, point[1]] : [point[0], value];
-    session.apply({ points: movePoint(state.task, state.points, index, to, session.targetEdits.extent)[0], byHand: false });
-    showPoints(true); // shows the clamped value if the entered one was out of bounds
+    const point = editedPoint(isPolar(state.task), state.points[index], axis, input.value);
+    if (!point) return showPoints(); // the previous value replaces an entry that is not a number
+    const [edited, at] = movePoint(state.task, state.points, index, point, session.targetEdits.extent);
+    if (at !== index) followRow(index, at);
+    session.apply({ points: edited, byHand: false });
+    showPoints(); // shows the clamped value if the entered one was out of bounds
+  }
+
+  /** Over direction a point may pass others, and then has another row: the focus that stays in the row, or comes to it next, goes to the point's new row. */
+  function followRow(from: number, to: number): void {
+    const follow = (): void => {
+      points.removeEventListener("focusin", follow);
+      clearTimeout(timer);
+      const axis = fields[from]?.indexOf(document.activeElement as HTMLInputElement) ?? -1;
+      if (axis < 0) return;
+      fields[to]?.[axis]?.focus();
+      fields[to]?.[axis]?.select();
+    };
+    // Tab moves the focus right after the change; Enter leaves it where it is.
+    points.addEventListener("focusin", follow);
+    const timer = setTimeout(follow);
   }
 
   details.addEventListener("toggle", show);

@@ -10,6 +10,7 @@ import type { NetworkSession } from "./network_session";
 import { afterChoice, mayBeRepaired, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MAX_STARTS, type Tool, TOOLS } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
+import { inWords } from "../contract/places";
 import { isolineSpacing, rampTicks } from "./mesh_data";
 import { projectedOnto, readPlace } from "./point_in_space";
 import type { Nudge } from "./nudge_buttons";
@@ -70,7 +71,7 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map((sentence) => h("p", { class: "note" }, sentence)),
+    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map(inWords).map((sentence) => h("p", { class: "note" }, sentence)),
       mayBeRepaired(info) && button("Repair the mesh", () => void session.repairShown()));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },

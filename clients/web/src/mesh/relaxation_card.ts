@@ -7,6 +7,7 @@ import { download } from "../base/download";
 import { digits, seconds } from "../base/format";
 import { svgOf } from "../base/svg_file";
 import { table } from "../base/tables";
+import { inWords } from "../contract/places";
 import type { EmbeddedSystem } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { hostFacts, hostLegend } from "./host_legend";
@@ -184,7 +185,7 @@ function factsOf({ answer, steps, network }: RelaxationRun, iteration: number | 
 }
 
 function notesOf(answer: EmbeddedSystem): string[] {
-  const sentences = [...answer.warnings];
+  const sentences = answer.warnings.map(inWords);
   if (answer.mollified) sentences.push("The energy at the end is smoothed next to vertices (mollified).");
   const atVertices = answer.at_vertices.length;
   if (atVertices > 0) sentences.push(`${atVertices === 1 ? "1 point" : `${atVertices} points`} came to rest exactly at a vertex, where no direction descends.`);

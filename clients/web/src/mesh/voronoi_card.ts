@@ -5,6 +5,7 @@ import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, seconds } from "../base/format";
 import { table } from "../base/tables";
+import { inWords } from "../contract/places";
 import type { VoronoiOptimization, VoronoiStatistics } from "../contract/types";
 import { ConvergencePlot } from "./convergence_plot";
 import { cssGradient } from "./spring_colours";
@@ -78,7 +79,7 @@ export function voronoiCard(voronoi: VoronoiSession, view: VoronoiView): HTMLEle
     stage.hidden = !optimizing;
     if (optimizing) plot.update({ steps: optimizing.steps, tolerance: answer?.accuracy.gradient_tolerance ?? 0, current: optimizing.steps.at(-1)?.iteration ?? null });
     replace(facts, ...factsNow().flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(notes, ...result.diagram.warnings.map((words) => h("p", { class: "note" }, words)));
+    replace(notes, ...result.diagram.warnings.map(inWords).map((words) => h("p", { class: "note" }, words)));
     if (result.now) replace(statistics, statisticsTable(result.before, result.now));
     for (const file of files) file.disabled = optimizing !== null && !answer;
   }

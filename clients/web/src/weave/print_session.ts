@@ -3,10 +3,15 @@ import { debounce } from "../base/debounce";
 import { Observable } from "../base/observable";
 import { type Client, Problem } from "../contract/client";
 import { type Activity, JobRunner, type Run, type WorkInWords } from "../contract/runner";
-import type { WeaveToolpath, WeaveToolpathRequest } from "../contract/types";
+import { inWords } from "../contract/places";
+import { entriesAtFault, faultsIn } from "../contract/refusals";
+import type { ProblemDocument, WeaveLayout, WeaveToolpath, WeaveToolpathRequest } from "../contract/types";
+import type { Marked } from "./fault_view";
+import { fused, ownCrossings, spreadFactor, spreadWeave } from "./print_repairs";
 import { DEFAULT_SETTINGS, storedSettings, type PrintSettings, toolpathRequest, type Value, withProfile } from "./printer";
 import type { WeaveSession } from "./session";
 import { type SheetLayout, layOutSheet, unknownWords } from "./sheet_layout";
+import type { WeaveState } from "./state";
 import { type Layer, layersOf } from "./toolpath";
 
 const KEY = "supple-print";
@@ -25,13 +30,29 @@ export interface Plan {
 /** A fault of one field of the request. */
 export interface Fault {
   readonly pointer: string;
+  /** What is wrong, for the field itself. */
   readonly words: string;
+  /** What is wrong, and where. */
+  readonly sentence: string;
+}
+
+/** The server's answer to a request that it has refused; null if it has not. */
+function refusalOf(activity: Activity<WorkInWords>): ProblemDocument | null {
+  return activity.kind === "failed" && activity.error instanceof Problem ? activity.error.document : null;
 }
 
 /** The faults of single fields for which the server has refused a request. */
 export function faultsOf(activity: Activity<WorkInWords>): Fault[] {
-  if (activity.kind !== "failed" || !(activity.error instanceof Problem)) return [];
-  return (activity.error.document.errors ?? []).map(({ pointer, detail }) => ({ pointer: pointer ?? "", words: detail }));
+  const refusal = refusalOf(activity);
+  const placed = refusal ? faultsIn(refusal) : [];
+  return (refusal?.errors ?? []).map(({ pointer, detail }, k) => ({ pointer: pointer ?? "", words: inWords(detail), sentence: placed[k].sentence }));
+}
+
+/** A change of the weave after which the sheet can be printed, or fails for fewer reasons. */
+export interface PrintRepair {
+  readonly words: string;
+  readonly title: string;
+  readonly change: Partial<WeaveState>;
 }
 
 export class PrintSession {
@@ -92,6 +113,45 @@ export class PrintSession {
 
   retry(): void {
     if (this.isOpen && this.activity.get().kind === "failed") this.ask();
+  }
+
+  /** The sheet that was laid out last; null before. */
+  get sheetLayout(): WeaveLayout | null {
+    return this.sheet?.layout ?? null;
+  }
+
+  /** The crossings and strands of the sheet for which it cannot be printed. */
+  get marked(): Marked {
+    const refusal = refusalOf(this.activity.get());
+    if (!refusal) return { crossings: [], strands: [] };
+    return { crossings: entriesAtFault(refusal, "crossings"), strands: entriesAtFault(refusal, "strands") };
+  }
+
+  /** Changes of the weave that repair what the server has refused. */
+  get repairs(): readonly PrintRepair[] {
+    const refusal = refusalOf(this.activity.get());
+    const { crossings } = this.marked;
+    if (!refusal || !this.sheet || crossings.length === 0) return [];
+    const state = this.session.state.get();
+    const repairs: PrintRepair[] = [];
+    const factor = spreadFactor(refusal);
+    const spread = factor === null ? null : spreadWeave(state, factor);
+    if (spread) repairs.push({ words: `Spread by ${factor}`, title: "Makes the weave larger and leaves its strands as thick as they are, so that crossings have room", change: spread });
+    const own = ownCrossings(state, this.session.laidOut.get()?.layout ?? null, this.sheet.layout, crossings);
+    if (own) {
+      repairs.push({
+        words: crossings.length === 1 ? "Fuse this crossing" : `Fuse these ${crossings.length}`,
+        title: "Fuses the crossings in red, and their copies in other cells: fused strands need no room",
+        change: { overrides: fused(state.overrides, own) },
+      });
+    }
+    return repairs;
+  }
+
+  /** Changes the weave, and plans the print again. */
+  repair({ change }: PrintRepair): void {
+    this.session.apply(change);
+    this.begin();
   }
 
   /** Saves the G-code of the plan. It is computed again; equal requests have equal answers, so that it is the print of the plan. */

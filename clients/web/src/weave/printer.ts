@@ -1,5 +1,6 @@
 // The settings of a print: the printer profile, and the position of the sheet on the bed. Each setting is identified by the JSON pointer
 // of its field in the request, so that a fault that the server reports is shown at its field.
+import { placeWords } from "../contract/places";
 import type { Weave, WeaveToolpathRequest } from "../contract/types";
 
 export type Value = number | string | boolean | null;
@@ -164,7 +165,7 @@ function readDocument(document: Document, pointer: string, into: Record<string, 
     const field = ALL_FIELDS.find((one) => one.pointer === place);
     if (field && isValueOf(field, value)) into[place] = value;
     else if (!field && typeof value === "object" && value !== null && ALL_FIELDS.some((one) => one.pointer.startsWith(`${place}/`))) readDocument(value as Document, place, into);
-    else throw new Error(field ? `The file has no ${field.kind === "number" ? "number" : "text"} at ${place}.` : `A printer has no ${place}.`);
+    else throw new Error(field ? `The file has no ${field.kind === "number" ? "number" : "text"} for ${placeWords(place)}.` : `A printer does not have ${placeWords(place)}, which the file names.`);
   }
 }
 

@@ -2,6 +2,7 @@
 import { button, Segments } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
 import { showText } from "../base/writing";
+import { inWords } from "../contract/places";
 import type { Draft } from "./draft";
 import { type Ends, isLattice, strandWords, withLattice, withoutStrand } from "./layout_edit";
 import { LayoutTextError, readLayoutText, writeLayoutText } from "./layout_text";
@@ -115,7 +116,7 @@ function textBox(session: WeaveSession): HTMLElement {
     } catch (error) {
       if (!(error instanceof LayoutTextError)) throw error;
       fault.hidden = false;
-      fault.textContent = error.message;
+      fault.textContent = inWords(error.message);
     }
   });
   session.state.watch(({ layout }) => {
