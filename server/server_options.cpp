@@ -63,7 +63,8 @@ void add_place_options(CLI::App& app, ServerOptions& options) {
 }
 
 void add_work_options(CLI::App& app, ServerOptions& options) {
-  app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time, and as many in the background")->check(CLI::Range(1, 1024));
+  app.add_option("--workers", options.jobs.workers, "Jobs that run at the same time, and as many in the background")
+      ->check(CLI::Range(1, 1024));
   app.add_option("--immediate", options.jobs.immediate, "Immediate computations that run at the same time")
       ->check(CLI::Range(1, 1024));
   app.add_option("--threads", options.threads, "Threads that parallel computations share; 0: one for each core")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import struct
 import subprocess
 from pathlib import Path
@@ -60,7 +61,7 @@ def test_lists_and_series_of_angles_may_have_units(supple: Program) -> None:
 
 
 def test_control_points_over_directions_may_be_in_degrees(supple: Program) -> None:
-    wanted = ("design", "--task", "poisson", "--family", "IH67", "--starts", "1")
+    wanted = ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--missed-ok")
     assert supple.json(*wanted, "--target", "0deg,0.1;90deg,0.1")["profile"]["target"]
     (supple.folder / "target.csv").write_text("direction,ratio\n0deg,0.1\n90deg,0.1\n")
     read = supple.json(*wanted, "--target-points", "target.csv")
@@ -72,6 +73,102 @@ def test_control_points_over_directions_may_be_in_degrees(supple: Program) -> No
     # A strain with a unit is refused.
     refused = supple.run("design", "--task", "stress_strain", "--family", "IH67", "--target", "0deg,0;1deg,1")
     assert refused.returncode == 1 and "is no control point" in refused.stderr
+
+
+UNITS = {
+    "length": {"mm": 1, "cm": 10, "m": 1000, "um": 1e-3, "\u00b5m": 1e-3, "\u03bcm": 1e-3, "in": 25.4},
+    "stress": {"MPa": 1, "Pa": 1e-6, "kPa": 1e-3, "GPa": 1e3, "N/mm2": 1, "N/mm^2": 1, "psi": 0.006894757293168361},
+    "angle": {"deg": math.pi / 180, "\u00b0": math.pi / 180, "rad": 1},
+    "duration": {"s": 1, "ms": 1e-3, "min": 60, "h": 3600},
+    "ratio": {"%": 0.01},
+    "density": {"g/cm3": 1, "g/cm^3": 1, "kg/m3": 1e-3},
+    "area": {"mm2": 1, "cm2": 100},
+}
+"""Every unit, and its factor to the one of numbers without a unit."""
+WAYS = ("{}{}", "{} {}", " {}  {} ")
+
+
+@pytest.mark.parametrize("unit", UNITS["length"])
+def test_every_unit_of_length_is_read(supple: Program, unit: str) -> None:
+    for way in WAYS:
+        text = way.format(f"{0.4 / UNITS['length'][unit]:.9g}", unit)
+        assert supple.json("structure", "IH21", "--beam-width", text)["beam_width"] == pytest.approx(0.4, rel=1e-8), text
+
+
+@pytest.mark.parametrize("unit", UNITS["stress"])
+def test_every_unit_of_stress_is_read(supple: Program, unit: str) -> None:
+    for way in WAYS:
+        text = way.format(f"{40 / UNITS['stress'][unit]:.9e}", unit)
+        assert supple.json(*CURVE, "--youngs-modulus", text)["material"]["youngs_modulus"] == pytest.approx(40, rel=1e-8), text
+
+
+def test_ratios_densities_and_lists_are_read_with_units(supple: Program) -> None:
+    assert supple.json(*POISSON, "--strain", "2.5 %")["strain"] == pytest.approx(0.025)
+    curve = [argument for argument in CURVE if argument not in ("--samples", "3")]
+    assert supple.json(*curve, "-x", "0%:10%:3")["x"] == pytest.approx([0, 0.05, 0.1])
+    assert supple.json(*curve, "-x", "1%,0.02")["x"] == pytest.approx([0.01, 0.02])
+    parts = [supple.json("part", "IH21", "--coupon", "20mm x 3cm", "--thickness", thickness, "--density", density)
+             for thickness, density in (("2mm", "1240 kg/m3"), ("2", "1.24"))]
+    assert parts[0]["size"] == parts[1]["size"] and parts[0]["mass"] == pytest.approx(parts[1]["mass"])
+    assert supple.run(*CURVE, "--deadline", "2 min").returncode == 0
+    load = ("simulate", "IH21", "--uniaxial", "0", "--frame", "material", "--mesh-size", "1", "--no-tangents", "--stretches")
+    assert supple.json(*load, "102%")["states"][0]["green_strain"][0] == pytest.approx((1.02**2 - 1) / 2)
+
+
+def test_control_points_may_have_units(supple: Program) -> None:
+    wanted = ("design", "--task", "stress_strain", "--family", "IH67", "--starts", "1", "--missed-ok")
+    plain = supple.json(*wanted, "--target", "0,0,1,0.01;0.1,0.06,2,0.02")["profile"]["target"]
+    assert supple.json(*wanted, "--target", "0%,0,1,10kPa;10 %,60 kPa,2,0.02")["profile"]["target"] == pytest.approx(plain)
+    (supple.folder / "target.csv").write_text("strain,stress\n0,0\n10%,0.06MPa\n")
+    assert len(supple.json(*wanted, "--target-points", "target.csv")["profile"]["target"]) == len(plain)
+    for faulty in ("0,0;10MPa,5%", "0,0,1MPa;0.1,0.06,1", "0,0;0.1,6mm"):
+        refused = supple.run(*wanted, "--target", faulty)
+        assert refused.returncode == 1 and "is no control point" in refused.stderr, refused.stderr
+
+
+OPTIONS = {
+    "length": (("structure", "IH21", "--beam-width"), ("part", "IH21", "--thickness"), ("part", "IH21", "--coupon"),
+               ("design", "--cell-size"), ("weave", "layout", "regular", "--pitch"), ("curve", "x.csv", "--gauge-length")),
+    "stress": (("design", "--youngs-modulus"), (*CURVE, "--youngs-modulus"), ("weave", "layout", "regular", "--youngs-modulus")),
+    "angle": ((*CURVE, "--direction"), (*CURVE, "--orientation")),
+    "duration": (("design", "--polish-seconds"), (*CURVE, "--deadline"), ("relax", "x.obj", "--deadline")),
+    "ratio": ((*POISSON, "--strain"), ("design", "--relative-density"), ("design", "--polish-tolerance")),
+    "density": (("design", "--density"), ("part", "IH21", "--density")),
+    "area": (("curve", "x.csv", "--area"),),
+}
+
+
+@pytest.mark.parametrize("dimension", OPTIONS)
+def test_a_unit_of_another_dimension_is_refused_with_the_option_and_what_is_expected(supple: Program, dimension: str) -> None:
+    for command in OPTIONS[dimension]:
+        for other, units in UNITS.items():
+            if other == dimension:
+                continue
+            text = "3" + next(iter(units))
+            refused = supple.run("--server", "http://127.0.0.1:1", *command, text)
+            assert refused.returncode == 1, (command, text, refused.stderr)
+            assert f"{command[-1]}: '{text}' is no {dimension} but a" in refused.stderr and "write for example" in refused.stderr
+
+
+@pytest.mark.parametrize("text", ["4furlong", "4 m m", "4mm5", "4MM"])
+def test_an_unknown_unit_is_refused(supple: Program, text: str) -> None:
+    refused = supple.run("--server", "http://127.0.0.1:1", "structure", "IH21", "--beam-width", text)
+    assert refused.returncode == 1 and f"--beam-width: '{text}' is no length: write for example 4mm" in refused.stderr
+
+
+def test_tables_have_numbers_as_people_write_them(supple: Program) -> None:
+    """Stresses that vanish but for rounding are zeros, and no number has more digits than its column shows."""
+    tables = [supple.run("uniaxial", "ih21", "-p", "0.15,0.65", "--direction", "0", "--green-strains", "0,5%,0.1").stdout,
+              supple.run("simulate", "IH21", "--uniaxial", "0", "--stretches", "1.02,1.04", "--mesh-size", "1", "--no-tangents").stdout,
+              supple.run("structure", "IH21").stdout, supple.run("weave", "layout", "regular").stdout,
+              supple.run("weave", "deform", "regular", "-F", "1.02,0,0,1").stdout,
+              supple.run("design", "--task", "stress_strain", "--family", "IH67", "--starts", "1", "--target", "0,0;0.1,0.05").stdout]
+    for table in tables:
+        rows = [line for line in table.splitlines() if not line.startswith(("residual", "limits"))]
+        assert rows
+        for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[-+]\d+)?(?![\w.])", "\n".join(rows)):
+            assert len(number) <= 14 and (not number.startswith("-") or float(number) != 0), (number, table)
+            assert float(number) == 0 or abs(float(number)) > 1e-12, (number, table)
 
 
 def test_what_is_no_angle_is_refused_and_degrees_without_a_unit_are_noticed(supple: Program) -> None:
@@ -91,7 +188,7 @@ def png_size(path: Path) -> Tuple[int, int]:
 
 
 @pytest.mark.parametrize("arguments", [
-    CURVE, ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--target", "0,0.1;1,0.1"),
+    CURVE, ("design", "--task", "poisson", "--family", "IH67", "--starts", "1", "--missed-ok", "--target", "0,0.1;1,0.1"),
     ("weave", "homogenize", "regular", "--strain", "0.02", "--directions", "4"),
     ("relax", "grid.obj", "v0", "v5", "--spring", "0,1", "--fixed", "0"),
 ], ids=lambda arguments: arguments[0] if isinstance(arguments, tuple) else arguments)

@@ -38,7 +38,7 @@ def test_the_command_line_reduces_a_curve_and_designs_for_it(designs: Api, tmp_p
     points = np.loadtxt(tmp_path / "target.csv", delimiter=",", skiprows=1)
     assert points[0].tolist() == [0, 0] and points[-1] == pytest.approx([0.15, stress(0.15)], rel=0.01)
     for arguments, text in (((str(file),), ""), (("-",), table())):
-        found = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target", *arguments, "--starts", "2", text=text)
+        found = cli(designs, "design", "--task", "stress_strain", "--family", "IH67", "--target", *arguments, "--starts", "2", "--missed-ok", text=text)
         assert found.returncode == 0, found.stderr
         assert "control points follow 500 measured ones" in found.stderr
     few = cli(designs, "curve", str(file), "--control-points", "3", "--units", "%,MPa")
@@ -71,7 +71,7 @@ def test_a_design_reads_a_file_as_the_curve_does(designs: Api, tmp_path: Path) -
     for text, more in ((FEW, []), ("0,0\n5,21\n10,50\n15,110\n", ["--units", "%,kPa"])):
         file.write_text(text)
         curve = json.loads(cli(designs, "--json", "curve", str(file), *more).stdout)
-        design = ["--json", "design", "--task", "stress_strain", "--family", "IH67", "--target", str(file), "--starts", "1"]
+        design = ["--json", "design", "--task", "stress_strain", "--family", "IH67", "--target", str(file), "--starts", "1", "--missed-ok"]
         found = cli(designs, *design, *more)
         assert found.returncode == 0, found.stderr
         profile = json.loads(found.stdout)["profile"]
@@ -82,7 +82,8 @@ def test_a_design_reads_a_file_as_the_curve_does(designs: Api, tmp_path: Path) -
     # Control points have an option of their own.
     points = tmp_path / "points.csv"
     points.write_text("0,0\n0.1,0.05\n0.15,0.11\n")
-    found = cli(designs, "--json", "design", "--task", "stress_strain", "--family", "IH67", "--target-points", str(points), "--starts", "1")
+    found = cli(designs, "--json", "design", "--task", "stress_strain", "--family", "IH67", "--target-points", str(points), "--starts", "1",
+                "--missed-ok")
     assert found.returncode == 0 and json.loads(found.stdout)["profile"]["target"][-1] == pytest.approx(0.11), found.stderr
     both = cli(designs, "design", "--task", "stress_strain", "--target", "0,0;0.1,1", "--target-points", str(points))
     assert both.returncode == 1

@@ -213,6 +213,23 @@ def test_the_command_line_makes_the_sole_of_its_drawing(api: Api) -> None:
     assert drawn["checks"]["crumbs"] == asked["checks"]["crumbs"]
 
 
+def test_the_command_line_makes_a_part_of_regions_alone(api: Api, tmp_path: Path) -> None:
+    fields = tmp_path / "fields.svg"
+    fields.write_text('<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="15mm" viewBox="0 0 40 15"><rect id="heel" width="20" height="15"/>'
+                      '<rect id="toes" x="20" width="20" height="15"/></svg>')
+    made = cli(api, "part", "--outline", str(fields), "--region", "heel=IH29,0.4", "--region", "toes=IH21,0.4", "--frame", "1", "--json")
+    assert made.returncode == 0, made.stderr
+    part = json.loads(made.stdout)
+    assert part["outline_area"] == pytest.approx(600, rel=1e-6) and part["size"] == pytest.approx([40, 15, 1], abs=1e-5)
+    lacking = cli(api, "part", "--outline", str(fields), "--region", "heel=IH29,0.4")
+    assert lacking.returncode == 1 and "belong to no region" in lacking.stderr
+    with supple.Client(api.server.url) as client:
+        drawing = client.drawing(fields)
+        regions = [supple.PartRegion(drawing.named(name)[0].points, family, beam_width=0.4, name=name) for name, family in (("heel", "IH29"), ("toes", "IH21"))]
+        same = client.part(supple.parts.regions_only(), "IH29", options=supple.PartOptions(regions=regions, frame=1))
+        assert same.solid_area == pytest.approx(part["solid_area"], rel=1e-9)
+
+
 def test_the_command_line_lists_a_drawing_and_names_what_it_lacks(api: Api, tmp_path: Path) -> None:
     shown = cli(api, "outlines", str(SOLE_SVG))
     assert shown.returncode == 0 and "3 closed curves" in shown.stdout and "heel, regions" in shown.stdout

@@ -54,6 +54,20 @@ def test_a_part_without_an_axis_of_load_takes_no_direction(api: Api, outline: Di
     assert "coupon" in answer.text
 
 
+@pytest.mark.parametrize("outline", [{"rectangle": [20, 24]}, {"polygons": [[[0, 0], [20, 0], [20, 24], [0, 20]]]}])
+def test_a_direction_of_the_design_is_laid_along_the_axis_of_a_drawing(api: Api, outline: Dict[str, Any]) -> None:
+    region = {"outline": [[0, 0], [9, 0], [9, 12], [0, 12]], "structure": {"family": "IH29"}, "orientation": 0.2}
+    request = {"outline": outline, "structure": {"family": "IH67"}, "orientation": 0.3, "svg": True}
+    laid = api.ok(PARTS, {**request, "axis": 0.9, "direction": 0.4, "regions": [region, {**region, "direction": 0.7}]})
+    assert laid["orientation"] == pytest.approx(0.3 + 0.9 - 0.4) and laid["tested_direction"] == 0.4
+    turned = [{**region, "orientation": 0.2 + 0.9 - 0.4}, {**region, "orientation": 0.2 + 0.9 - 0.7}]
+    assert api.ok(PARTS, {**request, "orientation": 0.3 + 0.9 - 0.4, "regions": turned})["svg"] == laid["svg"]
+    untold = api.ok(PARTS, {**request, "axis": 0.9})
+    assert untold["orientation"] == pytest.approx(0.3) and untold["tested_direction"] == 0.9
+    refused = api.post(PARTS, {**request, "regions": [{**region, "direction": 0.7}]}, faulty=True)
+    assert problem_code(refused) == "request.invalid" and pointers(refused) == ["/regions/0/direction"], refused.text
+
+
 def test_regions_of_a_coupon_are_turned_with_it(api: Api) -> None:
     region = {"outline": [[0, 0], [12, 0], [12, 38], [0, 38]], "structure": {"family": "IH29"}, "orientation": 0.2}
     laid = api.ok(PARTS, {**COUPON, "regions": [region], "direction": 1.0, "svg": True})
@@ -127,6 +141,10 @@ def test_clients_lay_a_design_along_the_load(designs: Api, tmp_path: Path) -> No
     assert part["tested_direction"] == 0.6 and part["orientation"] == pytest.approx(0.2 + np.pi / 2 - 0.6)
     told = cli("part", "--design", str(file), "--coupon", "24x30")
     assert "0.6 rad" in told.stdout and "necks" in told.stdout
+    assert f"turned by {np.degrees(np.pi / 2 - 0.6):.4g} degrees so that the design's load runs along the part" in told.stdout
+    assert "24 x 60 x 1 mm; 24 x 30 mm between the grips" in told.stdout, "the outer size beside that of the structure"
+    along = json.loads(cli("part", "--design", str(file), "--rectangle", "24x30", "--axis", "20deg", "--json").stdout)
+    assert along["tested_direction"] == 0.6 and along["orientation"] == pytest.approx(0.2 + np.pi / 9 - 0.6)
     sheet = json.loads(cli("part", "--design", str(file), "--rectangle", "24x30", "--json").stdout)
     assert sheet["tested_direction"] is None and sheet["orientation"] == pytest.approx(0.2)
     assert json.loads(cli("part", "IH67", "--coupon", "24x30", "--direction", "30deg", "--json").stdout)["tested_direction"] == pytest.approx(np.pi / 6)

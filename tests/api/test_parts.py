@@ -75,6 +75,69 @@ def test_a_3mf_package_holds_the_same_solid(api: Api) -> None:
     assert assert_watertight(points[triangles]) == pytest.approx(assert_watertight(stl_triangles(stl)), rel=1e-5)
 
 
+def objects_of_3mf(content: bytes) -> Tuple[Dict[str, Any], List[str]]:
+    """The corners of the triangles of each object that has a mesh, by its name, and the names of those that the one item of the build consists of. The file is read
+    by the standard library alone."""
+    model = ElementTree.fromstring(zipfile.ZipFile(io.BytesIO(content)).read("3D/3dmodel.model"))
+    meshes, names, components = {}, {}, {}
+    for element in model.iter(f"{CORE}object"):
+        number, name = element.get("id"), str(element.get("name"))
+        names[number] = name
+        components[number] = [component.get("objectid") for component in element.iter(f"{CORE}component")]
+        if element.find(f"{CORE}mesh") is None:
+            continue
+        points = np.asarray([[float(v.get(k)) for k in "xyz"] for v in element.iter(f"{CORE}vertex")])
+        triangles = np.asarray([[int(t.get(k)) for k in ("v1", "v2", "v3")] for t in element.iter(f"{CORE}triangle")])
+        edges = Counter((int(t[k]), int(t[(k + 1) % 3])) for t in triangles for k in range(3))
+        assert all(uses == 1 and edges[(b, a)] == 1 for (a, b), uses in edges.items()), f"{name} is closed by its indices"
+        meshes[name] = points[triangles]
+    (item,) = model.iter(f"{CORE}item")
+    return meshes, [names[number] for number in components[item.get("objectid")] or [item.get("objectid")]]
+
+
+FIELDS = [{"name": "heel", "outline": [[0, 0], [20, 0], [20, 15], [0, 15]], "structure": {"family": "IH29"}, "beam_width": 0.5},
+          {"name": "arch & <ball>", "outline": [[20, 0], [40, 0], [40, 15], [20, 15]], "structure": IH21, "beam_width": 0.4},
+          {"outline": [[40, 2], [55, 2], [55, 13], [40, 13]], "structure": {"family": "IH50"}, "beam_width": 0.4}]
+
+
+def test_a_3mf_package_has_an_object_for_each_region(api: Api) -> None:
+    request = {"outline": {"polygons": [[[-2, -2], [57, -2], [57, 17], [-2, 17]]]}, "structure": {"family": "IH22"}, "beam_width": 0.4, "frame": 1.5, "thickness": 3,
+               "regions": FIELDS}
+    content = api.post(PARTS, request, headers={"Accept": "model/3mf"}).content
+    meshes, components = objects_of_3mf(content)
+    assert components == list(meshes) == ["heel", "arch & <ball>", "Region 3", "Rest"]
+    volumes = {name: assert_watertight(corners) for name, corners in meshes.items()}
+    whole = assert_watertight(stl_triangles(api.post(PARTS, request, headers={"Accept": "model/stl"}).content))
+    assert sum(volumes.values()) == pytest.approx(whole, rel=2e-3) and min(volumes.values()) > 0.02 * whole
+    for region, name in zip(FIELDS, volumes):
+        low, high = np.min(region["outline"], axis=0), np.max(region["outline"], axis=0)
+        flat = meshes[name].reshape(-1, 3)[:, :2]
+        assert (flat.min(axis=0) >= low - 1e-3).all() and (flat.max(axis=0) <= high + 1e-3).all(), f"{name} lies within its outline"
+    alone, item = objects_of_3mf(api.post(PARTS, COUPON, headers={"Accept": "model/3mf"}).content)
+    assert list(alone) == item == ["Supple part, 12 x 46 x 2 mm"], "a part without regions is one object"
+
+
+def test_regions_that_touch_need_no_curve_around_them(api: Api) -> None:
+    request = {"outline": {"regions": True}, "structure": IH21, "frame": 1, "regions": FIELDS}
+    answer = api.ok(PARTS, request)
+    assert answer["outline_area"] == pytest.approx(2 * 20 * 15 + 15 * 11, rel=1e-4) and answer["checks"]["pieces"] == 1
+    assert answer["size"][:2] == pytest.approx([55, 15], abs=1e-3)
+    assert answer["checks"]["smallest_wall"] == pytest.approx(0.4 * 2 / 3), "the structure of the rest, which fills nothing, does not count"
+    meshes, _ = objects_of_3mf(api.post(PARTS, request, headers={"Accept": "model/3mf"}).content)
+    assert list(meshes) == ["heel", "arch & <ball>", "Region 3"]
+    # Two drawings of one border differ by the tolerance of their chords; a gap as wide is closed.
+    gap = [FIELDS[0], {**FIELDS[1], "outline": [[20.05, 0], [40, 0], [40, 15], [20.04, 15]]}, FIELDS[2]]
+    closed = api.ok(PARTS, {**request, "regions": gap})
+    assert closed["outline_area"] == pytest.approx(answer["outline_area"], rel=1e-4) and closed["checks"]["pieces"] == 1
+
+
+def test_regions_that_are_several_pieces_are_named(api: Api) -> None:
+    apart = [{**FIELDS[0], "outline": [[-30, 0], [-10, 0], [-10, 15], [-30, 15]]}, *FIELDS[1:]]
+    answer = api.post(PARTS, {"outline": {"regions": True}, "structure": IH21, "regions": apart})
+    assert answer.status_code == 422 and pointers(answer) == ["/regions/0/outline"], answer.text
+    assert "2 pieces instead of one" in answer.json()["detail"] and "heel" in answer.json()["detail"] and "Region 3" in answer.json()["detail"]
+
+
 def test_a_step_file_is_a_closed_solid_of_planes(api: Api) -> None:
     response = api.post(PARTS, COUPON, headers={"Accept": "model/step"})
     assert response.headers["Content-Disposition"] == 'attachment; filename="supple-IH21-12x46x2mm.step"'
@@ -194,6 +257,9 @@ def test_what_no_part_has_is_named(api: Api, change: Dict[str, Any], place: str)
     ({"outline": {}}, "/outline"),
     ({"outline": {"rectangle": [1, 1], "coupon": {"width": 1, "length": 1}}}, "/outline"),
     ({"outline": {"rectangle": [0, 1]}}, "/outline/rectangle/0"),
+    ({"outline": {"regions": True}}, "/outline/regions"),
+    ({"outline": {"regions": False}, "regions": [{"outline": [[0, 0], [9, 0], [0, 9]], "structure": IH21}]}, "/outline/regions"),
+    ({"axis": 1}, "/axis"),
     ({"outline": {"polygons": [[[0, 0], [1, 1]]]}}, "/outline/polygons/0"),
     ({"outline": {"block": {"width": 3}}}, "/outline/block/height"),
     ({"beam_width": 0}, "/beam_width"),

@@ -128,7 +128,7 @@ async function severalMaterials({ page }) {
 async function drawnPart(design) {
   const drawing = (content) => `<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">${content}</svg>`;
   await design.drop(".preview", drawing('<rect width="60" height="40"/><circle id="hole" cx="30" cy="20" r="8"/>'), "plate.svg");
-  await design.page.locator("details.part .facts", { hasText: "60 × 40 × 4 mm" }).waitFor();
+  await design.page.locator("details.part .facts", { hasText: "60 × 40 × 1 mm" }).waitFor();
   await design.drop(".preview", drawing(""), "empty.svg");
   await design.page.locator(".drop-problem").waitFor();
 }

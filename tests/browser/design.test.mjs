@@ -169,7 +169,7 @@ describe("parameters", () => {
   it("that are locked are kept by the search", () =>
     withDesign(async (design, page) => {
       const value = await page.locator(".parameters .number").first().inputValue();
-      await page.getByRole("button", { name: "Keep parameter 1 in searches" }).click();
+      await page.getByRole("button", { name: /^Keep “.*” in searches$/ }).first().click();
       await design.settled();
       await design.drag(await design.movable(), 0, -60);
       await design.settled();

@@ -137,9 +137,10 @@ const EXPECTED = [/Failed to load resource/, /GPU stall due to ReadPixels/, /GL 
 
 /**
  * Opens a page that records its complaints and the requests for designs. `background`: whether the design page verifies and looks for ways
- * out by itself. It does not otherwise, since each such request would be counted and would compete with the others.
+ * out by itself. It does not otherwise, since each such request would be counted and would compete with the others. `firstVisit`: whether
+ * the page shows the words for a first visit.
  */
-export async function openPage(browser, url, { background = false, ...options } = {}) {
+export async function openPage(browser, url, { background = false, firstVisit = false, ...options } = {}) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, acceptDownloads: true, ...options });
   if (!background) await context.addInitScript(() => location.protocol.startsWith("http") && localStorage.setItem("supple-background", "off"));
   const page = await context.newPage();
@@ -171,6 +172,15 @@ export async function openPage(browser, url, { background = false, ...options } 
       return sent.finally(() => --count.running);
     };
   });
+  if (!firstVisit) {
+    await page.addInitScript(() => {
+      try {
+        localStorage.setItem("supple-welcome", "closed");
+      } catch {
+        // an empty page has no storage
+      }
+    });
+  }
   await page.goto(url);
   return page;
 }
@@ -191,7 +201,7 @@ export async function picture(page, name) {
  * also before the first request. The job has no event stream, so that pages poll it.
  */
 export async function heldJob(page, path, holds = () => true) {
-  const job = { id: "held", kind: "designs", state: "running", progress: 0, stage: "", created: "2026-01-01T00:00:00Z", deadline: 600 };
+  const job = { id: "held", kind: "designs", state: "running", progress: 0, stage: "", priority: "normal", created: "2026-01-01T00:00:00Z", deadline: 600, remaining_seconds: null };
   const problem = { type: "urn:supple:error:server.too_many_event_streams", title: "Too many event streams", status: 503, detail: "Ask after the job instead.", code: "server.too_many_event_streams" };
   await page.route(`**${path}`, (route) => (holds(route.request()) ? route.fulfill({ status: 202, json: job }) : route.fallback()));
   await page.route("**/v1/jobs/held", (route) => route.fulfill({ status: 200, json: job }));

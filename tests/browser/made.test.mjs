@@ -80,7 +80,7 @@ describe("the material", () => {
       await until(() => /modulus=13,900&.*found-modulus=\d/.test(page.url()), "the modulus in the link");
       // Parameters set by hand keep the modulus that was found.
       const asked = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
-      await design.slider("Parameter 1").focus();
+      await page.locator(".parameters input[type=range]").first().focus();
       await page.keyboard.press("ArrowRight");
       assert.equal(number(await design.fact("Young’s modulus")), modulus);
       assert.ok(Math.abs((await asked).postDataJSON().material.youngs_modulus / modulus - 1) < 0.005);
@@ -101,7 +101,7 @@ describe("the material", () => {
     withPage(async (design, page) => {
       const part = page.locator("details.part");
       await part.locator("summary").click();
-      assert.equal(await part.getByLabel("Wall thickness, mm").inputValue(), "0.4");
+      assert.equal(await part.getByLabel("Wall thickness, mm").inputValue(), "0.3");
       await design.card.getByLabel("Material", { exact: true }).selectOption("PLA");
       await design.settled();
       assert.equal(await design.fact("Young’s modulus"), "2500 MPa");
@@ -116,6 +116,7 @@ describe("the material", () => {
       assert.deepEqual([request.material, request.orientation, request.direction], [{ density: 1.24 }, Math.PI / 6, 0]);
       // The coupon is loaded in the direction of the target. The user may choose another direction, or none.
       assert.equal(await part.getByLabel("Loaded along, °").inputValue(), "0");
+      assert.match(await part.locator(".part-turn").textContent(), /^Turned by 90 degrees so that the design’s load runs along the part/);
       await until(async () => /along the design’s 0°/.test(await part.locator(".facts").textContent()), "what the part tests");
       await part.getByLabel("Loaded along, °").fill("");
       await part.getByLabel("Loaded along, °").press("Enter");
@@ -176,7 +177,7 @@ describe("the material", () => {
       await design.fill("Name of material 5", "PA12");
       // Parameters set by hand keep the material that was found.
       const profile = page.waitForRequest((request) => request.url().endsWith("/v1/profiles"));
-      await design.slider("Parameter 1").focus();
+      await page.locator(".parameters input[type=range]").first().focus();
       await page.keyboard.press("ArrowRight");
       assert.ok((await profile).postDataJSON().material.youngs_modulus > 1400);
       await design.settled();

@@ -45,16 +45,16 @@ describe("measured data", () => {
       await picture(page, "design-part-broken");
       await part.getByLabel("Wall thickness, mm").fill("0.3");
       await part.getByLabel("Wall thickness, mm").press("Tab");
-      await until(async () => /12 × 76 × 4 mm/.test(await part.textContent()), "the part's size");
+      await until(async () => /12 × 76 × 1 mm/.test(await part.locator(".facts").textContent()), "the part's size");
       assert.equal(await part.locator(".part-result .note").textContent(), "");
       await part.locator(".part-drawing").scrollIntoViewIfNeeded();
       await picture(page, "design-part");
       const saved = page.waitForEvent("download");
       await part.getByRole("button", { name: "STL" }).click();
       const file = await saved;
-      assert.match(file.suggestedFilename(), /^supple-IH\d+-12x76x4mm\.stl$/);
+      assert.match(file.suggestedFilename(), /^supple-IH\d+-12x76x1mm\.stl$/);
       const { size } = watertight(await readFile(await file.path()));
-      [12, 76, 4].forEach((wanted, k) => assert.ok(Math.abs(size[k] - wanted) < 1e-4, `${size}`));
+      [12, 76, 1].forEach((wanted, k) => assert.ok(Math.abs(size[k] - wanted) < 1e-4, `${size}`));
 
       await card.getByLabel("Unit of stress").selectOption("N");
       await card.getByLabel("Cross-section, mm²").waitFor();
@@ -88,12 +88,15 @@ describe("measured data", () => {
       await card.getByLabel("Gauge length, mm").fill("50");
       await card.getByLabel("Gauge length, mm").press("Tab");
       await until(async () => /follow 60 measured ones.*tension was assumed/.test(await card.textContent()), "the curve, and what was assumed");
-      assert.equal(await card.getByLabel("What was measured").inputValue(), "");
+      assert.match(await card.textContent(), /was the specimen pulled or pressed/);
+      assert.equal(await card.getByRole("radio", { checked: true }).count(), 0, "nobody has chosen yet");
       await picture(page, "design-measured-question");
-      await card.getByLabel("What was measured").selectOption("compression");
+      await card.getByLabel("Compression", { exact: true }).check();
       await until(async () => /follow 60 measured ones/.test(await card.textContent()) && !/assumed/.test(await card.textContent()), "the curve of a compression");
       await design.settled();
       assert.ok((await design.values())[0][0] < -0.1, "a compression has negative strains");
+      assert.ok(await card.getByLabel("Compression", { exact: true }).isChecked(), "the switch stays");
+      assert.doesNotMatch(await card.textContent(), /pulled or pressed/);
 
       const cycle = [...Array(30).keys(), ...[...Array(28).keys()].reverse()].map((e) => `${e};${9 * e}`);
       await design.drop(".plot-card .stage", ["Zugversuch", "Dehnung [%];Spannung [kPa]", ...cycle].join("\n"), "cycle.csv");
@@ -133,7 +136,7 @@ describe("measured data", () => {
           await until(() => held.length > 1, "the question about both sizes");
           await release();
         }
-        await card.getByLabel("What was measured").waitFor();
+        await card.getByRole("group", { name: "What was measured" }).waitFor();
         assert.match(await card.textContent(), /follow 60 measured ones.*tension was assumed/);
         assert.equal(await page.evaluate(() => document.activeElement.labels?.[0].textContent), "Gauge length, mm", `${ahead}: the focus`);
         assert.equal(await card.getByLabel("Gauge length, mm").inputValue(), "50");

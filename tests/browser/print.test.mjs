@@ -159,7 +159,7 @@ describe("the dialog of a print", () => {
     await dialog.getByText("My printer: nozzle 180 °C, bed 75 °C").waitFor();
     await print.planned();
     await open('{"colour": "red"}');
-    await dialog.getByRole("alert").getByText("A printer has no /printer/colour.").waitFor();
+    await dialog.getByRole("alert").getByText("A printer does not have the colour, which the file names.").waitFor();
     assert.match(await dialog.locator(".print-head").textContent(), /My printer/, "the printer stays");
     await closePage(page);
   });

@@ -22,11 +22,13 @@ const WAY = {
   deviation: 0.021,
 };
 
-/** Answers requests for ways out with these ones, and others not at all: the server need not know them. */
+/** Answers requests for ways out with these ones, and refuses verifications, which would take long. */
 async function answerWays(page, ways) {
+  const refusal = { type: "urn:supple:error:server.overloaded", title: "Overloaded", status: 429, detail: "Not now.", code: "server.overloaded" };
   await page.route("**/v1/designs", async (route) => {
     const asked = route.request().postDataJSON();
-    if (asked.effects?.ways_out !== "on") return asked.verify ? route.abort() : route.fallback();
+    if (asked.verify) return route.fulfill({ status: 429, contentType: "application/problem+json", json: refusal });
+    if (asked.effects?.ways_out !== "on") return route.fallback();
     await route.fulfill({ status: 200, json: { ways_out: ways, cost: { seconds: 1, stages: [], quantities: {} }, effects: [] } });
   });
 }

@@ -83,11 +83,11 @@ describe("the whole way", () => {
 
       await design.part.locator("summary").click();
       await design.write("Width, mm", 40);
-      await design.write("Length, mm", 50);
+      await design.write("Length between grips, mm", 50);
       await design.write("Each grip, mm", 12);
       await design.write("Thickness, mm", 3);
       await design.write("Wall thickness, mm", 0.6);
-      await until(async () => /40 × 74 × 3 mm/.test(await design.part.textContent()), "the size of the coupon");
+      await until(async () => /40 × 74 × 3 mm/.test(await design.part.locator(".facts").textContent()), "the size of the coupon");
       assert.equal(await design.part.locator(".part-result .note").textContent(), "", "nothing of it is missing");
       await picture(page, "whole-way-coupon");
       const { name, size, volume } = await design.solid();
@@ -137,7 +137,7 @@ describe("the whole way", () => {
       await design.part.locator(".part-drawing").scrollIntoViewIfNeeded();
       await picture(page, "whole-way-sole");
       assert.equal(request.outline.polygons.length, 1);
-      assert.deepEqual(request.regions.map((region) => [region.name, region.beam_width, region.outline.length]), [["Heel", 0.5, 4], ["Forefoot", 0.4, 4]]);
+      assert.deepEqual(request.regions.map((region) => [region.name, region.beam_width, region.outline.length]), [["Heel", 0.5, 4], ["Forefoot", 0.3, 4]]);
       const parameters = [request.structure, ...request.regions.map((region) => region.structure)].map((one) => `${one.family} ${one.parameters}`);
       assert.equal(new Set(parameters).size, 3, `three designs: ${parameters.join("; ")}`);
 

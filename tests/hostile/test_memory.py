@@ -17,7 +17,7 @@ from costly import CASES, Meshes, meshes_of, named, ply
 from contract import ROOT, Contract
 from harness import Api, ServerProcess
 from processes import first_line, peak_bytes, reset_peak, sent_request
-from shapes import flat_grid
+from shapes import flat_grid, torus
 
 GIBIBYTE = 2**30
 MARGIN = 1.25
@@ -65,6 +65,18 @@ def test_one_request_takes_what_one_request_may(bounded: ServerProcess, meshes: 
     assert status.split()[1] in ("200", "201", "400", "413", "504"), status
     body = len(request.body)  # the body is read before the computation and reserved separately
     assert peak_bytes(server.pid) - before < MARGIN * GIBIBYTE + body, f"{name}: {status}"
+
+
+def test_an_optimization_of_sites_on_a_large_mesh_takes_less_than_a_gibibyte(bounded: ServerProcess, contract: Contract) -> None:
+    api = Api(bounded, contract)
+    mesh = api.upload(*torus(360, 140))
+    reset_peak(bounded.pid)
+    before = bounded.resident_bytes()
+    answer = api.ok("/v1/voronoi-optimizations", {
+        "mesh": mesh, "sites": {"count": 60}, "max_iterations": 2,
+        "objectives": {"edge_length": 1, "planarity": 1, "regularity": 1, "centroidal": 1, "equal_area": 1}})
+    assert answer["stopped"] in ("iteration_limit", "step_too_small")
+    assert peak_bytes(bounded.pid) - before < GIBIBYTE
 
 
 def test_a_computation_that_needs_too_much_is_told_the_limit_and_its_setting(new_server: Callable[..., ServerProcess],

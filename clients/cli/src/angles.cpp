@@ -8,28 +8,16 @@
 #include "failure.h"
 #include "numbers.h"
 #include "style.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
 
 using std::numbers::pi;
 
-struct Unit {
-  std::string_view name;
-  double radians = 1;
-};
-constexpr Unit units[] = {{"deg", pi / 180}, {"\u00b0", pi / 180}, {"rad", 1}};
-
-constexpr auto how_to_write = "write for example 45deg, 0.785rad, or a number of radians";
-
-std::optional<double> number_in(std::string_view text) {
-  const auto numbers = numbers_in(text);
-  return numbers && numbers->size() == 1 ? std::optional(numbers->front()) : std::nullopt;
-}
-
 /// The angle; warns if it is a number without a unit that exceeds a whole turn.
 double with_warning(double angle, std::string_view text, const char* option) {
-  if (std::abs(angle) > 2 * pi && number_in(text))
+  if (std::abs(angle) > 2 * pi && numbers_in(text))
     print_notice(fmt::format("{} {}: this is in radians and more than a whole turn; {} degrees are written {}deg",
                              option, text, text, text));
   return angle;
@@ -37,18 +25,11 @@ double with_warning(double angle, std::string_view text, const char* option) {
 
 }  // namespace
 
-std::optional<double> angle_in(std::string_view text) {
-  for (const auto& unit : units) {
-    if (!text.ends_with(unit.name)) continue;
-    const auto number = number_in(text.substr(0, text.size() - unit.name.size()));
-    return number ? std::optional(unit.radians * *number) : std::nullopt;
-  }
-  return number_in(text);
-}
+std::optional<double> angle_in(std::string_view text) { return quantity_in(text, Dimension::angle); }
 
 double parse_angle(const std::string& text, const char* option) {
   const auto angle = angle_in(text);
-  if (!angle) throw Failure(ExitCode::usage, fmt::format("{}: '{}' is no angle: {}", option, text, how_to_write));
+  if (!angle) throw Failure(ExitCode::usage, fmt::format("{}: {}", option, quantity_fault(text, Dimension::angle)));
   return with_warning(*angle, text, option);
 }
 

@@ -9,10 +9,12 @@
 #include "failure.h"
 #include "measured_curve_arguments.h"
 #include "numbers.h"
+#include "part_request.h"
 #include "picture.h"
 #include "problem.h"
 #include "profile_arguments.h"
 #include "profile_plot.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -51,9 +53,12 @@ struct DesignArguments {
   double polish_seconds = 0;
   std::string session;
   double deadline = 0;
+  bool missed_ok = false;
+  std::string part;
+  double thickness = 0;
+  PartFiles part_files;  ///< its SVG file is that of the structure if no part is wanted
   std::string csv_file;
   std::string plot_file;
-  std::string svg_file;
 };
 
 nlohmann::json request_in_file(const std::string& file) {
@@ -70,7 +75,7 @@ nlohmann::json measured_curve(Session& session, const DesignArguments& arguments
     return reduce_curve(session, bytes, task, arguments.measured);
   } catch (const Problem& problem) {
     constexpr int unprocessable = 422;
-    if (problem.status() != unprocessable || !holds_control_points(bytes, is_over_directions(task))) throw;
+    if (problem.status() != unprocessable || !holds_control_points(bytes, task)) throw;
     auto document = problem.document();
     document["hint"] = fmt::format("If its lines are control points rather than measurements, give --target-points {}.",
                                    arguments.target == "-" ? "FILE" : arguments.target);
@@ -148,13 +153,13 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));
   }
   request.update(profile_fields(arguments.profile));
-  const bool over_directions = is_over_directions(request.value("task", ""));
+  const std::string task = request.value("task", "stress_strain");
   if (!arguments.target.empty() && is_measured(arguments.target)) {
     set_measured_target(session, arguments, request);
   } else if (!arguments.target.empty()) {
-    request["target"] = parse_target(arguments.target, over_directions);
+    request["target"] = parse_target(arguments.target, task);
   } else if (!arguments.target_points.empty()) {
-    request["target"] = parse_target(arguments.target_points, over_directions);
+    request["target"] = parse_target(arguments.target_points, task);
   }
   if (arguments.request_file.empty() && !(request.contains("task") && request.contains("target")))
     throw Failure(ExitCode::usage, "no problem: give --task and --target, or a file with --request");
@@ -200,15 +205,57 @@ void write_structures(Session& session, const std::string& file, const nlohmann:
   }
 }
 
+/// The request for the part of a design, whose outline the option --part gives.
+nlohmann::json part_of(const nlohmann::json& design, const nlohmann::json& outline, double thickness) {
+  nlohmann::json request = {{"outline", outline}};
+  use_design(design, "the design", request);
+  if (thickness > 0) request["thickness"] = thickness;
+  return request;
+}
+
+/// Writes the files of the designs' parts and, unless one of them or the answer goes to the terminal, describes them.
+void make_parts(Session& session, const DesignArguments& arguments, const nlohmann::json& outline,
+                const nlohmann::json& answer, bool describe) {
+  const auto designs = designs_in(answer);
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    const auto request = part_of(designs[i], outline, arguments.thickness);
+    write_part(session, request, numbered_files(arguments.part_files, i, designs.size()));
+    if (!describe) continue;
+    fmt::print("\npart     {}\n", arguments.part);
+    print_part(request, session.compute("/v1/parts", request).json());
+  }
+}
+
+/// Throws Failure(missed) if a design misses its target, or if nothing tells whether it reaches it.
+void fail_on_missed(const nlohmann::json& answer) {
+  std::string missed;
+  for (const auto& design : designs_in(answer)) {
+    const auto& verdict = design.at("verdict");
+    const auto grade = verdict.at("grade").get<std::string>();
+    if (grade != "missed" && grade != "unknown") continue;
+    const auto region = design.contains("name") ? design.at("name").get<std::string>() + ": " : "";
+    missed += fmt::format("{}{}{}", missed.empty() ? "" : "\n", region, verdict.at("sentence").get<std::string>());
+  }
+  if (!missed.empty())
+    throw Failure(ExitCode::missed, missed + "\nThe exit status is 7; with --missed-ok it is 0 all the same.");
+}
+
 void run(const GlobalOptions& options, const DesignArguments& arguments) {
+  const auto outline = arguments.part.empty() ? nlohmann::json() : parse_sized_outline(arguments.part, "--part");
   Session session(options);
   const nlohmann::json request = request_of(arguments, session);
   const nlohmann::json answer = session.compute("/v1/designs", request).json();
   if (!arguments.csv_file.empty()) write_file(arguments.csv_file, designs_as_csv(answer));
   if (!arguments.plot_file.empty()) write_picture(arguments.plot_file, plot_svg(plots_of_designs(answer)));
-  if (!arguments.svg_file.empty()) write_structures(session, arguments.svg_file, answer);
-  if (arguments.csv_file == "-" || arguments.plot_file == "-" || arguments.svg_file == "-") return;
-  session.json() ? print_json(answer) : print_designs(answer);
+  const auto& files = arguments.part_files;
+  if (outline.is_null() && !files.svg.empty()) write_structures(session, files.svg, answer);
+  bool on_terminal = false;
+  for (const auto* file :
+       {&arguments.csv_file, &arguments.plot_file, &files.svg, &files.step, &files.stl, &files.three_mf, &files.dxf})
+    on_terminal |= *file == "-";
+  if (!on_terminal) session.json() ? print_json(answer) : print_designs(answer);
+  if (!outline.is_null()) make_parts(session, arguments, outline, answer, !on_terminal && !session.json());
+  if (!arguments.missed_ok) fail_on_missed(answer);
 }
 
 void add_search_options(CLI::App& command, DesignArguments& arguments) {
@@ -233,14 +280,17 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
   command
       .add_option("--polish-tolerance", arguments.polish_tolerance,
                   "Simulated relative deviation at which polishing ends (0.002)")
+      ->transform(quantity(Dimension::ratio))
       ->check(CLI::PositiveNumber);
   command.add_option("--polish-rounds", arguments.polish_rounds, "Structures that polishing simulates at most (30)")
       ->check(CLI::PositiveNumber);
   command.add_option("--polish-seconds", arguments.polish_seconds, "Seconds that polishing may take (120)")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command
       .add_option("-t,--tolerance", arguments.tolerance,
                   "The search ends where a step promises to lessen the relative deviation by at most this (1e-6)")
+      ->transform(quantity(Dimension::ratio))
       ->check(CLI::PositiveNumber);
   command
       .add_option("--equilibrium-tolerance", arguments.equilibrium_tolerance,
@@ -266,25 +316,60 @@ void add_material_options(CLI::App& command, DesignArguments& arguments) {
   command.add_option("--orientation", arguments.orientation,
                      "Angle by which the tiling is turned (0), or the least and the greatest one between which it is "
                      "found: 0deg,180deg");
-  command.add_option(
-      "--youngs-modulus", arguments.youngs_modulus,
-      "Young's modulus of the material in MPa (the model's, 26), or the least and the greatest one among "
-      "which it is found: 20,60");
+  command
+      .add_option("--youngs-modulus", arguments.youngs_modulus,
+                  "Young's modulus of the material in MPa or for example 1.2GPa (the model's, 26), or the least and "
+                  "the greatest one among "
+                  "which it is found: 20,60")
+      ->transform(quantity(Dimension::stress));
   command.add_option("--density", arguments.density, "Density of the material in g/cm^3 (1.2)")
+      ->transform(quantity(Dimension::density))
       ->check(CLI::PositiveNumber);
   auto* const beam_width = command.add_option("--beam-width", arguments.beam_width, "Width of the beams in mm (0.3)")
+                               ->transform(quantity(Dimension::length))
                                ->check(CLI::PositiveNumber);
   command
       .add_option("--cell-size", arguments.cell_size,
-                  "Instead of a width of the beams: the square root of a cell's area in mm")
+                  "Instead of a width of the beams: the square root of a cell's area in mm, or for example 0.4cm")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber)
       ->excludes(beam_width);
-  command.add_option("--relative-density", arguments.density_limits,
-                     "Least and greatest share of the plane that is solid, for example 0.1,0.3");
-  command.add_option("--beam-width-limits", arguments.beam_width_limits,
-                     "Least and greatest width of the beams in mm; with --cell-size");
-  command.add_option("--cell-size-limits", arguments.cell_size_limits,
-                     "Least and greatest size of the cells in mm; without --cell-size");
+  command
+      .add_option("--relative-density", arguments.density_limits,
+                  "Least and greatest share of the plane that is solid, for example 0.1,0.3 or 10%,30%")
+      ->transform(quantity(Dimension::ratio));
+  command
+      .add_option("--beam-width-limits", arguments.beam_width_limits,
+                  "Least and greatest width of the beams in mm; with --cell-size")
+      ->transform(quantity(Dimension::length));
+  command
+      .add_option("--cell-size-limits", arguments.cell_size_limits,
+                  "Least and greatest size of the cells in mm; without --cell-size")
+      ->transform(quantity(Dimension::length));
+}
+
+void add_part_options(CLI::App& command, DesignArguments& arguments) {
+  command.add_option(
+      "--svg", arguments.part_files.svg,
+      "Write the structure found, or its part, as SVG, - for the terminal; several become name-1.svg and "
+      "so on");
+  auto* const part =
+      command
+          .add_option("--part", arguments.part,
+                      "Make the design's part: coupon:20x60, block:30x20 or rectangle:40x120, in mm; the design's load "
+                      "lies along the axis of a coupon or a block. Its files are those of --stl and the like")
+          ->transform(quantity(Dimension::length));
+  command.add_option("--thickness", arguments.thickness, "Thickness of the part in mm (1)")
+      ->transform(quantity(Dimension::length))
+      ->check(CLI::PositiveNumber)
+      ->needs(part);
+  const auto add_file = [&](const char* name, std::string& file, const char* kind) {
+    command.add_option(name, file, fmt::format("Write the part as {}, - for the terminal", kind))->needs(part);
+  };
+  add_file("--stl", arguments.part_files.stl, "a binary STL file");
+  add_file("--3mf", arguments.part_files.three_mf, "a 3MF file");
+  add_file("--dxf", arguments.part_files.dxf, "a DXF file");
+  add_file("--step", arguments.part_files.step, "a STEP file");
 }
 
 }  // namespace
@@ -297,7 +382,8 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   command->get_option("--family")->description("Family to search, or any for all that have a model (any)");
   auto* const target = command->add_option(
       "--target", arguments->target,
-      "Control points x,y;x,y: strains or angles, and MPa; a third number is a weight, a fourth a band within which "
+      "Control points x,y;x,y: strains or angles, and MPa, or with units as in 5%,60kPa; a third number is a weight, a "
+      "fourth a band within which "
       "deviations count as none. Or a file of measurements, or - for standard input, which is read as supple curve "
       "does");
   command
@@ -312,14 +398,16 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
   add_material_options(*command, *arguments);
   add_search_options(*command, *arguments);
   command->add_option("--session", arguments->session, "A newer request of the same session replaces one that runs");
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write target and profiles to this file, - for the terminal");
   command
       ->add_option("--plot", arguments->plot_file, "Draw target and profiles as SVG or PNG, - for the terminal (SVG)")
       ->check(plot_file());
-  command->add_option("--svg", arguments->svg_file,
-                      "Write the structure found as SVG, - for the terminal; several become name-1.svg and so on");
+  add_part_options(*command, *arguments);
+  command->add_flag("--missed-ok", arguments->missed_ok,
+                    "The exit status is 0 even where the target is missed or nothing tells whether it is reached (7)");
   command->footer(
       "Examples:\n"
       "  supple design --task stress_strain --family IH67 --target \"0,0;0.1,0.6;0.2,0.9\" --plot curve.svg\n"
@@ -327,7 +415,8 @@ void add_design_command(CLI::App& program, const GlobalOptions& options) {
       "  supple design --task stiffness --family IH67 --target-points target.csv --fixed 0.2,free --verify\n"
       "  supple design --task stiffness --target \"0deg,40;90deg,10\" --youngs-modulus 2000,3500 --relative-density "
       "0,0.4\n"
-      "  supple design --request sole.json --plot regions.svg");
+      "  supple design --request sole.json --plot regions.svg\n"
+      "  supple design --task stress_strain --target tensile.csv --part coupon:12mmx30mm --stl coupon.stl");
   command->callback([&options, arguments] { run(options, *arguments); });
 }
 

@@ -10,6 +10,7 @@
 #include "cost_output.h"
 #include "csv_cells.h"
 #include "style.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -20,11 +21,6 @@ std::string numbers_text(const nlohmann::json& values) {
   std::string text;
   for (const auto& value : values) text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value.get<double>());
   return text;
-}
-
-/// A number, or "-" for null.
-std::string number_text(const nlohmann::json& value) {
-  return value.is_null() ? "-" : fmt::format("{:.5g}", value.get<double>());
 }
 
 std::string percent(const nlohmann::json& error) {
@@ -77,13 +73,14 @@ void print_samples(const nlohmann::json& profile) {
   if (verified) fmt::print(" {:>13}", "verified" + unit);
   fmt::print("  {:<7}  {}\n", "reached", "in range");
   const auto& xs = profile.at("x");
+  const double scale = scale_of({&profile.at("target"), &profile.at("achieved")});
   for (std::size_t i = 0; i < xs.size(); ++i) {
-    fmt::print("{:>10.5f}  {:>12} {:>12} {:>9} {:>12}", xs[i].get<double>(), number_text(profile.at("target")[i]),
-               number_text(profile.at("achieved")[i]), error_bar_text(error_bar_at(profile, i)),
-               number_text(profile.at("initial")[i]));
+    fmt::print("{:>10}  {:>12} {:>12} {:>9} {:>12}", with_decimals(xs[i].get<double>()),
+               rounded(profile.at("target")[i], scale), rounded(profile.at("achieved")[i], scale),
+               error_bar_text(error_bar_at(profile, i)), rounded(profile.at("initial")[i], scale));
     if (verified) {
       const auto value = verified_at(profile, xs[i]);
-      fmt::print(" {:>13}", value ? number_text(*value) : "");
+      fmt::print(" {:>13}", value ? rounded(*value, scale) : "");
     }
     fmt::print("  {:<7}  {}\n", profile.at("reached")[i].get<bool>() ? "yes" : "no",
                profile.at("in_range")[i].get<bool>() ? "yes" : "no");
@@ -136,10 +133,12 @@ void print_verdict(const nlohmann::json& verdict) {
   fmt::print("{}\n", styled(sentence, text_in(verdict, "grade") == "reached" ? Style::success : Style::warning));
 }
 
-void print_ways_out(const nlohmann::json& ways) {
-  if (ways.empty()) return;
+/// What would help where the target is missed; older servers do not tell.
+void print_ways_out(const nlohmann::json& design) {
+  const auto ways = design.find("ways_out");
+  if (ways == design.end() || ways->empty()) return;
   fmt::print("What helps:\n");
-  for (const auto& way : ways) fmt::print("  {}\n", text_in(way, "sentence"));
+  for (const auto& way : *ways) fmt::print("  {}\n", text_in(way, "sentence"));
 }
 
 void print_design(const nlohmann::json& design) {
@@ -152,8 +151,6 @@ void print_design(const nlohmann::json& design) {
   if (const double orientation = design.at("orientation").get<double>(); orientation != 0)
     fmt::print("orientation {:.6g} rad ({:.4g} degrees)\n", orientation, orientation * 180 / std::numbers::pi);
   print_structure(design.at("material"), design.at("structure"));
-  const bool reached = design.at("reached").get<bool>();
-  fmt::print("target      {}\n", reached ? styled("reached", Style::success) : styled("not reached", Style::warning));
   fmt::print("deviation   {} (root mean square), {:.3g}{} at most\n", percent(error), error.at("max").get<double>(),
              profile.at("task") == "poisson" ? "" : " MPa");
   if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
@@ -166,7 +163,7 @@ void print_design(const nlohmann::json& design) {
              design.at("starts").get<int>(), text_in(design, "stopped"));
   for (const auto& shown : profiles_in(design)) print_samples(shown);
   print_ranking(design.at("ranking"));
-  print_ways_out(design.at("ways_out"));
+  print_ways_out(design);
   std::fflush(stdout);
   if (const auto message = text_in(design, "message"); !message.empty()) print_notice(message);
 }
@@ -242,8 +239,9 @@ void print_profile(const nlohmann::json& answer) {
   const char* const y = poisson ? "Poisson" : answer.at("task") == "stiffness" ? "stiffness/MPa" : "stress/MPa";
   fmt::print("{}\n{:>10}  {:>13}  {:>9}  {}\n", kind_text(answer), x_heading(answer), y, "error bar", "in range");
   for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
-    fmt::print("{:>10.5f}  {:>13}  {:>9}  {}\n", answer.at("x")[i].get<double>(), number_text(answer.at("y")[i]),
-               error_bar_text(error_bar_at(answer, i)), answer.at("in_range")[i].get<bool>() ? "yes" : "no");
+    fmt::print("{:>10}  {:>13}  {:>9}  {}\n", with_decimals(answer.at("x")[i].get<double>()),
+               rounded(answer.at("y")[i], scale_of(answer.at("y"))), error_bar_text(error_bar_at(answer, i)),
+               answer.at("in_range")[i].get<bool>() ? "yes" : "no");
   }
   fmt::print("model       {}\n", text_in(answer, "model"));
   print_cost(answer);

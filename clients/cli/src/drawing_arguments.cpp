@@ -15,6 +15,7 @@
 #include "angles.h"
 #include "failure.h"
 #include "numbers.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -96,7 +97,9 @@ nlohmann::json region_of(const std::string& text) {
                   fmt::format("--region: '{}' has more than a family, a width of beams and an angle", text));
   }
   nlohmann::json region = {{"name", text.substr(0, equals)}, {"structure", {{"family", words[0]}}}};
-  if (words.size() > 1) region["beam_width"] = parse_number(words[1], "width of beams of --region");
+  if (words.size() > 1)
+    region["beam_width"] =
+        parse_number(in_base_units(words[1], Dimension::length, "--region"), "width of beams of --region");
   if (words.size() > 2) region["orientation"] = parse_angle(words[2], "--region");
   return region;
 }
@@ -158,8 +161,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
       .add_option("--resolution", arguments.resolution, "Pixels per inch of an SVG file without a physical size (96)")
       ->check(CLI::PositiveNumber);
   command.add_option("--width", arguments.width, "Scale the drawing until its closed curves are so wide, mm")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
   command.add_option("--tolerance", arguments.tolerance, "Distance of a chord from its curve at most, mm (0.05)")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
 }
 

@@ -7,6 +7,7 @@
 #include "load_arguments.h"
 #include "model_output.h"
 #include "numbers.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -61,7 +62,8 @@ void add_evaluate_command(CLI::App& program, const GlobalOptions& options) {
       ->required();
   command->add_option("-d,--derivatives", arguments->derivatives, "0: energies; 1: stresses too; 2: tangents too (1)")
       ->check(CLI::Range(0, 2));
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write the answer to this file, - for the terminal");
   command->footer(

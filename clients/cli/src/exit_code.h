@@ -11,6 +11,7 @@ enum class ExitCode : int {
   unreachable = 4,   ///< no server answered, or the connection broke
   local_file = 5,    ///< a local file cannot be read or written
   violations = 6,    ///< a G-code file violates a rule
+  missed = 7,        ///< a design misses its target, or nothing tells whether it reaches it
   interrupted = 130  ///< Ctrl-C; the job on the server was cancelled
 };
 

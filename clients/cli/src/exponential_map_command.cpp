@@ -6,6 +6,7 @@
 #include "numbers.h"
 #include "path_output.h"
 #include "surface_point.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -20,8 +21,9 @@ struct ExponentialMapArguments {
 void print_exponential_map(const nlohmann::json& answer) {
   const auto& position = answer.at("position");
   fmt::print("end         {}\n", describe_surface_point(answer.at("end")));
-  fmt::print("position    {} {} {}\n", position.at(0).get<double>(), position.at(1).get<double>(),
-             position.at(2).get<double>());
+  const double scale = scale_of(position);
+  fmt::print("position    {} {} {}\n", rounded(position.at(0), scale, 15), rounded(position.at(1), scale, 15),
+             rounded(position.at(2), scale, 15));
   fmt::print("length      {:.12g}{}\n", answer.at("length").get<double>(),
              answer.at("reached_boundary").get<bool>() ? ", stopped at the boundary" : "");
   fmt::print("transport   {:.9g} rad\n", answer.at("transport_angle").get<double>());

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "field_output.h"
 #include "surface_point.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -36,8 +37,8 @@ void print_summary(const std::vector<double>& distances) {
   }
   fmt::print("vertices    {}\n", distances.size());
   fmt::print("unreached   {}\n", distances.size() - reached);
-  fmt::print("largest     {}\n", largest);
-  fmt::print("mean        {}\n", reached > 0 ? sum / static_cast<double>(reached) : 0.0);
+  fmt::print("largest     {}\n", precise(largest));
+  fmt::print("mean        {}\n", precise(reached > 0 ? sum / static_cast<double>(reached) : 0.0));
 }
 
 void run(const GlobalOptions& options, const FieldArguments& arguments) {

@@ -8,6 +8,7 @@
 #include "failure.h"
 #include "path_output.h"
 #include "surface_point.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -21,7 +22,7 @@ struct GeodesicArguments {
 
 void print_vector(const char* name, const nlohmann::json& values) {
   fmt::print("  {:<10}", name);
-  for (const auto& value : values) fmt::print(" {:>12.6g}", value.get<double>());
+  for (const auto& value : values) fmt::print(" {:>12}", rounded(value, scale_of(values), 6));
   fmt::print("\n");
 }
 
@@ -31,7 +32,7 @@ void print_result(const nlohmann::json& pair, const nlohmann::json& result) {
     fmt::print("unreachable (different components)\n");
     return;
   }
-  fmt::print("distance {}\n", result.at("distance").get<double>());
+  fmt::print("distance {}\n", precise(result.at("distance").get<double>()));
   if (!result.value("unique", true)) {
     fmt::print("  not unique: another path is as short\n");
   } else if (result.value("near_cut_locus", false)) {

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "numbers.h"
 #include "surface_point.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -35,8 +36,9 @@ void print_history(const nlohmann::json& history) {
 void print_karcher_mean(const nlohmann::json& answer, int starts, bool history) {
   const auto& position = answer.at("position");
   fmt::print("mean        {}\n", describe_surface_point(answer.at("mean")));
-  fmt::print("position    {} {} {}\n", position.at(0).get<double>(), position.at(1).get<double>(),
-             position.at(2).get<double>());
+  const double scale = scale_of(position);
+  fmt::print("position    {} {} {}\n", rounded(position.at(0), scale, 15), rounded(position.at(1), scale, 15),
+             rounded(position.at(2), scale, 15));
   fmt::print("objective   {:.12g}\n", answer.at("objective").get<double>());
   fmt::print("|gradient|  {:.3e} (asked for {:.3e})\n", answer.at("gradient_norm").get<double>(),
              answer.at("accuracy").at("gradient_tolerance").get<double>());

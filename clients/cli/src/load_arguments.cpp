@@ -11,6 +11,7 @@
 #include "failure.h"
 #include "numbers.h"
 #include "session.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -58,7 +59,7 @@ nlohmann::json parse_green_strains(const std::string& argument) {
   bool is_file = false;
   auto strains = nlohmann::json::array();
   for (const auto& row : parse_rows(argument, is_file)) {
-    const auto strain = numbers_in(row);
+    const auto strain = quantities_in(row, {Dimension::ratio});
     if (!strain || strain->size() != 3) {
       throw Failure(
           is_file ? ExitCode::local_file : ExitCode::usage,
@@ -75,9 +76,12 @@ void add_load_options(CLI::App& command, LoadArguments& arguments) {
                          "Stretch along this direction, for example 45deg; lateral strain and shear are free");
   auto* const biaxial = command.add_option("--biaxial", arguments.biaxial,
                                            "Stretch along this direction, for example 45deg, and orthogonal to it");
-  command.add_option("--stretches", arguments.stretches,
-                     "Stretches along the direction in their order: 1.05,1.1 or first:last:n");
-  command.add_option("--orthogonal", arguments.orthogonal, "Stretches orthogonal to it, as many or one");
+  command
+      .add_option("--stretches", arguments.stretches,
+                  "Stretches along the direction in their order: 1.05,1.1 or first:last:n")
+      ->transform(quantity(Dimension::ratio));
+  command.add_option("--orthogonal", arguments.orthogonal, "Stretches orthogonal to it, as many or one")
+      ->transform(quantity(Dimension::ratio));
   command
       .add_option("--frame", arguments.frame,
                   "What --uniaxial is a direction of: space (the default), or the material, as of models and designs")

@@ -13,6 +13,7 @@
 #include "load_arguments.h"
 #include "numbers.h"
 #include "style.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -77,8 +78,11 @@ void add_measured_curve_options(CLI::App& command, MeasuredCurveArguments& argum
                      "Units x,y of a measured file, for example %,kPa or mm,N (the header's)");
   command
       .add_option("--gauge-length", arguments.gauge_length, "Length at rest that was stretched in mm; of displacements")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
-  command.add_option("--area", arguments.area, "Cross-section at rest in mm^2; of forces")->check(CLI::PositiveNumber);
+  command.add_option("--area", arguments.area, "Cross-section at rest in mm^2; of forces")
+      ->transform(quantity(Dimension::area))
+      ->check(CLI::PositiveNumber);
   command
       .add_option("--sense", arguments.sense,
                   "What was measured: tension or compression (told by signs, titles or remarks; else tension)")

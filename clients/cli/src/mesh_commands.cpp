@@ -7,9 +7,17 @@
 #include "failure.h"
 #include "numbers.h"
 #include "style.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
+
+std::string corner_text(const nlohmann::json& corner) {
+  std::string text;
+  for (const auto& coordinate : corner)
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", precise(coordinate.get<double>()));
+  return "(" + text + ")";
+}
 
 void print_mesh(const nlohmann::json& mesh) {
   const auto& box = mesh.at("bounding_box");
@@ -21,7 +29,7 @@ void print_mesh(const nlohmann::json& mesh) {
   fmt::print("boundary loops  {}\n", mesh.at("boundary_loops").get<std::int64_t>());
   fmt::print("genus           {}\n", mesh.at("genus").get<std::int64_t>());
   fmt::print("saddle vertices {}\n", mesh.at("saddle_vertices").get<std::int64_t>());
-  fmt::print("bounding box    {} to {}\n", box.at("lower").dump(), box.at("upper").dump());
+  fmt::print("bounding box    {} to {}\n", corner_text(box.at("lower")), corner_text(box.at("upper")));
   fmt::print("area            {:.9g}\n", mesh.at("area").get<double>());
   fmt::print("edge length     {:.4g} to {:.4g}, mean {:.4g}\n", edge.at("min").get<double>(),
              edge.at("max").get<double>(), edge.at("mean").get<double>());

@@ -2,17 +2,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "cost_output.h"
 #include "csv_cells.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
 
-void print_components(const nlohmann::json& values, int width, const char* kind) {
-  for (const auto& value : values) fmt::print(fmt::runtime(kind), value.get<double>(), width);
+void print_strains(const nlohmann::json& values) {
+  for (const auto& value : values) fmt::print(" {:>9}", with_decimals(value.get<double>()));
 }
-constexpr auto as_strain = " {:>{}.5f}";
-constexpr auto as_stress = " {:>{}.5g}";
+
+void print_stresses(const nlohmann::json& values, double scale) {
+  for (const auto& value : values) fmt::print(" {:>11}", rounded(value, scale));
+}
+
+/// The scale of a member of all states.
+double scale_in(const nlohmann::json& states, const char* name) {
+  double scale = 0;
+  for (const auto& state : states) scale = std::max(scale, scale_of(state.at(name)));
+  return scale;
+}
 
 void print_model_and_cost(const nlohmann::json& answer) {
   fmt::print("model       {}\n", answer.at("model").get<std::string>());
@@ -59,18 +71,18 @@ void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answe
   fmt::print("  in range\n");
   for (std::size_t i = 0; i < strains.size(); ++i) {
     fmt::print("{:>6} ", i);
-    print_components(strains.at(i), 9, as_strain);
-    fmt::print("  {:>11.5g}", answer.at("energy_density").at(i).get<double>());
+    print_strains(strains.at(i));
+    fmt::print("  {:>11}", rounded(answer.at("energy_density").at(i), scale_of(answer.at("energy_density"))));
     if (stresses) {
       fmt::print(" ");
-      print_components(answer.at("stress").at(i), 11, as_stress);
+      print_stresses(answer.at("stress").at(i), scale_of(answer.at("stress")));
       fmt::print("  {:>9}", error_bar_cell(stress_error_bar_at(answer, i)));
     }
     fmt::print("  {}\n", answer.at("in_range").at(i).get<bool>() ? "yes" : "no");
     if (!answer.contains("tangent")) continue;
     for (const auto& row : answer.at("tangent").at(i)) {
       fmt::print("{:>6}  {:<9}", "", "tangent");
-      print_components(row, 11, as_stress);
+      print_stresses(row, scale_of(answer.at("tangent").at(i)));
       fmt::print("\n");
     }
   }
@@ -97,14 +109,16 @@ std::string uniaxial_as_csv(const nlohmann::json& states) {
 void print_uniaxial(const nlohmann::json& answer) {
   fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>9}  {:>11}  {}\n", "state", "E_xx", "E_yy",
              "E_xy", "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "along/MPa", "error bar", "energy/MPa", "in range");
+  const double stress_scale = scale_in(answer.at("states"), "stress");
+  const double energy_scale = scale_in(answer.at("states"), "energy_density");
   std::size_t number = 0;
   for (const auto& state : answer.at("states")) {
     fmt::print("{:>5} ", number++);
-    print_components(state.at("green_strain"), 9, as_strain);
+    print_strains(state.at("green_strain"));
     fmt::print(" ");
-    print_components(state.at("stress"), 11, as_stress);
-    fmt::print("  {:>11.5g}  {:>9}  {:>11.5g}  {}{}\n", state.at("directional_stress").get<double>(),
-               error_bar_cell(state.at("error_bar")), state.at("energy_density").get<double>(),
+    print_stresses(state.at("stress"), stress_scale);
+    fmt::print("  {:>11}  {:>9}  {:>11}  {}{}\n", rounded(state.at("directional_stress"), stress_scale),
+               error_bar_cell(state.at("error_bar")), rounded(state.at("energy_density"), energy_scale),
                state.at("in_range").get<bool>() ? "yes" : "no",
                state.at("converged").get<bool>() ? "" : ", not converged");
   }

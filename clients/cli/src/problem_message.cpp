@@ -22,9 +22,10 @@ struct FieldName {
   std::string_view pointer;
   std::string_view name;
 };
-constexpr std::array<FieldName, 39> field_names{{
+constexpr std::array<FieldName, 40> field_names{{
     {"design", "/target/control_points", "--target"},
     {"design", "/text", "--target"},
+    {"design", "/outline", "--part"},
     {"design", "/content", "--target"},
     {"design", "/units", "--units"},
     {"design", "/columns", "--columns"},

@@ -12,6 +12,7 @@
 #include "failure.h"
 #include "load_arguments.h"
 #include "numbers.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -21,22 +22,16 @@ constexpr std::size_t min_columns = 2;
 constexpr std::size_t max_columns = 4;
 
 /// Whether a row begins with a word. A row that begins with a number is a control point, or a fault to be reported.
-bool is_heading(const std::string& row) { return !angle_in(std::string_view(row).substr(0, row.find(','))); }
+bool is_heading(const std::string& row) { return !is_quantity(std::string_view(row).substr(0, row.find(','))); }
 
 }  // namespace
 
-std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions) {
-  std::optional<std::vector<double>> numbers;
-  if (over_directions) {
-    const std::size_t comma = row.find(',');
-    const auto angle = angle_in(std::string_view(row).substr(0, comma));
-    if (comma != std::string::npos) numbers = numbers_in(std::string_view(row).substr(comma + 1));
-    if (!angle || !numbers) return std::nullopt;
-    numbers->insert(numbers->begin(), *angle);
-  } else {
-    numbers = numbers_in(row);
-  }
-  return numbers && numbers->size() >= min_columns && numbers->size() <= max_columns ? numbers : std::nullopt;
+std::optional<std::vector<double>> control_point_in(const std::string& row, const std::string& task) {
+  const Dimension x = is_over_directions(task) ? Dimension::angle : Dimension::ratio;
+  const Dimension y = task == "poisson" ? Dimension::ratio : Dimension::stress;
+  const auto numbers = quantities_in(row, {x, y, Dimension::ratio, y});
+  if (!numbers || numbers->size() < min_columns || numbers->size() > max_columns) return std::nullopt;
+  return numbers;
 }
 
 void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
@@ -46,7 +41,10 @@ void add_profile_options(CLI::App& command, ProfileArguments& arguments) {
   command.add_option("-m,--model", arguments.model, "Or one of the models, see supple models")->excludes(family);
   command.add_option("-d,--direction", arguments.direction,
                      "Direction of the load, for example 45deg (0); of stress_strain");
-  command.add_option("-s,--strain", arguments.strain, "Strain along the load (0.05); of stiffness and poisson");
+  command
+      .add_option("-s,--strain", arguments.strain,
+                  "Strain along the load, for example 5% (0.05); of stiffness and poisson")
+      ->transform(quantity(Dimension::ratio));
   command
       .add_option("--strain-measure", arguments.strain_measure,
                   "green: Green strain and second Piola-Kirchhoff stress (the default); engineering: stretch - 1 and "
@@ -70,12 +68,12 @@ nlohmann::json profile_fields(const ProfileArguments& arguments) {
 
 bool is_over_directions(const std::string& task) { return task == "stiffness" || task == "poisson"; }
 
-nlohmann::json parse_target(const std::string& argument, bool over_directions) {
+nlohmann::json parse_target(const std::string& argument, const std::string& task) {
   bool is_file = false;
   const auto rows = parse_rows(argument, is_file);
   std::vector<std::vector<double>> points;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    auto numbers = control_point_in(rows[i], over_directions);
+    auto numbers = control_point_in(rows[i], task);
     if (!numbers && is_file && i == 0 && is_heading(rows[i])) continue;
     if (!numbers) {
       throw Failure(is_file ? ExitCode::local_file : ExitCode::usage,
@@ -97,11 +95,11 @@ nlohmann::json parse_target(const std::string& argument, bool over_directions) {
   return target;
 }
 
-bool holds_control_points(const std::string& text, bool over_directions) {
+bool holds_control_points(const std::string& text, const std::string& task) {
   const auto rows = rows_in(text);
   const auto first = rows.begin() + (!rows.empty() && is_heading(rows.front()) ? 1 : 0);
   return first != rows.end() &&
-         std::all_of(first, rows.end(), [&](const std::string& row) { return control_point_in(row, over_directions); });
+         std::all_of(first, rows.end(), [&](const std::string& row) { return control_point_in(row, task); });
 }
 
 nlohmann::json parse_fixed(const std::string& text) {

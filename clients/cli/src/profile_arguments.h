@@ -23,17 +23,17 @@ void add_profile_options(CLI::App& command, ProfileArguments& arguments);
 /// The fields of a request for the options that are set. Throws Failure(usage).
 nlohmann::json profile_fields(const ProfileArguments& arguments);
 
-/// The two to four numbers of a control point "x,y,weight,band"; over directions x is an angle, which may have a unit.
-/// Nothing if the text is no control point.
-std::optional<std::vector<double>> control_point_in(const std::string& row, bool over_directions);
+/// The two to four numbers of a control point "x,y,weight,band". Strains or angles and stresses may have units. Nothing
+/// if the text is no control point of a target of this task.
+std::optional<std::vector<double>> control_point_in(const std::string& row, const std::string& task);
 
 /// A target spline from control points "x,y;x,y" or from the lines of a file, whose first may be a heading. A third
-/// number of a point is its weight, a fourth its band. Over directions each x is an angle, in radians or with a unit.
-/// Throws Failure(usage) and Failure(local_file).
-nlohmann::json parse_target(const std::string& argument, bool over_directions);
+/// number of a point is its weight, a fourth its band. What x and y are, and which units they may have, depends on the
+/// task. Throws Failure(usage) and Failure(local_file).
+nlohmann::json parse_target(const std::string& argument, const std::string& task);
 
 /// Whether every line of a text, perhaps after a heading, is a control point as parse_target reads it.
-bool holds_control_points(const std::string& text, bool over_directions);
+bool holds_control_points(const std::string& text, const std::string& task);
 
 /// Whether the profile of a task is over directions.
 bool is_over_directions(const std::string& task);

@@ -10,6 +10,7 @@
 #include "picture.h"
 #include "profile_arguments.h"
 #include "profile_plot.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -33,8 +34,9 @@ nlohmann::json request_of(const ProfileCommandArguments& arguments) {
     throw Failure(ExitCode::usage, "whose profile: give --family or --model");
   request["parameters"] = parse_numbers(arguments.parameters, "list of parameters");
   if (!arguments.x.empty())
-    request["x"] = is_over_directions(arguments.profile.task) ? parse_angles(arguments.x, "-x")
-                                                              : parse_series(arguments.x, "list of strains");
+    request["x"] = is_over_directions(arguments.profile.task)
+                       ? parse_angles(arguments.x, "-x")
+                       : parse_series(in_base_units(arguments.x, Dimension::ratio, "-x"), "list of strains");
   if (arguments.samples > 0) request["samples"] = arguments.samples;
   if (arguments.equilibrium_tolerance > 0)
     request["accuracy"]["equilibrium_tolerance"] = arguments.equilibrium_tolerance;
@@ -77,8 +79,10 @@ void add_profile_command(CLI::App& program, const GlobalOptions& options) {
   command
       ->add_option("--youngs-modulus", arguments->youngs_modulus,
                    "Young's modulus of the material in MPa (the model's, 26)")
+      ->transform(quantity(Dimension::stress))
       ->check(CLI::PositiveNumber);
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write the profile to this file, - for the terminal");
   command->add_option("--plot", arguments->plot_file, "Draw the profile as SVG or PNG, - for the terminal (SVG)")

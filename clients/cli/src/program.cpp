@@ -18,6 +18,8 @@ constexpr auto footer =
   a point   v17 is vertex 17; 12:0.2,0.3,0.5 is a point of face 12 by its barycentric coordinates;
             @1,2.5,-3 is the point of the surface that is nearest to a point in space
   an angle  45deg, 0.785rad, or a number, which is in radians
+  a length, a stress, a duration and the like are numbers in the unit that the option names, or have a unit of their
+            own: 4mm, 0.4cm, 12MPa, 1.2GPa, 90s, 2min, 5%
 
 Examples:
   supple mesh add bunny.obj
@@ -43,7 +45,8 @@ Exit status:
   0  done                                     3  the server failed (5xx)
   1  the command line cannot be understood    4  no server answered
   2  the server refused the request (4xx)     5  a local file cannot be read or written
-  6  a G-code file has violations           130  Ctrl-C; the computation was cancelled on the server)";
+  6  a G-code file has violations             7  a design misses its target (design --missed-ok: 0)
+  130  Ctrl-C; the computation was cancelled on the server)";
 
 }  // namespace
 

@@ -13,6 +13,7 @@
 #include "picture.h"
 #include "style.h"
 #include "surface_point.h"
+#include "units.h"
 #include "weave_arguments.h"
 
 namespace supple::cli {
@@ -257,7 +258,8 @@ void add_relaxation_options(CLI::App& command, RelaxArguments& arguments) {
       ->check(CLI::PositiveNumber);
   command.add_option("--kept-strips", arguments.kept_strips, "Unfold the faces of earlier paths first (automatic)")
       ->check(CLI::IsMember({"automatic", "on", "off"}));
-  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take")
+  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
 }
 

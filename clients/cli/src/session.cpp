@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -85,6 +86,23 @@ std::optional<double> remaining_seconds_of(const nlohmann::json& job) {
   return remaining->get<double>();
 }
 
+/// The least deviation that the polls of a job have reported; jobs report their latest one.
+class BestDeviation {
+ public:
+  /// The stage of a job and, while it polishes, the best deviation so far.
+  std::string add(const nlohmann::json& job, const std::string& stage) {
+    const auto partial = job.find("partial");
+    if (partial == job.end() || !partial->contains("round")) return stage;
+    const auto& error = partial->at("round").at("target_error");
+    if (error.is_number()) best_ = std::min(best_, error.get<double>());
+    return best_ < std::numeric_limits<double>::infinity() ? stage + fmt::format(", best {:.3g} %", 100 * best_)
+                                                           : stage;
+  }
+
+ private:
+  double best_ = std::numeric_limits<double>::infinity();
+};
+
 /// Sleeps until the time has passed or Ctrl-C was pressed.
 void pause(std::chrono::milliseconds duration) {
   const auto end = std::chrono::steady_clock::now() + duration;
@@ -156,13 +174,14 @@ Answer Session::follow(const std::string& job_path, const std::string& accept, b
   // The polling loop checks for interrupts itself, so that nothing needs to be aborted.
   const InterruptWatch::Scope scope([] {});
   ProgressBar bar(!options_.no_progress);
+  BestDeviation best;
   auto interval = min_poll_interval;
   while (true) {
     const nlohmann::json job = http_.get(job_path).json();
     const auto state = job.at("state").get<std::string>();
     if (observer_) observer_(job);
     if (state != "accepted" && state != "running") break;
-    bar.show(job.at("progress").get<double>(), remaining_seconds_of(job), stage_of(job));
+    bar.show(job.at("progress").get<double>(), remaining_seconds_of(job), best.add(job, stage_of(job)));
     pause(interval);
     interval = std::min(2 * interval, max_poll_interval);
     if (InterruptWatch::interrupted()) {

@@ -6,6 +6,7 @@
 #include "load_arguments.h"
 #include "numbers.h"
 #include "simulation_output.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -86,6 +87,7 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command.add_option("--law", arguments.law, "Material (neo_hookean)")
       ->check(CLI::IsMember({"neo_hookean", "incompressible_plane_stress"}));
   command.add_option("--youngs-modulus", arguments.youngs_modulus, "Young's modulus in MPa (26)")
+      ->transform(quantity(Dimension::stress))
       ->check(CLI::PositiveNumber);
   command.add_option("--poisson-ratio", arguments.poisson_ratio, "Poisson's ratio (0.48)")->check(CLI::Number);
   command
@@ -99,6 +101,7 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
   command
       .add_option("--discretization-error", arguments.discretization_error,
                   "Relative error of the stress that the mesh may make; --mesh-size wins over it")
+      ->transform(quantity(Dimension::ratio))
       ->check(CLI::PositiveNumber);
   command.add_option("-t,--tolerance", arguments.tolerance, "Relative residual of an equilibrium (1e-8)")
       ->check(CLI::PositiveNumber);
@@ -113,7 +116,8 @@ void add_options(CLI::App& command, PatchSimulationArguments& arguments) {
                   "States on a finer mesh too, which tell the mesh's error and take it off (automatic)")
       ->check(switch_values);
   command.add_flag("--no-tangents", arguments.no_tangents, "Leave out the tangent stiffnesses");
-  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take")
+  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command.add_option("--csv", arguments.csv_file, "Write the states to this file, - for the terminal");
   command.add_option("--vtu", arguments.vtu_file,

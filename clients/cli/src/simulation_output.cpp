@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
 
 #include "cost_output.h"
 #include "csv_cells.h"
 #include "style.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -48,14 +50,21 @@ std::string state_file(const std::string& file, std::size_t state, std::size_t s
 void print_simulation(const nlohmann::json& answer) {
   fmt::print("{:>5}  {:>9} {:>9} {:>9}  {:>11} {:>11} {:>11}  {:>11}  {:>8}  {}\n", "state", "E_xx", "E_yy", "E_xy",
              "S_xx/MPa", "S_yy/MPa", "S_xy/MPa", "energy/MPa", "contacts", "stopped");
+  double stress_scale = 0;
+  double energy_scale = 0;
+  for (const auto& state : answer.at("states")) {
+    stress_scale = std::max(stress_scale, scale_of(state.at("stress")));
+    energy_scale = std::max(energy_scale, scale_of(state.at("energy_density")));
+  }
   std::size_t number = 0;
   for (const auto& state : answer.at("states")) {
     fmt::print("{:>5} ", number++);
-    for (const auto& component : state.at("green_strain")) fmt::print(" {:>9.5f}", component.get<double>());
+    for (const auto& component : state.at("green_strain")) fmt::print(" {:>9}", with_decimals(component.get<double>()));
     fmt::print(" ");
-    for (const auto& component : state.at("stress")) fmt::print(" {:>11.5g}", component.get<double>());
-    fmt::print("  {:>11.5g}  {:>8}  {}{}\n", state.at("energy_density").get<double>(), state.at("contacts").get<int>(),
-               state.at("stopped").get<std::string>(), state.at("stable").get<bool>() ? "" : ", unstable");
+    for (const auto& component : state.at("stress")) fmt::print(" {:>11}", rounded(component, stress_scale));
+    fmt::print("  {:>11}  {:>8}  {}{}\n", rounded(state.at("energy_density"), energy_scale),
+               state.at("contacts").get<int>(), state.at("stopped").get<std::string>(),
+               state.at("stable").get<bool>() ? "" : ", unstable");
   }
   const auto& accuracy = answer.at("accuracy");
   const auto& residual = accuracy.at("residual");

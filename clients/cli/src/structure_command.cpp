@@ -7,6 +7,8 @@
 #include "commands.h"
 #include "failure.h"
 #include "numbers.h"
+#include "table_numbers.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -46,7 +48,8 @@ void print_structure(const nlohmann::json& answer) {
   fmt::print("cell        {:.6g} mm^2, {} tiles, {} holes\n", answer.at("cell_area").get<double>(),
              answer.at("tiles").size(), holes);
   for (const auto& translation : lattice) {
-    fmt::print("translation {:.6g} {:.6g} mm\n", translation.at(0).get<double>(), translation.at(1).get<double>());
+    fmt::print("translation {} {} mm\n", rounded(translation.at(0), scale_of(lattice), 6),
+               rounded(translation.at(1), scale_of(lattice), 6));
   }
   fmt::print("solid       {:.6g} of the cell\n", answer.at("relative_density").get<double>());
   if (const auto mesh = answer.find("mesh"); mesh != answer.end()) {
@@ -90,8 +93,10 @@ void add_structure_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--stl", arguments->stl_file, "Write a binary STL file of the extruded solid");
   command->add_option("-c,--cells", arguments->cells, "Cells in the files, for example 4x3 (2x2)");
   command->add_option("--beam-width", arguments->beam_width, "Width of the beams in mm (0.3)")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
   command->add_option("--height", arguments->height, "Height of the STL's extrusion in mm (1)")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--mesh-size", arguments->mesh_size,

@@ -8,6 +8,7 @@
 #include "load_arguments.h"
 #include "model_output.h"
 #include "numbers.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -55,13 +56,17 @@ void add_uniaxial_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("model", arguments->model, "Model, see supple models")->required();
   command->add_option("-p,--parameters", arguments->parameters, "Parameters, separated by commas")->required();
   command->add_option("-d,--direction", arguments->direction, "Direction of the load, for example 45deg")->required();
-  auto* const stretches = command->add_option("--stretches", arguments->stretches,
-                                              "Stretches along it in their order: 1.05,1.1 or first:last:n");
+  auto* const stretches = command
+                              ->add_option("--stretches", arguments->stretches,
+                                           "Stretches along it in their order: 1.05,1.1 or first:last:n")
+                              ->transform(quantity(Dimension::ratio));
   command->add_option("--green-strains", arguments->green_strains, "Or Green strains along it, written likewise")
+      ->transform(quantity(Dimension::ratio))
       ->excludes(stretches);
   command->add_option("-t,--tolerance", arguments->tolerance, "Relative residual of an equilibrium (1e-10)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->add_option("--csv", arguments->csv_file, "Write the states to this file, - for the terminal");
   command->footer(

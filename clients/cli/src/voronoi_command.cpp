@@ -14,6 +14,7 @@
 #include "numbers.h"
 #include "style.h"
 #include "surface_point.h"
+#include "units.h"
 #include "weave_arguments.h"
 
 namespace supple::cli {
@@ -276,7 +277,8 @@ void add_voronoi_command(CLI::App& program, const GlobalOptions& options) {
   command->add_option("--csv", arguments->csv_file, "Write the panels' lengths and angles");
   command->add_option("--panel-scale", arguments->panel_scale, "Millimetres per mesh unit on the panels (1)")
       ->check(CLI::PositiveNumber);
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->footer(
       "Examples:\n  supple voronoi bunny.obj v0 v300 v900 --obj cells.obj\n"

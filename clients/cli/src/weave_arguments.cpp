@@ -11,6 +11,7 @@
 #include "numbers.h"
 #include "session.h"
 #include "suggestions.h"
+#include "units.h"
 
 namespace supple::cli {
 namespace {
@@ -115,7 +116,7 @@ void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
       "--connections", arguments.connections,
       "Of a regular weave: fused, slides_x or slides_y, or rows from below: fused,slides_x;slides_y,fused");
   const auto add_length = [&](const char* name, double& value, const char* text) {
-    command.add_option(name, value, text)->check(CLI::PositiveNumber);
+    command.add_option(name, value, text)->transform(quantity(Dimension::length))->check(CLI::PositiveNumber);
   };
   add_length("--pitch", arguments.pitch, "Of a regular weave, in mm (4)");
   add_length("--side", arguments.side, "Of squares, in mm (12)");
@@ -126,7 +127,9 @@ void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
   command.add_option("--fused-border", arguments.fused_border, "Crossings at a regular sheet's border that are fused")
       ->check(CLI::NonNegativeNumber);
   add_length("--radius", arguments.radius, "Radius of the strands, in mm (0.25)");
-  add_length("--youngs-modulus", arguments.youngs_modulus, "Of the strands, in MPa (3500)");
+  command.add_option("--youngs-modulus", arguments.youngs_modulus, "Of the strands, in MPa (3500)")
+      ->transform(quantity(Dimension::stress))
+      ->check(CLI::PositiveNumber);
   command.add_option("--poisson-ratio", arguments.poisson_ratio, "Of the strands (0.42)");
   command.add_option("--fuse", arguments.fused, "Crossings that are fused, whatever the pattern says: 3,5")
       ->delimiter(',');
@@ -174,17 +177,21 @@ void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments)
       .add_option("--limit-tolerance", arguments.limit_tolerance,
                   "Error of the energy because sliders stand short of their limits, relative (1e-6)")
       ->check(CLI::PositiveNumber);
-  command.add_option("--least-distance", arguments.least_distance,
-                     "Between crossings that slide, in mm (strands that cross there touch)");
-  command.add_option(
-      "--barrier-range", arguments.barrier_range,
-      "Where resistance before a limit begins on the way, in mm (a twentieth of the mean length of rod)");
+  command
+      .add_option("--least-distance", arguments.least_distance,
+                  "Between crossings that slide, in mm (strands that cross there touch)")
+      ->transform(quantity(Dimension::length));
+  command
+      .add_option("--barrier-range", arguments.barrier_range,
+                  "Where resistance before a limit begins on the way, in mm (a twentieth of the mean length of rod)")
+      ->transform(quantity(Dimension::length));
   command.add_option("--sliding-stiffness", arguments.sliding_stiffness,
                      "Stiffness of every sliding displacement, in N/mm (7.1e-11 E times the mean length of rod)");
   const auto switch_values = CLI::IsMember({"automatic", "on", "off"});
   command.add_option("--out-of-plane", arguments.out_of_plane, "The third dimension (automatic)")->check(switch_values);
   command.add_option("--buckling", arguments.buckling, "Leave unstable states (automatic)")->check(switch_values);
-  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take")
+  command.add_option("--deadline", arguments.deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
 }
 

@@ -9,6 +9,7 @@
 #include "numbers.h"
 #include "picture.h"
 #include "simulation_output.h"
+#include "units.h"
 #include "weave_arguments.h"
 #include "weave_output.h"
 #include "weave_places.h"
@@ -96,12 +97,15 @@ void add_weave_homogenize_command(CLI::App& weave, const GlobalOptions& options)
   CLI::App* command =
       weave.add_subcommand("homogenize", "Young's modulus and Poisson's ratio of a periodic weave in every direction");
   add_weave_options(*command, arguments->weave);
-  command->add_option("-s,--strain", arguments->strain, "Stretch minus one along each direction (0.1)");
+  command->add_option("-s,--strain", arguments->strain, "Stretch minus one along each direction (0.1)")
+      ->transform(quantity(Dimension::ratio));
   command->add_option("-d,--directions", arguments->directions,
                       "How many over half a turn (200), or angles: 0deg,45deg or first:last:n");
   command->add_option("--shear", arguments->shear, "Shear relative to the direction (free)")
       ->check(CLI::IsMember({"free", "suppressed"}));
-  command->add_option("--thickness", arguments->thickness, "In mm, for moduli in MPa")->check(CLI::PositiveNumber);
+  command->add_option("--thickness", arguments->thickness, "In mm, for moduli in MPa")
+      ->transform(quantity(Dimension::length))
+      ->check(CLI::PositiveNumber);
   command->add_option("--deformed", arguments->deformed, "Numbers of directions whose deformed cells are wanted");
   add_equilibrium_options(*command, arguments->equilibrium);
   command->add_option("--csv", arguments->csv_file, "Write a line for each direction to this file, - for the terminal");
@@ -191,12 +195,12 @@ nlohmann::json request_of(const SimulateArguments& arguments) {
   for (const auto& text : arguments.fixed_places)
     request["supports"].push_back(support_at(parse_place(text), arguments));
   for (const auto& text : arguments.moved) {
-    auto [place, displacement] = parse_placed_vector(text, "displacement of a place");
+    auto [place, displacement] = parse_placed_vector(text, "displacement of a place", Dimension::length);
     request["supports"].push_back(support_at(std::move(place), arguments));
     request["supports"].back()["displacement"] = std::move(displacement);
   }
   for (const auto& text : arguments.forces) {
-    auto [place, force] = parse_placed_vector(text, "force at a place");
+    auto [place, force] = parse_placed_vector(text, "force at a place", Dimension::force);
     request["forces"].push_back({{"at", std::move(place)}, {"force", std::move(force)}});
   }
   if (!request.contains("supports"))

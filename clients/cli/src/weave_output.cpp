@@ -11,6 +11,7 @@
 #include "csv_cells.h"
 #include "plot_paper.h"
 #include "style.h"
+#include "table_numbers.h"
 
 namespace supple::cli {
 namespace {
@@ -76,7 +77,8 @@ void print_layout(const nlohmann::json& answer, bool crossings) {
     fmt::print("lattice     none: a sheet\n");
   } else {
     for (const auto& translation : lattice)
-      fmt::print("translation {:.6g} {:.6g} mm\n", translation.at(0).get<double>(), translation.at(1).get<double>());
+      fmt::print("translation {} {} mm\n", rounded(translation.at(0), scale_of(lattice), 6),
+                 rounded(translation.at(1), scale_of(lattice), 6));
   }
   if (crossings) {
     fmt::print("{:>8}  {:>9} {:>9}  {}\n", "crossing", "x/mm", "y/mm", "strands");
@@ -102,8 +104,9 @@ void append_state(std::string& line, const nlohmann::json& answer, std::size_t i
 }
 
 std::string matrix_text(const nlohmann::json& matrix) {
-  const auto entry = [&](int row, int column) { return matrix.at(row).at(column).get<double>(); };
-  return fmt::format("{:>10.4g} {:>10.4g} {:>10.4g} {:>10.4g}", entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1));
+  const double scale = scale_of(matrix);
+  const auto entry = [&](int row, int column) { return rounded(matrix.at(row).at(column), scale, 4); };
+  return fmt::format("{:>10} {:>10} {:>10} {:>10}", entry(0, 0), entry(0, 1), entry(1, 0), entry(1, 1));
 }
 
 }  // namespace
@@ -155,16 +158,15 @@ std::string homogenization_as_csv(const nlohmann::json& answer) {
 void print_homogenization(const nlohmann::json& answer) {
   const auto& directions = answer.at("directions");
   const auto cell = [&](const char* name, std::size_t i) {
-    const auto& value = answer.at(name).at(i);
-    return value.is_null() ? std::string("-") : fmt::format("{:.5g}", value.get<double>());
+    return rounded(answer.at(name).at(i), scale_of(answer.at(name)));
   };
   // More directions than this are not printed, since they are better plotted.
   constexpr std::size_t max_lines = 24;
   if (directions.size() <= max_lines) {
     fmt::print("{:>10}  {:>12}  {:>10}  {}\n", "angle/rad", "E/(N/m)", "Poisson", "stopped");
     for (std::size_t i = 0; i < directions.size(); ++i)
-      fmt::print("{:>10.5f}  {:>12}  {:>10}  {}{}\n", directions.at(i).get<double>(), cell("youngs_modulus", i),
-                 cell("poisson_ratio", i), answer.at("stopped").at(i).get<std::string>(),
+      fmt::print("{:>10}  {:>12}  {:>10}  {}{}\n", with_decimals(directions.at(i).get<double>()),
+                 cell("youngs_modulus", i), cell("poisson_ratio", i), answer.at("stopped").at(i).get<std::string>(),
                  answer.at("out_of_plane").at(i).get<bool>() ? ", out of plane" : "");
   }
   fmt::print("directions  {} at the strain {:.6g}\n", directions.size(), answer.at("strain").get<double>());
@@ -241,8 +243,10 @@ void print_weave_simulation(const nlohmann::json& answer) {
                state.at("stopped").get<std::string>(), state.at("out_of_plane").get<bool>() ? ", out of plane" : "",
                state.at("stable").get<bool>() ? "" : ", unstable");
   const auto sums = resultants(answer.at("supports"), answer.at("states").back());
+  const double force_scale = scale_of(answer.at("states").back().at("reactions"));
   for (std::size_t k = 0; k < sums.size(); ++k)
-    fmt::print("support {:<3} {:.6g} {:.6g} {:.6g} N\n", k, sums[k][0], sums[k][1], sums[k][2]);
+    fmt::print("support {:<3} {} {} {} N\n", k, rounded(sums[k][0], force_scale, 6),
+               rounded(sums[k][1], force_scale, 6), rounded(sums[k][2], force_scale, 6));
   print_accuracy(answer);
   fmt::print("unknowns    {}\n", answer.at("accuracy").at("unknowns").get<int>());
   print_cost(answer);

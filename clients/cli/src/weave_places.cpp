@@ -42,9 +42,10 @@ nlohmann::json parse_place(const std::string& text) {
   return {{"box", {{c[0], c[1]}, {c[2], c[3]}}}};
 }
 
-PlacedVector parse_placed_vector(const std::string& text, const char* what) {
+PlacedVector parse_placed_vector(const std::string& text, const char* what, Dimension dimension) {
   const std::size_t equals = text.find('=');
-  auto vector = equals == std::string::npos ? std::nullopt : numbers_in(std::string_view(text).substr(equals + 1));
+  auto vector = equals == std::string::npos ? std::nullopt
+                                            : quantities_in(std::string_view(text).substr(equals + 1), {dimension});
   if (!vector || vector->size() < 2 || vector->size() > 3)
     throw Failure(ExitCode::usage,
                   fmt::format("'{}' is no {}: write PLACE=x,y or PLACE=x,y,z, for example c12=0,-1.5", text, what));

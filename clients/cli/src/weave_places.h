@@ -3,6 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "units.h"
+
 namespace supple::cli {
 
 /// A place of a weave as JSON: "c12" is a crossing, "3@5.2" the point 5.2 mm along strand 3, "3:start" and "3:end" are
@@ -15,6 +17,7 @@ struct PlacedVector {
   nlohmann::json vector;
 };
 /// A place and a vector from "PLACE=x,y" or "PLACE=x,y,z". Throws Failure(usage), which names the vector as `what`.
-PlacedVector parse_placed_vector(const std::string& text, const char* what);
+/// Its components may have units of the dimension.
+PlacedVector parse_placed_vector(const std::string& text, const char* what, Dimension dimension);
 
 }  // namespace supple::cli

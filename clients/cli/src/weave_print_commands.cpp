@@ -10,6 +10,7 @@
 
 #include "failure.h"
 #include "numbers.h"
+#include "units.h"
 #include "weave_arguments.h"
 #include "weave_print_output.h"
 
@@ -114,18 +115,27 @@ void add_weave_print_command(CLI::App& weave, const GlobalOptions& options) {
   command->add_option("--profile", arguments->profile_file,
                       "JSON file with the printer as the contract has it (a Prusa i3 MK3S with PLA)");
   command->add_option("--options", arguments->options_file, "JSON file with any fields of the request");
-  command->add_option("--origin", arguments->origin, "Where the sheet's 0,0 comes to lie on the bed, in mm (centred)");
+  command->add_option("--origin", arguments->origin, "Where the sheet's 0,0 comes to lie on the bed, in mm (centred)")
+      ->transform(quantity(Dimension::length));
   command->add_option("--order", arguments->order, "All strands in printing order: 3,0,1,2");
-  command->add_option("--overrun", arguments->overrun,
-                      "Strands are printed on beyond their ends by mm: 24, or 24,0 for start and end");
-  command->add_option("--overrun-of", arguments->overruns, "The same of single strands: 3:24,0");
+  command
+      ->add_option("--overrun", arguments->overrun,
+                   "Strands are printed on beyond their ends by mm: 24, or 24,0 for start and end")
+      ->transform(quantity(Dimension::length));
+  command->add_option("--overrun-of", arguments->overruns, "The same of single strands: 3:24,0")
+      ->transform(quantity(Dimension::length));
   command->add_option("--loop-overlap", arguments->loop_overlap, "Loops are printed on over their beginning by mm")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
-  command->add_option("--frame", arguments->frame, "A frame around the sheet: margin in mm, or margin,lead-in");
-  command->add_option("--grip", arguments->grips, "A solid bar: x,y,x,y or x,y,x,y,width in mm");
+  command->add_option("--frame", arguments->frame, "A frame around the sheet: margin in mm, or margin,lead-in")
+      ->transform(quantity(Dimension::length));
+  command->add_option("--grip", arguments->grips, "A solid bar: x,y,x,y or x,y,x,y,width in mm")
+      ->transform(quantity(Dimension::length));
   command->add_option("--chord-error", arguments->chord_error, "Polylines leave curved strands by less, in mm (0.005)")
+      ->transform(quantity(Dimension::length))
       ->check(CLI::PositiveNumber);
-  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take")
+  command->add_option("--deadline", arguments->deadline, "Seconds that the computation may take, or for example 2min")
+      ->transform(quantity(Dimension::duration))
       ->check(CLI::PositiveNumber);
   command->footer(
       "Examples:\n"

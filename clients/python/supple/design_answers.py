@@ -7,27 +7,28 @@ whose lateral strain and shear are free. Stresses and stiffnesses are in MPa, an
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Any, Dict, Optional, Tuple
+from typing import Annotated, Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
 from ._arrays import Array, Flags
 from .answers import Cost, Effect
-from .drawing import ORANGE, RED, Drawing, Line, curve
+from .drawing import ORANGE, RED, Band, Drawing, Line, curve, error_band
 from .shown import Drawn, Shown, short_text
 from .wire import ACCURACY, At
 
 Name = Annotated[str, At("/name", missing="")]
 
 
-def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...]) -> Drawing:
+def profile_drawing(task: str, over_strains: bool, lines: Tuple[Line, ...], bands: Tuple[Band, ...] = ()) -> Drawing:
     """Curves of a profile with the axes for its task. Poisson's ratios, which may be negative, have straight axes in degrees."""
     if over_strains:
-        return Drawing("curves", lines, (), "", "strain along the load", "stress / MPa")
+        return Drawing("curves", lines, (), "", "strain along the load", "stress / MPa", bands)
     if task == "stiffness":
-        return Drawing("polar", lines, title="stiffness / MPa over the direction of the load")
+        return Drawing("polar", lines, title="stiffness / MPa over the direction of the load", bands=bands)
     in_degrees = tuple(replace(line, points=line.points * [180 / np.pi, 1]) for line in lines)
-    return Drawing("curves", in_degrees, (), "", "direction of the load / degrees", "Poisson's ratio")
+    bands_in_degrees = tuple(replace(band, x=np.degrees(band.x)) for band in bands)
+    return Drawing("curves", in_degrees, (), "", "direction of the load / degrees", "Poisson's ratio", bands_in_degrees)
 
 
 @dataclass(frozen=True, repr=False)
@@ -188,7 +189,7 @@ class DesignProfile(Drawn):
         if self.verified is not None:
             marks = over_strains
             lines.append(curve(self.verified.x, self.verified.y, color=RED, label="simulated", marks=marks, dashed=not marks))
-        return profile_drawing(self.task, over_strains, tuple(lines))
+        return profile_drawing(self.task, over_strains, tuple(lines), error_band(self.x, self.achieved, self.error_bar))
 
 
 @dataclass(frozen=True, repr=False)
@@ -275,6 +276,12 @@ class StructureSize(Shown):
     density: Optional[float]
 
 
+def _deviation_text(verdict: Verdict) -> str:
+    if verdict.deviation is None:
+        return "unknown"
+    return f"{100 * verdict.deviation:.3g} % {'simulated' if verdict.source == 'simulation' else 'by the model'}"
+
+
 def _files(structure: Any) -> Dict[str, str]:
     return {kind: structure[kind] for kind in ("svg", "dxf", "stl")}
 
@@ -325,11 +332,15 @@ class Design(Drawn):
     orientation: float
     material: MadeOf
     size: Annotated[StructureSize, At("/structure")]
-    ways_out: Tuple[WayOut, ...]
+    ways_out: Annotated[Tuple[WayOut, ...], At(missing=())]
+
+    def _shown(self) -> List[Tuple[str, str]]:
+        first = [("deviation", _deviation_text(self.verdict)), ("parameters", short_text(self.parameters)),
+                 ("family", short_text(self.family)), ("verdict", short_text(self.verdict.grade))]
+        return first + [entry for entry in super()._shown() if entry[0] not in dict(first)]
 
     def _drawing(self) -> Drawing:
-        off = 100 * self.error.relative_rms
-        title = f"{self.family} {short_text(self.parameters)}: {off:.2g} % from the target by the model"
+        title = f"{self.family} {short_text(self.parameters)}: {self.verdict.sentence}"
         return replace(self.profile._drawing(), title=title)
 
 
@@ -436,4 +447,5 @@ class ProfileCurve(Drawn):
     def _drawing(self) -> Drawing:
         title = f"{self.family} {short_text(self.parameters)}"
         line = curve(self.x, self.y, label="neural model")
-        return replace(profile_drawing(self.task, self.direction is not None, (line,)), title=title)
+        band = error_band(self.x, self.y, self.error_bar)
+        return replace(profile_drawing(self.task, self.direction is not None, (line,), band), title=title)

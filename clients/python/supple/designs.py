@@ -12,10 +12,11 @@ from ._arrays import Numbers
 from .design_answers import DesignResult, ProfileCurve, RegionDesigns
 from .request import Reported, Request, Timeout
 from .targets import Target
+from .units import ANGLE, DENSITY, LENGTH, RATIO, STRESS, Number, Pair
 from .wire import ACCURACY, EFFECT, At, Sent, Shape
 
 
-def _modulus(modulus: Union[float, Tuple[float, float]], name: str) -> Any:
+def _modulus(modulus: Any, name: str) -> Any:
     values = np.asarray(modulus, dtype=np.float64)
     if values.shape not in ((), (2,)):
         raise ValueError(f"{name} has the shape {values.shape}; expected a number or a pair (least, most)")
@@ -27,15 +28,15 @@ class Material(Sent):
     """The material of a structure. None stands for that of the model's data.
 
     Attributes:
-        youngs_modulus: E in MPa, to which stresses and stiffnesses are proportional. With a pair (least, greatest) the search
-            finds the best modulus for the targets. Each of several materials needs one.
+        youngs_modulus: E in MPa, or with a unit as in "1.2 GPa", to which stresses and stiffnesses are proportional. With a pair
+            (least, greatest) the search finds the best modulus for the targets. Each of several materials needs one.
         density: in g/cm^3. 1.2 by default.
         name: a name that the answer repeats.
         poisson_ratio, law: only those of the model's data are permitted (`InvalidDesign`).
     """
 
-    youngs_modulus: Annotated[Union[float, Tuple[float, float], None], At(write=_modulus)] = None
-    density: Optional[float] = None
+    youngs_modulus: Annotated[Union[Number, Pair, None], At(write=_modulus), STRESS] = None
+    density: Annotated[Optional[Number], DENSITY] = None
     name: Optional[str] = None
     poisson_ratio: Optional[float] = None
     law: Optional[str] = None
@@ -51,12 +52,12 @@ class Limits(Sent):
         beam_width: width of the beams, mm, for cells of a given size; beams are the walls of a part.
     """
 
-    relative_density: Annotated[Optional[Tuple[float, float]], At(write=checks.pair)] = None
-    cell_size: Annotated[Optional[Tuple[float, float]], At(write=checks.pair)] = None
-    beam_width: Annotated[Optional[Tuple[float, float]], At(write=checks.pair)] = None
+    relative_density: Annotated[Optional[Pair], At(write=checks.pair), RATIO] = None
+    cell_size: Annotated[Optional[Pair], At(write=checks.pair), LENGTH] = None
+    beam_width: Annotated[Optional[Pair], At(write=checks.pair), LENGTH] = None
 
 
-def _orientation(orientation: Union[float, Tuple[float, float]], name: str) -> Union[float, Sequence[float]]:
+def _orientation(orientation: Any, name: str) -> Union[float, Sequence[float]]:
     return checks.pair(orientation, name) if np.ndim(orientation) > 0 else checks.radians(orientation, name)
 
 
@@ -71,11 +72,11 @@ class Region(Sent):
     also: Sequence[Target] = ()
     initial: Optional[Numbers] = None
     fixed: Optional[Sequence[Optional[float]]] = None
-    orientation: Annotated[Union[float, Tuple[float, float], None], At(write=_orientation)] = None
-    initial_orientation: Annotated[Optional[float], At(write=checks.radians)] = None
+    orientation: Annotated[Union[Number, Pair, None], At(write=_orientation), ANGLE] = None
+    initial_orientation: Annotated[Optional[Number], At(write=checks.radians), ANGLE] = None
     material: Union[Material, Sequence[Material], None] = None
-    beam_width: Optional[float] = None
-    cell_size: Optional[float] = None
+    beam_width: Annotated[Optional[Number], LENGTH] = None
+    cell_size: Annotated[Optional[Number], LENGTH] = None
     limits: Optional[Limits] = None
 
 
@@ -190,14 +191,14 @@ class ProfileRequest(Request[ProfileCurve], path="/v1/profiles"):
     parameters: Numbers
     family: Optional[str] = None
     model: Optional[str] = None
-    direction: Annotated[Optional[float], At(write=checks.radians)] = None
-    strain: Annotated[Optional[float], At(write=checks.number)] = None
+    direction: Annotated[Optional[Number], At(write=checks.radians), ANGLE] = None
+    strain: Annotated[Optional[Number], At(write=checks.number), RATIO] = None
     strain_measure: Optional[str] = None
     x: Optional[Numbers] = None
     limits: Annotated[Optional[Tuple[float, float]], Shape(2), At("/range")] = None
     samples: Optional[int] = None
     equilibrium_tolerance: Annotated[Optional[float], ACCURACY] = None
-    orientation: Annotated[Optional[float], At(write=_orientation)] = None
+    orientation: Annotated[Optional[Number], At(write=_orientation), ANGLE] = None
     material: Optional[Material] = None
     deadline: Optional[float] = None
     timeout: Timeout = None
@@ -205,4 +206,5 @@ class ProfileRequest(Request[ProfileCurve], path="/v1/profiles"):
     priority: Optional[str] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         checks.one_of(self.task, "task", checks.TASKS)

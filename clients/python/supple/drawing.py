@@ -9,7 +9,7 @@ from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
-from ._arrays import Array
+from ._arrays import Array, Indices
 
 BLUE, ORANGE, RED, GREY, PALE, SOLID = "#1f4e9c", "#f3b562", "#c2362f", "#98a4ae", "#dbe3f0", "#b9c6d8"
 WIDTH, HEIGHT = 480.0, 360.0
@@ -39,13 +39,31 @@ class Area:
 
 
 @dataclass(frozen=True)
+class Band:
+    """What lies between two curves over the same x of shape (n,), for example the error bars of a curve. nan interrupts it."""
+
+    x: Array
+    lower: Array
+    upper: Array
+    color: str = BLUE
+
+    def runs(self) -> List[Indices]:
+        """The indices of the samples without a gap, for each stretch of them."""
+        finite = np.flatnonzero(np.isfinite(self.lower) & np.isfinite(self.upper) & np.isfinite(self.x))
+        return [run for run in np.split(finite, np.flatnonzero(np.diff(finite) > 1) + 1) if len(run) > 1]
+
+
+BAND_OPACITY = 0.2
+
+
+@dataclass(frozen=True)
 class Drawing:
     """A picture.
 
     Attributes:
         kind: "curves" (axes with numbers), "polar" (x are angles of period pi, in radians) or "map" (equal scales and no
             axes; lines in space are drawn in isometric projection).
-        lines, areas: its content; areas are drawn below lines.
+        lines, areas, bands: its content; areas and bands are drawn below lines. A map has no bands.
         title: one line of text.
         x_label, y_label: labels of the axes of curves.
     """
@@ -56,6 +74,7 @@ class Drawing:
     title: str = ""
     x_label: str = ""
     y_label: str = ""
+    bands: Tuple[Band, ...] = ()
 
     @property
     def in_space(self) -> bool:
@@ -69,6 +88,14 @@ class Drawing:
 def curve(x: Any, y: Any, **style: Any) -> Line:
     """A line from two arrays of shape (n,)."""
     return Line(np.column_stack([np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)]), **style)
+
+
+def error_band(x: Any, y: Any, error_bar: Any, color: str = BLUE) -> Tuple[Band, ...]:
+    """The band of a curve's error bars, from arrays of shape (n,); none if there are no bars."""
+    if error_bar is None:
+        return ()
+    places, values, bars = (np.asarray(array, dtype=np.float64) for array in (x, y, error_bar))
+    return (Band(places, values - bars, values + bars, color),)
 
 
 def _isometric(points: Array) -> Array:
@@ -86,6 +113,26 @@ def _closed_polar(angles: Array, values: Array) -> Array:
     radii = np.abs(np.concatenate([values[order], values[order]]))
     points = np.column_stack([radii * np.cos(angles_all_around), radii * np.sin(angles_all_around)])
     return np.vstack([points, points[:1]])
+
+
+def _band_rings(drawing: Drawing, band: Band) -> List[Array]:
+    """The outlines of a band's stretches in the plane of the picture, before scaling. A polar band is there once more, half a
+    turn further, and is closed if it has no gap."""
+    rings: List[Array] = []
+    for run in band.runs():
+        x, lower, upper = band.x[run], band.lower[run], band.upper[run]
+        if drawing.kind != "polar":
+            rings.append(np.column_stack([np.concatenate([x, x[::-1]]), np.concatenate([lower, upper[::-1]])]))
+            continue
+        order = np.argsort(x)
+        x, lower, upper = x[order], lower[order], upper[order]
+        if len(run) == len(band.x):
+            x, lower, upper = (np.append(a, b) for a, b in ((x, x[0] + np.pi), (lower, lower[0]), (upper, upper[0])))
+        radii = np.abs(np.concatenate([lower, upper[::-1]]))
+        for turn in (0.0, np.pi):
+            angles = np.concatenate([x, x[::-1]]) + turn
+            rings.append(np.column_stack([radii * np.cos(angles), radii * np.sin(angles)]))
+    return rings
 
 
 def _in_plane(drawing: Drawing) -> List[Array]:
@@ -133,7 +180,8 @@ def to_svg(drawing: Drawing) -> str:
     """The picture as an SVG document."""
     lines = _in_plane(drawing)
     rings = [ring for area in drawing.areas for ring in area.rings]
-    low, high = _box(lines + rings)
+    bands = [(band, ring) for band in drawing.bands for ring in _band_rings(drawing, band)]
+    low, high = _box(lines + rings + [ring for _, ring in bands])
     curves = drawing.kind == "curves"
     left, right, top, bottom = (62.0, 14.0, 28.0, 52.0) if curves else (10.0, 10.0, 28.0, 24.0)
     if curves:
@@ -165,6 +213,8 @@ def to_svg(drawing: Drawing) -> str:
     for area in drawing.areas:
         path = "".join(_path(place(ring), closed=True) for ring in area.rings)
         out.append(f'<path d="{path}" fill="{area.color}" fill-rule="evenodd"/>')
+    for band, ring in bands:
+        out.append(f'<path d="{_path(place(ring), closed=True)}" fill="{band.color}" fill-opacity="{BAND_OPACITY}"/>')
     for line, points in zip(drawing.lines, lines):
         placed = place(points)
         if line.marks:
@@ -192,6 +242,16 @@ def _matplotlib() -> Any:
     return matplotlib.pyplot
 
 
+def _fill_band(ax: Any, drawing: Drawing, band: Band) -> None:
+    for run in band.runs():
+        order = run[np.argsort(band.x[run])]
+        x, lower, upper = band.x[order], band.lower[order], band.upper[order]
+        if drawing.kind == "polar" and len(run) == len(band.x):
+            x, lower, upper = (np.append(a, b) for a, b in ((x, x[0] + np.pi), (lower, lower[0]), (upper, upper[0])))
+        for turn in (0.0, np.pi) if drawing.kind == "polar" else (0.0,):
+            ax.fill_between(x + turn, lower, upper, color=band.color, alpha=BAND_OPACITY, linewidth=0)
+
+
 def to_matplotlib(drawing: Drawing, ax: Optional[Any]) -> Any:
     """Draws with matplotlib and returns the axes, new ones if `ax` is None. Raises `ImportError` if it is not installed."""
     pyplot = _matplotlib()
@@ -204,6 +264,8 @@ def to_matplotlib(drawing: Drawing, ax: Optional[Any]) -> Any:
 
         ax.add_patch(PathPatch(Path.make_compound_path(*[Path(ring, closed=False) for ring in area.rings]),
                                facecolor=area.color, edgecolor="none"))
+    for band in drawing.bands:
+        _fill_band(ax, drawing, band)
     for line in drawing.lines:
         points = line.points if drawing.in_space else line.points[:, :2]
         if drawing.kind == "polar":

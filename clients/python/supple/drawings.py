@@ -129,6 +129,7 @@ class DrawingRequest(Request[Drawing], path="/v1/outlines"):
     priority: Optional[str] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         one_of(self.unit, "unit", UNITS)
 
     def decode(self, answer: Answer) -> Drawing:

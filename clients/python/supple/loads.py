@@ -8,6 +8,7 @@ from typing import Annotated, Optional, Union
 from numpy.typing import ArrayLike
 
 from .checks import one_of, radians
+from .units import ANGLE, Number
 from .wire import At, Sent, Shape
 
 
@@ -25,11 +26,12 @@ class Uniaxial(Sent):
     `frame` is the frame of the direction: "space" (the server's default), or "material", as for models and designs.
     """
 
-    direction: Annotated[float, At("/uniaxial/direction")]
+    direction: Annotated[Number, At("/uniaxial/direction"), ANGLE]
     stretches: Annotated[ArrayLike, Shape(-1), At("/uniaxial/stretches")]
     frame: Annotated[Optional[str], At("/uniaxial/frame")] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         radians(self.direction, "direction")
         one_of(self.frame, "frame", ("space", "material"))
 
@@ -38,10 +40,11 @@ class Uniaxial(Sent):
 class Biaxial(Sent):
     """Stretches along a direction (angle from the x axis in radians) and orthogonal to it, in pairs."""
 
-    direction: Annotated[float, At("/biaxial/direction")]
+    direction: Annotated[Number, At("/biaxial/direction"), ANGLE]
     stretches: Annotated[ArrayLike, Shape(-1, 2), At("/biaxial/stretches")]
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         radians(self.direction, "direction")
 
 

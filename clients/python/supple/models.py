@@ -18,10 +18,11 @@ from ._arrays import Array, Flags, Indices, Numbers, Positions
 from .answers import Cost
 from .calls import named, runs_here, submits_here
 from .checks import radians
-from .drawing import Drawing, curve
+from .drawing import Drawing, curve, error_band
 from .request import OfModel, Reported, Request, Resource, Result, Timeout, id_of
 from .shown import Drawn, Shown
 from .transport import Transport
+from .units import ANGLE, Number
 from .wire import ACCURACY, At, Shape
 
 
@@ -158,7 +159,8 @@ class UniaxialCurve(Drawn):
         strain = self.green_strain @ [c * c, s * s, 2 * c * s]
         title = f"uniaxial load along {np.degrees(self.direction):.4g} degrees"
         line = curve(strain, self.directional_stress, label="neural model")
-        return Drawing("curves", (line,), (), title, "Green strain along the load", "stress along the load / MPa")
+        return Drawing("curves", (line,), (), title, "Green strain along the load", "stress along the load / MPa",
+                       error_band(strain, self.directional_stress, self.error_bar))
 
 
 def _rows(columns: Optional[int]) -> At:
@@ -225,7 +227,7 @@ class UniaxialRequest(_ModelRequest[UniaxialCurve], path="/v1/models/{model}/uni
 
     model: OfModel
     parameters: Numbers
-    direction: float
+    direction: Annotated[Number, ANGLE]
     stretches: Optional[Numbers] = None
     green_strains: Optional[Numbers] = None
     tolerance: Annotated[Optional[float], ACCURACY] = None
@@ -236,6 +238,7 @@ class UniaxialRequest(_ModelRequest[UniaxialCurve], path="/v1/models/{model}/uni
     priority: Optional[str] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         radians(self.direction, "direction")
         if (self.stretches is None) == (self.green_strains is None):
             raise ValueError("a uniaxial load is given by stretches or by green_strains, one of the two")

@@ -1,9 +1,10 @@
-"""Parts to print or cut: outlines that structures fill. Lengths are in millimetres, angles in radians."""
+"""Parts to print or cut: outlines that structures fill. Lengths are in millimetres, angles in radians; texts may have other units,
+such as "6 cm" or "30 deg"."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Annotated, Any, Dict, Mapping, Optional, Sequence, Tuple
+from dataclasses import dataclass, fields
+from typing import Annotated, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,22 +15,28 @@ from .checks import one_of, warn
 from .design_answers import Design
 from .request import FileRequest, Kind, Reported, Request, Timeout
 from .transport import Answer
+from .units import ANGLE, DENSITY, LENGTH, Number, without_unit
 from .wire import At, Sent, given
 
 
-def coupon(width: float, length: float, grip_length: Optional[float] = None) -> Dict[str, Any]:
+def _lengths(**lengths: Optional[Number]) -> Dict[str, Any]:
+    """The JSON of those lengths that are given; texts with units become numbers of mm."""
+    return given(**{name: without_unit(length, name, "length") for name, length in lengths.items()})
+
+
+def coupon(width: Number, length: Number, grip_length: Optional[Number] = None) -> Dict[str, Any]:
     """The outline of a tensile coupon: `length` of the structure along y between two solid grips (15 mm each)."""
-    return {"coupon": given(width=width, length=length, grip_length=grip_length)}
+    return {"coupon": _lengths(width=width, length=length, grip_length=grip_length)}
 
 
-def block(width: float, height: float, plate: Optional[float] = None) -> Dict[str, Any]:
+def block(width: Number, height: Number, plate: Optional[Number] = None) -> Dict[str, Any]:
     """The outline of a compression block: `height` of the structure along y between two solid plates (1 mm each)."""
-    return {"block": given(width=width, height=height, plate=plate)}
+    return {"block": _lengths(width=width, height=height, plate=plate)}
 
 
-def rectangle(width: float, height: float) -> Dict[str, Any]:
+def rectangle(width: Number, height: Number) -> Dict[str, Any]:
     """A rectangle as an outline."""
-    return {"rectangle": [float(width), float(height)]}
+    return {"rectangle": list(map(float, _lengths(width=width, height=height).values()))}
 
 
 def polygons(outlines: Sequence[ArrayLike]) -> Dict[str, Any]:
@@ -66,10 +73,10 @@ class PartRegion(Sent):
     outline: Annotated[ArrayLike, At(write=_polygon)]
     family: Annotated[str, At("/structure/")]
     parameters: Annotated[Optional[Numbers], At("/structure/")] = None
-    beam_width: Optional[float] = None
-    orientation: Optional[float] = None
+    beam_width: Annotated[Optional[Number], LENGTH] = None
+    orientation: Annotated[Optional[Number], ANGLE] = None
     name: Optional[str] = None
-    direction: Optional[float] = None
+    direction: Annotated[Optional[Number], ANGLE] = None
 
 
 @dataclass(frozen=True)
@@ -92,17 +99,17 @@ class PartOptions(Sent):
         axis: direction in an outline other than a coupon or a block along which the part will be loaded, radians. None.
     """
 
-    beam_width: Optional[float] = None
-    orientation: Optional[float] = None
-    direction: Optional[float] = None
+    beam_width: Annotated[Optional[Number], LENGTH] = None
+    orientation: Annotated[Optional[Number], ANGLE] = None
+    direction: Annotated[Optional[Number], ANGLE] = None
     regions: Sequence[PartRegion] = ()
-    frame: Optional[float] = None
-    seam: Optional[float] = None
+    frame: Annotated[Optional[Number], LENGTH] = None
+    seam: Annotated[Optional[Number], LENGTH] = None
     rim: Optional[str] = None
-    smallest_wall: Optional[float] = None
-    thickness: Optional[float] = None
-    density: Annotated[Optional[float], At("/material/")] = None
-    axis: Optional[float] = None
+    smallest_wall: Annotated[Optional[Number], LENGTH] = None
+    thickness: Annotated[Optional[Number], LENGTH] = None
+    density: Annotated[Optional[Number], At("/material/"), DENSITY] = None
+    axis: Annotated[Optional[Number], ANGLE] = None
 
     @classmethod
     def of_design(cls, design: Design, **further: Any) -> "PartOptions":
@@ -118,6 +125,7 @@ class PartOptions(Sent):
         return cls(**{**options, **further})
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         one_of(self.rim, "rim", ("clipped", "whole"))
 
 
@@ -163,12 +171,30 @@ class Part:
     cost: Cost
 
 
+def _options_of(design: Design, outline: Mapping[str, Any], given_options: Optional[PartOptions]) -> PartOptions:
+    """The options for a part of a design, in which given ones take their place. Only a part with an axis of load takes the
+    direction of the design's load: a coupon, a block, or one with `axis`. Warns if it needs one and the design has no single one."""
+    further = {} if given_options is None else {
+        one.name: getattr(given_options, one.name) for one in fields(given_options)
+        if getattr(given_options, one.name) not in (None, ())}
+    has_load_axis = "coupon" in outline or "block" in outline or "axis" in further
+    options = PartOptions.of_design(design, **{**({} if has_load_axis else {"direction": None}), **further})
+    if has_load_axis and options.direction is None:
+        tested = "pi/2" if options.axis is None else f"{options.axis:.4g} rad"
+        warn(f"the design has no single direction of load: the part is loaded along its direction {tested}, unless direction says another one")
+    return options
+
+
 @dataclass(frozen=True)
-class _PartFields:
-    """The fields of both requests."""
+class _PartFields(Sent):
+    """The fields of both requests.
+
+    With a `Design` as `family`, the part has its structure, width of beams, orientation and density. A coupon, a block or a
+    part with an `axis` is loaded along the direction of the design's load. `options` take the place of these.
+    """
 
     outline: Mapping[str, Any]
-    family: Annotated[str, At("/structure/")]
+    family: Annotated[Union[str, Design], At("/structure/")]
     parameters: Annotated[Optional[Numbers], At("/structure/")] = None
     options: Annotated[Optional[PartOptions], At("")] = None
     deadline: Optional[float] = None
@@ -176,11 +202,23 @@ class _PartFields:
     progress: Reported = None
     priority: Optional[str] = None
 
+    def __post_init__(self) -> None:
+        if isinstance(self.family, Design):
+            if self.parameters is not None:
+                raise ValueError("a design has parameters of its own: give them with the id of a family")
+            design = self.family
+            for name, value in (("family", design.family), ("parameters", design.parameters),
+                                ("options", _options_of(design, self.outline, self.options))):
+                object.__setattr__(self, name, value)
+        super().__post_init__()
+
 
 @dataclass(frozen=True)
 class PartRequest(_PartFields, Request[Part], path="/v1/parts"):
     """The properties of a part: an outline that a structure fills, for printing or cutting. `outline` comes from
-    `parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`."""
+    `parts.coupon`, `block`, `rectangle`, `polygons` or `Drawing.outline`. `family` is the id of a family or a `Design`, whose
+    structure, width of beams, orientation, density and direction of load the part then has:
+    `client.part(supple.parts.coupon(12, 30), design)`."""
 
 
 @dataclass(frozen=True)

@@ -84,6 +84,7 @@ class FileRequest(Request[bytes]):
     kind: str
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         one_of(self.kind, "kind", tuple(self.TYPES))
 
     @property

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import html
-from typing import Any, List, Optional, Tuple
+import math
+from decimal import Decimal
+from typing import Any, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -17,8 +19,22 @@ MAX_SHORT_LIST = 4
 """Largest number of entries with which a list or an array is shown in full."""
 
 
-def _number(value: Any) -> str:
-    return f"{float(value):.6g}"
+MAX_PLAIN_INTEGER = 10**15
+"""Integers up to this one are shown in full, and larger ones with an exponent."""
+ZERO_FRACTION = 1e-9
+"""Numbers below this fraction of the largest one beside them are zero but for rounding."""
+
+
+def _number(value: Any, scale: float = 0.0) -> str:
+    number = float(value)
+    return "0" if abs(number) <= ZERO_FRACTION * scale else f"{number:.6g}"
+
+
+def _numbers(values: Sequence[Any]) -> str:
+    """Numbers side by side; -2e-17 beside 3 is shown as 0, which it is but for rounding."""
+    sizes = [abs(float(value)) for value in values]
+    scale = max([size for size in sizes if math.isfinite(size)], default=0.0)
+    return ", ".join(_number(value, scale) if isinstance(value, float) else short_text(value) for value in values)
 
 
 def short_text(value: Any) -> str:
@@ -26,18 +42,19 @@ def short_text(value: Any) -> str:
     if value is None or isinstance(value, (bool, np.bool_)):
         return str(value)
     if isinstance(value, (int, np.integer)):
-        return str(int(value))
+        integer = int(value)
+        return str(integer) if abs(integer) <= MAX_PLAIN_INTEGER else f"{Decimal(integer).normalize():.6g}"
     if isinstance(value, (float, np.floating)):
         return _number(value)
     if isinstance(value, str):
         return repr(value if len(value) <= MAX_TEXT_LENGTH else value[: MAX_TEXT_LENGTH - 1] + "\u2026")
     if isinstance(value, np.ndarray):
         if value.ndim == 1 and value.size <= MAX_SHORT_LIST:
-            return "[" + ", ".join(short_text(entry) for entry in value.tolist()) + "]"
+            return "[" + _numbers(value.tolist()) + "]"
         return f"array{value.shape}"
     if isinstance(value, (tuple, list)):
         if len(value) <= MAX_SHORT_LIST and all(isinstance(entry, (int, float)) for entry in value):
-            return "(" + ", ".join(short_text(entry) for entry in value) + ")"
+            return "(" + _numbers(value) + ")"
         return "()" if not value else f"{len(value)} \u00d7 {type(value[0]).__name__}"
     if isinstance(value, dict):
         return f"{len(value)} entries"
@@ -53,9 +70,13 @@ def _entries(value: Any) -> List[Tuple[str, str]]:
 class Shown:
     """A result whose repr() is one short line and which notebooks show as a table of its fields."""
 
+    def _shown(self) -> List[Tuple[str, str]]:
+        """What is shown, by its name; what matters most comes first."""
+        return _entries(self)
+
     def __repr__(self) -> str:
         text = type(self).__name__ + "("
-        for index, (name, shown) in enumerate(_entries(self)):
+        for index, (name, shown) in enumerate(self._shown()):
             entry = (", " if index else "") + f"{name}={shown}"
             if len(text) + len(entry) > MAX_LINE_LENGTH:
                 return text + ", \u2026)"
@@ -66,7 +87,7 @@ class Shown:
         rows = "".join(
             f'<tr><th style="text-align:left">{html.escape(name)}</th>'
             f'<td style="text-align:left">{html.escape(shown)}</td></tr>'
-            for name, shown in _entries(self)
+            for name, shown in self._shown()
         )
         return f"<table><caption>{html.escape(type(self).__name__)}</caption>{rows}</table>"
 

@@ -17,6 +17,7 @@ from .connection import Connection
 from .errors import InvalidRequest
 from .request import Reported, Request, Timeout
 from .transport import Answer
+from .units import ANGLE, LENGTH, RATIO, Number
 from .wire import ACCURACY, EFFECT, At, Sent, Shape, by_name
 
 Column = Union[int, str]
@@ -43,8 +44,8 @@ class Target(Sent):
 
     task: str
     control_points: Annotated[ArrayLike, Shape(-1, 2), At("/target/")]
-    direction: Optional[float] = None
-    strain: Optional[float] = None
+    direction: Annotated[Optional[Number], ANGLE] = None
+    strain: Annotated[Optional[Number], RATIO] = None
     strain_measure: Optional[str] = None
     interpolation: Annotated[Optional[str], At("/target/")] = None
     weights: Annotated[Optional[Numbers], At("/target/")] = None
@@ -53,6 +54,7 @@ class Target(Sent):
     weight: Optional[float] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         checks.one_of(self.task, "task", checks.TASKS)
         points = checks.control_points(self.control_points, self.task, self.direction)
         if self.direction is not None:
@@ -228,7 +230,7 @@ class MeasuredCurveRequest(Request[MeasuredCurve], path="/v1/measured-curves"):
     task: str = "stress_strain"
     columns: Annotated[Optional[Tuple[Optional[Column], Optional[Column]]], At(write=_axes)] = None
     units: Annotated[Optional[Tuple[Optional[str], Optional[str]]], At(write=_axes)] = None
-    gauge_length: Annotated[Optional[float], At("/specimen/")] = None
+    gauge_length: Annotated[Optional[Number], At("/specimen/"), LENGTH] = None
     area: Annotated[Optional[float], At("/specimen/")] = None
     limits: Annotated[Optional[Tuple[float, float]], Shape(2), At("/range")] = None
     interpolation: Optional[str] = None
@@ -247,6 +249,7 @@ class MeasuredCurveRequest(Request[MeasuredCurve], path="/v1/measured-curves"):
     priority: Optional[str] = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if (self.source is None) == (self.points is None):
             raise ValueError("give either source or points")
         checks.one_of(self.task, "task", checks.TASKS)

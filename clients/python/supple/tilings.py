@@ -13,6 +13,7 @@ from .answers import Cost
 from .drawing import Area, Drawing
 from .request import FileRequest, Kind, Reported, Request, Timeout
 from .shown import Drawn, Shown, short_text
+from .units import LENGTH, Number
 from .wire import At
 
 
@@ -118,7 +119,7 @@ class StructureRequest(Request[Structure], path="/v1/structures"):
 
     family: str
     parameters: Optional[Numbers] = None
-    beam_width: Optional[float] = None
+    beam_width: Annotated[Optional[Number], LENGTH] = None
     mesh_size: Annotated[Optional[float], At("/mesh/")] = None
     corner_size: Annotated[Optional[float], At("/mesh/")] = None
     mesh_region: Annotated[Optional[str], At("/mesh/")] = None
@@ -137,8 +138,8 @@ class StructureFileRequest(FileRequest, path="/v1/structures"):
     parameters: Optional[Numbers] = None
     kind: Kind = "svg"
     cells: Tuple[int, int] = (2, 2)
-    height: float = 1.0
-    beam_width: Optional[float] = None
+    height: Annotated[Number, LENGTH] = 1.0
+    beam_width: Annotated[Optional[Number], LENGTH] = None
     deadline: Optional[float] = None
     timeout: Timeout = None
     progress: Reported = None

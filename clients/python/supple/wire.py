@@ -36,6 +36,8 @@ from typing import (
 
 import numpy as np
 
+from .units import Quantity, without_unit
+
 Decoded = TypeVar("Decoded")
 Read = Callable[[Any], Any]
 REQUIRED: Any = object()
@@ -85,13 +87,15 @@ class Shape:
 
 
 class Member(NamedTuple):
-    """A field of a dataclass as a member of its JSON: its name, its type without marks, its place, its shape and its default."""
+    """A field of a dataclass as a member of its JSON: its name, its type without marks, its place, its shape, its default and the
+    dimension of its unit, if it may have one."""
 
     name: str
     hint: Any
     at: At
     shape: Optional[Shape]
     default: Any
+    dimension: Optional[str]
 
 
 @functools.lru_cache(maxsize=None)
@@ -107,7 +111,9 @@ def _field(one: "dataclasses.Field[Any]", hint: Any) -> Member:
     if one.default_factory is not dataclasses.MISSING:
         default = one.default_factory()
     at = next((mark for mark in marks if isinstance(mark, At)), At())
-    return Member(one.name, hint, at, next((mark for mark in (*marks, *inner) if isinstance(mark, Shape)), None), default)
+    shape = next((mark for mark in (*marks, *inner) if isinstance(mark, Shape)), None)
+    dimension = next((mark.dimension for mark in marks if isinstance(mark, Quantity)), None)
+    return Member(one.name, hint, at, shape, default, dimension)
 
 
 def _without_marks(hint: Any) -> Tuple[Any, Tuple[Any, ...]]:
@@ -222,6 +228,14 @@ class Sent:
     """A dataclass that becomes JSON. `class Shell(Sent, kind="shell")` has the constant member `kind` in its JSON."""
 
     _constants: ClassVar[Mapping[str, Any]] = {}
+
+    def __post_init__(self) -> None:
+        """Replaces texts with units by numbers. Raises `ValueError`."""
+        kind: Any = type(self)
+        for field in fields_of(kind):
+            if field.dimension is not None:
+                value = without_unit(getattr(self, field.name), field.name, field.dimension)
+                object.__setattr__(self, field.name, value)
 
     def __init_subclass__(cls, **constants: Any) -> None:
         super().__init_subclass__()

@@ -2,12 +2,27 @@
 
 from __future__ import annotations
 
+import re
 import socket
 import threading
 import time
 from typing import List
 
 OK = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"
+
+
+def _request_of(connection: socket.socket) -> bytes:
+    """A whole request: its head and its body may come in several pieces."""
+    request = connection.recv(65536)
+    while piece := connection.recv(65536) if _lacks(request) else b"":
+        request += piece
+    return request
+
+
+def _lacks(request: bytes) -> bool:
+    head, _, body = request.partition(b"\r\n\r\n")
+    length = re.search(rb"content-length: *(\d+)", head, re.IGNORECASE)
+    return b"\r\n\r\n" not in request or (length is not None and len(body) < int(length.group(1)))
 
 
 class Listener:
@@ -26,7 +41,7 @@ class Listener:
         while self._answers:
             connection, _ = self._socket.accept()
             with connection:
-                self.requests.append(connection.recv(65536))
+                self.requests.append(_request_of(connection))
                 time.sleep(self._delay)
                 connection.sendall(self._answers.pop(0))
 

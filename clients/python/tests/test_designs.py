@@ -64,6 +64,31 @@ def test_materials_sizes_and_limits_are_sent() -> None:
         sent(material=Material((1, 2, 3)))  # type: ignore[arg-type]
 
 
+def test_a_part_of_a_design_needs_nothing_twice() -> None:
+    found = decode(DesignResult, {**design_document(), **BILL})
+    request = supple.PartRequest(supple.parts.coupon("12 mm", "3 cm"), found, options=supple.PartOptions(thickness=2, density="1 g/cm3"))
+    assert request.to_wire() == {
+        "outline": {"coupon": {"width": 12, "length": 30}}, "structure": {"family": "IH21", "parameters": [0.15, 0.65]},
+        "beam_width": 0.3, "orientation": 0.25, "direction": 0.5, "thickness": 2, "material": {"density": 1}}
+    sheet = supple.PartFileRequest(supple.parts.rectangle(20, 30), found, kind="dxf").to_wire()
+    assert "direction" not in sheet and sheet["orientation"] == 0.25
+    loaded = supple.PartRequest(supple.parts.rectangle(20, 30), found, options=supple.PartOptions(axis="60 deg")).to_wire()
+    assert loaded["axis"] == pytest.approx(np.pi / 3) and loaded["direction"] == 0.5
+    with pytest.raises(ValueError, match="parameters of its own"):
+        supple.PartRequest(supple.parts.block(12, 30), found, [0.1, 0.2])
+
+
+def test_a_part_of_a_design_without_a_single_direction_is_warned_of() -> None:
+    also = [profile_document(direction=1.5)]
+    found = decode(DesignResult, {**design_document(also=also), **BILL})
+    with pytest.warns(UserWarning, match="no single direction"):
+        assert "direction" not in supple.PartRequest(supple.parts.coupon(12, 30), found).to_wire()
+    with pytest.warns(UserWarning, match=r"no single direction .* along its direction 0\.3 rad"):
+        assert "direction" not in supple.PartRequest(supple.parts.rectangle(12, 30), found, options=supple.PartOptions(axis=0.3)).to_wire()
+    chosen = supple.PartRequest(supple.parts.coupon(12, 30), found, options=supple.PartOptions(direction="30 deg")).to_wire()
+    assert chosen["direction"] == pytest.approx(np.pi / 6)
+
+
 def test_a_design_tells_its_material_and_its_size() -> None:
     found = decode(DesignResult, {**design_document(), **BILL})
     assert found.material.youngs_modulus == 26 and found.material.name == ""
@@ -87,6 +112,8 @@ def test_a_missed_design_tells_what_would_help() -> None:
     assert turned.sentence == way["sentence"] and turned.deviation == 0.035 and turned.range is None
     assert turned.parameters.tolist() == [0.1, 0.7] and shortened.range is not None and shortened.range.tolist() == [0, 0.12]
     assert decode(DesignResult, {**design_document(), **BILL}).ways_out == ()
+    older = {name: value for name, value in design_document().items() if name != "ways_out"}
+    assert decode(DesignResult, {**older, **BILL}).ways_out == (), "of a server that does not know ways out"
 
 
 def test_everything_that_is_given_is_sent() -> None:

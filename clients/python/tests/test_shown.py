@@ -39,10 +39,25 @@ def test_values_are_shown_in_a_few_characters() -> None:
     assert short_text(({}, {})) == "2 × dict" and len(short_text("x" * 1000)) < 50
 
 
+@pytest.mark.parametrize("value, shown", [
+    (1e308, "1e+308"), (0.1 + 0.2, "0.3"), (-2.07e-17, "-2.07e-17"), ([3.0, -2.07e-17], "(3, 0)"), (np.array([0.1 + 0.2, 1e-20]), "[0.3, 0]"),
+    (np.array([1e-12, 2e-12]), "[1e-12, 2e-12]"), pytest.param(10**308, "1e+308", id="huge"), (2**40, "1099511627776"),
+    (np.array([1.0, np.inf, np.nan]), "[1, inf, nan]"),
+    ([1, 2.5], "(1, 2.5)"),
+])
+def test_numbers_are_shown_as_people_write_them(value: Any, shown: str) -> None:
+    assert short_text(value) == shown and len(shown) < 30
+
+
 def test_a_result_is_one_short_line() -> None:
     result = decode(supple.DesignResult, {**design_document(), **BILL})
     line = repr(result)
-    assert line.startswith("DesignResult(name='', family='IH21'") and line.endswith("…)")
+    assert line.startswith("DesignResult(deviation=2 % by the model, parameters=[0.15, 0.65], family='IH21', verdict='reached', ")
+    assert line.endswith("…)") and line.count("family") == 1
+    simulated = {"grade": "missed", "source": "simulation", "deviation": 0.45, "sentence": "Simulated: 45 % off."}
+    assert repr(decode(supple.DesignResult, {**design_document(verdict=simulated), **BILL})).startswith("DesignResult(deviation=45 % simulated, ")
+    lost = decode(supple.DesignResult, {**design_document(verdict={**simulated, "deviation": None}), **BILL})
+    assert repr(lost).startswith("DesignResult(deviation=unknown, ")
     assert "\n" not in line and len(line) <= MAX_LINE_LENGTH + 4
     assert repr(result.error) == "DesignError(relative_rms=0.02, max=0.3)"
 
@@ -58,6 +73,32 @@ def test_a_notebook_shows_a_table_and_a_picture_of_a_design() -> None:
     html = result._repr_html_()
     assert html.startswith("<svg") and "<th style" in html and "IH21" in html and "<table>" in html
     assert len(drawn_paths(result._repr_svg_())) == 2  # the target and the achieved profile
+
+
+def filled(svg: Any) -> List[str]:
+    paths = parsed(svg).iter("{http://www.w3.org/2000/svg}path")
+    return [path.attrib["d"] for path in paths if "fill-opacity" in path.attrib]
+
+
+def test_error_bars_are_a_band_around_a_curve() -> None:
+    document = profile_document(x=[0, 0.1, 0.2, 0.3, 0.4], target=[0, 1, 2, 3, 4], achieved=[0, 1, 2, 3, 4], initial=[0] * 5,
+                                error_bar=[0.1, 0.2, None, 0.4, 0.5], in_range=[True] * 5, reached=[True] * 5)
+    design = decode(supple.DesignResult, {**design_document(profile=document), **BILL})
+    assert len(filled(design._repr_svg_())) == 2  # the sample without an error bar interrupts it
+    bands = design.plot().collections
+    assert len(bands) == 2
+    np.testing.assert_allclose(bands[1].get_paths()[0].get_extents().intervaly, [2.6, 4.5])
+    assert filled(decode(supple.DesignResult, {**design_document(), **BILL})._repr_svg_()) == []
+
+
+def test_error_bars_over_directions_are_rings_or_bands_in_degrees() -> None:
+    document = {"family": "IH21", "model": "ih21", "sha256": "0", "parameters": [0.1], "strain": 0.05, "strain_measure": "green",
+                "x": [0, np.pi / 2], "y": [1.0, 2.0], "error_bar": [0.1, 0.2], "in_range": [True, True], "orientation": 0,
+                "material": MATERIAL, **BILL}
+    polar = decode(supple.ProfileCurve, {**document, "task": "stiffness"})
+    assert len(filled(polar._repr_svg_())) == 2 and len(polar.plot().collections) == 2  # both halves of the turn
+    band = decode(supple.ProfileCurve, {**document, "task": "poisson"}).plot().collections[0]
+    np.testing.assert_allclose(band.get_paths()[0].get_extents().get_points(), [[0, 0.9], [90, 2.2]])
 
 
 def test_what_is_missing_interrupts_a_curve() -> None:

@@ -5,6 +5,7 @@ import { h } from "./base/dom";
 import { icon, type IconName } from "./base/icons";
 import { nextTheme, type Theme, theme } from "./base/theme";
 import type { Connection } from "./contract/connection";
+import { helpMenu } from "./help_menu";
 import { type PageEntry, PAGES } from "./pages";
 
 const THEME_WORDS: Record<Theme, [IconName, string]> = {
@@ -50,7 +51,7 @@ export function frame(connection: Connection, account: HTMLElement, bill: HTMLEl
     { class: "frame" },
     skip,
     h("header", {}, h("a", { class: "brand", href: "#/design" }, h("img", { src: "./favicon.svg", alt: "", width: 28, height: 28 }), h("span", { class: "brand-name" }, "Supple")),
-      h("nav", { "aria-label": "Pages" }, ...links), bill, account, switcher),
+      h("nav", { "aria-label": "Pages" }, ...links), bill, helpMenu(), account, switcher),
     lost,
     main,
   );

@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { digits, fixed, percent, plain, seconds } from "../src/base/format";
+import { digits, fixed, percent, plain, quantity, seconds, suitedUnit } from "../src/base/format";
 import { History } from "../src/base/history";
 import { debounce } from "../src/base/debounce";
 import { Sentences } from "../src/base/sentences";
@@ -10,7 +10,11 @@ describe("numbers", () => {
   it("are short and have a true minus", () => {
     expect(digits(0.0123456)).toBe("0.0123");
     expect(digits(-1.5)).toBe("−1.5");
-    expect(digits(1200000)).toBe("1.2e6");
+    expect(digits(1200000)).toBe("1200000");
+    expect(digits(167312)).toBe("167000");
+    expect(digits(0.00012345)).toBe("0.000123");
+    expect(digits(2.5e8)).toBe("2.5e8");
+    expect(digits(-1.25e-9)).toBe("−1.25e−9");
     expect(digits(3)).toBe("3");
     expect(digits(100)).toBe("100");
     expect(digits(NaN)).toBe("–");
@@ -104,5 +108,23 @@ describe("an action that waits for a pause", () => {
     vi.advanceTimersByTime(200);
     expect(action).toHaveBeenCalledTimes(2);
     vi.useRealTimers();
+  });
+});
+
+describe("a value with its unit", () => {
+  it("has the prefix that suits it", () => {
+    expect(quantity(1.673e5, "N/m", 4)).toBe("167.3 kN/m");
+    expect(quantity(2.5e7, "N/m")).toBe("25 MN/m");
+    expect(quantity(0.00064, "MPa")).toBe("640 Pa");
+    expect(quantity(35_000, "MPa")).toBe("35 GPa");
+    expect(quantity(-0.002, "N")).toBe("−2 mN");
+  });
+
+  it("keeps an ordinary value, zero, and a unit without prefixes", () => {
+    expect(quantity(2000, "MPa")).toBe("2000 MPa");
+    expect(quantity(0, "N/m")).toBe("0 N/m");
+    expect(quantity(20_000, "")).toBe("20000");
+    expect(quantity(20_000, "mm")).toBe("20000 mm");
+    expect(suitedUnit(0.5, "MPa")).toEqual({ unit: "MPa", factor: 1 });
   });
 });

@@ -27,4 +27,14 @@ describe("a search as text", () => {
     expect(text).toContain("design = client.design(target, options=options)");
     expect(pythonOf(state, origin)).toContain("fixed=[0.3, None]");
   });
+
+  it("begins with what a simulation has said of the design, as a comment", () => {
+    const said = "Simulated: 45 % off. The plateau is reached from 8 to 20 %, the rise is missed from 0 to 8 % (62 % off).";
+    for (const write of [curlOf, commandOf, pythonOf]) {
+      expect(write(state, origin, said)).toBe(`# ${said}\n${write(state, origin)}`);
+      expect(write(state, origin)).not.toContain("#");
+    }
+    const several = { ...state, others: [{ ...state, direction: 1 }] };
+    expect(commandOf(several, origin, said)).toBe(`# ${said}\n${commandOf(several, origin)}`);
+  });
 });

@@ -189,6 +189,18 @@ describe("regions of a session", () => {
     expect(session.results.shown.get()?.found.parameters).toEqual([0.9]);
   });
 
+  it("are made of the names of a drawing, as copies of the selected one that need no search", async () => {
+    const session = await started();
+    searches[0].answer(design(0.7));
+    await idle(session);
+    session.rename({ region: "Heel" });
+    session.regionEdits.make(["arch", "heel", "Rest"]);
+    expect(session.regionEdits.all.map(({ region }) => region)).toEqual(["arch", "heel", "Rest"]);
+    expect(session.regionEdits.all.map(({ found }) => found?.parameters)).toEqual([[0.7], [0.7], [0.7]]);
+    expect(session.results.ofRegions.map((region) => region?.length)).toEqual([1, 1, 1]);
+    expect(searches).toHaveLength(1);
+  });
+
   it("are searched for in one request", async () => {
     const session = await started();
     searches[0].answer(design(0.7));

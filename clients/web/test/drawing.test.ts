@@ -51,12 +51,18 @@ describe("the regions of a drawing", () => {
 
   it("have the names of its curves, and one is the rest of what is around them", () => {
     expect(regionsIn(sole)).toEqual(["heel", "Rest"]);
-    const labelled = drawing({ names: ["path12", "Toes", "regions"], points: square(3, 5, 5) }, { names: ["sole"], points: square(9) }, { names: ["heel"], points: square(3, 1, 1) });
+    const labelled = drawing({ names: ["path12", "Toes", "regions"], points: square(3, 5, 5) }, { names: ["sole"], points: square(9) }, {
+      names: ["heel"],
+      points: square(3, 1, 1),
+    });
     expect(regionsIn(labelled)).toEqual(["Toes", "heel", "Rest"]);
   });
 
   it("have no rest where they cover the outline, or need no outline", () => {
-    const halves = [{ names: ["left"], points: [[0, 0], [5, 0], [5, 9], [0, 9]] as [number, number][] }, { names: ["right"], points: [[5, 0], [9, 0], [9, 9], [5, 9]] as [number, number][] }];
+    const halves = [{ names: ["left"], points: [[0, 0], [5, 0], [5, 9], [0, 9]] as [number, number][] }, {
+      names: ["right"],
+      points: [[5, 0], [9, 0], [9, 9], [5, 9]] as [number, number][],
+    }];
     expect(regionsIn(drawing({ names: ["sole"], points: square(9) }, ...halves))).toEqual(["left", "right"]);
     expect(regionsIn(drawing(...halves))).toEqual(["left", "right"]);
   });

@@ -65,7 +65,18 @@ let dismissed: number;
 let sendEvent: ((name: string, partial?: object) => void) | undefined;
 
 function job(state: string, partial?: object): string {
-  return JSON.stringify({ id: "j1", kind: "embedded-systems", state, progress: 0.5, stage: "step", created: "", deadline: 600, partial });
+  return JSON.stringify({
+    id: "j1",
+    kind: "embedded-systems",
+    state,
+    progress: 0.5,
+    stage: "step",
+    priority: "normal",
+    created: "",
+    deadline: 600,
+    remaining_seconds: null,
+    partial,
+  });
 }
 
 async function serve(url: string, init: RequestInit = {}): Promise<Response> {

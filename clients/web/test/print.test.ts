@@ -3,7 +3,7 @@ import { describe, expect, it } from "vitest";
 import type { PrintMove, Weave } from "../src/contract/types";
 import { duration, longWords, printFacts } from "../src/weave/print_facts";
 import type { Plan } from "../src/weave/print_session";
-import { DEFAULT_SETTINGS, fieldsAt, storedSettings, PRINT_FIELDS, profileText, toolpathRequest, withProfile } from "../src/weave/printer";
+import { DEFAULT_SETTINGS, fieldsAt, KNOWN_PRINTERS, printerOf, storedSettings, PRINT_FIELDS, profileText, toolpathRequest, withPrinter, withProfile } from "../src/weave/printer";
 import { layersOf, widthOf } from "../src/weave/toolpath";
 
 const contract = readFileSync(new URL("../../../api/openapi.yaml", import.meta.url), "utf8");
@@ -53,6 +53,18 @@ describe("the settings of a print", () => {
     for (const [text, words] of Object.entries(refused)) {
       expect(() => withProfile(DEFAULT_SETTINGS, text), text).toThrow(words);
     }
+  });
+
+  it("are those of a printer by name, which is recognized until one of its values changes", () => {
+    expect(printerOf(DEFAULT_SETTINGS)?.name).toBe("Prusa i3 MK3S");
+    for (const printer of KNOWN_PRINTERS) {
+      const settings = withPrinter({ ...DEFAULT_SETTINGS, "/printer/bed_temperature": 70 }, printer);
+      expect(printerOf(storedSettings(JSON.stringify(settings)))).toBe(printer);
+      expect(settings["/printer/bed_temperature"]).toBe(70);
+      expect(printerOf({ ...settings, "/printer/bed/0": 100 })).toBeUndefined();
+    }
+    const ultimaker = KNOWN_PRINTERS.find(({ name }) => name === "Ultimaker S3");
+    expect(ultimaker).toEqual({ name: "Ultimaker S3", bed: [230, 190, 200], nozzle: 0.4, filament: 2.85 });
   });
 
   it("that a browser has kept are taken where they are sound", () => {

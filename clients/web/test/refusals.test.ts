@@ -71,7 +71,8 @@ describe("what a page shows of a refusal", () => {
     const problem = (detail: string, pointer: string, hint?: string) => ({ detail, errors: [{ pointer, detail }], ...(hint && { hint }) });
     const apart = "crossings/3 strands/1 must be lifted 3.2500 mm before and after it and has 2.4000 mm to where it lies on the bed: an end, a fused crossing or another channel";
     expect(problemWords(problem(apart, "/weave/crossings/3"))).toBe(
-      "Crossing 4: strand 2 must be lifted 3.25 mm before and after it and has 2.4 mm to where it lies on the bed: an end, a fused crossing or another channel");
+      "Crossing 4: strand 2 must be lifted 3.25 mm before and after it and has 2.4 mm to where it lies on the bed: an end, a fused crossing or another channel",
+    );
     expect(problemWords(problem("must be positive", "/beam_width"))).toBe("The width of the beams must be positive");
     expect(problemWords(problem("It is no curve.", "/text", "Close the curves.")), "text of a file").toBe("It is no curve. Close the curves.");
     expect(problemWords(problem("bed: reaches from 0 to 1.0000 mm", "/printer/bed"))).toBe("The bed reaches from 0 to 1 mm");

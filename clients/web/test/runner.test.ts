@@ -13,7 +13,7 @@ let sendEvent: (name: string, partial?: object) => void;
 let endStream: () => void;
 
 function job(state: string, partial?: object): object {
-  return { id: "j1", kind: "geodesics", state, progress: 0.5, stage: "searching", created: "", deadline: 600, partial };
+  return { id: "j1", kind: "geodesics", state, progress: 0.5, stage: "searching", priority: "normal", created: "", deadline: 600, remaining_seconds: null, partial };
 }
 
 function serve(url: string, init: RequestInit = {}): Promise<Response> {

@@ -1,10 +1,15 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, vi } from "vitest";
+import { samples } from "../../../api/verdicts.json";
 import type { Profile } from "../src/contract/types";
 import { profileResponses, type TargetResponse } from "../src/design/shown";
 import { spaced } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
-import { judge, judgeAll } from "../src/design/verdict";
+import { type CurveEvidence, judge, judgeAll, verdictFacts } from "../src/design/verdict";
 import { fitRanges, joinedAcrossPeriod } from "../src/design/verdict_ranges";
+import { verdictSentence } from "../src/design/verdict_sentence";
+
+// A busy machine has time.
+vi.setConfig({ testTimeout: 60_000 });
 
 const X = spaced(0, 0.2, 11);
 const state: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.1, 1], [0.2, 2]], interpolation: "linear", found: { family: "IH22", parameters: [0.3] } };
@@ -33,7 +38,7 @@ function random(seed: number): () => number {
 describe("the judgement of any design", () => {
   it("is never green beyond 5 % or where half of the samples are not trusted, and never red within 1 %", () => {
     const next = random(7);
-    for (let trial = 0; trial < 2000; ++trial) {
+    for (let trial = 0; trial < 500; ++trial) {
       const off = (next() < 0.5 ? 0.02 : 0.4) * next();
       const wave = X.map(() => 2 * next() - 1);
       const y = X.map((x, k) => 10 * x + 1.2 * off * wave[k] + 10 * x * off * (next() - 0.5));
@@ -93,9 +98,17 @@ describe("the error of a model", () => {
 describe("missing values", () => {
   it("leave the verdict open", () => {
     const gap = X.map((x, k) => (k === 4 ? null : 10 * x));
-    expect(judge(responseTo(state.points, gap), null)).toMatchObject({ grade: "unknown", deviation: null, sentence: expect.stringMatching(/^By the model: not at every sample\./) });
+    expect(judge(responseTo(state.points, gap), null)).toMatchObject({
+      grade: "unknown",
+      deviation: null,
+      sentence: expect.stringMatching(/^By the model: not at every sample\./),
+    });
     expect(judge(scaled(1), null, { x: X, y: gap })).toMatchObject({ grade: "unknown", source: "simulation" });
-    expect(judge(scaled(1), null, { x: X, y: X.map(() => null) })).toMatchObject({ grade: "reached", source: "model" });
+    expect(judge(scaled(1), null, { x: X, y: X.map(() => null) })).toMatchObject({
+      grade: "unknown",
+      source: "simulation",
+      sentence: "Simulated: no result. By the model it is less than 0.1 % off.",
+    });
   });
 });
 
@@ -130,6 +143,20 @@ describe("the parts of a target", () => {
       const ends = task === "poisson" && ranges.length > 1 && ranges[0].fit === ranges[ranges.length - 1].fit;
       expect(joined.length).toBe(ranges.length - Number(ends));
     }
+  });
+});
+
+describe("a worked sample of the table", () => {
+  // The page has no structures: it judges what the server has answered.
+  it.each(samples.filter(({ has_structure }) => has_structure))("is judged as the server judges it: $name", ({ targets, grade, source, deviation, sentence }) => {
+    const facts = verdictFacts(targets.map(({ task, x, target, model, in_range, simulated }): CurveEvidence => {
+      const curve = { task: task as TargetResponse["task"], x, target };
+      return { model: { ...curve, y: model }, simulated: simulated && { ...curve, y: simulated }, inRange: in_range };
+    }));
+    expect([facts.grade, facts.source]).toEqual([grade, source]);
+    if (deviation === null) expect(facts.deviation).toBeNull();
+    else expect(facts.deviation).toBeCloseTo(deviation, 4);
+    expect(verdictSentence(facts)).toBe(sentence);
   });
 });
 

@@ -37,7 +37,6 @@ let jobs: MockJob[];
 let dismissed: string[];
 /** The searched designs have this parameter, and their response is a line of the slope 10. */
 let parameter: number;
-let searches: number;
 
 const curve = (slope: number) => X.map((x) => slope * x);
 
@@ -94,10 +93,7 @@ async function serve(url: string, init: RequestInit = {}): Promise<Response> {
   if (id) return answerOfJob(id, result, init.method ?? "GET");
   if (path !== "/v1/designs" && path !== "/v1/simulations") return Response.json({});
   const request = JSON.parse(String(init.body)) as JobRequest;
-  if (new Headers(init.headers).get("Prefer") !== "respond-async") {
-    ++searches;
-    return Response.json(design(slope));
-  }
+  if (new Headers(init.headers).get("Prefer") !== "respond-async") return Response.json(design(slope));
   const job: MockJob = { id: `job-${jobs.length + 1}`, request, document: { state: "running", progress: 0 }, result: null };
   jobs.push(job);
   return Response.json({ id: job.id, kind: "designs", stage: "", created: "", deadline: 60, ...job.document }, { status: 202 });
@@ -124,10 +120,13 @@ function finish(job: MockJob, result: object): void {
   job.document = { state: "successful", progress: 1 };
 }
 
+// A busy machine has time.
+vi.setConfig({ testTimeout: 120_000 });
+
 const storage = new Map<string, string>();
 
 beforeEach(() => {
-  [jobs, dismissed, parameter, slope, searches] = [[], [], 0.7, 10.3, 0];
+  [jobs, dismissed, parameter, slope] = [[], [], 0.7, 10.3];
   storage.clear();
   vi.useFakeTimers();
   vi.stubGlobal("fetch", serve);
@@ -158,7 +157,12 @@ async function opened(linked: DesignState = LINKED): Promise<Opened> {
   const waysOut = new WaysOut(session, client);
   let hidden = false;
   let seen = (): void => {};
-  const background = new Background(session, verification, waysOut, { isHidden: () => hidden, watch: (changed) => void (seen = changed) });
+  const background = new Background(session, verification, waysOut, {
+    isHidden: () => hidden,
+    watch(changed) {
+      seen = changed;
+    },
+  });
   await session.start(linked);
   await pass(10);
   return {
@@ -292,6 +296,36 @@ describe("a simulated curve", () => {
       await pass(100);
       expect(shownJudgement(page)?.source).toBe("simulation");
     }
+  });
+});
+
+describe("a deformed patch", () => {
+  it("is simulated for a user who asks, cancelled alone, and shown on demand where the curve was found again", async () => {
+    const { session, verification, background } = await opened();
+    background.switch(false);
+    void verification.verify();
+    await pass(10);
+    finish(jobs[0], design(10.3, 10.2));
+    await pass(1000);
+    expect(jobs[1].request).toHaveProperty("load");
+    expect(verification.patch.get().kind).toBe("running");
+    verification.cancel();
+    await pass(10);
+    expect(dismissed).toEqual(["job-2"]);
+    expect([verification.state.get().kind, verification.patch.get().kind]).toEqual(["done", "none"]);
+    void verification.showPatch();
+    await pass(10);
+    finish(jobs[2], { family: "IH21" });
+    await pass(1000);
+    expect(verification.patch.get()).toMatchObject({ kind: "done", direction: 0 });
+    parameter = 0.1;
+    session.apply({ points: [[0, 0], [0.2, 4]] });
+    await pass(100);
+    expect(verification.patch.get().kind).toBe("none");
+    parameter = 0.7;
+    session.undo();
+    await pass(100);
+    expect(verification.patch.get().kind).toBe("done");
   });
 });
 

@@ -40,7 +40,11 @@ describe("the change of a way out", () => {
   });
 
   it("takes another family, whose parameters are free", () => {
-    expect(changeOf(way({ change: "family", family: "IH67", parameters: [0.4] }), state)).toMatchObject({ family: "IH67", found: { family: "IH67", parameters: [0.4] }, fixed: [false] });
+    expect(changeOf(way({ change: "family", family: "IH67", parameters: [0.4] }), state)).toMatchObject({
+      family: "IH67",
+      found: { family: "IH67", parameters: [0.4] },
+      fixed: [false],
+    });
   });
 
   it("keeps values that the search chooses from a range", () => {

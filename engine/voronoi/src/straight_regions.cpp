@@ -22,6 +22,9 @@ constexpr double region_tolerance = 1e-12;
 /// compete. What remains then goes to the arrival that is the shortest at its centre.
 constexpr int max_halving_depth = 32;
 constexpr int max_region_halvings = 4096;
+/// Maximum number of divisions of a polygon along lines, halvings included. The lines at which many bundles end divide
+/// it into about the square of their number. What remains then goes to the arrival that is the shortest at its centre.
+constexpr int max_region_divisions = 1 << 15;
 /// Relative to the face: arrivals whose lengths differ by no more at the corners and the centre of a polygon are
 /// equally long in it, as behind a vertex at which the paths of all of them turn.
 constexpr double tied_length_tolerance = 1e-11;
@@ -153,6 +156,7 @@ StraightRegions::Outside StraightRegions::outside(std::int32_t arrival, const Ve
 
 void StraightRegions::divide(std::span<const Vector2d> polygon, const Active& active) {
   halvings_ = 0;
+  divisions_ = 0;
   divide(Polygon(polygon.begin(), polygon.end()), active, 0);
 }
 
@@ -166,6 +170,12 @@ void StraightRegions::divide(const Polygon& polygon, const Active& active, int d
   Active remaining;
   distances_.prune(active, centre, radius, remaining);
   drop_longer(polygon, remaining);
+  if (divisions_ >= max_region_divisions) {
+    const auto& arrivals = distances_.arrivals();
+    return add(polygon, *std::ranges::min_element(remaining, {}, [&](std::int32_t i) {
+                 return arrivals[static_cast<std::size_t>(i)].length_to(centre);
+               }));
+  }
   if (divide_by_bundles(polygon, remaining, depth)) return;
   // Now an arrival reaches either all of the polygon straight or none of it.
   Active straight;
@@ -269,6 +279,7 @@ bool StraightRegions::divide_by_bundles(const Polygon& polygon, const Active& ac
 
 void StraightRegions::divide_by_line(const Polygon& polygon, const Vector2d& normal, double offset,
                                      const Active& active, int depth) {
+  ++divisions_;
   Polygon part;
   clip(polygon, normal, offset, part);
   divide(part, active, depth);

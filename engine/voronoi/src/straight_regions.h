@@ -33,8 +33,8 @@ struct Sliver {
 /// straight lines: most regions are exact. Otherwise the border of two regions is an arc of a hyperbola. It is divided
 /// into short chords, and slivers at quadrature points of each chord correct for the area between arc and chord.
 ///
-/// Regions are visited as they are found and are not stored: where many arrivals compete there can be millions. Memory:
-/// the polygons that are being divided, at most some hundreds, and the slivers.
+/// Regions are visited as they are found and are not stored, because there can be a hundred thousand where many
+/// arrivals compete. Memory: the polygons that are being divided, and the slivers.
 class StraightRegions {
  public:
   using Visit = std::function<void(const StraightRegion&)>;
@@ -78,7 +78,8 @@ class StraightRegions {
   const FaceDistances& distances_;
   double size_;
   Visit visit_;
-  int halvings_ = 0;  ///< halvings of the present polygon so far
+  int halvings_ = 0;   ///< halvings of the present polygon so far
+  int divisions_ = 0;  ///< its divisions along lines so far, halvings included
   std::vector<Sliver> slivers_;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 /// A random target with weights and bands.
 SampledTarget random_target(RandomStream& random) {
@@ -52,7 +52,7 @@ std::vector<std::uint8_t> flags(const SampledTarget& target, std::uint8_t flag) 
 }
 
 /// The curve that the target names, up to small numbers.
-SampledTarget curve(const std::vector<double>& x, const std::vector<double>& y) {
+SampledTarget curve_through(const std::vector<double>& x, const std::vector<double>& y) {
   Target target;
   for (std::size_t i = 0; i < x.size(); ++i) target.control_points.emplace_back(x[i], y[i]);
   target.interpolation = numerics::Interpolation::linear;
@@ -61,7 +61,7 @@ SampledTarget curve(const std::vector<double>& x, const std::vector<double>& y) 
 }
 
 /// Rises to a plateau, from 0 to 20 %.
-SampledTarget foam() { return curve({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.08, 0.084, 0.088, 0.092}); }
+SampledTarget foam() { return curve_through({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.08, 0.084, 0.088, 0.092}); }
 
 void expect_ranges_of(const SampledTarget& target, const Eigen::VectorXd& values, const std::vector<FitRange>& ranges) {
   const auto& x = target.samples.x;
@@ -150,7 +150,7 @@ TEST(Verdict, IsUnknownByAModelThatIsNotTrustedAtHalfOfTheSamples) {
 TEST(Verdict, IsUnknownWhereValuesOrTheStructureAreMissing) {
   const auto target = foam();
   Eigen::VectorXd simulated = target.y;
-  simulated[5] = missing;
+  simulated[5] = no_value;
   const auto incomplete = judge({{{target, target.y}}, {flags(target, 1)}, {{target, simulated}}});
   EXPECT_EQ(incomplete.grade, Grade::unknown);
   EXPECT_EQ(incomplete.doubt, Doubt::incomplete);
@@ -185,22 +185,23 @@ TEST(FitRanges, AreCalledByTheShapeOfTheTarget) {
   Eigen::VectorXd values = rise_and_plateau.y;
   values.head(2) *= 2;
   EXPECT_EQ(parts_of(rise_and_plateau, values), (Parts{"rise not", "plateau"}));
-  const auto densifies = curve({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.042, 0.044, 0.1, 0.2});
+  const auto densifies = curve_through({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.042, 0.044, 0.1, 0.2});
   values = densifies.y;
   values.tail(2) *= 0.5;
   EXPECT_EQ(parts_of(densifies, values), (Parts{"beginning", "stiffening not"}));
-  const auto drops = curve({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.08, 0.12, 0.08, 0.06});
+  const auto drops = curve_through({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.08, 0.12, 0.08, 0.06});
   values = drops.y;
   values.tail(2) *= 1.5;
   EXPECT_EQ(parts_of(drops, values), (Parts{"rise", "drop not"}));
 }
 
 TEST(FitRanges, AreSeenFromRestInCompressionToo) {
-  const auto compression = curve({-0.2, -0.16, -0.12, -0.08, -0.04, 0}, {-0.092, -0.088, -0.084, -0.08, -0.04, 0});
+  const auto compression =
+      curve_through({-0.2, -0.16, -0.12, -0.08, -0.04, 0}, {-0.092, -0.088, -0.084, -0.08, -0.04, 0});
   Eigen::VectorXd values = compression.y;
   values.tail(2) *= 2;
   EXPECT_EQ(parts_of(compression, values), (Parts{"plateau", "rise not"}));
-  const auto both = curve({-0.1, -0.05, 0, 0.05, 0.1}, {-1, -0.5, 0, 0.5, 1});
+  const auto both = curve_through({-0.1, -0.05, 0, 0.05, 0.1}, {-1, -0.5, 0, 0.5, 1});
   values = both.y;
   values.tail(2) *= 2;
   EXPECT_EQ(parts_of(both, values), (Parts{"compression", "tension not"}));

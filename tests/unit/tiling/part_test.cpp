@@ -312,12 +312,13 @@ TEST(Part, IsWrittenInEveryFormatWithItsSize) {
   EXPECT_EQ(part_3mf(part), package) << "the same bytes again";
 }
 
-/// Three regions side by side, the second of which begins `gap` mm beside the first.
+/// Three regions side by side in a frame, the second of which begins `gap` mm beside the first.
 PartDesign three_regions(double gap) {
   PartDesign design = plate("IH21", 1, 1);
   design.outline.clear();
   design.outline_of_regions = true;
   design.seam = 0.3;
+  design.frame = 0.6;
   const Filling filling = design.filling, other{preset_structure("IH29"), 0.3};
   design.regions = {{box(0, 0, 10, 10), filling, "heel"},
                     {box(10 + gap, 0, 20, 10), other, "arch"},

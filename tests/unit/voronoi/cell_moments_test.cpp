@@ -133,6 +133,32 @@ TEST(StraightRegions, OfImagesThatAreEquallyFarFromTheSiteAreExact) {
   EXPECT_NEAR(found, wanted, 1e-6);
 }
 
+TEST(StraightRegions, OfManyCrossingBundlesCoverThePolygonAndAreBoundedInNumber) {
+  RandomStream random("bundles", 1);
+  std::vector<surface::FaceArrival> arrivals;
+  for (int i = 0; i < 250; ++i) {
+    const Vector2d image(random.uniform() - 0.5, -1 - 0.5 * random.uniform());
+    const double end = random.uniform();
+    arrivals.push_back(
+        {.image = image, .begin = {end - 0.3, 0}, .end = {end, 0}, .sigma = 2 - image.norm(), .everywhere = false});
+  }
+  const CancellationToken never;
+  FaceDistances distances(never);
+  distances.arrivals() = arrivals;
+  Active active;
+  distances.all(active);
+  const Polygon triangle{{0, 0}, {1, 0}, {0.4, 0.9}};
+  std::size_t count = 0;
+  double area = 0;
+  StraightRegions regions(distances, 1, [&](const StraightRegion& region) {
+    ++count;
+    area += polygon_integrals(region.corners, {0, 0}).area;
+  });
+  regions.divide(triangle, active);
+  EXPECT_NEAR(area, 0.45, 1e-9);
+  EXPECT_LT(count, 100'000U);
+}
+
 TEST(StraightRegions, OfABundleEndWhereItsPathsEnd) {
   // Beyond the ends of the bundle, paths from the image turn at these ends.
   const Vector2d image(0.3, -0.5);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -55,6 +56,27 @@ TEST(MovingDiagram, AfterSmallMovesIsTheOneMadeAnew) {
 TEST(MovingDiagram, AfterMovesAcrossManyCellsIsTheOneMadeAnew) {
   EXPECT_EQ(expect_same_after_moves(testing::icosphere(3), 98, 10, 3, 4), 10);
   EXPECT_EQ(expect_same_after_moves(testing::genus3(2), 50, 10, 5, 5), 10);
+}
+
+TEST(MovingDiagram, TakesMemoryForTheMeshAndForWhatIsCutHoweverManySitesThereAre) {
+  const TriangleMesh mesh = testing::icosphere(4);
+  const GeodesicSolver solver(testing::share(mesh));
+  const DiagramOptions with_derivatives{.vertex_gradients = true, .border_samples = true, .cell_moments = true};
+  for (const DiagramOptions& options : {DiagramOptions{}, with_derivatives}) {
+    const double per_face = options.cell_moments ? 95 : 54;
+    for (const int sites : {1, 5, 20, 80, 320}) {
+      SCOPED_TRACE(sites);
+      MovingDiagram moving(solver, options);
+      const Diagram& diagram = moving.move_to(random_sites(mesh, sites, 1));
+      // The paths from a border to its sites cross so many faces.
+      const double crossed = std::sqrt(static_cast<double>(mesh.face_count()) / sites);
+      const double per_cut_face = options.cell_moments ? 1900 + 220 * crossed : 600 + 80 * crossed;
+      const auto cut = static_cast<double>(std::ranges::count(diagram.face_sites, -1));
+      const auto bytes = static_cast<double>(moving.memory_bytes());
+      EXPECT_LE(bytes, 1000 + per_face * mesh.face_count() + per_cut_face * cut);
+      EXPECT_GE(bytes, 40.0 * mesh.face_count());
+    }
+  }
 }
 
 TEST(MovingDiagram, OfMoreSitesThanFacesIsTheOneMadeAnew) {

@@ -69,6 +69,8 @@ export class Checkbox {
 
 export interface SliderOptions {
   label: string;
+  /** Tooltip: what a larger value does. */
+  title?: string;
   lower: number;
   upper: number;
   step?: number;
@@ -107,7 +109,7 @@ export class Slider {
     });
     this.element = h(
       "div",
-      { class: "field slider" },
+      { class: "field slider", title: options.title || null },
       h("label", { for: id }, label),
       h("div", { class: "slider-row" }, this.range,
         h("span", { class: "number-box" }, this.number, unit && h("span", { class: `unit of-${unit.length}`, "aria-hidden": "true" }, unit))),

@@ -37,14 +37,14 @@ export interface RadiusScale {
 }
 
 /** Rings labelled with values, and spokes labelled with angles. */
-export function polarGrid(radius: RadiusScale, ticks: readonly number[] = radius.ticks(5)): SVGElement[] {
+export function polarGrid(radius: RadiusScale, ticks: readonly number[] = radius.ticks(5), label: (value: number) => string = digits): SVGElement[] {
   const rim = radius.range()[1];
   const rings = ticks.filter((value) => radius(value) > 1);
   const spokes = Array.from({ length: SPOKES }, (_, k) => (k * Math.PI) / (SPOKES / 2));
   return [
     ...rings.map((value) => svg("circle", { class: value === 0 ? "ring zero" : "ring", r: radius(value) })),
     ...spokes.map((angle) => svg("path", { class: "spoke", d: `M0,0L${rim * Math.cos(angle)},${-rim * Math.sin(angle)}` })),
-    ...rings.map((value) => svg("text", { class: "ring-label", x: 4, y: -radius(value) - 3 }, digits(value))),
+    ...rings.map((value) => svg("text", { class: "ring-label", x: 4, y: -radius(value) - 3 }, label(value))),
     ...spokes.map((angle) =>
       svg("text", { class: "spoke-label", "text-anchor": "middle", "dominant-baseline": "central", x: (rim + 20) * Math.cos(angle), y: -(rim + 16) * Math.sin(angle) },
         `${Math.round((angle * 180) / Math.PI)}°`)

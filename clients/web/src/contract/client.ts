@@ -114,6 +114,11 @@ export class Client {
     return this.send("POST", path, JSON.stringify(document), { ...options, headers });
   }
 
+  /** The same client, whose answers are not reported: for what a page asks without being told to. */
+  unreported(): Client {
+    return new Client(this.base, this.listener, this.signIn);
+  }
+
   url(path: string): string {
     return this.base + path;
   }

@@ -3,9 +3,10 @@ import { capitalized, entriesOf, inWords, pointerWords, rewritten } from "./plac
 import type { ProblemDocument } from "./types";
 
 /** Clauses of a hint that speak to somebody who writes requests, not to the user of a page. */
-const FOR_PROGRAMS = /\bentr(?:y|ies) of errors\b|\b(?:GET|POST|PUT|DELETE) \/|\/openapi\.yaml|\/readyz|\/v1\b|Retry-After|\bheaders?\b|Content-Type|Idempotency-Key|\bschemas?\b|\bfield deadline\b/;
+const FOR_PROGRAMS =
+  /\bentr(?:y|ies) of errors\b|\b(?:GET|POST|PUT|DELETE) \/|\/openapi\.yaml|\/readyz|\/v1\b|Retry-After|\bheaders?\b|Content-Type|Idempotency-Key|\bschemas?\b|\bfield deadline\b/;
 
-/** What of the server's hint helps the user of a page; empty if nothing does. */
+/** The clauses of the server's hint that help the user of a page; empty if none does. */
 export function hintWords(hint: string): string {
   const sentences = hint.split(/(?<=[.!?])\s+/).map((sentence) => {
     const clauses = sentence.split(/;\s+/).filter((clause) => !FOR_PROGRAMS.test(clause));

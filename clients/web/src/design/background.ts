@@ -1,4 +1,4 @@
-// What the page does by itself while the target rests: it verifies the shown design, and looks for ways out of a target that is missed.
+// What the page does by itself while the target rests: it verifies the shown design, and looks for ways out of a target that is not reached.
 import { debounce } from "../base/debounce";
 import { Observable } from "../base/observable";
 import { judgedDesign } from "./judged";
@@ -66,7 +66,7 @@ export class Background {
     const shown = session.results.shown.get();
     const rests = session.search.activity.get().kind === "idle" && !session.edited.isBeingChanged && session.results.isCurrent;
     if (!this.isOn.get() || !this.isOpen || this.visibility.isHidden() || !rests || !shown || shown.provisional) return;
-    if (judgedDesign(session, verification, shown).grade === "missed") waysOut.look();
+    if (["missed", "close"].includes(judgedDesign(session, verification, shown).grade)) waysOut.look();
     if (verification.isWanted) void verification.verify({ background: true });
   }
 }

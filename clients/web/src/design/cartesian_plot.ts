@@ -7,6 +7,7 @@ import { type Curve, pieces } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { heightDomain, widthDomain } from "../base/domains";
+import { panned, section, zoomedAt } from "../base/plot_zoom";
 import { Handles } from "./handles";
 import type { PlotView, PlotActions } from "./plot";
 import { type Pixels, ProfilePlot } from "./profile_plot";
@@ -77,8 +78,20 @@ export class CartesianPlot extends ProfilePlot {
   }
 
   protected fitDomains(view: PlotView, curves: readonly Curve[]): void {
-    this.x.domain(widthDomain([...[...view.points, ...view.measured].map((p) => p[0]), ...curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]])]));
-    this.y.domain(heightDomain([...[...view.points, ...view.measured].map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
+    const width = widthDomain([...[...view.points, ...view.measured].map((p) => p[0]), ...curves.flatMap((curve) => [curve.x[0], curve.x[curve.x.length - 1]])]);
+    const height = heightDomain([...[...view.points, ...view.measured].map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]);
+    this.x.domain(section(width, this.across));
+    this.y.domain(section(height, this.up));
+    // Control points outside of the visible section would lie on the axes.
+    if (this.isZoomed) this.handles.group.setAttribute("clip-path", `url(#${this.clip})`);
+    else this.handles.group.removeAttribute("clip-path");
+  }
+
+  protected zoomBy(by: number, [x, y]: Pixels, [right, down]: Pixels): void {
+    const [left, end] = this.x.range();
+    const [bottom, top] = this.y.range();
+    this.across = panned(zoomedAt(this.across, by, (x - left) / (end - left)), right / (end - left));
+    this.up = panned(zoomedAt(this.up, by, (y - bottom) / (top - bottom)), down / (top - bottom));
   }
 
   protected drawAxes(view: PlotView): void {

@@ -7,6 +7,8 @@ import type { CurvePart } from "./verdict_words";
 const MAX_REST_STRAIN = 1e-9;
 /** Slope of a plateau, as a fraction of the steepest slope before it. */
 const MAX_PLATEAU_SLOPE = 0.4;
+/** Mean slope of a rise, as a fraction of the steepest slope of the curve. */
+const MIN_RISE_SLOPE = 0.6;
 /** Slope of a drop, as a fraction of the steepest slope before it. */
 const MAX_DROP_SLOPE = -0.1;
 /** Slope of a part that stiffens, as a multiple of the mean slope before it. */
@@ -44,7 +46,7 @@ class Branch {
   partOf(first: number, last: number): CurvePart {
     const end = this.strain.length - 1;
     const slope = this.slopeAround(first, last);
-    if (first === 0) return slope > 0 && slope > MAX_PLATEAU_SLOPE * this.steepestBefore(end) ? "rise" : "beginning";
+    if (first === 0) return slope > 0 && slope >= MIN_RISE_SLOPE * this.steepestBefore(end) ? "rise" : "beginning";
     const steepest = Math.max(0, this.steepestBefore(first));
     if (slope < 0 && slope < MAX_DROP_SLOPE * steepest) return "drop";
     if (slope <= MAX_PLATEAU_SLOPE * steepest) return "plateau";
@@ -62,7 +64,9 @@ export function partOf(task: Task, x: readonly number[], target: readonly number
   const branch = new Branch(x, target, isTension);
   const count = branch.strain.length;
   const before = x.length - count;
-  const [from, to] = isTension ? [first - before, last - before] : [count - 1 - last, count - 1 - first];
+  const [begin, to] = isTension ? [first - before, last - before] : [count - 1 - last, count - 1 - first];
+  // Rest itself may belong to the range on its other side.
+  const from = begin === 1 && branch.strain[0] <= MAX_REST_STRAIN ? 0 : begin;
   if (from === 0 && to + 1 === count) return isTension ? "tension" : "compression";
   return branch.partOf(from, to);
 }

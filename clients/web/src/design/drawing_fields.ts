@@ -4,7 +4,7 @@ import { h, replace, uniqueId } from "../base/dom";
 import { digits } from "../base/format";
 import { textOf } from "../base/text_file";
 import { showText } from "../base/writing";
-import { curveWords, type Drawing, layoutOf, regionsIn, withRegionMoved, type RegionLocation } from "./drawing";
+import { curveWords, type Drawing, layoutOf, regionsIn, REST_NAME, withRegionMoved, type RegionLocation } from "./drawing";
 import { materialsNote, wallWidthOf } from "./fillings";
 import type { Part } from "./part";
 import { MAX_REGIONS, regionWords } from "./region_list";
@@ -126,7 +126,7 @@ export function drawingFields(session: DesignSession, part: Part): HTMLElement {
     const layout = layoutOf(drawing, names, choices);
     words.textContent = drawingWords(drawing);
     namesFound = regionsIn(drawing).slice(0, MAX_REGIONS);
-    makeRegions.hidden = namesFound.length === 0 || namesFound.every((name) => names.some((one) => one.toLowerCase() === name.toLowerCase()));
+    makeRegions.hidden = namesFound.length === 0 || namesFound.every((name) => name === REST_NAME || names.some((one) => one.toLowerCase() === name.toLowerCase()));
     makeRegions.replaceChildren(h("span", {}, `Make ${namesFound.length} regions`));
     makeRegions.title = `A region with a design of its own for each of: ${namesFound.join(", ")}`;
     build(drawing, names);

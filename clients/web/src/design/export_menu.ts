@@ -2,6 +2,7 @@ import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { menu as dropDown } from "../base/menu";
+import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
 import type { Client } from "../contract/client";
 import { csvOf, jsonOf } from "./exports";
@@ -19,11 +20,12 @@ export function exportMenu(session: DesignSession, verification: Verification, c
     "Export",
     "download",
     h("div", { class: "menu-group" }, h("h3", {}, "Design"), button("Data (JSON)", () => save("json"), { kind: "quiet" }),
-      button("Curves (CSV)", () => save("csv"), { kind: "quiet" }), button("Plot (SVG)", () => save("svg"), { kind: "quiet" })),
+      button("Curves (CSV)", () => save("csv"), { kind: "quiet" }), button("Plot (SVG)", () => save("svg"), { kind: "quiet" }),
+      button("Plot (PNG)", () => save("png"), { kind: "quiet" })),
     links,
   );
 
-  function save(kind: "json" | "csv" | "svg"): void {
+  function save(kind: "json" | "csv" | "svg" | "png"): void {
     const shown = session.results.shown.get();
     if (!shown) return;
     const verified = verification.simulated?.curve ?? null;
@@ -36,6 +38,7 @@ export function exportMenu(session: DesignSession, verification: Verification, c
     }
     if (kind === "csv") download(`${name}.csv`, "text/csv", csvOf(shown, session.results.previous.get(), verified));
     if (kind === "svg") download(`${name}.svg`, "image/svg+xml", svgOf(plot()));
+    if (kind === "png") void savePng(plot(), `${name}.png`);
     menu.open = false;
   }
 

@@ -10,11 +10,16 @@ function evidenceOf(session: DesignSession, verification: Verification, shown: T
 
 /** The judgement of the response to one target. */
 export function judgedResponse(session: DesignSession, verification: Verification, shown: TargetResponse): Judgement {
-  return judgeAll([evidenceOf(session, verification, shown)]);
+  return judgedResponses(session, verification, [shown]);
+}
+
+/** The judgement of a design by its responses to all of its targets. */
+export function judgedResponses(session: DesignSession, verification: Verification, all: readonly TargetResponse[]): Judgement {
+  return judgeAll(all.map((shown) => evidenceOf(session, verification, shown)));
 }
 
 /** The judgement of the design of a response: that of the target that it meets worst. */
 export function judgedDesign(session: DesignSession, verification: Verification, inSight: TargetResponse): Judgement {
   const all = session.results.all.get().filter((shown): shown is TargetResponse => shown !== null && sameRequirements(shown, inSight));
-  return judgeAll((all.length > 0 ? all : [inSight]).map((shown) => evidenceOf(session, verification, shown)));
+  return judgedResponses(session, verification, all.length > 0 ? all : [inSight]);
 }

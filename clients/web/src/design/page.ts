@@ -25,7 +25,7 @@ import { PlotPanel } from "./plot_panel";
 import { regionCard } from "./region_card";
 import { resultCard } from "./result_card";
 import { DesignSession } from "./session";
-import { startMenu } from "./start_menu";
+import { beginWith, startMenu } from "./start_menu";
 import { Background } from "./background";
 import { judgedDesign } from "./judged";
 import type { DesignState } from "./state";
@@ -36,13 +36,14 @@ import { verdictLine } from "./verdict_line";
 import { Verification } from "./verification";
 import { verificationCard } from "./verification_card";
 import { WaysOut } from "./ways_out";
+import { welcome } from "./welcome";
 
 export function designPage({ client, link }: PageContext): Page {
   const session = new DesignSession(client);
   const hasTarget = () => session.state.get().points.length > 0;
   const address = new StateLink(link, session.edited, { write: writeLink, read: readLink }, hasTarget);
   const verification = new Verification(session, client);
-  const waysOut = new WaysOut(session, client);
+  const waysOut = new WaysOut(session, client.unreported());
   const background = new Background(session, verification, waysOut);
   const pins = new Pins(session, verification);
   const measured = new Measured(session, client);
@@ -53,7 +54,9 @@ export function designPage({ client, link }: PageContext): Page {
     return undefined;
   });
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const copied = (write: (state: DesignState, origin: string, verdict: string | null) => string) => (hasTarget() ? write(session.state.get(), location.origin, simulatedVerdict()) : null);
+  const copied = (
+    write: (state: DesignState, origin: string, verdict: string | null) => string,
+  ) => (hasTarget() ? write(session.state.get(), location.origin, simulatedVerdict()) : null);
   /** What a simulation says of the shown design; null without one. */
   function simulatedVerdict(): string | null {
     const shown = session.results.shown.get();
@@ -78,9 +81,10 @@ export function designPage({ client, link }: PageContext): Page {
     { class: "design-page" },
     h("h1", { class: "visually-hidden" }, "Design"),
     empty,
+    welcome((start) => beginWith(session, start)),
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, line, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), parts, regionCard(session), resultCard(session, overlays, verification, waysOut, background),
+    h("div", { class: "column right" }, tilingPreview(session, client), parts, regionCard(session, verification), resultCard(session, overlays, verification, waysOut, background),
       verificationCard(session, verification), pinList(pins, client)),
   );
 

@@ -2,6 +2,7 @@
 import { button, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { icon } from "../base/icons";
+import { parameterWords } from "./parameter_words";
 import type { DesignSession } from "./session";
 import { ANY, type DesignState } from "./state";
 
@@ -26,7 +27,8 @@ export function parameterPanel(session: DesignSession): HTMLElement {
     const { lower, upper } = model.parameters;
     rows = lower.map((min, k) => ({
       slider: new Slider({
-        label: `Parameter ${k + 1}`,
+        label: parameterWords(family, k).name,
+        title: parameterWords(family, k).help,
         lower: min,
         upper: upper[k],
         digits: 4,
@@ -57,7 +59,7 @@ export function parameterPanel(session: DesignSession): HTMLElement {
       const isFixed = Boolean(state.fixed[k]);
       row.slider.value = state.found?.parameters[k] ?? 0;
       row.lock.setAttribute("aria-pressed", String(isFixed));
-      row.lock.setAttribute("aria-label", `Keep parameter ${k + 1} in searches`);
+      row.lock.setAttribute("aria-label", `Keep “${parameterWords(family, k).name}” in searches`);
       row.lock.title = isFixed ? "Kept in searches" : "Searched for";
       row.lock.replaceChildren(icon(isFixed ? "lock" : "unlock"));
     });

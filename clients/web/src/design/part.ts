@@ -109,7 +109,8 @@ export function partRequest(found: TilingDesign, settings: PartSettings, product
   return {
     outline,
     ...structureOf(product?.rest ?? { found, beamWidth: settings.beamWidth, orientation: radians(settings.orientation) }),
-    ...(regions.length > 0 && { regions: regions.map((region) => ({ name: region.filling.name, outline: region.outline, ...structureOf(region.filling), ...turned(region.filling) })) }),
+    ...(regions.length > 0 &&
+      { regions: regions.map((region) => ({ name: region.filling.name, outline: region.outline, ...structureOf(region.filling), ...turned(region.filling) })) }),
     ...(axis !== null && kind !== "coupon" && kind !== "block" && { axis }),
     ...(axis !== null && direction !== null && { direction }),
     thickness: settings.thickness,

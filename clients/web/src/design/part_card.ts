@@ -11,7 +11,7 @@ import { type Part, type PartFormat, type PartSettings, type Product, productOf,
 import { PartFields } from "./part_fields";
 import { loadWords } from "./part_load";
 import { partResult } from "./part_result";
-import { axisOf, sizeWords, sketchOf } from "./part_sketch";
+import { axisOf, type Sketch, sizeWords, sketchOf } from "./part_sketch";
 import { radians } from "./specification";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
@@ -19,7 +19,7 @@ import type { DesignSession } from "./session";
 const PAUSE_MS = 400;
 const SHAPES = [{ value: "coupon", words: "Coupon" }, { value: "block", words: "Block" }, { value: "rectangle", words: "Sheet" }, { value: "drawing", words: "Drawing" }] as const;
 
-/** Which curves of the drawing bound the part and its regions; null for the other shapes. */
+/** The curves of the drawing that bound the part and its regions; null for the other shapes. */
 function layoutShown(session: DesignSession, part: Part): PartLayout | null {
   const drawing = part.drawing.get();
   if (part.settings.get().kind !== "drawing" || !drawing) return null;
@@ -29,8 +29,9 @@ function layoutShown(session: DesignSession, part: Part): PartLayout | null {
 /** Says how the structures are turned in the part. */
 function turnShown(session: DesignSession, settings: PartSettings): string {
   const axis = axisOf(settings);
-  if (settings.kind === "drawing" && axis !== null && session.regionEdits.all.length > 1)
+  if (settings.kind === "drawing" && axis !== null && session.regionEdits.all.length > 1) {
     return "Each region is turned so that its design’s load runs along the part.";
+  }
   return loadWords(settings.direction === null ? null : radians(settings.direction), axis);
 }
 
@@ -46,17 +47,41 @@ function productShown(session: DesignSession, part: Part): Product | null {
   return productOf(drawing, layout, fillings.map((filling) => filling && (regions.length === 1 ? { ...filling, ...own } : filling)));
 }
 
+/** The sketch of a part from the fields alone, before the server has made it: `sketch` draws it and says its outer size and how it is turned. */
+function partSketch(session: DesignSession, part: Part, draw: (shape: Sketch | null) => void): { size: HTMLElement; turned: HTMLElement; sketch: () => void } {
+  const size = h("p", { class: "muted part-size" });
+  const turned = h("p", { class: "note part-turn", role: "status" });
+  const sketch = (): void => {
+    const settings = part.settings.get();
+    const shape = sketchOf(settings, part.drawing.get(), layoutShown(session, part), session.regionEdits.all.map(regionWords));
+    draw(shape);
+    size.textContent = shape ? sizeWords(settings, shape) : "";
+    turned.textContent = shape ? turnShown(session, settings) : "";
+  };
+  return { size, turned, sketch };
+}
+
+async function save(session: DesignSession, part: Part, format: PartFormat, tell: (sentence: string) => void): Promise<void> {
+  const shown = session.results.shown.get();
+  if (!shown) return;
+  try {
+    const file = await part.file(shown.found, format, productShown(session, part));
+    download(file.name, file.type, file.content);
+  } catch (error) {
+    tell(explain(error));
+  }
+}
+
 export function partCard(session: DesignSession, part: Part): HTMLElement {
   const kind = new Segments<PartSettings["kind"]>("Shape", SHAPES, (value) => change({ kind: value }));
   const whole = new Checkbox("Whole tiles only", (value) => change({ whole: value }));
   const fields = new PartFields(change, show);
   const fromDrawing = drawingFields(session, part);
   const formats = (["stl", "3mf", "step", "dxf", "svg"] as const).map((format) =>
-    button(format.toUpperCase(), () => void save(format), { title: `Download the part as ${format.toUpperCase()}` })
+    button(format.toUpperCase(), () => void save(session, part, format, result.tell), { title: `Download the part as ${format.toUpperCase()}` })
   );
-  const size = h("p", { class: "muted part-size" });
-  const turned = h("p", { class: "note part-turn", role: "status" });
   const result = partResult(part, h("div", { class: "row", role: "group", "aria-label": "Files of the part" }, ...formats));
+  const { size, turned, sketch } = partSketch(session, part, result.sketch);
   const element = h("details", { class: "card controls part", "aria-label": "Part" }, h("summary", {}, "Part to make"), kind.element, fromDrawing, fields.element, whole.element,
     size, turned, result.element);
 
@@ -79,30 +104,10 @@ export function partCard(session: DesignSession, part: Part): HTMLElement {
     sketch();
   }
 
-  /** Draws the shape from the fields alone, before the server has made the part. */
-  function sketch(): void {
-    const settings = part.settings.get();
-    const shape = sketchOf(settings, part.drawing.get(), layoutShown(session, part), session.regionEdits.all.map(regionWords));
-    result.sketch(shape);
-    size.textContent = shape ? sizeWords(settings, shape) : "";
-    turned.textContent = shape ? turnShown(session, settings) : "";
-  }
-
   function describe(): void {
     const shown = session.results.shown.get();
     if (!element.open || !shown || shown.provisional || result.element.hidden) return;
     part.describe(shown.found, productShown(session, part));
-  }
-
-  async function save(format: PartFormat): Promise<void> {
-    const shown = session.results.shown.get();
-    if (!shown) return;
-    try {
-      const file = await part.file(shown.found, format, productShown(session, part));
-      download(file.name, file.type, file.content);
-    } catch (error) {
-      result.tell(explain(error));
-    }
   }
 
   // The user's settings stay until the design's own values change.

@@ -63,3 +63,8 @@ export function quantile(values: readonly number[], fraction: number): number {
   const sorted = [...values].sort((a, b) => a - b);
   return sorted[Math.min(sorted.length - 1, Math.floor(fraction * sorted.length))] ?? 0;
 }
+
+/** The index of the state that is farthest from rest, which is shown first; of two that are equally far, the one in tension. */
+export function largestState(strains: readonly number[]): number {
+  return strains.reduce((best, strain, k) => (Math.abs(strain) >= Math.abs(strains[best]) ? k : best), 0);
+}

@@ -7,7 +7,7 @@ import { icon } from "../base/icons";
 import { cssColour, cssGradient, rampColour, RAMPS } from "../base/ramps";
 import { dark } from "../base/theme";
 import type { PatchMesh, Simulation } from "../contract/types";
-import { quantile, type SolidMaterial, vonMisesStresses } from "./patch_stress";
+import { largestState, quantile, type SolidMaterial, vonMisesStresses } from "./patch_stress";
 
 type State = Simulation["states"][number] & { deformed: NonNullable<Simulation["states"][number]["deformed"]> };
 
@@ -52,7 +52,7 @@ export class PatchView {
     this.colourLimit = quantile(this.stresses.flat(), COLOUR_QUANTILE);
     this.maxLabel.textContent = `${digits(this.colourLimit)} MPa and more`;
     const last = this.states.length - 1;
-    this.index = Math.max(0, last);
+    this.index = largestState(this.states.map(({ green_strain }) => componentAlong(green_strain, direction)));
     this.slider = new Slider({
       label: "State of the load",
       lower: 0,

@@ -47,6 +47,8 @@ export interface PlotActions {
   select(index: number | null): void;
   /** Called with the strain or the angle at the pointer, and with null when it leaves. */
   hover(x: number | null): void;
+  /** Called when a pinch or the wheel with Ctrl has changed the visible section. */
+  zoomed(isZoomed: boolean): void;
 }
 
 /** The step of an arrow key, in fractions of the plot's width and height; null for other keys. */

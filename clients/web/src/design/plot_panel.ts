@@ -4,6 +4,7 @@ import { button } from "../base/controls";
 import { h, replace, svg, uniqueId } from "../base/dom";
 import { degrees, digits, percent } from "../base/format";
 import { ProgressRow } from "../base/progress_row";
+import { touchWords } from "../base/touch_words";
 import { Problem } from "../contract/client";
 import { entriesAtFault } from "../contract/refusals";
 import { CartesianPlot } from "./cartesian_plot";
@@ -37,6 +38,7 @@ export class PlotPanel {
   private readonly cartesian: ProfilePlot;
   private readonly polar: ProfilePlot;
   private readonly remove = button("", () => this.removeSelected(), { icon: "minus", title: "Remove the selected control point" });
+  private readonly whole = button("", () => this.plot.resetZoom(), { icon: "fit", title: "Show the whole plot" });
   private selected: number | null = null;
   private dragging = false;
   private scheduled = false;
@@ -56,8 +58,9 @@ export class PlotPanel {
     const redo = button("", () => session.redo(), { icon: "redo", title: "Redo (Ctrl+Shift+Z)" });
     const add = button("", () => this.addAfterSelected(), { icon: "plus", title: "Add a control point" });
     const adopt = button("Take as target", () => session.targetEdits.adopt(), { title: "Make the design’s response the target" });
-    const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt,
+    const toolbar = h("div", { class: "toolbar", role: "toolbar", "aria-label": "Plot" }, undo, redo, h("span", { class: "gap" }), add, this.remove, adopt, this.whole,
       h("span", { class: "stretch" }), ...tools);
+    this.whole.hidden = true;
     const region = h("div", { class: "region-panel", id: uniqueId("region") });
     const { element: regions, divide } = regionTabs(session, region);
     const targets = targetTabs(session, verification, this.stage);
@@ -74,7 +77,10 @@ export class PlotPanel {
       if (shownKey !== `${at} ${regionAt}`) this.selected = null;
       shownKey = `${at} ${regionAt}`;
     });
-    for (const part of [session.state, session.results.shown, session.results.previous, session.results.envelope, verification.state, verification.rounds.list, pins.list, overlays.list, measured.data]) {
+    for (
+      const part of [session.state, session.results.shown, session.results.previous, session.results.envelope, verification.state, verification.rounds.list, pins.list,
+        overlays.list, measured.data]
+    ) {
       part.watch(() => this.schedule());
     }
     session.search.activity.watch((activity) => this.showActivity(activity));
@@ -108,6 +114,7 @@ export class PlotPanel {
         this.hovered = x;
         this.schedule();
       },
+      zoomed: (isZoomed) => (this.whole.hidden = !isZoomed),
     };
   }
 
@@ -163,6 +170,7 @@ export class PlotPanel {
     const { plot } = this;
     if (plot.element.parentNode !== this.stage) {
       this.stage.replaceChildren(plot.element);
+      plot.resetZoom();
       this.resize();
     }
     const view = this.view();
@@ -241,7 +249,10 @@ export class PlotPanel {
   /** Shows the values of the curves at the pointer. */
   private showReading(view: PlotView): void {
     const x = view.hovered;
-    if (x === null) return replace(this.reading, this.dragging ? "" : "Point at the plot to read its values.");
+    if (x === null) {
+      return replace(this.reading, this.dragging ? ""
+        : touchWords("Point at the plot to read its values; pinch, or turn the wheel with Ctrl, to zoom.", "Touch the plot to read its values, and pinch it to zoom."));
+    }
     const polar = isPolar(view.task);
     const { y, unit } = TASK_WORDS[view.task];
     const value = (number: number | null) => (number === null ? "none" : `${digits(number)}${unit && ` ${unit}`}`);
@@ -252,6 +263,7 @@ export class PlotPanel {
       const bar = found?.errorBar ? at({ x: found.x, y: found.errorBar }) : null;
       parts.push(`${this.session.results.isCurrent ? "design" : "design before"} ${value(at(view.achieved))}${bar === null ? "" : ` ± ${digits(bar, 2)}`}`);
     }
+    if (view.verified) parts.push(`simulated ${value(at(view.verified))}`);
     for (const pin of view.pins) parts.push(`${pin.name.split(",")[0]} ${value(at(pin))}`);
     replace(this.reading, `${y} at ${polar ? degrees(x) : `a strain of ${digits(x)}`}: ${parts.join(", ")}.`);
   }

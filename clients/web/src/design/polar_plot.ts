@@ -4,6 +4,7 @@ import type { Curve } from "../base/curve";
 import { svg, uniqueId } from "../base/dom";
 import { radialDomain } from "../base/domains";
 import { degrees, digits } from "../base/format";
+import { zoomedAt } from "../base/plot_zoom";
 import { polarGrid, polarPath } from "../base/polar";
 import { Handles } from "./handles";
 import type { PlotView, PlotActions } from "./plot";
@@ -24,6 +25,7 @@ export class PolarPlot extends ProfilePlot {
   private grabbed: Pixels = [0, 0];
   private readonly radius: ScaleLinear<number, number> = scaleLinear();
   private readonly centre = svg("g");
+  private readonly above = svg("g");
   private readonly disc = svg("circle", { class: "ground" });
   private readonly clip = uniqueId("plot-area");
   private readonly clipCircle = svg("circle");
@@ -55,8 +57,9 @@ export class PolarPlot extends ProfilePlot {
       this.disc,
       svg("g", { "clip-path": `url(#${this.clip})` }, ...this.layersBelowAxes),
       this.grid,
-      ...this.layersAboveAxes,
+      this.above,
     );
+    this.above.append(...this.layersAboveAxes);
     this.element.append(this.backdrop, this.handles.group);
   }
 
@@ -68,7 +71,15 @@ export class PolarPlot extends ProfilePlot {
   }
 
   protected fitDomains(view: PlotView, curves: readonly Curve[]): void {
-    this.radius.domain(radialDomain(view.task, [...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]));
+    const [centre, rim] = radialDomain(view.task, [...view.points.map((p) => p[1]), ...curves.flatMap((curve) => [...curve.y])]);
+    // The centre stays in the middle, so that directions stay directions.
+    this.radius.domain([centre, centre + (rim - centre) / this.up.factor]);
+    if (this.isZoomed) this.above.setAttribute("clip-path", `url(#${this.clip})`);
+    else this.above.removeAttribute("clip-path");
+  }
+
+  protected zoomBy(by: number): void {
+    this.up = zoomedAt(this.up, by, 0);
   }
 
   protected drawAxes(view: PlotView): void {

@@ -4,6 +4,7 @@ import { svg } from "../base/dom";
 import { type Handles, pixelsOf } from "./handles";
 import type { PlotView, PlotActions } from "./plot";
 import type { Band } from "./shown";
+import { type AxisZoom, listenForZoom, WHOLE } from "../base/plot_zoom";
 import type { ControlPoint } from "./state";
 
 const DIAMOND = "M0,-5L5,0L0,5L-5,0Z";
@@ -20,6 +21,9 @@ export abstract class ProfilePlot {
   protected width = 640;
   protected height = 420;
   protected view: PlotView | null = null;
+  /** The visible sections of the horizontal axis, and of the vertical or radial one. */
+  protected across: AxisZoom = WHOLE;
+  protected up: AxisZoom = WHOLE;
   private readonly envelope = svg("path", { class: "envelope", "fill-rule": "evenodd" });
   private readonly envelopeRim = svg("path", { class: "envelope-rim" });
   private readonly uncertainty = svg("path", { class: "doubt", "fill-rule": "evenodd" });
@@ -39,6 +43,27 @@ export abstract class ProfilePlot {
     this.backdrop.addEventListener("pointerdown", () => this.actions.select(null));
     this.element.addEventListener("pointermove", (event) => this.actions.hover(this.pointAt(pixelsOf(this.element, event))[0]));
     this.element.addEventListener("pointerleave", () => this.actions.hover(null));
+    listenForZoom(this.element, {
+      zoom: (by, at, moved) => {
+        this.zoomBy(by, at, moved);
+        this.redraw();
+      },
+    });
+  }
+
+  protected get isZoomed(): boolean {
+    return this.across.factor > 1 || this.up.factor > 1;
+  }
+
+  /** Shows the whole plot. */
+  resetZoom(): void {
+    this.across = this.up = WHOLE;
+    this.redraw();
+  }
+
+  private redraw(): void {
+    this.actions.zoomed(this.isZoomed);
+    if (this.view) this.update(this.view);
   }
 
   resize(width: number, height: number): void {
@@ -61,6 +86,7 @@ export abstract class ProfilePlot {
     this.element.setAttribute("width", String(this.width));
     this.element.setAttribute("height", String(this.height));
     this.layOut();
+    this.element.classList.toggle("zoomed", this.isZoomed);
     if (!view.dragging || this.view?.task !== view.task) {
       this.fitDomains(view, [view.achieved, view.previous, view.verified, ...view.pins].filter((curve): curve is Curve => curve !== null));
     }
@@ -102,6 +128,8 @@ export abstract class ProfilePlot {
   protected abstract layOut(): void;
   /** Chooses the domains of the axes so that control points and curves fit. */
   protected abstract fitDomains(view: PlotView, curves: readonly Curve[]): void;
+  /** Changes the visible section; `at` and `moved` in pixels. */
+  protected abstract zoomBy(by: number, at: Pixels, moved: Pixels): void;
   protected abstract drawAxes(view: PlotView): void;
   protected abstract targetPath(view: PlotView): string;
   protected abstract curvePath(curve: Curve): string;

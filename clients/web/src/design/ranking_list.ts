@@ -17,7 +17,8 @@ export function rankingList(session: DesignSession, overlays: Overlays, verifica
   const list = h("ol");
   const again = button("Search all families", () => session.apply({ family: ANY, byHand: false }), { kind: "quiet" });
   const element = h("div", { class: "ranking dims" }, h("h3", {}, "Families, best first"),
-    h("p", { class: "muted" }, "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±), or the deviation that it has shown. Shorter is better."),
+    h("p", { class: "muted" },
+      "Bar: the deviation that a simulation is expected to show, made of the design’s deviation and of the model’s mean error (±), or the deviation that it has shown. Shorter is better."),
     list, again);
 
   function row({ candidate, simulated, expected }: RankedFamily, maxDeviation: number, made: Specification): HTMLElement {
@@ -32,7 +33,8 @@ export function rankingList(session: DesignSession, overlays: Overlays, verifica
       title: `Look at ${family}: ${words}`,
       onclick: () => session.lookAt(candidate),
     }, h("span", { class: "rank-name" }, family), bar, h("span", { class: "rank-error" }, percent(simulated ?? candidate.error.relative_rms)),
-      h("span", { class: "rank-error muted" }, simulated === null ? `± ${modelWords(candidate)}` : "simulated"), searchesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
+      h("span", { class: "rank-error muted" }, simulated === null ? `± ${modelWords(candidate)}` : "simulated"),
+      searchesModulus(made) && h("span", { class: "rank-material muted" }, materialWords(candidate)));
     const overlaid = overlays.has(family);
     const overlay = button("", () => void overlays.toggle(candidate), { icon: "overlay", kind: "quiet", title: `Overlay the curve of ${family}` });
     overlay.setAttribute("aria-pressed", String(overlaid));

@@ -2,10 +2,13 @@
 import { button } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { percent } from "../base/format";
+import { judgedResponses } from "./judged";
 import { regionWords } from "./region_list";
 import type { DesignSession } from "./session";
+import type { Judgement } from "./verdict";
+import type { Verification } from "./verification";
 
-export function regionCard(session: DesignSession): HTMLElement {
+export function regionCard(session: DesignSession, verification: Verification): HTMLElement {
   const list = h("ul", { "aria-label": "Design of each region" });
   const search = button("Search all regions", () => session.regionEdits.searchAll(), { title: "Searches for the designs of all regions in one request" });
   const element = h("section", { class: "card regions-card", "aria-label": "Regions", hidden: true }, h("h2", {}, "Regions"), list, search);
@@ -19,11 +22,17 @@ export function regionCard(session: DesignSession): HTMLElement {
     replace(list, ...regions.map((region, k) => {
       const shown = regionShown[k];
       return h("li", { class: k === regionAt ? "in-sight" : null }, h("span", { class: "target-name" }, regionWords(region, k)),
-        h("span", { class: "muted" }, region.found?.family ?? ""), h("strong", {}, shown ? percent(shown[0].overall) : "not known yet"));
+        h("span", { class: "muted" }, region.found?.family ?? ""),
+        h("strong", {}, shown ? offWords(judgedResponses(session, verification, shown), shown[0].overall) : "not known yet"));
     }));
   }
 
-  for (const part of [session.state, session.results.all, session.results.regionCache]) part.watch(show);
+  for (const part of [session.state, session.results.all, session.results.regionCache, verification.simulations.list]) part.watch(show);
   session.search.activity.watch((activity) => (search.disabled = activity.kind === "busy"));
   return element;
+}
+
+/** The simulated deviation from the worst target where there is one, otherwise that of the model from all of them. */
+function offWords({ source, deviation }: Judgement, byModel: number): string {
+  return source === "simulation" && deviation !== null ? `${percent(deviation)}, simulated` : percent(byModel);
 }

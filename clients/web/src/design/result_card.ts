@@ -56,8 +56,8 @@ export function resultCard(session: DesignSession, overlays: Overlays, verificat
     const error = modelError(session.catalogue.model(shown.found.family), shown);
     const judgement = judgedResponse(session, verification, shown);
     const label = fresh === "current" ? chip(shown, judgedDesign(session, verification, shown)) : h("span", { class: "chip plain" }, waitingWords(session));
-    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, verification, shown), facts(shown, error, judgement),
-      ...notes(shown, judgement),
+    replace(body, h("div", { class: "headline" }, h("strong", { class: "family" }, shown.found.family), label), targetList(session, verification, shown),
+      facts(shown, error, judgement), ...notes(shown, judgement),
       ...(fresh === "current" && !shown.provisional && !shown.byHand && judgement.grade !== "reached" ? [advice(session, shown, nothingElseHelps())] : []));
   }
 

@@ -46,7 +46,7 @@ export interface Measures {
 export interface AnsweredVerdict {
   readonly grade: Grade;
   readonly source: Source;
-  /** Of the worst target; null if a value is missing. */
+  /** Deviation from the worst target; null if a value is missing. */
   readonly deviation: number | null;
   readonly sentence: string;
 }

@@ -1,5 +1,6 @@
 // The fields of a specification with numbers: each with one number, or with two for a range.
 import { h, uniqueId } from "../base/dom";
+import { type TermName, withTerm } from "../base/terms";
 import { showText } from "../base/writing";
 import { type Fault, isRange, type Range, type Size, type Specification, SPECIFICATION_LIMITS, type SpecificationField } from "./specification";
 
@@ -65,15 +66,19 @@ export class SpecificationFields {
    * labels of the modulus and of the orientation.
    */
   constructor(changed: (searched: boolean) => void, findModulus: HTMLElement, findOrientation: HTMLElement) {
-    const field = (label: string, options: Parameters<typeof makeField>[2] = {}) => makeField(label, () => changed(true), options);
+    const field = (label: string, options: Parameters<typeof makeField>[2] = {}, term?: TermName): Field => {
+      const made = makeField(label, () => changed(true), options);
+      if (term) withTerm(made.element, term);
+      return made;
+    };
     this.fields = {
-      youngsModulus: field("Young’s modulus, MPa", { maxLabel: "Young’s modulus at most, MPa", choice: findModulus }),
+      youngsModulus: field("Young’s modulus, MPa", { maxLabel: "Young’s modulus at most, MPa", choice: findModulus }, "youngs_modulus"),
       density: makeField("Density of the material, g/cm³", () => changed(false)),
       orientation: field("Orientation, °", { maxLabel: "Orientation at most, °", choice: findOrientation }),
-      size: field("Beam width, mm"),
-      relativeDensity: field("Relative density from, %", { maxLabel: "Relative density at most, %" }),
-      leastBeamWidth: field("Beam width at least, mm"),
-      cellSizes: field("Cell size from, mm", { maxLabel: "Cell size at most, mm" }),
+      size: field("Beam width, mm", {}, "beam_width"),
+      relativeDensity: field("Relative density from, %", { maxLabel: "Relative density at most, %" }, "relative_density"),
+      leastBeamWidth: field("Beam width at least, mm", {}, "beam_width"),
+      cellSizes: field("Cell size from, mm", { maxLabel: "Cell size at most, mm" }, "cell_size"),
     };
   }
 

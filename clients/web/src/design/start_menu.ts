@@ -20,20 +20,25 @@ export function startMenu(session: DesignSession): HTMLDetailsElement {
         type: "button",
         class: "start",
         onclick: () => choose(start),
-      }, sketch(start), h("span", { class: "start-words" }, h("strong", {}, start.name), h("span", { class: "muted" }, start.words))))
+      }, targetSketch(start), h("span", { class: "start-words" }, h("strong", {}, start.name), h("span", { class: "muted" }, start.words))))
     ),
   );
 
   function choose(start: Start): void {
-    session.apply(startState(start));
+    beginWith(session, start);
     element.open = false;
-    announce(`${start.name}: ${start.words}`, "change");
   }
   return element;
 }
 
+/** Makes an example the target. */
+export function beginWith(session: DesignSession, start: Start): void {
+  session.apply(startState(start));
+  announce(`${start.name}: ${start.words}`, "change");
+}
+
 /** A small drawing of the curve with an axis. */
-function sketch({ state: { task, points, interpolation } }: Start): SVGSVGElement {
+export function targetSketch({ state: { task, points, interpolation } }: Start): SVGSVGElement {
   const polar = isPolar(task);
   const x = polar ? spaced(0, 2 * Math.PI, SAMPLES) : spaced(points[0][0], points[points.length - 1][0], SAMPLES);
   const y = x.map(targetCurve(polar, points, interpolation));

@@ -83,6 +83,11 @@ export const STARTS: readonly Start[] = [
   },
 ];
 
+/** What this is, in one sentence. */
+export const WELCOME_SENTENCE = "Draw how something soft should respond to a load, and Supple finds a pattern of holes that does it, ready to print.";
+/** The examples of a first visit by name, which differ most. */
+export const WELCOME_STARTS: readonly string[] = ["J-curve", "Plateau", "Auxetic"];
+
 /** The change of the state for an example: its target, and a search in all families. */
 export function startState({ state }: Start): Partial<DesignState> {
   return { name: "", direction: DEFAULT_STATE.direction, strain: DEFAULT_STATE.strain, ...state, measure: "green", family: "any", fixed: [], byHand: false };

@@ -1,6 +1,7 @@
 // The controls of the target and the search: task, direction or strain, strain measure, interpolation, family, weight.
 import { Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
+import { withTerm } from "../base/terms";
 import type { DesignSession } from "./session";
 import { ANY, type DesignState, type Interpolation, isPolar, TASK_WORDS, TASKS, WEIGHT_LIMITS } from "./state";
 
@@ -70,8 +71,9 @@ export function targetControls(session: DesignSession, examples: HTMLElement): H
     weight.element.hidden = state.others.length === 0;
     weight.value = state.weight;
   });
-  const more = h("details", { class: "more" }, h("summary", {}, "More"), measure.element, curve.element);
-  return h("section", { class: "card controls", "aria-label": "Target" }, examples, task.element, family.element, direction.element, strain.element, weight.element, more);
+  const more = h("details", { class: "more" }, h("summary", {}, "More"), withTerm(measure.element, "strain"), curve.element);
+  return h("section", { class: "card controls", "aria-label": "Target" }, examples, withTerm(task.element, "stress", "stiffness", "poisson"), withTerm(family.element, "family"),
+    direction.element, withTerm(strain.element, "strain"), weight.element, more);
 }
 
 function parameterCount(count: number): string {

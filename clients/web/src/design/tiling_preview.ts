@@ -62,7 +62,8 @@ class TilingDrawing {
   private readonly loadHalo = svg("path", { class: "load-halo" });
   private readonly loadArrow = svg("path", { class: "load-arrow" });
   private readonly rotated = svg("g", {}, this.copies, this.shape);
-  readonly element = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, this.rotated, this.loadHalo, this.loadArrow, this.scaleBar, this.scaleWords);
+  readonly element = svg("svg", { class: "tiling dims", role: "img", preserveAspectRatio: "xMidYMid slice" }, this.rotated, this.loadHalo, this.loadArrow, this.scaleBar,
+    this.scaleWords);
   private loadAxis: number | null = null;
   /** Side of the drawn window in mm; 0 before the first drawing. */
   private side = 0;

@@ -35,11 +35,7 @@ export function editedPoint(polar: boolean, point: ControlPoint, axis: number, t
 
 export function valueTable(session: DesignSession): HTMLElement {
   const curves = h("div", { class: "table-box dims", tabindex: 0, role: "region", "aria-label": "Values of the curves" });
-  const points = h("div", { class: "table-box" });
-  const caption = h("caption", {});
-  /** The fields of each control point, by axis, and what they were built for. */
-  let fields: readonly (readonly HTMLInputElement[])[] = [];
-  let builtKind = "";
+  const { element: points, show: showPoints } = pointTable(session);
   const details = h("details", { class: "card table" }, h("summary", {}, "Values as tables"), h("div", { class: "tables" }, points, curves));
 
   function show(): void {
@@ -70,6 +66,20 @@ export function valueTable(session: DesignSession): HTMLElement {
       ),
     );
   }
+
+  details.addEventListener("toggle", show);
+  session.results.shown.watch(show);
+  session.state.watch(show);
+  return details;
+}
+
+/** The table of the control points, with fields to edit them. */
+function pointTable(session: DesignSession): { readonly element: HTMLElement; show(): void } {
+  const points = h("div", { class: "table-box" });
+  const caption = h("caption", {});
+  /** The fields of each control point, by axis, and what they were built for. */
+  let fields: readonly (readonly HTMLInputElement[])[] = [];
+  let builtKind = "";
 
   /** Shows the control points. The fields stay where they are as long as their number and meaning do, because new fields would lose the focus on its way to the next cell. */
   function showPoints(): void {
@@ -106,7 +116,8 @@ export function valueTable(session: DesignSession): HTMLElement {
     replace(
       points,
       h("table", {}, caption,
-        h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[task].y))),
+        h("thead", {},
+          h("tr", {}, h("th", { scope: "col" }, "Point"), h("th", { scope: "col" }, polar ? "Direction (°)" : "Strain"), h("th", { scope: "col" }, TASK_WORDS[task].y))),
         h("tbody", {}, ...fields.map((row, k) => h("tr", {}, h("th", { scope: "row" }, String(k + 1)), ...row.map((input) => h("td", {}, input)))))),
     );
   }
@@ -136,8 +147,5 @@ export function valueTable(session: DesignSession): HTMLElement {
     const timer = setTimeout(follow);
   }
 
-  details.addEventListener("toggle", show);
-  session.results.shown.watch(show);
-  session.state.watch(show);
-  return details;
+  return { element: points, show: showPoints };
 }

@@ -5,7 +5,7 @@ import type { ModelError, TargetResponse } from "./shown";
 import { targetCurve } from "./spline";
 import { isPolar } from "./state";
 import { deviationOf, fitRanges, type JudgedCurve, reachedSamples } from "./verdict_ranges";
-import { deviationWords, type Doubt, type TargetVerdict, verdictSentence } from "./verdict_sentence";
+import { deviationWords, type Doubt, type TargetVerdict, type VerdictFacts, verdictSentence } from "./verdict_sentence";
 import { type Grade, gradeWords, limits, type Source, words } from "./verdict_words";
 
 /** The judgement of a design against one target, or against several. */
@@ -72,26 +72,42 @@ export function judge(shown: JudgedResponse, error: ModelError | null, simulated
   return judgeAll([{ shown, error, simulated }]);
 }
 
-/** The judgement of the responses to all targets: the worst decides. It is by simulation if all of them are simulated. */
-export function judgeAll(all: readonly JudgedEvidence[]): Judgement {
-  const source: Source = all.every(({ simulated }) => simulated?.y.some((value) => value !== null)) ? "simulation" : "model";
-  const targets = all.map(({ shown, simulated }) => targetVerdict(source === "simulation" ? simulatedCurve(shown, simulated as Curve) : modelCurve(shown)));
+/** What is known of a design and one of its targets. */
+export interface CurveEvidence {
+  readonly model: JudgedCurve;
+  /** Null if it was not simulated. */
+  readonly simulated: JudgedCurve | null;
+  /** Whether the model is trusted at each of its samples. */
+  readonly inRange: readonly boolean[];
+}
+
+/** The facts of a verdict on a design: the worst of its targets decides. It is by simulation if all of them are simulated. */
+export function verdictFacts(all: readonly CurveEvidence[]): VerdictFacts {
+  const source: Source = all.every(({ simulated }) => simulated !== null) ? "simulation" : "model";
+  const targets = all.map(({ model, simulated }) => targetVerdict(source === "simulation" && simulated ? simulated : model));
   const worst = indexOfWorst(targets);
   const { deviation } = targets[worst];
   const doubt = doubtAbout(all, targets, source);
-  const grade = doubt === "none" ? gradeOf(deviation as number) : "unknown";
-  const byModel = all.map(({ shown }) => deviationOf(modelCurve(shown)));
-  const facts = {
-    grade,
+  const byModel = all.map(({ model }) => deviationOf(model));
+  return {
+    grade: doubt === "none" && deviation !== null ? gradeOf(deviation) : "unknown",
     source,
     doubt,
     deviation,
     modelDeviation: byModel.includes(null) ? null : Math.max(...(byModel as number[])),
-    untrusted: all.reduce((sum, { shown }) => sum + untrusted(shown), 0),
-    samples: all.reduce((sum, { shown }) => sum + shown.inRange.length, 0),
+    untrusted: all.reduce((sum, { inRange }) => sum + untrusted(inRange), 0),
+    samples: all.reduce((sum, { inRange }) => sum + inRange.length, 0),
     targets,
     worst,
   };
+}
+
+/** The judgement of the responses to all targets. */
+export function judgeAll(all: readonly JudgedEvidence[]): Judgement {
+  const facts = verdictFacts(
+    all.map(({ shown, simulated }) => ({ model: modelCurve(shown), simulated: simulated && simulatedCurve(shown, simulated), inRange: shown.inRange })),
+  );
+  const { grade, source, deviation } = facts;
   const isWithinError = grade === "reached" && source === "model" && all.every(isWithinItsError);
   const { answered } = all[0].shown;
   // The server knows more of a target than the page. It has no say where both disagree, since the page may have a simulation of its own.
@@ -132,15 +148,15 @@ function indexOfWorst(targets: readonly TargetVerdict[]): number {
   return targets.reduce((worst, target, k) => (size(target) > size(targets[worst]) ? k : worst), 0);
 }
 
-function untrusted({ inRange }: JudgedResponse): number {
+function untrusted(inRange: readonly boolean[]): number {
   return inRange.filter((inside) => !inside).length;
 }
 
-function doubtAbout(all: readonly JudgedEvidence[], targets: readonly TargetVerdict[], source: Source): Doubt {
+function doubtAbout(all: readonly CurveEvidence[], targets: readonly TargetVerdict[], source: Source): Doubt {
   if (targets.some(({ deviation }) => deviation === null)) {
     return targets.every(({ ranges }) => ranges.every(({ fit }) => fit === "missing")) ? "nothing" : "incomplete";
   }
-  const isMostlyUntrusted = all.some(({ shown }) => shown.inRange.length > 0 && untrusted(shown) >= limits.untrusted * shown.inRange.length);
+  const isMostlyUntrusted = all.some(({ inRange }) => inRange.length > 0 && untrusted(inRange) >= limits.untrusted * inRange.length);
   return source === "model" && isMostlyUntrusted ? "untrusted" : "none";
 }
 
@@ -149,7 +165,7 @@ function doubtAbout(all: readonly JudgedEvidence[], targets: readonly TargetVerd
  * mean is that of all designs on which the model was tried, and holds where the model is trusted.
  */
 function isWithinItsError({ shown, error }: JudgedEvidence): boolean {
-  const bar = relativeErrorBars(shown) ?? (untrusted(shown) > 0 ? null : (error?.mean ?? null));
+  const bar = relativeErrorBars(shown) ?? (untrusted(shown.inRange) > 0 ? null : (error?.mean ?? null));
   const deviation = deviationOf(modelCurve(shown));
   return bar !== null && bar <= SMALL_ERROR && deviation !== null && deviation <= bar;
 }

@@ -8,7 +8,7 @@ import type { Background } from "./background";
 import { judgedDesign } from "./judged";
 import type { DesignSession } from "./session";
 import { freshness, type TargetResponse } from "./shown";
-import { type Judgement } from "./verdict";
+import type { Judgement } from "./verdict";
 import type { Verification, VerificationState } from "./verification";
 import type { WayOut, WaysOut } from "./ways_out";
 
@@ -51,7 +51,7 @@ export function verdictLine(session: DesignSession, verification: Verification, 
 
   function showWays(judgement: Judgement | null): void {
     const found = waysOut.state.get();
-    const all = judgement?.grade === "missed" && found.kind === "found" ? found.ways : [];
+    const all = (judgement?.grade === "missed" || judgement?.grade === "close") && found.kind === "found" ? found.ways : [];
     ways.hidden = all.length === 0;
     if (all === drawnWays || (all.length === 0 && drawnWays.length === 0)) return; // new buttons would lose the focus
     drawnWays = all;
@@ -59,7 +59,10 @@ export function verdictLine(session: DesignSession, verification: Verification, 
       ...all.map((way) => button(wayWords(way), () => waysOut.apply(way), { title: "Make this change. It can be undone" })));
   }
 
-  for (const part of [session.results.shown, session.results.all, session.results.envelope, session.state, session.search.activity, verification.state, verification.simulations.list, waysOut.state]) {
+  for (
+    const part of [session.results.shown, session.results.all, session.results.envelope, session.state, session.search.activity, verification.state, verification.simulations.list,
+      waysOut.state]
+  ) {
     part.watch(show);
   }
   background.isOn.watch((isOn) => (byItself.value = isOn));
@@ -76,8 +79,9 @@ function stateWords(state: VerificationState): string {
   if (state.kind === "failed") return state.sentence;
   if (state.kind !== "running") return "";
   const work = state.work === "polish" ? "Polishing by simulation" : "Checking by simulation";
-  return [work, state.progress > 0 && `${Math.round(100 * state.progress)} %`, state.remaining !== null && `about ${seconds(Math.max(1, Math.round(state.remaining)))} left`]
-    .filter((part) => part).join(", ") + ".";
+  const left = state.remaining === null ? "" : `about ${seconds(Math.max(1, Math.round(state.remaining)))} left`;
+  const parts = [work, state.progress > 0 ? `${Math.round(100 * state.progress)} %` : "", left];
+  return `${parts.filter((part) => part !== "").join(", ")}.`;
 }
 
 /** Why a target inside the shade can be missed. Empty if it is not, or if it leaves the shade. */

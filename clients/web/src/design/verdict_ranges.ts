@@ -47,16 +47,22 @@ export function reachedSamples({ task, target, y }: JudgedCurve): number {
   return y.filter((value, k) => value !== null && Math.abs(value - target[k]) <= tolerance).length;
 }
 
-/** The ranges are contiguous and cover the target; two of them meet halfway between their samples. */
+/**
+ * The ranges are contiguous and cover the target. Two of them meet halfway between their samples, or at a sample near rest, which each design
+ * with little stress reaches: it belongs to the worse of the ranges beside it.
+ */
 export function fitRanges(curve: JudgedCurve): FitRange[] {
   const { task, x, target } = curve;
-  const fits = withoutTrivial(curve, fitsOf(curve));
+  const own = fitsOf(curve);
+  const trivial = trivialSamples(curve, own);
+  const fits = withoutTrivial(trivial, own);
+  const border = (k: number): number => (trivial[k] ? x[k] : trivial[k - 1] ? x[k - 1] : (x[k - 1] + x[k]) / 2);
   const ranges: FitRange[] = [];
   for (let first = 0, end = 1; first < x.length; first = end++) {
     while (end < x.length && fits[end] === fits[first]) ++end;
     ranges.push({
-      from: first === 0 ? x[0] : (x[first - 1] + x[first]) / 2,
-      to: end < x.length ? (x[end - 1] + x[end]) / 2 : isPolar(task) ? x[0] + Math.PI : x[end - 1],
+      from: first === 0 ? x[0] : border(first),
+      to: end < x.length ? border(end) : isPolar(task) ? x[0] + Math.PI : x[end - 1],
       fit: fits[first],
       part: partOf(task, x, target, first, end - 1),
       deviation: rangeDeviation(curve, first, end),
@@ -86,15 +92,19 @@ function fitsOf({ task, target, y }: JudgedCurve): Fit[] {
   });
 }
 
-/** Samples near rest are reached by each design with little stress. They belong to the worse of the ranges beside them. */
-function withoutTrivial({ task, target }: JudgedCurve, own: readonly Fit[]): readonly Fit[] {
+/** Whether each sample says nothing about the design: the target is within the tolerance of 0, and reached. */
+function trivialSamples({ task, target }: JudgedCurve, own: readonly Fit[]): readonly boolean[] {
   const tolerance = limits.sample * scaleOf({ task, target });
-  const saysNothing = (k: number): boolean => own[k] === "reached" && !isPolar(task) && Math.abs(target[k]) <= tolerance;
+  return own.map((fit, k) => fit === "reached" && !isPolar(task) && Math.abs(target[k]) <= tolerance);
+}
+
+/** Gives trivial samples the worse of the fits beside them. */
+function withoutTrivial(trivial: readonly boolean[], own: readonly Fit[]): readonly Fit[] {
   return own.map((fit, k) => {
-    if (!saysNothing(k)) return fit;
+    if (!trivial[k]) return fit;
     let [before, after] = [k, k];
-    while (before > 0 && saysNothing(before)) --before;
-    while (after + 1 < own.length && saysNothing(after)) ++after;
+    while (before > 0 && trivial[before]) --before;
+    while (after + 1 < own.length && trivial[after]) ++after;
     return [before, after].map((beside) => own[beside]).filter((one) => one !== "missing").reduce((worst, one) => (badness(one) > badness(worst) ? one : worst), fit);
   });
 }

@@ -1,8 +1,8 @@
 // The words of verdicts. They come from the table that the server uses too, so that the page says of designs that were set by hand what
 // the server says of those that it found.
-import table from "../../../../api/verdicts.json";
+import { limits, words } from "../../../../api/verdicts.json";
 
-type Words = typeof table.words;
+type Words = typeof words;
 export type Source = keyof Words["source"];
 export type Heading = keyof Words["heading"];
 export type Grade = "reached" | "close" | "missed" | "unknown";
@@ -11,7 +11,7 @@ export type Fit = keyof Words["range"];
 /** What a range of a target's curve looks like. */
 export type CurvePart = keyof Words["part"];
 
-export const { limits, words } = table;
+export { limits, words };
 
 /** A template of the table with its slots filled. */
 export function filled(template: string, slots: Readonly<Record<string, string | number>>): string {

@@ -61,6 +61,8 @@ export class Verification {
   /** The simulation that is shown, and its targets in the order of the tabs. */
   private record: SimulationRecord | null = null;
   private recordTargets = "";
+  /** The simulation whose deformed patch is being computed. */
+  private patched: SimulationRecord | null = null;
   private readonly patches = new WeakMap<SimulationRecord, Extract<PatchState, { kind: "done" }>>();
   /** Designs and targets whose verification has failed or was stopped: it does not begin by itself again. */
   private readonly declined = new Set<string>();
@@ -159,6 +161,7 @@ export class Verification {
     const record = this.simulations.find(found, made, targets);
     const text = targetsText(targets);
     if (record === this.record && text === this.recordTargets && (record !== null || this.state.get().kind !== "done")) return this.forgetFailure();
+    if (this.patched && this.patched !== record && this.restingShown) this.drop();
     [this.record, this.recordTargets] = [record, text];
     this.state.set(record
       ? { kind: "done", simulated: targets.map((target) => simulatedTarget(record, target) as SimulatedTarget), polish: record.polish, seconds: record.seconds }
@@ -211,9 +214,11 @@ export class Verification {
 
   /** Ends the running simulation, whose job is dismissed. */
   private drop(): void {
-    if (this.subject === null && !this.runner.isRunning) return;
-    this.subject = null;
     this.runner.stop();
+    this.patched = null;
+    if (this.subject === null) return;
+    this.subject = null;
+    this.record = null;
     this.rounds.clear();
     this.state.set({ kind: "none" });
   }
@@ -275,6 +280,7 @@ export class Verification {
     const tell = (state: PatchState): void => {
       if (isShown()) this.patch.set(state);
     };
+    this.patched = record;
     tell({ kind: "running", progress: 0 });
     try {
       const { family, parameters, youngsModulus, orientation } = record.design;
@@ -284,10 +290,12 @@ export class Verification {
       const onJob = ({ progress }: Job): void => tell({ kind: "running", progress });
       const simulation = await run.job<Simulation>("/v1/simulations", patchRequest(state, found), { onJob });
       const done = { kind: "done", simulation, direction: patchDirection(state, found) } as const;
+      this.patched = null;
       this.patches.set(record, done);
       tell(done);
     } catch (error) {
       if (run.isCancelled) throw error;
+      this.patched = null;
       tell({ kind: "failed", sentence: explain(error) });
     }
   }

@@ -1,5 +1,6 @@
 // The sentence below the view that says what clicks, drags and keys do.
 import { h } from "../base/dom";
+import { touchWords } from "../base/touch_words";
 import type { MeshSessions } from "./sessions";
 
 const SITES =
@@ -10,7 +11,7 @@ export function viewHint(sessions: MeshSessions): HTMLElement {
   const element = h("p", { class: "hint" });
   for (const part of [mesh.tool, network.state, network.mode, network.supportMode]) {
     part.watch(() => {
-      element.textContent = sessions.isVoronoiTool ? SITES : pointWords(sessions);
+      element.textContent = touchWords(sessions.isVoronoiTool ? SITES : pointWords(sessions));
     });
   }
   return element;

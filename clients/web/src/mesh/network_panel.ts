@@ -1,6 +1,7 @@
 // The panel of the network: points, springs, membrane, fixed points, host, and the method of the relaxation.
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { h } from "../base/dom";
+import { touchWords } from "../base/touch_words";
 import type { EffectSwitch } from "../contract/types";
 import { hostControls } from "./host_panel";
 import type { Nudge } from "./nudge_buttons";
@@ -11,6 +12,7 @@ import { type Elements, ELEMENTS, hasMembrane, hasSprings, type Method, METHODS,
   withExistingPoints } from "./network_state";
 import { readFixed, readSprings, writeFixed, writeSprings } from "./network_text";
 import type { MeshSession } from "./session";
+import { shrinkingNote } from "./shrinking_note";
 
 const POINT_WORDS: Record<PointSource, string> = { poisson_disk: "Random, evenly spread", per_face: "One in each face", picked: "Picked by hand" };
 const SPRING_WORDS: Record<SpringSource, string> = {
@@ -33,7 +35,7 @@ const powerChoices = (values: readonly number[]): Choice<string>[] =>
 
 export function networkPanel(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
   const element = h("section", { class: "card controls", "aria-label": "Network" }, pointControls(mesh, network), elementControls(network), springControls(mesh, network),
-    membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), actions(mesh, network));
+    membraneControls(network), fixedField(network), hostControls(mesh, network, nudge), moreControls(network), shrinkingNote(network), actions(mesh, network));
   mesh.tool.watch((tool) => (element.hidden = tool !== "network"));
   return element;
 }
@@ -48,7 +50,7 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
     changed: (value, done) => done && network.change({ radius: value }),
   });
   const seed = new Slider({ label: "Seed", lower: 0, upper: MAX_SEED, step: 1, digits: 0, changed: (value, done) => done && network.change({ seed: Math.round(value) }) });
-  const mode = new Segments<ClickMode>("A click on the surface", chooseFrom(CLICK_WORDS, ["add", "join", "fix"]), (value) => {
+  const mode = new Segments<ClickMode>(touchWords("A click on the surface"), chooseFrom(CLICK_WORDS, ["add", "join", "fix"]), (value) => {
     network.mode.set(value);
     network.chosen.set(null);
   });
@@ -64,7 +66,7 @@ function pointControls(mesh: MeshSession, network: NetworkSession): HTMLElement 
         : chosen === null ? "Choose a point, then the one that it is joined to; once more takes the spring away." : `Point ${chosen} is chosen: now the other one.`,
       fix: "Fixes a point, or lets it go.",
     };
-    help.textContent = points === "picked" ? picked[network.mode.get()] : "Make the network, then click on points to fix them or let them go.";
+    help.textContent = points === "picked" ? picked[network.mode.get()] : touchWords("Make the network, then click on points to fix them or let them go.");
   };
   mesh.mesh.watch((loaded) => loaded && radius.limit(...radiusLimits(loaded.info)));
   network.state.watch((state) => {

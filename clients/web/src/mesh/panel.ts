@@ -10,6 +10,7 @@ import type { NetworkSession } from "./network_session";
 import { afterChoice, mayBeRepaired, REPAIR_WORDS, REPAIRS, repairSentence } from "./repair";
 import { type MeshSession, MAX_STARTS, type Tool, TOOLS } from "./session";
 import { cssGradient, RAMP_NAMES, RAMP_WORDS, type RampName, RAMPS } from "../base/ramps";
+import { touchWords } from "../base/touch_words";
 import { inWords } from "../contract/places";
 import { isolineSpacing, rampTicks } from "./mesh_data";
 import { projectedOnto, readPlace } from "./point_in_space";
@@ -71,8 +72,8 @@ function surfaceCard(session: MeshSession, sample: () => void): HTMLElement {
       ["Area", digits(info.area, 4)],
     ];
     replace(facts, ...rows.flatMap(([term, value]) => [h("dt", {}, term), h("dd", {}, value)]));
-    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)), ...info.warnings.map(inWords).map((sentence) => h("p", { class: "note" }, sentence)),
-      mayBeRepaired(info) && button("Repair the mesh", () => void session.repairShown()));
+    replace(warnings, info.repair && h("p", { class: "note good" }, repairSentence(info, info.repair)),
+      ...info.warnings.map(inWords).map((sentence) => h("p", { class: "note" }, sentence)), mayBeRepaired(info) && button("Repair the mesh", () => void session.repairShown()));
   });
   return h("section", { class: "card controls", "aria-label": "Surface" },
     h("div", { class: "row" }, h("label", { class: "button primary", for: file.id }, "Open a mesh"), file, button("Sample", sample)),
@@ -157,7 +158,7 @@ function toolCard(session: MeshSession, network: NetworkSession): HTMLElement {
         h("li", {}, h("span", {}, `${isNetworkTool() ? `${k}: ` : ""}${pointWords(point)}`), button("", () =>
           remove(k), { icon: "close", kind: "quiet", title: `Remove ${pointWords(point)}` }))
       ));
-    if (points.length === 0) replace(list, h("li", { class: "muted" }, "Click on the surface to pick points."));
+    if (points.length === 0) replace(list, h("li", { class: "muted" }, touchWords("Click on the surface to pick points.")));
   };
   session.tool.watch((value) => {
     tool.value = value;

@@ -5,6 +5,7 @@ import { button, Select, Slider } from "../base/controls";
 import { h, replace } from "../base/dom";
 import { download } from "../base/download";
 import { digits, seconds } from "../base/format";
+import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
 import { table } from "../base/tables";
 import { inWords } from "../contract/places";
@@ -136,6 +137,7 @@ function fileButtons(network: NetworkSession, plot: ConvergencePlot): HTMLButton
     file("obj"),
     file("vtu"),
     button("SVG", () => download("network-convergence.svg", "image/svg+xml", svgOf(plot.element)), { icon: "download", title: "Save the plot as SVG" }),
+    button("PNG", () => void savePng(plot.element, "network-convergence.png"), { icon: "download", title: "Save the plot as PNG" }),
     button("Request", saveRequest, { icon: "download", title: "Save the request as JSON" }),
   ];
 }

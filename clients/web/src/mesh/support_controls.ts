@@ -2,6 +2,7 @@
 import { announce } from "../base/announce";
 import { button, Checkbox, Slider } from "../base/controls";
 import { h } from "../base/dom";
+import { touchWords } from "../base/touch_words";
 import { MAX_SUPPORTS, type Move } from "./host";
 import { readMoves, readSupports, writeMoves, writeSupports } from "./host_text";
 import { listField } from "./list_field";
@@ -10,7 +11,7 @@ import { type Nudge, nudgeButtons } from "./nudge_buttons";
 import type { MeshSession } from "./session";
 
 export function supportControls(mesh: MeshSession, network: NetworkSession, nudge: Nudge): HTMLElement {
-  const clicks = new Checkbox("Supports: a click on the surface holds the nearest vertex, or lets it go", (value) => network.supportMode.set(value));
+  const clicks = new Checkbox(touchWords("Supports: a click on the surface holds the nearest vertex, or lets it go"), (value) => network.supportMode.set(value));
   const field = listField<readonly number[]>("Held vertices", "none", "Write numbers of vertices of this mesh, from 0, between commas; rows of them as 0-9.", readSupports,
     (supports) => {
       if (supports.length > MAX_SUPPORTS || supports.some((vertex) => vertex >= (mesh.mesh.get()?.info.vertices ?? 0))) return false;

@@ -17,11 +17,16 @@ export const lightOfSurface = /* glsl */ `
 
 const vertexShader = /* glsl */ `
   attribute float distance0;
-  varying float vDistance;
+  uniform vec3 middle;
+  varying float vLinear;
+  varying vec3 vPlace;
   varying vec3 vNormal;
   varying vec3 vView;
   void main() {
-    vDistance = distance0;
+    // The squared distance from a point that sees the whole face is |x|^2 plus a linear function on the face. So is the one along the surface, of
+    // the unfolded source: the linear part is interpolated, and the square is added for each pixel, so that isolines are arcs within faces.
+    vPlace = position - middle;
+    vLinear = distance0 < 0.0 ? -1e30 : distance0 * distance0 - dot(vPlace, vPlace);
     vNormal = normalMatrix * normal;
     vec4 view = modelViewMatrix * vec4(position, 1.0);
     vView = view.xyz;
@@ -64,17 +69,19 @@ const fragmentShader = /* glsl */ `
   uniform vec3 ramp[5];
   uniform float largest;
   uniform float spacing;
-  varying float vDistance;
+  varying float vLinear;
+  varying vec3 vPlace;
   varying vec3 vNormal;
   varying vec3 vView;
   ${lightOfSurface}
   void main() {
     vec3 base = plain;
-    if (largest > 0.0 && vDistance >= 0.0) {
-      float place = clamp(vDistance / largest, 0.0, 1.0) * 4.0;
+    if (largest > 0.0 && vLinear > -1e20) {
+      float along = sqrt(max(vLinear + dot(vPlace, vPlace), 0.0));
+      float place = clamp(along / largest, 0.0, 1.0) * 4.0;
       int k = int(min(floor(place), 3.0));
       base = mix(ramp[k], ramp[k + 1], place - float(k));
-      float turn = vDistance / spacing;
+      float turn = along / spacing;
       float away = abs(fract(turn - 0.5) - 0.5) / fwidth(turn);
       base = mix(base * 0.35, base, smoothstep(0.4, 1.4, away));
     }
@@ -92,6 +99,7 @@ export function surfaceMaterial(): THREE.ShaderMaterial {
       plain: { value: new THREE.Color(0.66, 0.7, 0.73) },
       ramp: { value: RAMP.map((rgb) => new THREE.Vector3(...rgb)) },
       largest: { value: 0 },
+      middle: { value: new THREE.Vector3() },
       spacing: { value: 1 },
     },
   });

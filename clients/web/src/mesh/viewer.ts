@@ -131,7 +131,7 @@ export class MeshViewer {
     this.edges.geometry = geometry;
     this.view.words = words;
     const sphere = geometry.boundingSphere as THREE.Sphere;
-    this.radius = sphere.radius || 1;
+    [this.material.uniforms.middle.value, this.radius] = [sphere.center, sphere.radius || 1];
     this.view.showAll(sphere, FROM);
     this.setField(null);
   }

@@ -2,6 +2,7 @@
 import { button, type Choice, Segments, Select, Slider } from "../base/controls";
 import { digits, plain } from "../base/format";
 import { h, uniqueId } from "../base/dom";
+import { touchWords } from "../base/touch_words";
 import { pointWords, readPoint } from "./link";
 import { projectedOnto, readPlace } from "./point_in_space";
 import { listField } from "./list_field";
@@ -94,8 +95,8 @@ function siteControls(mesh: MeshSession, voronoi: VoronoiSession, nudge: Nudge):
     const sites = voronoi.sites.get();
     const site = voronoi.chosen.get();
     const { fixed } = voronoi.state.get();
-    words.textContent = sites.length === 0 ? "Scatter sites, or click on the surface to place one."
-      : `${sites.length === 1 ? "1 site" : `${sites.length} sites`}. Drag one to move it; a click on the surface adds one.`;
+    words.textContent = sites.length === 0 ? touchWords("Scatter sites, or click on the surface to place one.")
+      : touchWords(`${sites.length === 1 ? "1 site" : `${sites.length} sites`}. Drag one to move it; a click on the surface adds one.`);
     chosen.element.hidden = sites.length === 0;
     chosenControls.hidden = site === null || site >= sites.length;
     clear.hidden = fixedField.element.hidden = sites.length === 0;

@@ -3,7 +3,7 @@ import { Segments } from "../base/controls";
 import { h, svg } from "../base/dom";
 import { degrees, percent } from "../base/format";
 import type { Cell, DeformedCell } from "./deformed_cell";
-import { blockOf, boxAround, latticePoint, pathOf, type Polyline } from "./geometry";
+import { blockOf, boxAround, latticePoint, pathOf, type Polyline, smoothed } from "./geometry";
 import { centroid, restLines } from "./rest_lines";
 import type { WeaveSession } from "./session";
 import { isPeriodic, type Lattice, type Point } from "./state";
@@ -44,7 +44,9 @@ export function cellView(session: WeaveSession, deformed: DeformedCell): HTMLEle
       return;
     }
     const block = blockOf(Number(count));
-    const deformedBlock = centred(cell.strands, cell.lattice, block);
+    // The answer has a point for each node of the rods, which are smooth between them.
+    const smooth = cell.strands.map((line, k) => smoothed(line, laidOut.layout.strands[k]?.ends !== "open"));
+    const deformedBlock = centred(smooth, cell.lattice, block);
     const restBlock = centred(restLines(laidOut.layout), laidOut.layout.lattice as unknown as Lattice, block);
     const box = boxAround([...deformedBlock.corners, ...restBlock.corners]);
     // Both blocks and the picture are centred at the origin, so that the weave stretches from the middle.

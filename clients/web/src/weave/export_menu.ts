@@ -3,6 +3,7 @@ import { button } from "../base/controls";
 import { h } from "../base/dom";
 import { download } from "../base/download";
 import { menu } from "../base/menu";
+import { savePng } from "../base/png_file";
 import { svgOf } from "../base/svg_file";
 import { type Client, explain } from "../contract/client";
 import { csvOf } from "./profile";
@@ -39,6 +40,8 @@ export function exportMenu(session: WeaveSession, card: ProfileCard, client: Cli
         { words: "Values (CSV)", save: saveValues },
         { words: "Plot of the modulus (SVG)", save: () => download(name("modulus.svg"), "image/svg+xml", svgOf(card.charts[0].element)) },
         { words: "Plot of Poisson’s ratio (SVG)", save: () => download(name("poisson.svg"), "image/svg+xml", svgOf(card.charts[1].element)) },
+        { words: "Plot of the modulus (PNG)", save: () => savePng(card.charts[0].element, name("modulus.png")) },
+        { words: "Plot of Poisson’s ratio (PNG)", save: () => savePng(card.charts[1].element, name("poisson.png")) },
       ],
     },
   ];

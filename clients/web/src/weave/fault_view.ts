@@ -16,7 +16,7 @@ export interface Marked {
 
 export class FaultView {
   private readonly drawing = svg("svg", { class: "fault-sheet", role: "img", preserveAspectRatio: "xMidYMid meet" });
-  readonly element = h("div", { class: "print-stage fault-stage", hidden: true }, this.drawing);
+  readonly element = h("div", { class: "fault-stage", hidden: true }, this.drawing);
 
   /** Shows a sheet; nothing without a sheet or without anything to mark. */
   show(sheet: WeaveLayout | null, { crossings, strands }: Marked): void {

@@ -60,6 +60,43 @@ export function pathOf(polyline: Polyline): string {
   return polyline.map(([x, y], k) => `${k === 0 ? "M" : "L"}${round(x)} ${round(y)}`).join("");
 }
 
+/** Points of a smooth curve on each segment of a polyline. */
+const SMOOTH_PIECES = 5;
+
+/**
+ * A smooth curve through the points of a polyline: cubic Hermite pieces over the chord lengths, whose tangents are those of the parabolas
+ * through three neighbouring points. `wraps`: whether the curve goes on at its ends as it began, for loops and for strands of a periodic cell.
+ */
+export function smoothed<P extends readonly number[]>(line: readonly P[], wraps = false, pieces = SMOOTH_PIECES): P[] {
+  const points = line.filter((point, k) => k === 0 || distanceOf(point, line[k - 1]) > 0);
+  if (points.length < 3 && !(wraps && points.length > 1)) return [...points];
+  const slopes = points.slice(1).map((point, k) => {
+    const length = distanceOf(point, points[k]);
+    return { length, slope: point.map((value, axis) => (value - points[k][axis]) / length) };
+  });
+  type Slope = (typeof slopes)[number];
+  const between = (before: Slope, after: Slope) => before.slope.map((value, axis) => (value * after.length + after.slope[axis] * before.length) / (before.length + after.length));
+  const inner = slopes.slice(1).map((after, k) => between(slopes[k], after));
+  const [first, last] = [slopes[0], slopes[slopes.length - 1]];
+  const ends = wraps ? [between(last, first), between(last, first)]
+    : [[first, inner[0]] as const, [last, inner[inner.length - 1]] as const].map(([{ slope }, tangent]) => slope.map((value, axis) => 2 * value - tangent[axis]));
+  const tangents = [ends[0], ...inner, ends[1]];
+  const curve = slopes.flatMap(({ length }, k) =>
+    Array.from({ length: pieces }, (_, piece) => hermite(points[k], points[k + 1], tangents[k], tangents[k + 1], length, piece / pieces))
+  );
+  return [...curve, points[points.length - 1]] as unknown as P[];
+}
+
+function distanceOf(p: readonly number[], q: readonly number[]): number {
+  return Math.hypot(...p.map((value, axis) => value - q[axis]));
+}
+
+/** The point at fraction t of a cubic curve from p to q, whose tangents at the ends are per length. */
+function hermite(p: readonly number[], q: readonly number[], atP: readonly number[], atQ: readonly number[], length: number, t: number): number[] {
+  const s = 1 - t;
+  return p.map((value, axis) => (1 + 2 * t) * s * s * value + t * s * s * length * atP[axis] + t * t * (3 - 2 * t) * q[axis] - t * t * s * length * atQ[axis]);
+}
+
 export function boxAround(points: Iterable<readonly number[]>, margin = 0): Box {
   let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
   for (const [x, y] of points) {

@@ -61,3 +61,82 @@ export function strandWords(strand: Strand): string {
 export function roundedToGrid([x, y]: Point): Point {
   return [Math.round(2 * x) / 2, Math.round(2 * y) / 2];
 }
+
+function mapped(strand: Strand, change: (point: readonly number[]) => Point, translation = strand.translation): Strand {
+  return { ...strand, points: strand.points.map((point) => [...change(point)]), ...(translation && { translation: [...translation] }) };
+}
+
+function rounded(value: number): number {
+  return Number(value.toFixed(4));
+}
+
+/** The layout with all lengths multiplied, about the origin. A strand without its radius is as thick as before. */
+export function scaledLayout(layout: FreeLayout, factor: number): FreeLayout {
+  const scaled = ([x, y]: readonly number[]): Point => [rounded(factor * x), rounded(factor * y)];
+  return {
+    strands: layout.strands.map((strand) => mapped(strand, scaled, strand.translation && [...scaled(strand.translation)])),
+    lattice: layout.lattice && [scaled(layout.lattice[0]), scaled(layout.lattice[1])],
+  };
+}
+
+/** The layout with a copy of a strand, moved by a vector. */
+export function withDuplicate(layout: FreeLayout, index: number, [right, up]: Point): FreeLayout {
+  const strand = layout.strands[index];
+  if (!strand) return layout;
+  return withStrand(layout, mapped(strand, ([x, y]) => [rounded(x + right), rounded(y + up)]));
+}
+
+/** Limit of the strands of a layout that is repeated. */
+export const MAX_ARRAY_STRANDS = 500;
+
+/**
+ * The layout with copies of all strands in columns and rows. In a cell, the steps are those of the lattice, which grows with the copies, so that
+ * the weave stays the same; a strand that goes on for ever is then one for each row or column. In a sheet, `step` is the distance of copies. Null
+ * if there would be too many strands.
+ */
+export function arrayed(layout: FreeLayout, columns: number, rows: number, step: Point): FreeLayout | null {
+  const { lattice, strands } = layout;
+  if (strands.length * columns * rows > MAX_ARRAY_STRANDS) return null;
+  const [a, b]: Lattice = lattice ?? [[step[0], 0], [0, step[1]]];
+  const shift = (i: number, k: number) => ([x, y]: readonly number[]): Point => [rounded(x + i * a[0] + k * b[0]), rounded(y + i * a[1] + k * b[1])];
+  const places = (width: number, height: number) => Array.from({ length: width * height }, (_, n): Point => [n % width, Math.floor(n / width)]);
+  const copies = strands.flatMap((strand) => {
+    const { translation } = strand;
+    if (strand.ends !== "periodic" || !translation || !lattice) return places(columns, rows).map(([i, k]) => mapped(strand, shift(i, k)));
+    // A period of the strand in the larger cell consists of as many periods as it takes to come back to it.
+    const [m, n] = latticeCoordinates(lattice, translation).map(Math.round);
+    const periods = periodsWithin(m, n, columns, rows);
+    const starts = distinctStarts(m, n, columns, rows, periods);
+    return starts.map(([i, k]): Strand => ({
+      ...strand,
+      points: Array.from({ length: periods }, (_, turn) => strand.points.map((point) => [...shift(i + turn * m, k + turn * n)(point)])).flat(),
+      translation: [rounded(periods * translation[0]), rounded(periods * translation[1])],
+    }));
+  });
+  return { strands: copies, lattice: lattice && [shift(columns - 1, 0)(a), shift(0, rows - 1)(b)] };
+}
+
+/** After how many periods a strand that goes on by (m, n) cells is back at the same place of a cell of columns and rows. */
+function periodsWithin(m: number, n: number, columns: number, rows: number): number {
+  let count = 1;
+  while ((count * m) % columns !== 0 || (count * n) % rows !== 0) ++count;
+  return count;
+}
+
+/** One starting cell for each different copy of a strand that goes on by (m, n) cells. */
+function distinctStarts(m: number, n: number, columns: number, rows: number, periods: number): Point[] {
+  const seen = new Set<string>();
+  const starts: Point[] = [];
+  for (let k = 0; k < rows; ++k) {
+    for (let i = 0; i < columns; ++i) {
+      if (seen.has(`${i} ${k}`)) continue;
+      starts.push([i, k]);
+      for (let turn = 0; turn < periods; ++turn) seen.add(`${modulo(i + turn * m, columns)} ${modulo(k + turn * n, rows)}`);
+    }
+  }
+  return starts;
+}
+
+function modulo(value: number, size: number): number {
+  return ((value % size) + size) % size;
+}

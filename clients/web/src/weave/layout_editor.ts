@@ -2,6 +2,7 @@
 import { announce } from "../base/announce";
 import { h, replace, svg } from "../base/dom";
 import { digits } from "../base/format";
+import { touchWords } from "../base/touch_words";
 import type { LayoutResult } from "./carried";
 import { type Crossing, connectionWords, crossingsSummary, crossingWords, slidingMembers } from "./connections";
 import type { Draft } from "./draft";
@@ -67,7 +68,7 @@ export class LayoutEditor {
     this.cell.setAttribute("stroke-dasharray", `${this.side / 60} ${this.side / 80}`);
     this.drawCrossings(laidOut);
     this.drawDraft();
-    this.summary.textContent = laidOut ? `${crossingsSummary(laidOut.layout)}. Click a crossing to change it.` : "No strands yet.";
+    this.summary.textContent = laidOut ? touchWords(`${crossingsSummary(laidOut.layout)}. Click a crossing to change it.`) : "No strands yet.";
     replace(this.warnings, ...(laidOut?.layout.warnings ?? []).map((sentence) => h("li", {}, sentence)));
   }
 

@@ -3,7 +3,7 @@ import { scaleLinear, scaleLog } from "d3-scale";
 import type { Curve } from "../base/curve";
 import { svg } from "../base/dom";
 import { radialDomain } from "../base/domains";
-import { degrees, digits } from "../base/format";
+import { degrees, digits, quantity, suitedUnit } from "../base/format";
 import { polarGrid, polarPath, type RadiusScale } from "../base/polar";
 import { undirected } from "./geometry";
 
@@ -42,6 +42,7 @@ export interface ChartOptions {
 export class PolarChart {
   readonly element: SVGSVGElement;
   private readonly centre = svg("g");
+  private readonly heading = svg("text", { class: "axis-title", x: 12, y: 15 });
   private readonly ground = svg("circle", { class: "ground" });
   private readonly grid = svg("g", { class: "axis" });
   private readonly pins = svg("g", { class: "pinned" });
@@ -55,12 +56,11 @@ export class PolarChart {
   private view: ChartView | null = null;
 
   constructor(private readonly options: ChartOptions) {
-    const { title, unit } = options;
+    const { title } = options;
     this.handle = svg("g", { class: "handle direction", role: "slider", tabindex: 0, "aria-label": `Direction, ${title}`, "aria-valuemin": 0, "aria-valuemax": 180 },
       svg("circle", { class: "halo", r: 11 }), svg("circle", { class: "dot", r: 5 }));
     this.centre.append(this.ground, this.grid, this.pins, this.gaps, this.ray, this.curve, this.handle);
-    const words = svg("text", { class: "axis-title", x: 12, y: 15 }, unit ? `${title} (${unit})` : title);
-    this.element = svg("svg", { class: "plot polar", role: "group", "aria-label": `${title} over direction` }, this.centre, words);
+    this.element = svg("svg", { class: "plot polar", role: "group", "aria-label": `${title} over direction` }, this.centre, this.heading);
     this.element.addEventListener("pointermove", (event) => options.hover(this.angle(event)));
     this.element.addEventListener("pointerleave", () => options.hover(null));
     this.element.addEventListener("click", (event) => options.choose(this.angle(event)));
@@ -80,7 +80,11 @@ export class PolarChart {
     const rim = Math.max(20, Math.min(width, height - TITLE_HEIGHT) / 2 - MARGIN);
     this.ground.setAttribute("r", String(rim));
     this.fit(view, rim);
-    this.grid.replaceChildren(...polarGrid(this.radius, this.ticks(view)));
+    const ticks = this.ticks(view);
+    const { title } = this.options;
+    const { unit, factor } = suitedUnit(Math.max(0, ...ticks), this.options.unit);
+    this.grid.replaceChildren(...polarGrid(this.radius, ticks, (value) => digits(factor * value)));
+    this.heading.textContent = unit ? `${title} (${unit})` : title;
     const path = (curve: Curve) => polarPath(curve, (value) => this.pixelRadius(value));
     this.curve.setAttribute("d", view.curve ? path(view.curve) : "");
     this.curve.classList.toggle("provisional", view.provisional);
@@ -127,7 +131,7 @@ export class PolarChart {
     const r = value === null ? rim : this.pixelRadius(value);
     this.handle.setAttribute("transform", `translate(${r * x},${r * y})`);
     this.handle.setAttribute("aria-valuenow", ((direction * 180) / Math.PI).toFixed(1));
-    const words = value === null ? "no value" : `${digits(value)}${this.options.unit && ` ${this.options.unit}`}`;
+    const words = value === null ? "no value" : quantity(value, this.options.unit);
     this.handle.setAttribute("aria-valuetext", `${degrees(direction)}, ${this.options.title} ${words}`);
   }
 

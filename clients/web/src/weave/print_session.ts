@@ -3,12 +3,12 @@ import { debounce } from "../base/debounce";
 import { Observable } from "../base/observable";
 import { type Client, Problem } from "../contract/client";
 import { type Activity, JobRunner, type Run, type WorkInWords } from "../contract/runner";
-import { inWords } from "../contract/places";
+import { rewritten } from "../contract/places";
 import { entriesAtFault, faultsIn } from "../contract/refusals";
 import type { ProblemDocument, WeaveLayout, WeaveToolpath, WeaveToolpathRequest } from "../contract/types";
 import type { Marked } from "./fault_view";
 import { fused, ownCrossings, spreadFactor, spreadWeave } from "./print_repairs";
-import { DEFAULT_SETTINGS, storedSettings, type PrintSettings, toolpathRequest, type Value, withProfile } from "./printer";
+import { DEFAULT_SETTINGS, type KnownPrinter, storedSettings, type PrintSettings, toolpathRequest, type Value, withPrinter, withProfile } from "./printer";
 import type { WeaveSession } from "./session";
 import { type SheetLayout, layOutSheet, unknownWords } from "./sheet_layout";
 import type { WeaveState } from "./state";
@@ -45,7 +45,7 @@ function refusalOf(activity: Activity<WorkInWords>): ProblemDocument | null {
 export function faultsOf(activity: Activity<WorkInWords>): Fault[] {
   const refusal = refusalOf(activity);
   const placed = refusal ? faultsIn(refusal) : [];
-  return (refusal?.errors ?? []).map(({ pointer, detail }, k) => ({ pointer: pointer ?? "", words: inWords(detail), sentence: placed[k].sentence }));
+  return (refusal?.errors ?? []).map(({ pointer, detail }, k) => ({ pointer: pointer ?? "", words: rewritten(detail), sentence: placed[k].sentence }));
 }
 
 /** A change of the weave after which the sheet can be printed, or fails for fewer reasons. */
@@ -98,6 +98,10 @@ export class PrintSession {
     if (this.settings.get()[pointer] !== value) this.applySettings({ ...this.settings.get(), [pointer]: value });
   }
 
+  choosePrinter(printer: KnownPrinter): void {
+    this.applySettings(withPrinter(this.settings.get(), printer));
+  }
+
   reset(): void {
     this.applySettings(DEFAULT_SETTINGS);
   }
@@ -136,7 +140,9 @@ export class PrintSession {
     const repairs: PrintRepair[] = [];
     const factor = spreadFactor(refusal);
     const spread = factor === null ? null : spreadWeave(state, factor);
-    if (spread) repairs.push({ words: `Spread by ${factor}`, title: "Makes the weave larger and leaves its strands as thick as they are, so that crossings have room", change: spread });
+    if (spread) {
+      repairs.push({ words: `Spread by ${factor}`, title: "Makes the weave larger and leaves its strands as thick as they are, so that crossings have room", change: spread });
+    }
     const own = ownCrossings(state, this.session.laidOut.get()?.layout ?? null, this.sheet.layout, crossings);
     if (own) {
       repairs.push({

@@ -111,6 +111,53 @@ export const PRINT_FIELDS: readonly FieldGroup[] = [
   },
 ];
 
+/** A printer by name: its build volume in mm, and what its maker delivers it with. Both nozzle and filament can be others. */
+export interface KnownPrinter {
+  readonly name: string;
+  readonly bed: readonly [x: number, y: number, z: number];
+  /** Diameters in mm. */
+  readonly nozzle: number;
+  readonly filament: number;
+}
+
+/** Printers of several makers, by their makers' specifications. Temperatures, speeds and lifts are not theirs: they stay as they are set. */
+export const KNOWN_PRINTERS: readonly KnownPrinter[] = [
+  { name: "Prusa i3 MK3S", bed: [250, 210, 210], nozzle: 0.4, filament: 1.75 },
+  { name: "Prusa MK4", bed: [250, 210, 220], nozzle: 0.4, filament: 1.75 },
+  { name: "Prusa MINI+", bed: [180, 180, 180], nozzle: 0.4, filament: 1.75 },
+  { name: "Prusa XL", bed: [360, 360, 360], nozzle: 0.4, filament: 1.75 },
+  { name: "Bambu Lab A1", bed: [256, 256, 256], nozzle: 0.4, filament: 1.75 },
+  { name: "Bambu Lab A1 mini", bed: [180, 180, 180], nozzle: 0.4, filament: 1.75 },
+  { name: "Bambu Lab X1 Carbon", bed: [256, 256, 256], nozzle: 0.4, filament: 1.75 },
+  { name: "Creality Ender-3", bed: [220, 220, 250], nozzle: 0.4, filament: 1.75 },
+  { name: "Ultimaker S3", bed: [230, 190, 200], nozzle: 0.4, filament: 2.85 },
+  { name: "Ultimaker S5", bed: [330, 240, 300], nozzle: 0.4, filament: 2.85 },
+];
+
+/** What is assumed of every printer, because it depends on the material and not on the printer. */
+export const ASSUMED_WORDS = "Build volume, nozzle and filament are the maker’s. Temperatures, speeds and lifts stay as they are set: they depend on the material.";
+
+/** The settings for a printer. */
+export function withPrinter(settings: PrintSettings, { name, bed, nozzle, filament }: KnownPrinter): PrintSettings {
+  return {
+    ...settings,
+    "/printer/name": name,
+    "/printer/bed/0": bed[0],
+    "/printer/bed/1": bed[1],
+    "/printer/bed/2": bed[2],
+    "/printer/nozzle_diameter": nozzle,
+    "/printer/filament_diameter": filament,
+  };
+}
+
+/** The printer whose values the settings have; undefined if they are of another one. */
+export function printerOf(settings: PrintSettings): KnownPrinter | undefined {
+  return KNOWN_PRINTERS.find((printer) =>
+    Object.entries(withPrinter(settings, printer)).every(([pointer, value]) => pointer === "/printer/name" || settings[pointer] === value)
+    && String(settings["/printer/name"]).startsWith(printer.name)
+  );
+}
+
 const ALL_FIELDS = PRINT_FIELDS.flatMap((group) => group.fields);
 export const DEFAULT_SETTINGS: PrintSettings = Object.fromEntries(ALL_FIELDS.map(({ pointer, initial }) => [pointer, initial]));
 
@@ -165,7 +212,9 @@ function readDocument(document: Document, pointer: string, into: Record<string, 
     const field = ALL_FIELDS.find((one) => one.pointer === place);
     if (field && isValueOf(field, value)) into[place] = value;
     else if (!field && typeof value === "object" && value !== null && ALL_FIELDS.some((one) => one.pointer.startsWith(`${place}/`))) readDocument(value as Document, place, into);
-    else throw new Error(field ? `The file has no ${field.kind === "number" ? "number" : "text"} for ${placeWords(place)}.` : `A printer does not have ${placeWords(place)}, which the file names.`);
+    else {throw new Error(
+        field ? `The file has no ${field.kind === "number" ? "number" : "text"} for ${placeWords(place)}.` : `A printer does not have ${placeWords(place)}, which the file names.`,
+      );}
   }
 }
 

@@ -4,7 +4,7 @@ import { h, replace, uniqueId } from "../base/dom";
 import { download } from "../base/download";
 import { showText } from "../base/writing";
 import { faultsOf, type PrintSession } from "./print_session";
-import { type Field, type FieldGroup, fieldsAt, PRINT_FIELDS, profileText, type Value } from "./printer";
+import { ASSUMED_WORDS, type Field, type FieldGroup, fieldsAt, KNOWN_PRINTERS, PRINT_FIELDS, printerOf, profileText, type Value } from "./printer";
 
 interface Row {
   readonly element: HTMLElement;
@@ -27,7 +27,7 @@ export function printerForm(print: PrintSession): HTMLElement {
       : h("fieldset", { class: "print-group" }, h("legend", {}, title), body);
   }
 
-  const element = h("div", { class: "printer-form" }, profileFiles(print), ...PRINT_FIELDS.map(group));
+  const element = h("div", { class: "printer-form" }, printerList(print), profileFiles(print), ...PRINT_FIELDS.map(group));
 
   print.settings.watch((settings) => {
     for (const [pointer, row] of rows) row.show(settings[pointer]);
@@ -87,6 +87,17 @@ function rowOf(print: PrintSession, field: Field): Row {
       }
     },
   };
+}
+
+/** The list of printers by name. The chosen one is remembered with the other settings. */
+function printerList(print: PrintSession): HTMLElement {
+  const other = { value: "", words: "Another printer: the values below" };
+  const list = new Select<string>("Printer by name", [...KNOWN_PRINTERS.map(({ name }) => ({ value: name, words: name })), other], (name) => {
+    const printer = KNOWN_PRINTERS.find((one) => one.name === name);
+    if (printer) print.choosePrinter(printer);
+  });
+  print.settings.watch((settings) => (list.value = printerOf(settings)?.name ?? ""));
+  return h("div", {}, list.element, h("p", { class: "muted" }, ASSUMED_WORDS));
 }
 
 /** Buttons to open and save printer profiles, in the file format of the command line. */

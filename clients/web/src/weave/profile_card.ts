@@ -3,8 +3,9 @@ import { announce } from "../base/announce";
 import { button, Segments, Slider } from "../base/controls";
 import type { Curve } from "../base/curve";
 import { h, replace, svg } from "../base/dom";
-import { degrees, digits } from "../base/format";
+import { degrees, digits, quantity } from "../base/format";
 import { ProgressRow } from "../base/progress_row";
+import { withTerm } from "../base/terms";
 import type { DeformedCell } from "./deformed_cell";
 import type { Pins } from "./pins";
 import { type ChartView, PolarChart } from "./polar_chart";
@@ -70,7 +71,7 @@ export class ProfileCard {
     });
     scale.value = "linear";
     this.session.state.watch((state) => (strain.value = state.strain));
-    return h("div", { class: "profile-controls" }, strain.element, scale.element);
+    return h("div", { class: "profile-controls" }, withTerm(strain.element, "strain", "homogenization"), withTerm(scale.element, "youngs_modulus", "poisson"));
   }
 
   /** Schedules one drawing before the next repaint of the browser. */
@@ -108,8 +109,8 @@ export class ProfileCard {
   private showReading(profile: Profile | null, index: number | null): void {
     if (!profile || index === null) return replace(this.reading);
     const [youngs, poisson] = [profile.youngs[index], profile.poisson[index]];
-    const value = (quantity: number | null, unit: string) => h("strong", {}, quantity === null ? "–" : `${digits(quantity, 4)}${unit}`);
-    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, " N/m"), ", Poisson’s ratio ", value(poisson, ""), ".");
+    const value = (number: number | null, unit: string) => h("strong", {}, number === null ? "–" : quantity(number, unit, 4));
+    replace(this.reading, `At ${degrees(profile.directions[index])}: Young’s modulus `, value(youngs, "N/m"), ", Poisson’s ratio ", value(poisson, ""), ".");
   }
 
   private showLegend(profile: Profile | null): void {

@@ -2,6 +2,7 @@
 import * as THREE from "three";
 import { dark } from "../base/theme";
 import { SceneView } from "../scene/scene_view";
+import { smoothed } from "./geometry";
 import { tubes, type Vector } from "./tubes";
 
 /** Initial direction from the sheet to the camera. */
@@ -10,6 +11,13 @@ const FROM = new THREE.Vector3(0.15, -0.6, 1.2);
 const SIDES = 8;
 const REDUCED_SIDES = 4;
 const MAX_POINTS_WITH_ALL_SIDES = 60_000;
+
+const MAX_SMOOTH_PIECES = 5;
+
+/** Whether a line ends where it begins. */
+function isLoop(line: readonly Vector[]): boolean {
+  return line.length > 2 && line[0].every((value, axis) => Math.abs(value - line[line.length - 1][axis]) < 1e-9);
+}
 
 export type Lines = readonly (readonly Vector[])[];
 
@@ -45,8 +53,12 @@ export class SheetViewer {
 
   /** Draws the strands with their radii. `words`: description for screen readers. */
   setStrands(lines: Lines, radii: readonly number[], words: string): void {
-    const points = lines.reduce((sum, line) => sum + line.length, 0);
-    const { positions, normals, triangles } = tubes(lines, radii, points > MAX_POINTS_WITH_ALL_SIDES ? REDUCED_SIDES : SIDES);
+    const nodes = lines.reduce((sum, line) => sum + line.length, 0);
+    // The answer has a point for each node of the rods, which are smooth between them. Large sheets have nodes enough.
+    const pieces = Math.max(1, Math.min(MAX_SMOOTH_PIECES, Math.floor(MAX_POINTS_WITH_ALL_SIDES / Math.max(1, nodes))));
+    const smooth = lines.map((line) => smoothed(line, isLoop(line), pieces));
+    const points = smooth.reduce((sum, line) => sum + line.length, 0);
+    const { positions, normals, triangles } = tubes(smooth, radii, points > MAX_POINTS_WITH_ALL_SIDES ? REDUCED_SIDES : SIDES);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     geometry.setAttribute("normal", new THREE.BufferAttribute(normals, 3));

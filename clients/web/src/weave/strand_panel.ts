@@ -1,16 +1,18 @@
 // The panel of user-drawn strands: lattice, drawing tools, list of strands, and their text.
 import { button, Segments } from "../base/controls";
 import { h, replace, uniqueId } from "../base/dom";
+import { touchWords } from "../base/touch_words";
 import { showText } from "../base/writing";
 import { inWords } from "../contract/places";
 import type { Draft } from "./draft";
-import { type Ends, isLattice, strandWords, withLattice, withoutStrand } from "./layout_edit";
+import { arrayed, type Ends, isLattice, MAX_ARRAY_STRANDS, scaledLayout, strandWords, withDuplicate, withLattice, withoutStrand } from "./layout_edit";
 import { LayoutTextError, readLayoutText, writeLayoutText } from "./layout_text";
 import type { WeaveSession } from "./session";
 import { FIRST_LAYOUT, type Lattice, type Point } from "./state";
 
 export function strandPanel(session: WeaveSession, draft: Draft): HTMLElement {
-  const section = h("section", { class: "card controls", "aria-label": "Strands" }, latticeFields(session), drawingTools(draft, session), strandList(session), textBox(session));
+  const section = h("section", { class: "card controls", "aria-label": "Strands" }, latticeFields(session), drawingTools(draft, session), strandList(session), wholeTools(session),
+    textBox(session));
   session.state.watch((state) => (section.hidden = state.pattern !== "layout"));
   return section;
 }
@@ -65,8 +67,10 @@ function drawingTools(draft: Draft, session: WeaveSession): HTMLElement {
   }, h("label", { for: id }, "Add a point by its coordinates (mm)"), entry, h("button", { class: "button" }, "Add"));
   entry.addEventListener("input", () => entry.setCustomValidity(""));
   const count = h("p", { class: "muted", role: "status" });
-  const tools = h("div", { class: "controls drawing-tools" }, h("p", { class: "muted" }, "Click points into the picture; they snap to half millimetres, with Alt they do not."),
-    form, count, h("div", { class: "row" }, open, close, ...repeats),
+  const tools = h("div", { class: "controls drawing-tools" },
+    h("p", { class: "muted" },
+      touchWords("Click points into the picture; they snap to half millimetres, with Alt they do not.", "Tap points into the picture; they snap to half millimetres.")), form,
+    count, h("div", { class: "row" }, open, close, ...repeats),
     h("div", { class: "row" }, button("Take back", () => draft.removeLast(), { title: "Remove the last point (Backspace)" }),
       button("Cancel", () => draft.cancel(), { kind: "quiet" })));
 
@@ -97,10 +101,55 @@ function strandList(session: WeaveSession): HTMLElement {
     replace(list,
       ...layout.strands.map((strand, k) =>
         h("li", {}, h("span", {}, `${k + 1}: ${strandWords(strand)}`), button("", () =>
-          session.setLayout(withoutStrand(session.state.get().layout, k)), { icon: "close", kind: "quiet", title: `Remove strand ${k + 1}` }))
+          session.setLayout(withDuplicate(session.state.get().layout, k, COPY_STEP)), { icon: "copy", kind: "quiet", title: `Duplicate strand ${k + 1}` }), button("", () =>
+            session.setLayout(withoutStrand(session.state.get().layout, k)), { icon: "close", kind: "quiet", title: `Remove strand ${k + 1}` }))
       ));
   });
   return h("div", {}, list, clear);
+}
+
+/** Where the copy of a strand is placed, in mm from the strand. */
+const COPY_STEP: Point = [1, 1];
+const MAX_COPIES_ALONG = 12;
+
+/** Tools for all strands: scale them, and repeat them in columns and rows. */
+function wholeTools(session: WeaveSession): HTMLElement {
+  const field = (label: string, value: number, attributes: Record<string, number | string>) => {
+    const id = uniqueId("whole");
+    const input = h("input", { type: "number", class: "number", id, value, ...attributes });
+    return { input, element: h("div", { class: "field" }, h("label", { for: id }, label), input) };
+  };
+  const factor = field("Scale by", 1.5, { min: 0.1, max: 10, step: "any" });
+  const columns = field("Columns", 2, { min: 1, max: MAX_COPIES_ALONG, step: 1 });
+  const rows = field("Rows", 2, { min: 1, max: MAX_COPIES_ALONG, step: 1 });
+  const stepX = field("Distance of columns, mm", 10, { step: "any" });
+  const stepY = field("Distance of rows, mm", 10, { step: "any" });
+  const fault = h("p", { class: "note", role: "alert", hidden: true });
+  const tell = (sentence: string): void => {
+    fault.textContent = sentence;
+    fault.hidden = sentence === "";
+  };
+  const scale = button("Scale", () => {
+    const by = Number(factor.input.value);
+    if (!factor.input.checkValidity() || !(by > 0)) return tell("Scale by a factor from 0.1 to 10.");
+    tell("");
+    session.setLayout(scaledLayout(session.state.get().layout, by));
+  }, { title: "Multiplies all lengths; the thickness of strands stays" });
+  const repeat = button("Repeat", () => {
+    const [across, up] = [columns, rows].map(({ input }) => Number(input.value));
+    if (![columns, rows].every(({ input }) => input.value !== "" && input.checkValidity())) return tell(`Take 1 to ${MAX_COPIES_ALONG} columns and rows.`);
+    const layout = arrayed(session.state.get().layout, across, up, [Number(stepX.input.value), Number(stepY.input.value)]);
+    tell(layout ? "" : `That would be more than ${MAX_ARRAY_STRANDS} strands.`);
+    if (layout) session.setLayout(layout);
+  }, { title: "Copies all strands in columns and rows" });
+  const element = h("details", { class: "more" }, h("summary", {}, "Scale and repeat"), h("div", { class: "row" }, factor.element, scale),
+    h("div", { class: "row" }, columns.element, rows.element), h("div", { class: "row" }, stepX.element, stepY.element), repeat, fault);
+  session.state.watch(({ layout }) => {
+    element.hidden = layout.strands.length === 0;
+    // The steps of a cell are its translations.
+    for (const { element: step } of [stepX, stepY]) step.hidden = layout.lattice !== null;
+  });
+  return element;
 }
 
 function textBox(session: WeaveSession): HTMLElement {

@@ -184,7 +184,7 @@ TEST_F(JobQueueTest, StopsAReportWhoseJobIsCancelled) {
         while (true) execution.checkpoint(1, "reporting");
       },
       0.03);
-  EXPECT_EQ(code_of([&] { queue().run_now(search, [&] { return reports.load(); }); }), "job.cancelled");
+  EXPECT_EQ(code_of([&] { queue().run_now(search, {.hung_up = [&] { return reports.load(); }}); }), "job.cancelled");
 }
 
 TEST_F(JobQueueTest, LetsASearchReportItsBestWhereItReachesTheLimitOfMemory) {

@@ -206,9 +206,9 @@ TEST_F(StoreTest, ReadsAFolderOfTheVersionBefore) {
     store.jobs().finish_job(job, &result);
   }
   const auto change = [&](const char* statement) { Database(folder_ / "supple.sqlite").execute(statement); };
-  for (const char* statement :
-       {"ALTER TABLE jobs DROP COLUMN client", "ALTER TABLE jobs DROP COLUMN session",
-        "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE jobs DROP COLUMN priority", "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
+  for (const char* statement : {"ALTER TABLE jobs DROP COLUMN client", "ALTER TABLE jobs DROP COLUMN session",
+                                "ALTER TABLE jobs DROP COLUMN attempts", "ALTER TABLE jobs DROP COLUMN priority",
+                                "ALTER TABLE meshes DROP COLUMN used", "PRAGMA user_version = 1"})
     change(statement);
   std::ofstream(folder_ / "results" / "old.result") << "42";  // a file of version 1, which is the body alone
   {

@@ -150,6 +150,17 @@ TEST_F(SharedStoreTest, RemovesTheFileOfAServerThatWasLostBeforeItsRow) {
   EXPECT_EQ(other.blobs().job_result("job").body.text(), "right");
 }
 
+TEST_F(SharedStoreTest, AddsTheColumnsThatTablesOfAnEarlierVersionLack) {
+  SharedStore(options()).jobs().add_job(new_job("old"), "request");
+  PrivatePostgres::rows(database_, "ALTER TABLE jobs DROP COLUMN priority");
+  SharedStore store(options());
+  EXPECT_EQ(store.jobs().job("old")->priority, Priority::normal);
+  auto job = new_job("new");
+  job.priority = Priority::interactive;
+  store.jobs().add_job(job, "request");
+  EXPECT_EQ(store.jobs().job("new")->priority, Priority::interactive);
+}
+
 TEST_F(SharedStoreTest, GivesTheMostUrgentJobsToWorkersThatHaveTimeForThem) {
   SharedStore one(options());
   SharedStore two(options());

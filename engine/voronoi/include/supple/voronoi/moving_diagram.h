@@ -27,7 +27,8 @@ struct DiagramRebuild {
 /// moved away, it stays within the old cells of that site and of its neighbours. The result equals that of a full
 /// computation up to rounding. Where regions are equally near to two sites, the choice between the two may differ.
 ///
-/// Memory: 54 bytes for each face of the mesh, 87 with cell moments, and 1 to 2 KB for each cut face: what stays
+/// Memory: 54 bytes for each face of the mesh, 95 with cell moments, and for each cut face 0.5 KB and 70 bytes for each
+/// face that the paths from it to its sites cross (1.5 KB and 190 bytes with all that derivatives need): what stays
 /// follows the borders and not the number of sites. While a diagram is computed, the windows that reach each face are
 /// in memory too; they end soon after they have left their site's cell. One thread at a time may use it.
 class MovingDiagram {
