@@ -31,7 +31,7 @@ describe("the table of control points", () => {
 
   it("follows a point over direction that passes another one", () =>
     withDesign(async (design, page) => {
-      await page.getByText("Stiffness", { exact: true }).first().click();
+      await page.getByLabel("Stiffness", { exact: true }).check();
       await design.settled();
       await page.locator("details.table summary").click();
       const value = await page.getByLabel("Control point 1, Stiffness", { exact: true }).inputValue();

@@ -78,10 +78,10 @@ describe("measured data", () => {
       await design.drop(".plot-card .stage", ["Zeit;Weg;Kraft", ...rows].join("\n"), "forces.csv");
       // The card opens with the fields that the user has to complete; none of them has a value yet.
       await card.getByLabel("Unit of strain").waitFor();
-      assert.match(await card.textContent(), /units\/x.*names no unit of column 1 "Weg"/);
+      assert.match(await card.textContent(), /The unit of strain must be one of 1, %.*names no unit of column 1 "Weg"/);
       assert.equal(await card.getByLabel("Unit of strain").inputValue(), "");
       await card.getByLabel("Unit of strain").selectOption("mm");
-      await until(async () => /units\/y/.test(await card.textContent()) && !/units\/x/.test(await card.textContent()), "the question for the other unit");
+      await until(async () => /The unit of stress must/.test(await card.textContent()) && !/The unit of strain must/.test(await card.textContent()), "the question for the other unit");
       await card.getByLabel("Unit of stress").selectOption("N");
       await card.getByLabel("Cross-section, mm²").fill("20");
       await card.getByLabel("Cross-section, mm²").press("Tab");

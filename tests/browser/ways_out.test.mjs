@@ -58,7 +58,11 @@ describe("a target that is missed", () => {
   });
 
   it("has a control point that may give way where nothing else helps", async () => {
-    const design = await DesignPage.open(browser, server.url + "/" + LINK);
+    // All points but the last are on the curve of the design.
+    const asked = { task: "stress_strain", family: "IH29", parameters: [0.25], range: [0, 0.1], samples: 5 };
+    const { x, y } = await (await fetch(`${server.url}/v1/profiles`, { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(asked) })).json();
+    const points = x.map((strain, k) => `${strain},${k === 4 ? 2 * y[k] : y[k]}`).join(";");
+    const design = await DesignPage.open(browser, `${server.url}/#/design?task=stress_strain&family=IH29&direction=0&points=${points}&design=IH29&parameters=0.25`);
     const { page } = design;
     await answerWays(page, []);
     await page.getByLabel("Check by itself").check();

@@ -175,10 +175,10 @@ describe("strands of one's own", () => {
     const text = page.getByLabel("Strands, as in a request’s weave");
     await text.fill('{"strands": [{"points": [[0, 0], [1]]}]}');
     await weave.button("Use this text").click();
-    await page.locator(".note", { hasText: "strands/0/points/1 must be a number" }).waitFor();
+    await page.locator(".note", { hasText: "point 1 of strand 1 must be a number" }).waitFor();
     await text.fill('{"strands": [{"points": [[0, 0]]}], "lattice": [[5, 0], [0, 5]]}');
     await weave.button("Use this text").click();
-    await page.locator(".panel .note", { hasText: "/weave/strands/0/points: points must be at least 2" }).waitFor();
+    await page.locator(".panel .note", { hasText: /points of strand 1.*must be at least 2/i }).waitFor();
     await text.fill('{"strands": [{"points": [[0, 0], [20, 0]]}, {"points": [[0, 8], [20, 8]]}, {"points": [[4, -3], [4, 11]]}]}');
     await weave.button("Use this text").click();
     await until(async () => (await weave.crossings.count()) === 2, "the crossings of the sheet");

@@ -61,10 +61,6 @@ nlohmann::json error_bar_at(const nlohmann::json& profile, std::size_t i) {
   return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);
 }
 
-std::string error_bar_text(const nlohmann::json& bar) {
-  return bar.is_null() ? "unknown" : fmt::format("{:.2g}", bar.get<double>());
-}
-
 void print_samples(const nlohmann::json& profile) {
   const bool verified = !profile.at("verified").is_null();
   const std::string unit = y_unit(profile);
@@ -77,7 +73,7 @@ void print_samples(const nlohmann::json& profile) {
   for (std::size_t i = 0; i < xs.size(); ++i) {
     fmt::print("{:>10}  {:>12} {:>12} {:>9} {:>12}", with_decimals(xs[i].get<double>()),
                rounded(profile.at("target")[i], scale), rounded(profile.at("achieved")[i], scale),
-               error_bar_text(error_bar_at(profile, i)), rounded(profile.at("initial")[i], scale));
+               error_bar_text(error_bar_at(profile, i), scale), rounded(profile.at("initial")[i], scale));
     if (verified) {
       const auto value = verified_at(profile, xs[i]);
       fmt::print(" {:>13}", value ? rounded(*value, scale) : "");
@@ -240,7 +236,8 @@ void print_profile(const nlohmann::json& answer) {
   fmt::print("{}\n{:>10}  {:>13}  {:>9}  {}\n", kind_text(answer), x_heading(answer), y, "error bar", "in range");
   for (std::size_t i = 0; i < answer.at("x").size(); ++i) {
     fmt::print("{:>10}  {:>13}  {:>9}  {}\n", with_decimals(answer.at("x")[i].get<double>()),
-               rounded(answer.at("y")[i], scale_of(answer.at("y"))), error_bar_text(error_bar_at(answer, i)),
+               rounded(answer.at("y")[i], scale_of(answer.at("y"))),
+               error_bar_text(error_bar_at(answer, i), scale_of(answer.at("y"))),
                answer.at("in_range")[i].get<bool>() ? "yes" : "no");
   }
   fmt::print("model       {}\n", text_in(answer, "model"));

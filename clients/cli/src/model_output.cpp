@@ -37,10 +37,6 @@ nlohmann::json stress_error_bar_at(const nlohmann::json& answer, std::size_t i) 
   return bars.is_null() ? nlohmann::json(nullptr) : bars.at(i);
 }
 
-std::string error_bar_cell(const nlohmann::json& bar) {
-  return bar.is_null() ? "unknown" : fmt::format("{:.2g}", bar.get<double>());
-}
-
 }  // namespace
 
 std::string evaluation_as_csv(const nlohmann::json& strains, const nlohmann::json& answer) {
@@ -76,7 +72,7 @@ void print_evaluation(const nlohmann::json& strains, const nlohmann::json& answe
     if (stresses) {
       fmt::print(" ");
       print_stresses(answer.at("stress").at(i), scale_of(answer.at("stress")));
-      fmt::print("  {:>9}", error_bar_cell(stress_error_bar_at(answer, i)));
+      fmt::print("  {:>9}", error_bar_text(stress_error_bar_at(answer, i), scale_of(answer.at("stress"))));
     }
     fmt::print("  {}\n", answer.at("in_range").at(i).get<bool>() ? "yes" : "no");
     if (!answer.contains("tangent")) continue;
@@ -118,7 +114,7 @@ void print_uniaxial(const nlohmann::json& answer) {
     fmt::print(" ");
     print_stresses(state.at("stress"), stress_scale);
     fmt::print("  {:>11}  {:>9}  {:>11}  {}{}\n", rounded(state.at("directional_stress"), stress_scale),
-               error_bar_cell(state.at("error_bar")), rounded(state.at("energy_density"), energy_scale),
+               error_bar_text(state.at("error_bar"), stress_scale), rounded(state.at("energy_density"), energy_scale),
                state.at("in_range").get<bool>() ? "yes" : "no",
                state.at("converged").get<bool>() ? "" : ", not converged");
   }

@@ -39,6 +39,10 @@ std::string rounded(const nlohmann::json& value, double scale, int digits) {
   return value.is_null() ? "-" : rounded(value.get<double>(), scale, digits);
 }
 
+std::string error_bar_text(const nlohmann::json& bar, double scale) {
+  return bar.is_null() ? "unknown" : rounded(bar.get<double>(), scale, 2);
+}
+
 std::string with_decimals(double value) {
   if (!(std::abs(value) < min_exponential)) return fmt::format("{:.5g}", value);
   const std::string text = fmt::format("{:.5f}", value);

@@ -19,6 +19,9 @@ std::string rounded(double value, double scale, int digits = 5);
 /// The same for a member of an answer, "-" for null.
 std::string rounded(const nlohmann::json& value, double scale, int digits = 5);
 
+/// An error bar of a value, "unknown" for null; zero but for rounding is meant relative to the scale of the values.
+std::string error_bar_text(const nlohmann::json& bar, double scale);
+
 /// A strain, a stretch or an angle with five decimals, or with an exponent if it is too large for them.
 std::string with_decimals(double value);
 

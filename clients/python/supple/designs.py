@@ -101,7 +101,7 @@ class DesignOptions(Sent):
         polish: whether the design is corrected by simulations until they follow the targets: "on" (which verifies it too),
             "off", or "automatic", which polishes a design that is verified.
         ways_out: whether changes are looked for with which a missed target is reached (`Design.ways_out`): "automatic", which
-            does so if the design deviates by more than 5 % and the request has no `session`, "on" or "off". It takes up to 4 s.
+            does so if the design deviates by more than 5 % and the request has no `session`, "on" or "off". It takes up to 10 s.
     """
 
     tolerance: Annotated[Optional[float], ACCURACY] = None

@@ -75,6 +75,12 @@ describe("what a page shows of a refusal", () => {
     );
     expect(problemWords(problem("must be positive", "/beam_width"))).toBe("The width of the beams must be positive");
     expect(problemWords(problem("It is no curve.", "/text", "Close the curves.")), "text of a file").toBe("It is no curve. Close the curves.");
+    const units = "units/x: must be one of mm, N/cm^2, kgf/cm^2: the file names no unit. units/y: must be one of Pa, N/mm^2";
+    expect(problemWords(problem(units, "/units/x"))).toBe(
+      "The unit of strain must be one of mm, N/cm^2, kgf/cm^2: the file names no unit. The unit of stress must be one of Pa, N/mm^2",
+    );
+    expect(problemWords(problem("crossings/3 strands/1 must be lifted", "/weave"))).toBe("Crossing 4: strand 2 must be lifted");
+    expect(entriesAtFault(problem("crossings/3 strands/1 must be lifted", "/weave"), "crossings")).toEqual([3]);
     expect(problemWords(problem("bed: reaches from 0 to 1.0000 mm", "/printer/bed"))).toBe("The bed reaches from 0 to 1 mm");
   });
 

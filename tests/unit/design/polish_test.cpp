@@ -565,8 +565,7 @@ TEST(VerifyDesigns, LetTheSimulationSayWhetherTheTargetIsReached) {
   const auto plain = families.verified({.polish = Switch::off});
   const Design& wrong = plain.ranking.front().design;
   EXPECT_FALSE(wrong.reached);
-  EXPECT_EQ(wrong.message.rfind("The simulated structure does not reach the target", 0), 0U)
-      << wrong.message;
+  EXPECT_EQ(wrong.message.rfind("The simulated structure does not reach the target", 0), 0U) << wrong.message;
 }
 
 TEST(VerifyDesigns, SayByHowMuchACoarserMeshChangesTheAnswer) {

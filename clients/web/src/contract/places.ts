@@ -92,6 +92,9 @@ const FIELDS: Readonly<Record<string, string>> = {
   a: "first number",
 };
 
+/** Paths that have words of their own. */
+const PATHS: Readonly<Record<string, string>> = { "units/x": "the unit of strain", "units/y": "the unit of stress" };
+
 /** Parts of a request that only contain others: they are not named where something within them is. */
 const CONTAINERS: ReadonlySet<string> = new Set(["weave", "target", "structure", "accuracy", "effects", "printer", "options", "text", "load", "uniaxial", "host", "layout"]);
 
@@ -133,6 +136,8 @@ function valueWords(index: number): string {
  */
 export function placeWords(path: string): string {
   const segments = segmentsOf(path);
+  const own = PATHS[segments.join("/")];
+  if (own) return own;
   const parts: { readonly words: string; readonly isContainer: boolean }[] = [];
   for (let k = 0; k < segments.length; ++k) {
     const segment = segments[k];
@@ -165,10 +170,21 @@ export function pointerWords(pointer: string): string {
 }
 
 /** Words with a slash that are no paths: units, and kinds of files. */
-const NOT_PATHS = /^(mm|cm|m|g|kg|kN|N|mN|s|rad|J|mJ)\/(min|mm|cm|m|s|rad|kg)$|^(application|image|multipart|text|model)\/[a-z][a-z0-9+.-]*$|^(and|either|input|read)\//;
+const NOT_PATHS = /^(mm|cm|m|g|kg|kN|N|mN|kgf|lbf|s|rad|J|mJ)\/(min|mm|cm|m|s|rad|kg)$|^(application|image|multipart|text|model)\/[a-z][a-z0-9+.-]*$|^(and|either|input|read)\//;
 const PATH = /(?<![\w/.<])\/?[a-z][a-z0-9_]*(?:\/(?:[a-z][a-z0-9_]*|\d+))+(?![\w/])|(?<![\w/.<\d])\/[a-z][a-z0-9_]*(?![\w/])/g;
 const FIELD_NAME = /(?<![\w-])[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?!\w)/g;
 const API_PATH = /\b(?:GET|POST|PUT|PATCH|DELETE) \/\S*\w|\/v1(?:\/[\w{}.-]+)*|\/(?:openapi\.yaml|readyz|healthz|metrics)/g;
+
+/** Verbs with which a detail goes on the name of its place, so that both are one sentence: "must be positive". */
+export const GOES_ON = /^(?:must|has|is|are|have|may|would|goes|lies|names|needs|takes|reaches|makes|gives|holds|exists|cannot|does)\b/;
+
+/** The words of a path that is found at a place of a text; capitalized where a sentence begins. */
+function pathWords(path: string, text: string, at: number): string {
+  if (NOT_PATHS.test(path)) return path;
+  const begins = /[.!?] $/.test(text.slice(0, at));
+  const words = placeWords(path) || "the file";
+  return begins ? capitalized(words) : words;
+}
 
 /** A sentence with words in place of pointers, paths, names of fields and addresses of the server's interface. */
 export function inWords(sentence: string): string {
@@ -179,7 +195,8 @@ export function inWords(sentence: string): string {
 export function rewritten(text: string): string {
   return text.replace(/\brepair=([a-z_]+)/g, (_, name: string) => `the repair “${name.replace(/_/g, " ")}”`)
     .replace(API_PATH, "the server")
-    .replace(PATH, (path) => (NOT_PATHS.test(path) ? path : placeWords(path) || "the file"))
+    .replace(PATH, (path: string, at: number, whole: string) => pathWords(path, whole, at))
+    .replace(/(unit of (?:strain|stress)): (?=must\b)/g, "$1 ")
     .replace(FIELD_NAME, fieldWords)
     .replace(/(\d\.\d*?)0+(?= mm\b)/g, (_, digits: string) => digits.replace(/\.$/, ""));
 }

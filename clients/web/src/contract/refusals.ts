@@ -1,5 +1,5 @@
 // What a page shows of an error: sentences without pointers and names of fields, and the places at fault, which the page marks.
-import { capitalized, entriesOf, inWords, pointerWords, rewritten } from "./places";
+import { capitalized, entriesOf, GOES_ON, inWords, pointerWords, rewritten } from "./places";
 import type { ProblemDocument } from "./types";
 
 /** Clauses of a hint that speak to somebody who writes requests, not to the user of a page. */
@@ -23,10 +23,17 @@ export interface PlacedFault {
   readonly sentence: string;
 }
 
-/** Verbs with which a detail goes on the name of its place, so that both are one sentence: "must be positive". */
-const GOES_ON = /^(?:must|has|is|are|have|may|would|goes|lies|names|needs|takes|reaches|makes|gives|holds|exists|cannot|does)\b/;
+/** A path with which a detail begins where its pointer only names the whole: "crossings/3 strands/1 must ..." at "/weave". */
+const LEADING_PATH = /^([a-z_]+\/\d+):? (?=\S)/;
 
-function placed(pointer: string, detail: string): PlacedFault {
+/** The pointer to the innermost place that a fault names, and the rest of its detail. */
+function located(pointer: string, detail: string): { readonly pointer: string; readonly detail: string } {
+  const path = /^\/weave\/?$/.test(pointer) ? LEADING_PATH.exec(detail) : null;
+  return path ? { pointer: `/weave/${path[1]}`, detail: detail.slice(path[0].length) } : { pointer, detail };
+}
+
+function placed(givenPointer: string, givenDetail: string): PlacedFault {
+  const { pointer, detail } = located(givenPointer, givenDetail);
   const place = pointerWords(pointer);
   // The server's sentences begin with the path of the field: "crossings/3: a channel needs ...".
   const rest = detail.replace(/^\/?([\w/~]+):? (?=\S)/, (begin, path: string) => (place !== "" && `/${pointer}`.endsWith(`/${path}`) ? "" : begin));
@@ -53,8 +60,8 @@ export function problemWords(problem: Pick<ProblemDocument, "detail" | "errors" 
  * the pointer must go through, if it goes through one of that list at all.
  */
 export function entriesAtFault({ errors }: Pick<ProblemDocument, "errors">, list: string, within?: { readonly list: string; readonly index: number }): number[] {
-  const found = (errors ?? []).flatMap(({ pointer }) => {
-    const entries = entriesOf(pointer ?? "");
+  const found = (errors ?? []).flatMap(({ pointer, detail }) => {
+    const entries = entriesOf(located(pointer ?? "", detail).pointer);
     const outer = within && entries.find((entry) => entry.list === within.list);
     if (outer && outer.index !== within?.index) return [];
     return entries.filter((entry) => entry.list === list).map(({ index }) => index);

@@ -49,28 +49,10 @@ export function designPage({ client, link }: PageContext): Page {
   const measured = new Measured(session, client);
   const part = new Part(client);
   const overlays = new Overlays(session);
-  const share = shareButton("Copy a link to this design", () => {
-    address.write();
-    return undefined;
-  });
   const pin = button("Pin", () => pins.add(), { icon: "pin", title: "Pin this design to compare others with it" });
-  const copied = (
-    write: (state: DesignState, origin: string, verdict: string | null) => string,
-  ) => (hasTarget() ? write(session.state.get(), location.origin, simulatedVerdict()) : null);
-  /** What a simulation says of the shown design; null without one. */
-  function simulatedVerdict(): string | null {
-    const shown = session.results.shown.get();
-    const judgement = shown && session.results.isCurrent ? judgedDesign(session, verification, shown) : null;
-    return judgement?.source === "simulation" ? judgement.sentence : null;
-  }
   const panel: PlotPanel = new PlotPanel(session, verification, pins, overlays, measured, [
     pin,
-    share,
-    copyMenu([
-      { words: "curl", text: () => copied(curlOf) },
-      { words: "Command line", text: () => copied(commandOf) },
-      { words: "Python", text: () => copied(pythonOf) },
-    ]),
+    ...sharing(session, verification, address),
     exportMenu(session, verification, client, () => panel.plot.element),
   ]);
   const parts = partCard(session, part);
@@ -84,8 +66,8 @@ export function designPage({ client, link }: PageContext): Page {
     welcome((start) => beginWith(session, start)),
     h("div", { class: "column left" }, targetControls(session, startMenu(session)), specificationCard(session), measuredCard(measured), parameterPanel(session)),
     h("div", { class: "column middle" }, panel.element, line, valueTable(session)),
-    h("div", { class: "column right" }, tilingPreview(session, client), parts, regionCard(session, verification), resultCard(session, overlays, verification, waysOut, background),
-      verificationCard(session, verification), pinList(pins, client)),
+    h("div", { class: "column right" }, tilingPreview(session, verification, client), parts, regionCard(session, verification),
+      resultCard(session, overlays, verification, waysOut, background), verificationCard(session, verification), pinList(pins, client)),
   );
 
   handleDrops(element, (text, name, bytes) => (isDrawing(name, text) ? part.open(text, name) : measured.read(tableOf(bytes), name)));
@@ -133,6 +115,31 @@ export function designPage({ client, link }: PageContext): Page {
       } else void start(link.read());
     },
   };
+}
+
+/** Buttons that copy a link to the shown design, or the request for it. */
+function sharing(session: DesignSession, verification: Verification, address: StateLink<DesignState>): HTMLElement[] {
+  /** What a simulation says of the shown design; null without one. */
+  function simulatedVerdict(): string | null {
+    const shown = session.results.shown.get();
+    const judgement = shown && session.results.isCurrent ? judgedDesign(session, verification, shown) : null;
+    return judgement?.source === "simulation" ? judgement.sentence : null;
+  }
+  const copied = (write: (state: DesignState, origin: string, verdict: string | null) => string) => {
+    const state = session.state.get();
+    return state.points.length > 0 ? write(state, location.origin, simulatedVerdict()) : null;
+  };
+  return [
+    shareButton("Copy a link to this design", () => {
+      address.write();
+      return undefined;
+    }),
+    copyMenu([
+      { words: "curl", text: () => copied(curlOf) },
+      { words: "Command line", text: () => copied(commandOf) },
+      { words: "Python", text: () => copied(pythonOf) },
+    ]),
+  ];
 }
 
 /** Opens the card of the part and brings it into sight. */

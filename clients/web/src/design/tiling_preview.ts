@@ -4,11 +4,13 @@ import { digits, percent } from "../base/format";
 import type { Client } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import type { Family } from "../contract/types";
+import { judgedResponse } from "./judged";
 import { axisArrow } from "./part_load";
 import { DEFAULT_SPECIFICATION, orientationOf } from "./specification";
 import { structurePath } from "./requests";
 import type { DesignSession } from "./session";
 import { isPolar, type TilingDesign } from "./state";
+import type { Verification } from "./verification";
 
 /** Cells of the requested patch along each translation. The patch is small because uniting its beams takes time; copies of it fill the window. */
 const PATCH_CELLS = 2;
@@ -116,7 +118,7 @@ class TilingDrawing {
   }
 }
 
-export function tilingPreview(session: DesignSession, client: Client): HTMLElement {
+export function tilingPreview(session: DesignSession, verification: Verification, client: Client): HTMLElement {
   const drawing = new TilingDrawing();
   const caption = h("figcaption", {});
   // A short result below the drawing, because the card of the result is far away on a small screen.
@@ -158,9 +160,14 @@ export function tilingPreview(session: DesignSession, client: Client): HTMLEleme
     caption.textContent = `${found.family}. ${session.catalogue.family(found.family)?.description ?? ""}`;
     request(found);
   });
-  session.results.shown.watch((shown) => {
-    drawing.scale(widthNow());
-    if (shown) live.textContent = `${shown.found.family}: ${percent(shown.deviation)} from the target`;
-  });
+  session.results.shown.watch(() => drawing.scale(widthNow()));
+  for (const part of [session.results.shown, verification.state]) {
+    part.watch(() => {
+      const shown = session.results.shown.get();
+      if (!shown) return;
+      const off = judgedResponse(session, verification, shown).deviation ?? shown.deviation;
+      live.textContent = `${shown.found.family}: ${percent(off)} from the target`;
+    });
+  }
   return h("figure", { class: "card preview" }, drawing.element, live, caption);
 }

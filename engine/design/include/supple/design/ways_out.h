@@ -41,7 +41,7 @@ struct WaysOutSearch {
   std::span<const DesignSpace> others;  ///< spaces of other families; empty if all families were searched
   const DesignProblem& problem;
   const DesignOptions& options;  ///< those of the search for the design
-  double max_seconds = 4;        ///< the search ends after this time with what it has found
+  double max_seconds = 10;       ///< the search ends after this time with what it has found
 };
 
 /// Looks for ways out if `design` misses the target, which means that it deviates by more than 5 %: by its simulation
