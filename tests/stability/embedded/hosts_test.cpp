@@ -307,7 +307,11 @@ TEST(HardHosts, StopInTheMiddleOfAStep) {
         asked = std::clock();
         execution.cancellation.request(reason);
       };
-      testing::expect_cancelled(reason, [&] { relax(hard.solver, hard.network, hard.options, execution); });
+      const auto relaxation = [&] { return relax(hard.solver, hard.network, hard.options, execution); };
+      if (reason == StopReason::deadline)
+        EXPECT_EQ(relaxation().stopped, RelaxationTermination::deadline);
+      else
+        testing::expect_cancelled(reason, relaxation);
       EXPECT_EQ(states, 3);
       EXPECT_LT(std::clock() - asked, 2 * CLOCKS_PER_SEC) << "a second of two processors";
     }
