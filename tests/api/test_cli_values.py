@@ -150,6 +150,13 @@ def test_a_unit_of_another_dimension_is_refused_with_the_option_and_what_is_expe
             assert f"{command[-1]}: '{text}' is no {dimension} but a" in refused.stderr and "write for example" in refused.stderr
 
 
+def test_a_number_before_a_unit_needs_one_too(supple: Program) -> None:
+    """Nobody can know whether the 2 of 2x6cm is in millimetres."""
+    refused = supple.run("part", "IH21", "--coupon", "2x6cm", "--stl", "coupon.stl")
+    assert refused.returncode == 1 and "'2x6cm' is no length: write for example" in refused.stderr
+    assert supple.run("uniaxial", "ih67", "-p", "0.2,0.9", "--direction", "0", "--green-strains", "0,5%").returncode == 0
+
+
 @pytest.mark.parametrize("text", ["4furlong", "4 m m", "4mm5", "4MM"])
 def test_an_unknown_unit_is_refused(supple: Program, text: str) -> None:
     refused = supple.run("--server", "http://127.0.0.1:1", "structure", "IH21", "--beam-width", text)

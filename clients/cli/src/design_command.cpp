@@ -48,6 +48,7 @@ struct DesignArguments {
   std::string multi_start;
   std::string envelope;
   std::string polish;
+  std::string ways_out;
   double polish_tolerance = 0;
   int polish_rounds = 0;
   double polish_seconds = 0;
@@ -192,6 +193,7 @@ nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   if (!arguments.multi_start.empty()) request["effects"]["multi_start"] = arguments.multi_start;
   if (!arguments.envelope.empty()) request["effects"]["envelope"] = arguments.envelope;
   if (!arguments.polish.empty()) request["effects"]["polish"] = arguments.polish;
+  if (!arguments.ways_out.empty()) request["effects"]["ways_out"] = arguments.ways_out;
   set_text(request, "session", arguments.session);
   set_number(request, "deadline", arguments.deadline);
   return request;
@@ -276,6 +278,10 @@ void add_search_options(CLI::App& command, DesignArguments& arguments) {
   command
       .add_option("--polish", arguments.polish,
                   "Correct the design until its simulation follows the target (automatic: with --verify)")
+      ->check(switch_values);
+  command
+      .add_option("--ways-out", arguments.ways_out,
+                  "Seek what helps where the target is missed, which takes up to 10 s (automatic)")
       ->check(switch_values);
   command
       .add_option("--polish-tolerance", arguments.polish_tolerance,

@@ -147,8 +147,8 @@ void print_design(const nlohmann::json& design) {
   if (const double orientation = design.at("orientation").get<double>(); orientation != 0)
     fmt::print("orientation {:.6g} rad ({:.4g} degrees)\n", orientation, orientation * 180 / std::numbers::pi);
   print_structure(design.at("material"), design.at("structure"));
-  fmt::print("deviation   {} (root mean square), {:.3g}{} at most\n", percent(error), error.at("max").get<double>(),
-             profile.at("task") == "poisson" ? "" : " MPa");
+  fmt::print("deviation   {} by the model (root mean square), {:.3g}{} at most\n", percent(error),
+             error.at("max").get<double>(), profile.at("task") == "poisson" ? "" : " MPa");
   if (const auto& verified = profile.at("verified"); !verified.is_null() && verified.contains("relative_rms")) {
     fmt::print("simulation  deviates from the model by {} (root mean square)\n", percent(verified));
     if (const auto& mesh = verified.at("discretization_error"); !mesh.is_null())

@@ -69,7 +69,7 @@ std::unique_ptr<CLI::App> make_program(GlobalOptions& options) {
       ->envname("SUPPLE_KEY");
   program
       .add_option("--priority", options.priority,
-                  "What computations start before others: background ones delay no others on the server")
+                  "How urgent computations are: interactive ones start first, background ones delay no others")
       ->check(CLI::IsMember({"interactive", "normal", "background"}));
   program.add_flag("--json", options.json, "Print the server's answer as JSON");
   program.add_flag("--no-progress", options.no_progress, "Draw no progress bar on the terminal");

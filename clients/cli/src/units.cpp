@@ -115,15 +115,22 @@ const Unit* unit_named(std::string_view name) {
 }
 
 /// The text in base units; nothing where a unit is unknown or of another dimension, in which case `faulty` is set to
-/// the quantity at fault.
+/// the quantity at fault. A number without a unit before one with a unit is refused, for in "2x6cm" nobody can know
+/// which unit the 2 has; zero is the same in all.
 std::optional<std::string> converted(std::string_view text, Dimension dimension, std::string_view& faulty) {
   constexpr std::string_view separators = ",;:x";
+  const std::string_view whole = text;
   std::string out;
+  bool is_unit_missing = false;
   while (true) {
     const std::size_t end = text.find_first_of(separators);
     const std::string_view part = text.substr(0, end);
     if (const auto read = number_and_unit(part); !read || read->unit.empty()) {
       out += read ? trimmed(part) : part;
+      is_unit_missing = is_unit_missing || (read && read->number != 0);
+    } else if (is_unit_missing) {
+      faulty = trimmed(whole);
+      return std::nullopt;
     } else {
       const auto value = quantity_in(part, dimension);
       if (!value) {

@@ -340,7 +340,7 @@ class Design(Drawn):
         return first + [entry for entry in super()._shown() if entry[0] not in dict(first)]
 
     def _drawing(self) -> Drawing:
-        title = f"{self.family} {short_text(self.parameters)}: {self.verdict.sentence}"
+        title = f"{self.family} {short_text(self.parameters)}: {_deviation_text(self.verdict)}"
         return replace(self.profile._drawing(), title=title)
 
 

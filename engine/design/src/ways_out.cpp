@@ -111,8 +111,8 @@ std::string words_for_material(const Miss& miss, double modulus) {
 std::string words_for_range(const Target& target, const Range& range) {
   const bool is_one_sided = range.least >= 0 || range.most <= 0;
   return fmt::format("{}strains from {} to {} %: it is reached {}",
-                     target.measure == StrainMeasure::green ? "Green " : "", rounded_text(100 * range.least, 2),
-                     rounded_text(100 * range.most, 2), is_one_sided ? "up to there" : "between them");
+                     target.measure == StrainMeasure::green ? "Green " : "", rounded_text(100 * range.least, 3),
+                     rounded_text(100 * range.most, 3), is_one_sided ? "up to there" : "between them");
 }
 
 // --- kinds of ways out -----------------------------------------------------------------------------------------------

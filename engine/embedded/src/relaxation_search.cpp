@@ -86,8 +86,11 @@ std::vector<bool> RelaxationContext::fixed_degrees(const std::vector<bool>& fixe
 }
 
 void RelaxationHistory::record(const numerics::MinimizerStep& step, const NetworkState& state) {
+  // Memory may be refused for the copy: then neither the steps nor the state have changed.
+  std::optional<NetworkState> copy;
+  if (keeps_state_) copy = state;
   steps_.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
-  if (keeps_state_) state_ = state;
+  if (copy) state_ = std::move(copy);
   if (options_.observer) options_.observer(steps_.back(), state.points(), state.mesh());
 }
 

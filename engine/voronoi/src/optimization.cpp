@@ -223,9 +223,10 @@ class Search {
     if (!result_.history.empty()) ++result_.iterations;
     minimizer_.max_iterations = options_.max_iterations - result_.iterations;
     minimizer_.after_step = [&](const numerics::MinimizerStep& step) {
+      auto copy = system_.state();  // first, since memory may be refused for it
       result_.history.push_back({step.value, step.gradient_norm, is_start ? step_length : step.step_length});
       is_start = false;
-      best_ = system_.state();
+      best_ = std::move(copy);
       if (options_.observer && system_.state().evaluation())
         options_.observer(result_.history.back(), system_.state().evaluation()->diagram);
     };

@@ -21,6 +21,8 @@ using design::FitRange;
 using design::Grade;
 
 constexpr int significant_digits = 2;
+/// With two, 145 degrees would be 150.
+constexpr int direction_digits = 3;
 /// Digits that tell the ends of a range apart are enough if they are as many.
 constexpr int max_significant_digits = 6;
 /// Percentages and degrees of a smaller magnitude are 0, which samples near rest miss by rounding.
@@ -110,11 +112,11 @@ std::string place_of(const FitRange& range) {
   const double from = unit * range.from;
   const double to = unit * range.to;
   if (directions && to - from <= max_degrees_around) {
-    double middle = rounded(std::fmod((from + to) / 2 + 180, 180), significant_digits);
+    double middle = rounded(std::fmod((from + to) / 2 + 180, 180), direction_digits);
     if (middle >= 180) middle = 0;
     return with_slots(verdict_words("place.direction"), {{"middle", number_text(middle)}});
   }
-  int digits = significant_digits;
+  int digits = directions ? direction_digits : significant_digits;
   while (digits < max_significant_digits && rounded(from, digits) == rounded(to, digits)) ++digits;
   return with_slots(directions ? verdict_words("place.directions") : verdict_words("place.strains"),
                     {{"from", number_text(rounded(from, digits))}, {"to", number_text(rounded(to, digits))}});

@@ -19,8 +19,10 @@ namespace {
 
 using Model = std::shared_ptr<const store::LoadedModel>;
 
-/// Fraction of the progress after which ways out are sought.
-constexpr double fraction_before_ways_out = 0.8;
+/// Fraction of the progress after which ways out are sought: a search takes a tenth of their time, simulations take
+/// more.
+constexpr double search_before_ways_out = 0.1;
+constexpr double simulation_before_ways_out = 0.8;
 
 json::DesignModel name_of(const store::LoadedModel& model) {
   const auto& provenance = model.model.provenance;
@@ -185,7 +187,9 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
   found.reserve(regions.size());
   const auto bill = billed(outer, [&](const Execution& execution) {
     const bool seeks_ways_out = request.seeks_ways_out();
-    const double designs_fraction = seeks_ways_out ? fraction_before_ways_out : 1;
+    const double designs_fraction = !seeks_ways_out       ? 1
+                                    : request.simulates() ? simulation_before_ways_out
+                                                          : search_before_ways_out;
     const auto part_of = [&](std::size_t i, double first, double length) {
       const double fraction = length / static_cast<double>(regions.size());
       return PartOfExecution(execution, first + fraction * static_cast<double>(i), fraction);

@@ -30,6 +30,8 @@ export interface VerdictFacts {
 }
 
 const SIGNIFICANT_DIGITS = 2;
+/** With two, 145 degrees would be 150. */
+const DIRECTION_DIGITS = 3;
 /** Digits that tell the ends of a range apart are enough if they are as many. */
 const MAX_SIGNIFICANT_DIGITS = 6;
 /** Percentages and degrees of a smaller magnitude are 0, which samples near rest miss by rounding. */
@@ -60,10 +62,10 @@ function placeOf({ part, from, to }: FitRange): string {
   const isDirection = part === "directions";
   const [begin, end] = [from, to].map((value) => value * (isDirection ? 180 / Math.PI : 100));
   if (isDirection && end - begin <= limits.around) {
-    const middle = rounded(((begin + end) / 2 + 180) % 180, SIGNIFICANT_DIGITS);
+    const middle = rounded(((begin + end) / 2 + 180) % 180, DIRECTION_DIGITS);
     return filled(words.place.direction, { middle: numberText(middle >= 180 ? 0 : middle) });
   }
-  let digits = SIGNIFICANT_DIGITS;
+  let digits = isDirection ? DIRECTION_DIGITS : SIGNIFICANT_DIGITS;
   while (digits < MAX_SIGNIFICANT_DIGITS && rounded(begin, digits) === rounded(end, digits)) ++digits;
   return filled(isDirection ? words.place.directions : words.place.strains, { from: numberText(rounded(begin, digits)), to: numberText(rounded(end, digits)) });
 }
