@@ -22,13 +22,18 @@ const WAY = {
   deviation: 0.021,
 };
 
-/** Answers requests for ways out with these ones, and refuses verifications, which would take long. */
-async function answerWays(page, ways) {
+/** Refuses verifications, which would take long. */
+async function refuseVerifications(page) {
   const refusal = { type: "urn:supple:error:server.overloaded", title: "Overloaded", status: 429, detail: "Not now.", code: "server.overloaded" };
+  await page.route("**/v1/designs", (route) =>
+    route.request().postDataJSON()?.verify ? route.fulfill({ status: 429, contentType: "application/problem+json", json: refusal }) : route.fallback());
+}
+
+/** Answers requests for ways out with these ones, and refuses verifications. */
+async function answerWays(page, ways) {
+  await refuseVerifications(page);
   await page.route("**/v1/designs", async (route) => {
-    const asked = route.request().postDataJSON();
-    if (asked.verify) return route.fulfill({ status: 429, contentType: "application/problem+json", json: refusal });
-    if (asked.effects?.ways_out !== "on") return route.fallback();
+    if (route.request().postDataJSON()?.effects?.ways_out !== "on") return route.fallback();
     await route.fulfill({ status: 200, json: { ways_out: ways, cost: { seconds: 1, stages: [], quantities: {} }, effects: [] } });
   });
 }
@@ -74,6 +79,7 @@ describe("a target that is missed", () => {
   it("is brought closer by what the server itself proposes", async () => {
     const design = await DesignPage.open(browser, server.url + "/" + LINK);
     const { page } = design;
+    await refuseVerifications(page);
     await page.getByLabel("Check by itself").check();
     const ways = page.locator(".ways-out button");
     await ways.first().waitFor();

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { MeasuredCurve } from "../src/contract/types";
 import type { Client } from "../src/contract/client";
-import { askedPointers, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, reductionSentence } from "../src/design/measured";
+import { askedPointers, asksForSense, drawnBehind, tableOf, Measured, type MeasuredData, measuredRequest, INITIAL_SETTINGS, reductionSentence } from "../src/design/measured";
 import { textOf } from "../src/base/text_file";
 import { DesignSession } from "../src/design/session";
 import { DEFAULT_STATE } from "../src/design/state";
@@ -35,6 +35,17 @@ function data(change: Partial<MeasuredData> = {}): MeasuredData {
     ...change,
   };
 }
+
+describe("the question whether a specimen was pulled or pressed", () => {
+  it("is asked where the sense is what is missing, and not for another fault", () => {
+    const data = { curve: null, settings: INITIAL_SETTINGS, problem: "The unit of strain must be one of 1, %.", pointers: ["/units/x"] };
+    expect(asksForSense(data)).toBe(false);
+    expect(asksForSense({ ...data, pointers: ["/units/x", "/sense"] })).toBe(true);
+    expect(asksForSense({ ...data, pointers: ["/sense"], settings: { ...INITIAL_SETTINGS, sense: "tension" } })).toBe(false);
+    const curve = { sense: { used: "tension", told_by: "nothing" } } as unknown as MeasuredCurve;
+    expect(asksForSense({ ...data, curve, problem: "", pointers: [] })).toBe(true);
+  });
+});
 
 describe("measured data", () => {
   it("asks with the settings that were chosen", () => {

@@ -1,6 +1,7 @@
 import { describe, expect, it, vi } from "vitest";
 import { samples } from "../../../api/verdicts.json";
 import type { Profile } from "../src/contract/types";
+import { shownGrade } from "../src/design/judged";
 import { profileResponses, type TargetResponse } from "../src/design/shown";
 import { spaced } from "../src/design/spline";
 import { type ControlPoint, DEFAULT_STATE, type DesignState } from "../src/design/state";
@@ -66,6 +67,24 @@ describe("the judgement of any design", () => {
     const judged = judgeAll([evidence(1.01, 1.02), evidence(1.01, 1.45)]);
     expect(judged).toMatchObject({ grade: "missed", source: "simulation", words: "Simulated: missed" });
     expect(judged.sentence).toContain("Of 2 targets, number 2 is the furthest off.");
+  });
+
+  it("is by the simulation of one of several targets if that one is not reached", () => {
+    const evidence = (factor: number, simulated: number | null, count = 11) => ({
+      shown: scaled(factor, { inRange: trusted(count) }),
+      error: null,
+      simulated: simulated === null ? null : simulatedAs(simulated),
+    });
+    const judged = judgeAll([evidence(1.01, null), evidence(1.01, 1.45)]);
+    expect(judged).toMatchObject({ grade: "missed", source: "simulation" });
+    expect(judged.sentence).toMatch(/^Simulated: 45 % off\. Of 2 targets, number 2 is the furthest off\./);
+    expect(judgeAll([evidence(1.6, null, 2), evidence(1.01, 1.45)])).toMatchObject({ grade: "missed", source: "simulation" });
+    expect(judgeAll([evidence(1.6, null), evidence(1.01, 1.1)])).toMatchObject({ grade: "missed", source: "model" });
+  });
+
+  it("colours only what belongs to the present state", () => {
+    const judged = judge(scaled(1.01), null);
+    expect([shownGrade(judged, "current"), shownGrade(judged, "outdated"), shownGrade(null, "current")]).toEqual(["reached", "", ""]);
   });
 
   it("is by simulation wherever there is one: a model that is close does not hide a miss", () => {

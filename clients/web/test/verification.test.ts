@@ -5,13 +5,16 @@ import type { DesignRequest } from "../src/contract/types";
 import { Background, REST_MS } from "../src/design/background";
 import { judgedDesign } from "../src/design/judged";
 import { DesignSession } from "../src/design/session";
+import type { TargetResponse } from "../src/design/shown";
 import { Simulations } from "../src/design/simulations";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
+import { targetOf } from "../src/design/target_list";
 import { Verification } from "../src/design/verification";
 import { type WayOut, WaysOut } from "../src/design/ways_out";
 
 const X = [0, 0.1, 0.2];
 const LINKED: DesignState = { ...DEFAULT_STATE, points: [[0, 0], [0.2, 2]], family: "IH21", found: { family: "IH21", parameters: [0.5] }, fixed: [false] };
+const TWO_TARGETS: DesignState = { ...LINKED, others: [{ ...targetOf(LINKED), direction: 0.5 }] };
 const WAY: WayOut = {
   change: "turn",
   sentence: "Turn the tiling by 82 degrees: 3.5 % instead of 55 % by the model.",
@@ -79,6 +82,8 @@ function design(slope: number, verified: number | null = null, more: object = {}
 
 /** The slope of the responses of searched designs. */
 let slope: number;
+/** With what the mock server answers all requests for jobs and after jobs: a status, 0 for a lost connection, or null if it serves them. */
+let refusal: number | null;
 
 async function serve(url: string, init: RequestInit = {}): Promise<Response> {
   const path = String(url);
@@ -89,11 +94,14 @@ async function serve(url: string, init: RequestInit = {}): Promise<Response> {
     return Response.json({ ...profile(slope), family: "IH21", parameters: asked.parameters, model: "m", y: curve(slope), cost: { seconds: 0.01, stages: [], quantities: {} } });
   }
   if (path === "/v1/structures") return problem(422);
+  const isOfJob = path.startsWith("/v1/jobs/") || new Headers(init.headers).get("Prefer") === "respond-async";
+  if (isOfJob && refusal === 0) throw new TypeError("no connection");
+  if (isOfJob && refusal !== null) return problem(refusal);
   const [, id, result] = /^\/v1\/jobs\/([\w-]+)(\/\w+)?$/.exec(path) ?? [];
   if (id) return answerOfJob(id, result, init.method ?? "GET");
   if (path !== "/v1/designs" && path !== "/v1/simulations") return Response.json({});
   const request = JSON.parse(String(init.body)) as JobRequest;
-  if (new Headers(init.headers).get("Prefer") !== "respond-async") return Response.json(design(slope));
+  if (new Headers(init.headers).get("Prefer") !== "respond-async") return Response.json(design(slope, null, { also: (request.also ?? []).map(() => profile(slope)) }));
   const job: MockJob = { id: `job-${jobs.length + 1}`, request, document: { state: "running", progress: 0 }, result: null };
   jobs.push(job);
   return Response.json({ id: job.id, kind: "designs", stage: "", created: "", deadline: 60, ...job.document }, { status: 202 });
@@ -102,6 +110,7 @@ async function serve(url: string, init: RequestInit = {}): Promise<Response> {
 function answerOfJob(id: string, result: string | undefined, method: string): Response {
   const job = jobs.find((one) => one.id === id);
   if (!job) return problem(404);
+  if (dismissed.includes(id)) return problem(410, "job.dismissed");
   if (method === "DELETE") {
     dismissed.push(id);
     return Response.json({});
@@ -111,8 +120,8 @@ function answerOfJob(id: string, result: string | undefined, method: string): Re
   return Response.json({ id, kind: "designs", stage: "simulating", created: "", deadline: 60, ...job.document });
 }
 
-function problem(status: number): Response {
-  return new Response(JSON.stringify({ type: "about:blank", status, code: "x.y", title: "t", detail: "d" }), { status, headers: { "Content-Type": "application/problem+json" } });
+function problem(status: number, code = "x.y"): Response {
+  return new Response(JSON.stringify({ type: "about:blank", status, code, title: "t", detail: "d" }), { status, headers: { "Content-Type": "application/problem+json" } });
 }
 
 function finish(job: MockJob, result: object): void {
@@ -126,7 +135,7 @@ vi.setConfig({ testTimeout: 120_000 });
 const storage = new Map<string, string>();
 
 beforeEach(() => {
-  [jobs, dismissed, parameter, slope] = [[], [], 0.7, 10.3];
+  [jobs, dismissed, parameter, slope, refusal] = [[], [], 0.7, 10.3, null];
   storage.clear();
   vi.useFakeTimers();
   vi.stubGlobal("fetch", serve);
@@ -240,12 +249,103 @@ describe("a verification in the background", () => {
     expect([jobs.length, dismissed]).toEqual([1, ["job-1"]]);
   });
 
+  it("begins again after it was switched off and on", async () => {
+    const { background } = await opened();
+    await pass(REST_MS + 100);
+    background.switch(false);
+    await pass(2 * REST_MS);
+    expect([jobs.length, dismissed]).toEqual([1, ["job-1"]]);
+    background.switch(true);
+    await pass(REST_MS + 100);
+    expect(jobs).toHaveLength(2);
+  });
+
+  it("is dropped when the direction of the target changes, and goes on when the size does", async () => {
+    const { session, verification } = await opened();
+    await pass(REST_MS + 100);
+    session.apply({ made: { ...session.state.get().made, size: { kind: "cell_size", value: 5 } } });
+    expect(verification.state.get().kind).toBe("running");
+    session.apply({ direction: 0.5 });
+    expect(verification.state.get().kind).toBe("none");
+    await pass(10);
+    expect(dismissed).toEqual(["job-1"]);
+  });
+
+  it.each([429, 503, 0])("waits for a server that answers %i, without a complaint, longer each time", async (status) => {
+    const { verification, background } = await opened();
+    refusal = status;
+    const asked = vi.fn(serve);
+    vi.stubGlobal("fetch", asked);
+    const attempts = () => asked.mock.calls.filter(([, init]) => new Headers(init?.headers).get("Prefer") === "respond-async").length;
+    await pass(REST_MS + 100);
+    expect([attempts(), verification.state.get().kind]).toEqual([1, "none"]);
+    await pass(29_000);
+    expect(attempts()).toBe(1);
+    await pass(2000);
+    expect([attempts(), verification.state.get().kind]).toEqual([2, "none"]);
+    await pass(55_000);
+    expect(attempts()).toBe(2);
+    refusal = null;
+    background.reconnected();
+    await pass(REST_MS + 100);
+    expect([attempts(), verification.state.get().kind]).toEqual([3, "running"]);
+  });
+
+  it("is found again after a lost connection, and no second job is begun", async () => {
+    const { verification, background } = await opened();
+    await pass(REST_MS + 100);
+    refusal = 0;
+    await pass(1000);
+    expect(verification.state.get().kind).toBe("none");
+    refusal = null;
+    void verification.verify({ background: true });
+    await pass(100);
+    expect([jobs.length, verification.state.get().kind]).toEqual([1, "running"]);
+    background.reconnected();
+    finish(jobs[0], design(10.3, 14.5));
+    await pass(1000);
+    expect([jobs.length, verification.state.get().kind]).toEqual([1, "done"]);
+  });
+
   it("goes on for the user who asks for it meanwhile", async () => {
     const { verification } = await opened();
     await pass(REST_MS + 100);
     await verification.verify();
     expect(jobs).toHaveLength(1);
     expect(verification.state.get()).toMatchObject({ kind: "running", isBackground: false });
+  });
+});
+
+describe("a response to an earlier state", () => {
+  it("is not verified: its curve would be stored for another material", async () => {
+    const { session, verification, background } = await opened();
+    background.switch(false);
+    session.apply({ made: { ...session.state.get().made, youngsModulus: 40 } });
+    void verification.verify();
+    void verification.polish();
+    expect(verification.state.get().kind).toBe("none");
+    expect(jobs).toHaveLength(0);
+  });
+});
+
+describe("a search that was stopped", () => {
+  /** A page whose search has a best design so far. Its later searches do not end. */
+  async function stopped(linked: DesignState): Promise<Opened> {
+    const page = await opened(linked);
+    const { session } = page;
+    const shown = session.results.shown.get() as TargetResponse;
+    session.results.acceptPartial({ ...shown, found: { family: "IH21", parameters: [0.4] }, provisional: true, inRange: [true, true, true] }, session.state.get());
+    session.results.finalizePartial();
+    return page;
+  }
+
+  it("has a result that is not certain, since nothing tells where the model is trusted", async () => {
+    expect(shownJudgement(await stopped(LINKED))?.grade).toBe("unknown");
+  });
+
+  it("is not judged by the responses of another design to the other targets", async () => {
+    slope = 15;
+    expect(shownJudgement(await stopped(TWO_TARGETS))).toMatchObject({ grade: "unknown", sentence: "Not all targets of this design are known yet." });
   });
 });
 
@@ -283,6 +383,14 @@ describe("a simulated curve", () => {
     expect(shownJudgement(again)).toMatchObject({ source: "simulation", grade: "missed" });
     await pass(2 * REST_MS);
     expect(jobs.filter(({ request }) => request.verify)).toHaveLength(1);
+  });
+
+  it("is left out of the browser's storage if its polish has no rounds", async () => {
+    await verified();
+    const text = storage.get("supple-simulations") as string;
+    expect(new Simulations().list.get()).toHaveLength(1);
+    storage.set("supple-simulations", text.replace('"rounds":[]', '"round":[]'));
+    expect(new Simulations().list.get()).toHaveLength(0);
   });
 
   it("is not that of another material, another direction or another range", async () => {
@@ -343,6 +451,46 @@ describe("a job of a page that was left", () => {
     expect(shownJudgement(again)).toMatchObject({ source: "simulation", grade: "reached" });
   });
 
+  it("keeps the order of its targets where another one of them is selected meanwhile", async () => {
+    const first = await opened(TWO_TARGETS);
+    await pass(REST_MS + 100);
+    const again = await opened({ ...TWO_TARGETS, ...TWO_TARGETS.others[0], at: 1, others: [targetOf(TWO_TARGETS)] });
+    await pass(100);
+    expect(jobs).toHaveLength(1);
+    expect(storage.get("supple-verifying")).toContain('"order":[0,1]');
+    finish(jobs[0], design(10.3, 14.5, { also: [profile(10.3, 20)] }));
+    await pass(1000);
+    for (const { verification } of [first, again]) {
+      const state = verification.state.get();
+      expect(state.kind === "done" && state.simulated.map(({ curve: { y } }) => y)).toEqual([curve(14.5), curve(20)]);
+    }
+  });
+
+  it("is forgotten if another tab has dismissed it, and the check begins again", async () => {
+    await opened();
+    await pass(REST_MS + 100);
+    const again = await opened();
+    await pass(100);
+    dismissed.push("job-1");
+    await pass(1000);
+    expect(again.verification.state.get().kind).toBe("none");
+    expect(storage.get("supple-verifying")).toBe("[]");
+    await pass(REST_MS);
+    expect(again.verification.state.get().kind).toBe("running");
+  });
+
+  it("is begun anew for the user who has asked for it, if the server has lost it", async () => {
+    const first = await opened();
+    first.background.switch(false);
+    void first.verification.verify();
+    await pass(10);
+    jobs = [];
+    const again = await opened();
+    await pass(100);
+    expect([jobs.length, again.verification.state.get().kind]).toEqual([1, "running"]);
+    expect(again.verification.state.get()).toMatchObject({ isBackground: false });
+  });
+
   it("is forgotten if the server has lost it", async () => {
     await opened();
     await pass(REST_MS + 100);
@@ -378,7 +526,49 @@ describe("a polish", () => {
   });
 });
 
+describe("a polish that has ended", () => {
+  async function polishing(): Promise<Opened> {
+    const page = await opened();
+    page.background.switch(false);
+    void page.verification.polish();
+    await pass(10);
+    return page;
+  }
+  const polished = () => design(10.3, 14.5, { parameters: [0.6] });
+
+  it("does not change a design that the user is changing", async () => {
+    const { session, verification } = await polishing();
+    session.gesture();
+    finish(jobs[0], polished());
+    await pass(1000);
+    expect(session.state.get()).toMatchObject({ byHand: false, found: { parameters: [0.7] } });
+    expect(session.edited.isBeingChanged).toBe(true);
+    expect(verification.simulations.list.get()).toHaveLength(1);
+    expect(jobs).toHaveLength(1);
+  });
+
+  it("tells its deviation from the target of that time only", async () => {
+    const { session, verification } = await polishing();
+    finish(jobs[0], polished());
+    await pass(1000);
+    expect(verification.state.get()).toMatchObject({ kind: "done", polish: { target_error: 0.4 } });
+    session.apply({ points: [[0, 0], [0.2, 2.5]] });
+    expect(verification.state.get()).toMatchObject({ kind: "done", polish: null });
+  });
+});
+
 describe("ways out of a miss", () => {
+  it.each([429, 503, 504, 0])("are not counted as none if the search for them was answered by %i", async (status) => {
+    slope = 15.5;
+    refusal = status;
+    const { waysOut } = await opened();
+    await pass(REST_MS + 100);
+    expect(waysOut.state.get().kind).toBe("none");
+    refusal = null;
+    await pass(32_000);
+    expect(waysOut.state.get().kind).toBe("looking");
+  });
+
   it("are looked for in the background without a session, known again after undo, and one click makes the change as one step", async () => {
     slope = 15.5;
     const page = await opened();

@@ -2,7 +2,7 @@ import { describe, expect, it } from "vitest";
 import { DEFAULT_SPECIFICATION, type Specification } from "../src/design/specification";
 import { targetCurve } from "../src/design/spline";
 import { DEFAULT_STATE, type DesignState } from "../src/design/state";
-import { changeOf, shortenedPoints, type WayOut } from "../src/design/ways_out";
+import { changeOf, problemText, shortenedPoints, type WayOut } from "../src/design/ways_out";
 
 const state: DesignState = {
   ...DEFAULT_STATE,
@@ -60,6 +60,37 @@ describe("the change of a way out", () => {
     expect(points.map(([x]) => x)).toEqual([0, 0.1, 0.15]);
     expect(points[0]).toEqual([0, 0]);
     expect(points[2][1]).toBeCloseTo(targetCurve(false, state.points, "cubic")(0.15), 12);
+  });
+});
+
+describe("an orientation of a way out", () => {
+  it("is that of the same tiling in the range that the state allows", () => {
+    const orientation = (range: readonly [number, number]) =>
+      changeOf(way({ orientation: 2 }), { ...state, made: { ...DEFAULT_SPECIFICATION, orientation: range } }).made?.orientation;
+    expect(orientation([-90, 90])).toBeCloseTo((2 * 180) / Math.PI - 180, 2);
+    expect(orientation([0, 180])).toBeCloseTo((2 * 180) / Math.PI, 2);
+    const change = changeOf(way({ change: "modulus", orientation: 2 }), { ...state, made: { ...DEFAULT_SPECIFICATION, orientation: [-90, 90] } });
+    expect(change.found?.orientation).toBeCloseTo(2 - Math.PI, 12);
+  });
+});
+
+describe("the problem of ways out", () => {
+  const free: DesignState = { ...state, fixed: [false, false] };
+  const made = (more: Partial<Specification>): DesignState => ({ ...free, made: { ...DEFAULT_SPECIFICATION, ...more } });
+
+  it("has the limits of the structure, and its size if there are any", () => {
+    const cell = { kind: "cell_size", value: 5 } as const;
+    const limited = [made({}), made({ relativeDensity: [0, 0.4] }), made({ cellSizes: [1, 5] }), made({ size: cell, leastBeamWidth: 0.4 }),
+      made({ size: { ...cell, value: 6 }, leastBeamWidth: 0.4 })];
+    expect(new Set(limited.map(problemText)).size).toBe(limited.length);
+    expect(problemText(made({ size: cell }))).toBe(problemText(made({})));
+  });
+
+  it("has the fixed parameters, but not those that the search chooses", () => {
+    const at = (parameters: readonly number[]): DesignState => ({ ...state, found: { family: "IH21", parameters } });
+    expect(problemText(at([0.3, 0.7]))).toBe(problemText(state));
+    expect(problemText(at([0.12, 0.6]))).not.toBe(problemText(state));
+    expect(problemText(free)).not.toBe(problemText(state));
   });
 });
 

@@ -31,6 +31,16 @@ export function isUnauthorized(error: unknown): boolean {
   return error instanceof Problem && error.document.status === 401;
 }
 
+/** The status of a refusal; null for an error of another kind. */
+export function statusOf(error: unknown): number | null {
+  return error instanceof Problem ? error.document.status : null;
+}
+
+/** Whether the server did not answer or was too busy, so that the same request may succeed later. */
+export function isBusy(error: unknown): boolean {
+  return error instanceof ConnectionLost || [429, 503].includes(statusOf(error) ?? 0);
+}
+
 /** Called after each request with whether the server answered. */
 export type ConnectionListener = (answered: boolean) => void;
 

@@ -27,6 +27,7 @@ export class Background {
   readonly isOn = new Observable<boolean>(stored());
   /** Whether the page of the design is open. */
   private isOpen = true;
+  private later: ReturnType<typeof setTimeout> | undefined;
   private readonly rest = debounce(() => this.begin(), REST_MS);
 
   constructor(
@@ -37,6 +38,7 @@ export class Background {
   ) {
     for (const part of [session.state, session.results.shown, session.search.activity]) part.watch(() => this.rest.schedule());
     verification.state.watch(({ kind }) => kind !== "running" && this.rest.schedule());
+    waysOut.state.watch(({ kind }) => kind === "none" && this.rest.schedule());
     visibility.watch(() => this.rest.schedule());
   }
 
@@ -51,8 +53,14 @@ export class Background {
     if (isOn) return this.rest.schedule();
     this.rest.cancel();
     this.waysOut.clear();
-    const state = this.verification.state.get();
-    if (state.kind === "running" && state.isBackground) this.verification.cancel();
+    this.verification.dropBackground();
+  }
+
+  /** Called when the server answers again. */
+  reconnected(): void {
+    this.waysOut.pauses.clear();
+    this.verification.resume();
+    this.rest.schedule();
   }
 
   /** Called when the user opens the design page, and when another one is opened. What has begun goes on. */
@@ -68,6 +76,14 @@ export class Background {
     if (!this.isOn.get() || !this.isOpen || this.visibility.isHidden() || !rests || !shown || shown.provisional) return;
     if (["missed", "close"].includes(judgedDesign(session, verification, shown).grade)) waysOut.look();
     if (verification.isWanted) void verification.verify({ background: true });
+    this.beginLater();
+  }
+
+  /** Begins again after the pauses of what the server was too busy for. */
+  private beginLater(): void {
+    clearTimeout(this.later);
+    const pauses = [this.verification.pauses.remaining, this.waysOut.pauses.remaining].filter((pause) => pause > 0);
+    if (pauses.length > 0) this.later = setTimeout(() => this.begin(), Math.min(...pauses));
   }
 }
 

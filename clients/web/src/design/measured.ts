@@ -79,6 +79,11 @@ export function askedPointers(data: MeasuredData): ReadonlySet<string> {
   return new Set(data.problem ? data.pointers : assumed);
 }
 
+/** Whether the user has to tell tension from compression: it is not set, and the server has read it nowhere or refuses the table without it. */
+export function asksForSense({ curve, settings, problem, pointers }: Pick<MeasuredData, "curve" | "settings" | "problem" | "pointers">): boolean {
+  return settings.sense === undefined && (problem === "" ? curve?.sense?.told_by === "nothing" : pointers.includes("/sense"));
+}
+
 /** How closely the control points follow the data, with the server's notes. Warnings are shown elsewhere. */
 export function reductionSentence(curve: MeasuredCurve, number: (value: number) => string, percent: (fraction: number) => string): string {
   const { error, target, point_count: count } = curve;

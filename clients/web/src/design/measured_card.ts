@@ -4,7 +4,7 @@ import { h, replace, uniqueId } from "../base/dom";
 import { digits, percent } from "../base/format";
 import { rebuild } from "../base/writing";
 import type { MeasuredCurve } from "../contract/types";
-import { askedPointers, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
+import { askedPointers, asksForSense, type Measured, type MeasuredData, type MeasuredSettings, reductionSentence, tableOf } from "./measured";
 import { isPolar } from "./state";
 
 const FILE_TYPES = ".csv,.tsv,.txt,.dat,text/csv,text/plain,text/tab-separated-values";
@@ -117,12 +117,13 @@ function fields(measured: Measured, data: MeasuredData): (HTMLElement | false)[]
 }
 
 /** Tension or compression, for every curve of stress. Neither is chosen, and a question stands there, if the file does not say which it was. */
-function senseSwitch(measured: Measured, { curve, settings, problem }: MeasuredData): HTMLElement {
+function senseSwitch(measured: Measured, data: MeasuredData): HTMLElement {
+  const { curve, settings } = data;
   const sense = new Segments<NonNullable<MeasuredSettings["sense"]>>("What was measured", SENSES, (value) => measured.change({ sense: value }));
   const told = curve?.sense?.told_by === "nothing" ? undefined : curve?.sense?.used;
   const used = settings.sense ?? (told === "both" ? undefined : told);
   if (used) sense.value = used;
-  const isOpen = settings.sense === undefined && (curve?.sense?.told_by === "nothing" || problem !== "");
+  const isOpen = asksForSense(data);
   return h("div", { class: "measured-sense" }, isOpen && h("p", { class: "note" }, "The file does not say it: was the specimen pulled or pressed?"), sense.element);
 }
 

@@ -111,7 +111,7 @@ export function designPage({ client, link }: PageContext): Page {
     reconnected() {
       if (started) {
         session.search.retry();
-        verification.follow(); // a job that went on meanwhile
+        background.reconnected();
       } else void start(link.read());
     },
   };

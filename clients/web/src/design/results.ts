@@ -117,10 +117,11 @@ export class Results {
     this.show(targetsOf(asked).map((_, place) => (place === asked.at ? response : (before[place] ?? null))));
   }
 
-  /** Makes the best design so far of a search that was stopped its result. */
+  /** Makes the best design so far of a search that was stopped its result. A partial result does not say where the model is trusted. */
   finalizePartial(): void {
-    const message = "The search was stopped: this is its best so far.";
-    this.show(this.all.get().map((shown) => (shown?.provisional ? { ...shown, provisional: false, message } : shown)));
+    const message = "The search was stopped: this is its best so far. At which samples the model can be trusted is not known.";
+    const finalized = (shown: TargetResponse): TargetResponse => ({ ...shown, provisional: false, message, inRange: shown.x.map(() => false) });
+    this.show(this.all.get().map((shown) => (shown?.provisional ? finalized(shown) : shown)));
   }
 
   /** Stores the results of the selected region, before another one is selected. */

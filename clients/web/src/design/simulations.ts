@@ -37,6 +37,8 @@ export interface SimulationRecord {
   readonly design: SimulatedDesign;
   readonly profiles: readonly (SimulatedTarget & { readonly kind: ProfileKind })[];
   readonly polish: Polish | null;
+  /** The text of the targets that the polish has followed. */
+  readonly targets: string;
   readonly seconds: number;
 }
 
@@ -118,7 +120,8 @@ function stored(): readonly SimulationRecord[] {
 }
 
 function isRecord(record: SimulationRecord): boolean {
-  const { design, profiles } = record;
+  const { design, profiles, polish } = record;
   return [design.parameters, profiles].every(Array.isArray) && Number.isFinite(design.youngsModulus) && Number.isFinite(design.orientation)
+    && (polish === null || Array.isArray(polish.rounds))
     && profiles.every(({ kind, curve }) => typeof kind.task === "string" && Array.isArray(curve.x) && Array.isArray(curve.y) && curve.x.length === curve.y.length);
 }

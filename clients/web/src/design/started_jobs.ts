@@ -15,8 +15,10 @@ export interface StartedJob {
   /** Whether it began without being asked for. */
   readonly isBackground: boolean;
   readonly design: SimulatedDesign;
-  /** The text of its targets. */
+  /** The text of its targets, in the order of the tabs. */
   readonly targets: string;
+  /** Indices of the targets in the order of the request, which is that of the answer. */
+  readonly order: readonly number[];
 }
 
 /** A text that is the same for equal targets, also after links have rounded them. */
@@ -44,7 +46,7 @@ export function startedJob(design: SimulatedDesign, targets: string): StartedJob
 function stored(): readonly StartedJob[] {
   try {
     const jobs = JSON.parse(localStorage.getItem(KEY) ?? "[]") as readonly StartedJob[];
-    return jobs.filter(({ id, design }) => /^[\w-]+$/.test(id) && Array.isArray(design.parameters));
+    return jobs.filter(({ id, design, order }) => /^[\w-]+$/.test(id) && Array.isArray(design.parameters) && Array.isArray(order));
   } catch {
     return []; // storage is blocked, or the text is of another version
   }

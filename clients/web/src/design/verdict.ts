@@ -81,13 +81,30 @@ export interface CurveEvidence {
   readonly inRange: readonly boolean[];
 }
 
-/** The facts of a verdict on a design: the worst of its targets decides. It is by simulation if all of them are simulated. */
+/**
+ * The facts of a verdict on a design: the worst of its targets decides. It is by simulation if all of them are simulated. If only some are,
+ * one of them that is not reached outranks what the model says, unless the model is certain to miss another one by more.
+ */
 export function verdictFacts(all: readonly CurveEvidence[]): VerdictFacts {
-  const source: Source = all.every(({ simulated }) => simulated !== null) ? "simulation" : "model";
+  const byModel = factsBy("model", all);
+  if (all.every(({ simulated }) => simulated === null)) return byModel;
+  const simulated = factsBy("simulation", all);
+  if (all.every(isSimulated)) return simulated;
+  const isOutranked = byModel.grade !== "unknown" && !isSimulated(all[indexOfWorst(simulated.targets)]);
+  return simulated.grade === "reached" || isOutranked ? byModel : simulated;
+}
+
+function isSimulated({ simulated }: CurveEvidence): boolean {
+  return simulated !== null;
+}
+
+/** The facts by one source. A target that was not simulated has its verdict by the model, which does not decide if the source is a simulation. */
+function factsBy(source: Source, all: readonly CurveEvidence[]): VerdictFacts {
   const targets = all.map(({ model, simulated }) => targetVerdict(source === "simulation" && simulated ? simulated : model));
-  const worst = indexOfWorst(targets);
+  const deciding = targets.filter((_, k) => source === "model" || isSimulated(all[k]));
+  const worst = targets.indexOf(deciding[indexOfWorst(deciding)]);
   const { deviation } = targets[worst];
-  const doubt = doubtAbout(all, targets, source);
+  const doubt = doubtAbout(all, deciding, source);
   const byModel = all.map(({ model }) => deviationOf(model));
   return {
     grade: doubt === "none" && deviation !== null ? gradeOf(deviation) : "unknown",

@@ -2,15 +2,17 @@
 // (polish). Results are kept (`simulations.ts`), and jobs are found again after the page was left (`started_jobs.ts`).
 import type { Curve } from "../base/curve";
 import { Observable } from "../base/observable";
-import { type Client, ConnectionLost, explain, Problem } from "../contract/client";
+import { type Client, ConnectionLost, explain, isBusy, type Problem, statusOf } from "../contract/client";
 import { type JobSettings, JobRunner, type Run } from "../contract/runner";
 import type { DesignAnswer, Job, Polish, Simulation } from "../contract/types";
+import { Pauses } from "./pauses";
 import { PolishRounds } from "./polish_rounds";
 import { patchDirection, patchRequest, polishRequest, verificationRequest } from "./requests";
 import type { DesignSession } from "./session";
 import { designOf, kindOf, type TargetResponse } from "./shown";
 import { sameSimulatedDesign, type SimulatedDesign, simulatedDesign, simulatedTarget, type SimulatedTarget, type SimulationRecord, Simulations } from "./simulations";
-import { forgetJob, rememberJob, type SimulationWork, startedJob, targetsText } from "./started_jobs";
+import { sameSpecification } from "./specification";
+import { forgetJob, rememberJob, type SimulationWork, type StartedJob, startedJob, targetsText } from "./started_jobs";
 import type { DesignState } from "./state";
 import { askedOrder, targetsOf } from "./target_list";
 
@@ -48,6 +50,8 @@ interface Subject {
   readonly design: SimulatedDesign;
   readonly asked: DesignState;
   readonly targets: string;
+  /** Indices of the targets in the order of the request, which is that of the answer. */
+  readonly order: readonly number[];
 }
 
 type AnswerOf = (run: Run<object>, settings: JobSettings) => Promise<DesignAnswer>;
@@ -56,8 +60,12 @@ export class Verification {
   readonly state = new Observable<VerificationState>({ kind: "none" });
   readonly patch = new Observable<PatchState>({ kind: "none" });
   readonly rounds: PolishRounds;
+  /** Pauses of what nobody has asked for, after a lost connection or while the server is busy. */
+  readonly pauses = new Pauses();
   private readonly runner: JobRunner;
   private subject: Subject | null = null;
+  /** The id of its job; empty until the server has told it. */
+  private jobId = "";
   /** The simulation that is shown, and its targets in the order of the tabs. */
   private record: SimulationRecord | null = null;
   private recordTargets = "";
@@ -91,7 +99,7 @@ export class Verification {
   /** Whether the shown design rests and could be verified without being asked for: it was not, and nobody has stopped it. */
   get isWanted(): boolean {
     const subject = this.restingSubject("verify");
-    return subject !== null && this.state.get().kind === "none" && !this.declined.has(textOf(subject));
+    return subject !== null && this.state.get().kind === "none" && !this.declined.has(textOf(subject)) && this.pauses.remaining === 0;
   }
 
   /** Simulates the shown design, and its deformed patch if somebody has asked for it. */
@@ -118,6 +126,17 @@ export class Verification {
     this.follow();
   }
 
+  /** Ends a simulation that nobody has asked for, which may begin again. */
+  dropBackground(): void {
+    if (this.subject?.isBackground) this.drop();
+  }
+
+  /** Goes on at once, since the server answers again. */
+  resume(): void {
+    this.pauses.clear();
+    this.follow();
+  }
+
   /** Simulates the deformed patch of the shown design, for example where its curve was found again without it. */
   async showPatch(): Promise<void> {
     const { record } = this;
@@ -133,10 +152,10 @@ export class Verification {
     if (this.record === null) this.findJob();
   }
 
-  /** Whether a running simulation is of the present design and targets. A design that a search is still looking for is not compared. */
+  /** Whether a running simulation is of the present design, targets and specification. A design that a search is still looking for is not compared. */
   private isStillOf({ asked, design, targets }: Subject): boolean {
     const state = this.session.state.get();
-    if (state.points !== asked.points && targetsText(targetsOf(state)) !== targets) return false;
+    if (targetsText(targetsOf(state)) !== targets || !sameSpecification({ ...state.made, size: asked.made.size }, asked.made)) return false;
     const shown = this.restingShown;
     return shown === null || sameSimulatedDesign(simulatedDesign(shown.found, shown.made), design);
   }
@@ -151,7 +170,7 @@ export class Verification {
   private restingSubject(work: SimulationWork, isBackground = false): Subject | null {
     const shown = this.restingShown;
     const asked = this.session.state.get();
-    return shown && { work, isBackground, design: simulatedDesign(shown.found, shown.made), asked, targets: targetsText(targetsOf(asked)) };
+    return shown && { work, isBackground, design: simulatedDesign(shown.found, shown.made), ...askedOf(asked) };
   }
 
   /** Shows the simulation of the present design, if there is one. */
@@ -164,7 +183,12 @@ export class Verification {
     if (this.patched && this.patched !== record && this.restingShown) this.drop();
     [this.record, this.recordTargets] = [record, text];
     this.state.set(record
-      ? { kind: "done", simulated: targets.map((target) => simulatedTarget(record, target) as SimulatedTarget), polish: record.polish, seconds: record.seconds }
+      ? {
+        kind: "done",
+        simulated: targets.map((target) => simulatedTarget(record, target) as SimulatedTarget),
+        polish: record.targets === text ? record.polish : null, // its deviation is that from the targets of that time
+        seconds: record.seconds,
+      }
       : { kind: "none" });
     this.patch.set((record && this.patches.get(record)) ?? { kind: "none" });
   }
@@ -179,8 +203,7 @@ export class Verification {
   private findJob(): void {
     const subject = this.restingSubject("verify");
     const job = subject && startedJob(subject.design, subject.targets);
-    if (!job) return;
-    void this.run({ ...subject, work: job.work, isBackground: job.isBackground }, (run, settings) => run.startedJob<DesignAnswer>(job.id, PATH, {}, settings), job.id);
+    if (subject && job && this.pauses.remaining === 0) void this.goOn({ ...subject, isBackground: job.isBackground }, job);
   }
 
   private adopt(subject: Subject): void {
@@ -192,16 +215,26 @@ export class Verification {
   private async simulate(work: SimulationWork, isBackground: boolean): Promise<void> {
     const shown = this.session.results.shown.get();
     const asked = this.session.state.get();
-    if (!shown) return;
+    // The design of an outdated response is of another material or orientation than the state.
+    if (!shown || !sameSpecification(shown.made, asked.made)) return;
     const request = work === "polish" ? polishRequest(asked, shown.found) : verificationRequest(asked, shown.found, isBackground ? "background" : "normal");
-    const subject = { work, isBackground, asked, design: simulatedDesign(shown.found, shown.made), targets: targetsText(targetsOf(asked)) };
+    const subject = { work, isBackground, design: simulatedDesign(shown.found, shown.made), ...askedOf(asked) };
+    // The job of a page that was left, or of a connection that was lost, goes on in the place of another one.
+    const known = this.subject ? null : startedJob(subject.design, subject.targets);
+    if (known && (isBackground || known.work === work)) return this.goOn({ ...subject, isBackground: isBackground && known.isBackground }, known);
     await this.run(subject, (run, settings) => run.job<DesignAnswer>(PATH, request, settings));
+  }
+
+  /** Follows a job that is known from before. */
+  private goOn(subject: Subject, { id, work, order }: StartedJob): Promise<void> {
+    return this.run({ ...subject, work, order }, (run, settings) => run.startedJob<DesignAnswer>(id, PATH, {}, settings), id);
   }
 
   /** Runs a job of the subject. `known`: the id of one that was started before the page was left. */
   private async run(subject: Subject, answerOf: AnswerOf, known = ""): Promise<void> {
     this.drop();
     this.subject = subject;
+    this.jobId = known;
     this.record = null;
     this.rounds.begin(subject.asked);
     this.patch.set({ kind: "none" });
@@ -217,6 +250,7 @@ export class Verification {
     this.runner.stop();
     this.patched = null;
     if (this.subject === null) return;
+    forgetJob(this.jobId);
     this.subject = null;
     this.record = null;
     this.rounds.clear();
@@ -226,8 +260,8 @@ export class Verification {
   private async simulateProfiles(subject: Subject, run: Run<object>, answerOf: AnswerOf, known: string): Promise<SimulationRecord | null> {
     let id = known;
     const onJob = (job: Job): void => {
-      if (id === "") rememberJob({ id: job.id, work: subject.work, isBackground: subject.isBackground, design: subject.design, targets: subject.targets });
-      id = job.id;
+      if (id === "") rememberJob({ id: job.id, work: subject.work, isBackground: subject.isBackground, design: subject.design, targets: subject.targets, order: subject.order });
+      this.jobId = id = job.id;
       this.showProgress(job, subject);
     };
     try {
@@ -235,18 +269,26 @@ export class Verification {
       forgetJob(id);
       return this.accept(answer, subject);
     } catch (error) {
-      // The server goes on with a job while the connection is lost. It is found again later.
-      const isLost = error instanceof ConnectionLost;
-      if (!isLost) forgetJob(id);
+      // The server goes on with a job that it does not tell of for a while. It is found again later.
+      if (!isBusy(error)) forgetJob(id);
       if (run.isCancelled) throw error;
-      this.subject = null;
-      this.rounds.clear();
-      // A job that was found again may have been removed meanwhile, which is no failure of a simulation.
-      const isGone = known !== "" && error instanceof Problem && error.document.status === 404;
-      if (!isLost && !isGone) this.declined.add(textOf(subject));
-      this.state.set(isLost || isGone ? { kind: "none" } : { kind: "failed", sentence: explain(error) });
+      this.fail(error, this.subject ?? subject, id, known);
       return null;
     }
+  }
+
+  /** Ends a simulation without a result. `id`: its job, empty if none was begun; `known`: that of a job that was begun before. */
+  private fail(error: unknown, subject: Subject, id: string, known: string): void {
+    this.subject = null;
+    this.rounds.clear();
+    const isLost = isBusy(error) && (subject.isBackground || id !== "" || error instanceof ConnectionLost);
+    if (isLost) this.pauses.begin();
+    // A job may have been removed meanwhile, or dismissed by another tab, which is no failure of a simulation.
+    const isRemoved = known !== "" && statusOf(error) === 404;
+    const isGone = isRemoved || (statusOf(error) === 410 && (error as Problem).code === "job.dismissed");
+    if (!isLost && !isGone) this.declined.add(textOf(subject));
+    this.state.set(isLost || isGone ? { kind: "none" } : { kind: "failed", sentence: explain(error) });
+    if (isRemoved && !subject.isBackground) void this.simulate(subject.work, false);
   }
 
   private showProgress({ progress, stage, partial, ...job }: Job, { work }: Subject): void {
@@ -255,11 +297,12 @@ export class Verification {
     this.state.set({ kind: "running", work, isBackground: this.subject?.isBackground ?? false, progress, stage, remaining });
   }
 
-  /** Stores what an answer has simulated, and makes the design of a polish the shown one. Returns null if nothing was simulated. */
+  /** Stores what an answer has simulated, and makes the design of a polish the shown one. Returns null if nothing was simulated, or nothing that is shown. */
   private accept(answer: DesignAnswer, subject: Subject): SimulationRecord | null {
     const { asked } = subject;
     this.subject = null;
-    const profiles = simulatedProfiles(answer, asked);
+    this.pauses.clear();
+    const profiles = simulatedProfiles(answer, subject);
     if (!profiles) {
       this.declined.add(textOf(subject));
       this.state.set({ kind: "failed", sentence: answer.message || "Nothing was simulated." });
@@ -268,11 +311,14 @@ export class Verification {
     const found = designOf(answer, asked);
     // The parameters of a verification are those that were asked for, but for rounding.
     const design = subject.work === "polish" ? simulatedDesign(found, asked.made) : subject.design;
-    const record = { design, profiles, polish: answer.polish, seconds: answer.cost.seconds };
-    if (subject.work === "polish" && !sameSimulatedDesign(design, subject.design)) this.session.setFound(found);
+    const record = { design, profiles, polish: answer.polish, targets: subject.targets, seconds: answer.cost.seconds };
+    const isMoved = subject.work === "polish" && !sameSimulatedDesign(design, subject.design);
+    // What the user is changing is not taken out of their hands.
+    const isHeld = this.session.edited.isBeingChanged;
+    if (isMoved && !isHeld) this.session.setFound(found);
     this.simulations.add(record);
     this.follow();
-    return record;
+    return isMoved && isHeld ? null : record;
   }
 
   private async simulatePatch(record: SimulationRecord, asked: DesignState, run: Run<object>): Promise<void> {
@@ -301,17 +347,21 @@ export class Verification {
   }
 }
 
+/** What a subject has of the state that is asked for. */
+function askedOf(asked: DesignState): Pick<Subject, "asked" | "targets" | "order"> {
+  return { asked, targets: targetsText(targetsOf(asked)), order: askedOrder(asked) };
+}
+
 function textOf({ design, targets }: Subject): string {
   return `${design.family} ${design.parameters.map((value) => value.toFixed(4)).join()} ${design.youngsModulus} ${design.orientation.toFixed(4)} ${targets}`;
 }
 
 /** The simulated responses in the order of the tabs; null if a target was not simulated. */
-function simulatedProfiles(answer: DesignAnswer, asked: DesignState): SimulationRecord["profiles"] | null {
+function simulatedProfiles(answer: DesignAnswer, { asked, order }: Subject): SimulationRecord["profiles"] | null {
   const profiles = [answer.profile, ...answer.also];
-  const order = askedOrder(asked);
   const targets = targetsOf(asked);
   const found = targets.map((target, place) => {
-    const { verified } = profiles[order.indexOf(place)];
+    const verified = profiles[order.indexOf(place)]?.verified ?? null;
     return verified && { kind: kindOf(target), curve: { x: verified.x, y: verified.y }, deviation: verified.relative_rms ?? null, mesh: verified.discretization_error };
   });
   return found.every((one) => one !== null) ? found : null;

@@ -21,7 +21,8 @@ export function verificationCard(session: DesignSession, verification: Verificat
   const view = new PatchView();
   const patchWords = h("p", { class: "muted" });
 
-  session.results.shown.watch((shown) => (verify.disabled = polish.disabled = !shown));
+  // A response to an earlier state is not verified: its curve would be stored for another material or orientation.
+  for (const part of [session.results.shown, session.state]) part.watch(() => (verify.disabled = polish.disabled = !session.results.isCurrent));
   let lastSeconds: number | null = null;
   let announced = "";
   const tell = (state: VerificationState) => {

@@ -1,10 +1,12 @@
 // Ways out of a target that is missed: changes of the problem with which a design comes close. They are looked for in the background.
 import { Observable } from "../base/observable";
-import type { Client } from "../contract/client";
+import { plain } from "../base/format";
+import { type Client, isBusy, statusOf } from "../contract/client";
 import { JobRunner } from "../contract/runner";
+import { Pauses } from "./pauses";
 import { waysOutRequest } from "./requests";
 import type { DesignSession } from "./session";
-import { isRange, type Specification, writeSpecification } from "./specification";
+import { DEFAULT_SPECIFICATION, isRange, radians, type Specification, writeSpecification } from "./specification";
 import { targetCurve } from "./spline";
 import { targetsText } from "./started_jobs";
 import { ANY, type ControlPoint, type DesignState, isPolar, type Target } from "./state";
@@ -33,9 +35,16 @@ export type WaysOutState =
   | { readonly kind: "found"; readonly ways: readonly WayOut[] };
 
 const MAX_KNOWN = 20;
+/** Orientations that differ by less count as equal, in radians. */
+const MIN_ANGLE = 1e-9;
+/** Statuses of jobs that were ended before they had a result. */
+const DISMISSED = 410;
+const DEADLINE_EXCEEDED = 504;
 
 export class WaysOut {
   readonly state = new Observable<WaysOutState>({ kind: "none" });
+  /** Pauses after a lost connection or while the server is busy. */
+  readonly pauses = new Pauses();
   private readonly runner: JobRunner;
   /** What was found, by the problem that it belongs to. */
   private readonly known = new Map<string, readonly WayOut[]>();
@@ -51,13 +60,14 @@ export class WaysOut {
   look(): void {
     const state = this.session.state.get();
     const problem = problemText(state);
-    if (this.problem === problem && this.state.get().kind !== "none") return;
+    if ((this.problem === problem && this.state.get().kind !== "none") || this.pauses.remaining > 0) return;
     this.problem = problem;
     this.state.set({ kind: "looking" });
     void this.runner.start(async (run) => {
       const { ways_out: ways } = await run.job<{ ways_out?: readonly WayOut[] }>("/v1/designs", waysOutRequest(state));
+      this.pauses.clear();
       this.remember(problem, ways ?? []);
-    }, () => this.remember(problem, [])); // what was not asked for has no complaints: other advice is shown
+    }, (error) => this.fail(error, problem));
   }
 
   /** Ends the search for ways out. */
@@ -70,6 +80,13 @@ export class WaysOut {
   /** Makes the change of a way out, as one step. The next search starts from its design. */
   apply(way: WayOut): void {
     this.session.apply(changeOf(way, this.session.state.get()));
+  }
+
+  /** What was not asked for has no complaints. A search that did not come to its end says nothing, after any other failure other advice is shown. */
+  private fail(error: unknown, problem: string): void {
+    if (!isBusy(error) && ![DISMISSED, DEADLINE_EXCEEDED].includes(statusOf(error) ?? 0)) return this.remember(problem, []);
+    this.pauses.begin();
+    if (this.problem === problem) this.clear();
   }
 
   /** Drops what belongs to another problem, and shows what is known of the present one. */
@@ -90,10 +107,18 @@ export class WaysOut {
   }
 }
 
-/** What the ways out of a state depend on. The size of the structure and its design do not count. */
-function problemText(state: DesignState): string {
-  const made: Specification = { ...state.made, size: { kind: "beam_width", value: 1 }, relativeDensity: null, leastBeamWidth: null, cellSizes: null };
-  return `${targetsText(targetsOf(state))} ${String(writeSpecification(made))} ${state.family}`;
+/** What the ways out of a state depend on. The size of the structure counts only if there are limits, and of its design only what is fixed. */
+export function problemText(state: DesignState): string {
+  const { relativeDensity, leastBeamWidth, cellSizes } = state.made;
+  const hasLimits = relativeDensity !== null || leastBeamWidth !== null || cellSizes !== null;
+  const made: Specification = hasLimits ? state.made : { ...state.made, size: DEFAULT_SPECIFICATION.size };
+  return `${targetsText(targetsOf(state))} ${String(writeSpecification(made))} ${state.family} ${fixedText(state)}`;
+}
+
+/** The fixed parameters of a design with its family, to which they restrict the search; empty if all are free. */
+function fixedText({ found, fixed }: DesignState): string {
+  if (!found || !fixed.some(Boolean)) return "";
+  return `${found.family} ${found.parameters.map((value, k) => (fixed[k] ? plain(value) : "")).join()}`;
 }
 
 /** The change of the state that a way out proposes. */
@@ -113,7 +138,7 @@ export function changeOf(way: WayOut, state: DesignState): Partial<DesignState> 
 }
 
 function madeOf({ change, orientation, youngs_modulus: modulus }: WayOut, { made, found }: DesignState): Specification {
-  const turned = change === "turn" || change === "turn_and_modulus" ? { ...made, orientation: rounded((orientation * 180) / Math.PI, 2) } : made;
+  const turned = change === "turn" || change === "turn_and_modulus" ? { ...made, orientation: rounded((withinRange(orientation, made) * 180) / Math.PI, 2) } : made;
   if (change !== "modulus" && change !== "turn_and_modulus") return turned;
   const youngsModulus = Number(modulus.toPrecision(4));
   if (turned.materials.length === 0) return { ...turned, youngsModulus };
@@ -128,8 +153,13 @@ function foundValues({ orientation, youngs_modulus: modulus }: WayOut, { found }
   return {
     ...(materials.length > 0 && { material: found?.material ?? materials[0].name }),
     ...((materials.length > 1 || isRange(materials[0]?.youngsModulus ?? youngsModulus)) && { youngsModulus: modulus }),
-    ...(isRange(made.orientation) && { orientation }),
+    ...(isRange(made.orientation) && { orientation: withinRange(orientation, made) }),
   };
+}
+
+/** An orientation in [0, pi), or the one of the same tiling in the range that the state allows. */
+function withinRange(orientation: number, { orientation: range }: Specification): number {
+  return isRange(range) && orientation > radians(range[1]) + MIN_ANGLE ? orientation - Math.PI : orientation;
 }
 
 /** The control points of a target over a part of its range, whose ends get points on its curve. */
