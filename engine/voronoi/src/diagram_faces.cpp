@@ -335,7 +335,7 @@ std::int64_t DiagramFaces::memory_bytes() const {
   for (const auto& face : cut_faces_)
     if (face) bytes += bytes_of(*face);
   for (const auto& parts : part_moments_)
-    if (parts) bytes += sizeof *parts + bytes_of(*parts);
+    if (parts) bytes += sizeof(PartMoments) + bytes_of(*parts);
   return static_cast<std::int64_t>(bytes);
 }
 
