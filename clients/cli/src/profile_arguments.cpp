@@ -29,7 +29,7 @@ bool is_heading(const std::string& row) { return !is_quantity(std::string_view(r
 std::optional<std::vector<double>> control_point_in(const std::string& row, const std::string& task) {
   const Dimension x = is_over_directions(task) ? Dimension::angle : Dimension::ratio;
   const Dimension y = task == "poisson" ? Dimension::ratio : Dimension::stress;
-  const auto numbers = quantities_in(row, {x, y, Dimension::ratio, y});
+  auto numbers = quantities_in(row, {x, y, Dimension::ratio, y});
   if (!numbers || numbers->size() < min_columns || numbers->size() > max_columns) return std::nullopt;
   return numbers;
 }
