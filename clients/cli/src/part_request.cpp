@@ -36,7 +36,7 @@ bool has_load_axis(const nlohmann::json& request) {
 /// The direction along which a profile is loaded; null if it is over directions. Throws Failure(local_file) if a stress
 /// over strain lacks it.
 nlohmann::json direction_of(const nlohmann::json& profile, const std::string& source) {
-  const auto direction = profile.value("direction", nlohmann::json());
+  auto direction = profile.value("direction", nlohmann::json());
   if (direction.is_null() && profile.at("task") == "stress_strain")
     throw Failure(ExitCode::local_file,
                   fmt::format("{} lacks the direction of its load: say it by --direction, for example 0deg", source));
