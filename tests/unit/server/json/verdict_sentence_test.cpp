@@ -76,7 +76,8 @@ TEST(VerdictSentence, HasTheLimitsOfTheTable) {
 }
 
 TEST(VerdictSentence, LeavesNoSlotEmpty) {
-  for (const auto& sample : table()["samples"]) {
+  const auto samples = table()["samples"];
+  for (const auto& sample : samples) {
     const auto sentence = verdict_sentence(design::judge(evidence_of(sample)));
     EXPECT_EQ(sentence.find_first_of("{}"), std::string::npos) << sentence;
     EXPECT_EQ(sentence.find("  "), std::string::npos) << sentence;
