@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Compares the server's answers with independent oracles: small programs that share no code with the engine, closed forms, invariances.
 
-    tests/truth/run.py [WING ...] [--cases N] [--seed S] [--first K] [--server BINARY] [--out FOLDER]
+    tests/truth/run.py [WING ...] [--cases N] [--seed S] [--first K] [--server BINARY] [--keep FILE] [--out FOLDER]
 
 Runs the named wings, or all of them, one after another against one server. A wrong case is repeated with `--first K --cases 1`
 and the same seed. With `--out docs/bench` the tables of these wings are written into truth.csv and truth.md, whose other rows
-and text remain unchanged. The exit status is 1 if a case exceeds the limit of a check (for checks with a share: if more than
+and text remain unchanged. With `--keep`, finished cases are kept in a file, and a run that was ended goes on where it was, as long
+as neither the suite nor the server has changed. The exit status is 1 if a case exceeds the limit of a check (for checks with a share: if more than
 this fraction of the cases does), or if no case examined a check.
 """
 
@@ -23,13 +24,14 @@ import sys
 import tempfile
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Set
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 # Wings import truth.py and their common modules from these folders.
 sys.path[:0] = [str(HERE), str(HERE / "wings")]
 
+from kept import KeptCases, state_of  # noqa: E402
 from truth import Result, Server, run_wing  # noqa: E402
 
 COLUMNS = ["wing", "check", "about", "unit", "limit", "share", "cases", "median", "largest", "beyond", "seed", "worst_case"]
@@ -47,6 +49,17 @@ def load(name: str) -> ModuleType:
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
     return module
+
+
+def sources_of(name: str) -> Set[Path]:
+    """The wing's file and the suite's other modules that it uses, from which its cases and their deviations come."""
+    found: Set[Path] = set()
+    ahead = [HERE / "wings" / f"{name}.py"]
+    while ahead:
+        found.add(path := ahead.pop())
+        named = re.findall(r"^(?:from|import) (\w+)", path.read_text(encoding="utf-8"), flags=re.MULTILINE)
+        ahead += [other for module in named for folder in (HERE, HERE / "wings") if (other := folder / f"{module}.py").exists() and other not in found]
+    return found
 
 
 def shown(number: float) -> str:
@@ -106,6 +119,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1, metavar="S")
     parser.add_argument("--first", type=int, default=0, metavar="K", help="index of the first case")
     parser.add_argument("--server", metavar="BINARY", help="supple-server; build/release's without it")
+    parser.add_argument("--keep", type=Path, metavar="FILE", help="keeps finished cases, and goes on with those that it has")
     parser.add_argument("--out", type=Path, metavar="FOLDER", help="where truth.csv and truth.md are written")
     asked = parser.parse_args()
     if unknown := sorted(set(asked.wings) - set(wings())):
@@ -115,7 +129,7 @@ def main() -> int:
     if asked.server:
         os.environ["SUPPLE_TEST_SERVER"] = str(Path(asked.server).resolve())
     sys.path[:0] = [str(ROOT / "tests" / "api")]
-    from harness import ServerProcess  # importing it reads the environment
+    from harness import SERVER, ServerProcess  # importing it reads the environment
 
     def say(line: str) -> None:
         print(line, flush=True)
@@ -138,7 +152,8 @@ def main() -> int:
             for name in asked.wings or wings():
                 wing = load(name)
                 say(f"{name}: {wing.ABOUT}")
-                result = run_wing(name, wing, Server(process.url), asked.seed, asked.first, asked.cases, say, revive)
+                kept = KeptCases(asked.keep, name, asked.seed, state_of([SERVER, *sources_of(name)])) if asked.keep else None
+                result = run_wing(name, wing, Server(process.url), asked.seed, asked.first, asked.cases, say, revive, kept)
                 rows = rows_of(result)
                 say(table(rows))
                 if result.unexamined:

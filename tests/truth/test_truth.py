@@ -20,6 +20,7 @@ from _networks import Network  # noqa: E402
 from _shapes import Renumbering, any_mesh, folded, random_point  # noqa: E402
 from _surface import Surface  # noqa: E402
 from _unfolding import distances  # noqa: E402
+from kept import KeptCases  # noqa: E402
 from truth import ALL_EXAMINED_FROM, ANSWERED, Check, Refusal, Result, Server, generator, run_wing  # noqa: E402
 
 
@@ -117,6 +118,38 @@ def test_an_interrupted_run_has_the_cases_before() -> None:
 
     result = result_of(examine)
     assert result.cases == 3 and len(result.figures["exact"].deviations) == 3 and len(result.figures[ANSWERED].deviations) == 3
+
+
+def test_a_run_goes_on_with_the_cases_that_an_earlier_one_has_kept(tmp_path: Path) -> None:
+    examined = []
+
+    def examine(server: Server, case: Any) -> Iterator[Tuple[str, float]]:
+        examined.append(case)
+        yield "exact", math.nan if len(examined) == 3 else 1e-10
+        if len(examined) == 5:
+            raise Refusal(422, {"code": "planted", "detail": "planted"})
+
+    def kept(state: str = "this") -> KeptCases:
+        return KeptCases(tmp_path / "kept.jsonl", "planted", 1, state)
+
+    def goes_on(cases: int, kept: KeptCases) -> Result:
+        return run_wing("planted", wing_of(examine), Server("http://127.0.0.1:1"), 1, 0, cases, kept=kept)
+
+    first = goes_on(6, kept())
+    with (tmp_path / "kept.jsonl").open("a", encoding="utf-8") as file:
+        file.write('{"wing": "planted", "se')  # the run was killed here
+    whole = goes_on(10, kept())
+    assert len(examined) == 10
+    assert [found.index for found in first.found] == [found.index for found in whole.found] == [2, 4]
+    assert whole.found[1].message.startswith("Refusal: 422 planted")
+    assert len(goes_on(10, kept()).found) == 2 and len(examined) == 10
+    goes_on(10, kept("another"))
+    assert len(examined) == 20, "what another state has found says nothing about this one"
+
+
+def test_what_a_wing_is_made_of_is_known_with_the_modules_that_it_uses() -> None:
+    assert {path.name for path in run.sources_of("parts")} >= {"parts.py", "_solids.py", "_tilings.py", "truth.py", "kept.py"}
+    assert "_solids.py" not in {path.name for path in run.sources_of("geodesics")}
 
 
 def test_a_check_that_the_wing_does_not_name_is_found() -> None:

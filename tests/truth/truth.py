@@ -14,6 +14,8 @@ from typing import Any, Callable, Dict, List, Optional
 import numpy as np
 import requests
 
+from kept import KeptCases, Outcome
+
 ANSWERED = "answered"
 """The check that every wing has. A case that ends with a refusal or an exception deviates by 1."""
 ALL_EXAMINED_FROM = 200
@@ -157,25 +159,28 @@ def generator(seed: int, wing: str, index: int) -> np.random.Generator:
 
 
 def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int, cases: int,
-             say: Callable[[str], None] = lambda line: None, revive: Callable[[], None] = lambda: None) -> Result:
+             say: Callable[[str], None] = lambda line: None, revive: Callable[[], None] = lambda: None, kept: Optional[KeptCases] = None) -> Result:
     """Examines the cases first ... first + cases - 1 of a wing. `say` receives messages about progress and findings. `revive` is called
-    after a case that ended with an exception, since the server may have ended. An interrupted run returns the cases so far."""
+    after a case that ended with an exception, since the server may have ended. Cases that are `kept` are not examined again, and others
+    are kept. An interrupted run returns the cases so far."""
     checks = {**wing.CHECKS, ANSWERED: Check("Cases that ended in a refusal or an exception", 0, "1 if it did")}
     result = Result(name, seed, first, cases, {key: Figures(check) for key, check in checks.items()})
     for index in range(first, first + cases):
-        failure = ""
         try:
-            case = wing.case(generator(seed, name, index))
-            for check, deviation in wing.examine(server, case):
-                result.figures[check].add(index, float(deviation))
+            outcome = kept.outcomes.get(index) if kept else None
+            if outcome is None:
+                outcome = _outcome_of(wing, server, generator(seed, name, index), checks)
+                if outcome[1]:
+                    revive()
+                if kept:
+                    kept.add(index, outcome)
         except KeyboardInterrupt:
             result.cases = index - first
             say(f"  {name}: interrupted after {result.cases} cases")
             break
-        except Exception as error:  # any exception that ends a case is a finding
-            failure = f"{type(error).__name__}: {error}"
-            revive()
-        result.figures[ANSWERED].add(index, 1 if failure else 0)
+        deviations, failure = outcome
+        for check, deviation in {**deviations, ANSWERED: 1.0 if failure else 0.0}.items():
+            result.figures[check].add(index, deviation)
         for check, figures in result.figures.items():
             deviation = figures.deviations.get(index, 0.0)
             if deviation > figures.check.limit:
@@ -185,3 +190,15 @@ def run_wing(name: str, wing: ModuleType, server: Server, seed: int, first: int,
         if cases >= 10 and done % (cases // 10) == 0:
             say(f"  {name}: {done} of {cases} cases, {len(result.found)} found")
     return result
+
+
+def _outcome_of(wing: ModuleType, server: Server, rng: np.random.Generator, checks: Dict[str, Check]) -> Outcome:
+    """The largest deviation of each check that a case comes to, and what has ended the case early."""
+    figures = {key: Figures(check) for key, check in checks.items()}
+    failure = ""
+    try:
+        for check, deviation in wing.examine(server, wing.case(rng)):
+            figures[check].add(0, float(deviation))
+    except Exception as error:  # any exception that ends a case is a finding
+        failure = f"{type(error).__name__}: {error}"
+    return {key: figure.deviations[0] for key, figure in figures.items() if figure.deviations}, failure

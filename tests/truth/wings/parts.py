@@ -32,7 +32,7 @@ CHECKS = {
     "refused direction": Check("directions that an outline without an axis of load takes", 0, "1 if it does"),
     "whole at the wall": Check("places that eroding by half of .98 walls parts, but for pieces smaller than a hundredth of a wall", 0, "count"),
     "whole at the neck": Check("places that eroding by half of `smallest_neck` less 1 % parts", 0, "count"),
-    "parted at the neck": Check("parts of which eroding by half of `smallest_neck` and 1 % more parts no place", 0, "1 if none"),
+    "parted at the neck": Check("parts with holes of which eroding by half of `smallest_neck` and 1 % more parts no place", 0, "1 if none"),
     "no neck": Check("places that eroding by half a wall to a wall parts, of parts that have no narrow place", 0, "count"),
     "narrow walls": Check("how far corners go beyond what a disk of the wall's width reaches", CORNER, "of the wall"),
     "drawing": Check("area between the part and an own drawing of the tiling, less what `checks` says was left out or added", 2e-3, "of the outline's area"),
@@ -141,7 +141,9 @@ def _necks(checks: Dict[str, Any], part: Any) -> Iterator[Tuple[str, float]]:
     yield "whole at the wall", max(0, _topology(part, 0.49 * wall * 0.999, least) - whole)
     if neck is not None:
         yield "whole at the neck", max(0, _topology(part, neck / 2 * 0.99, least) - whole)
-        yield "parted at the neck", float(_topology(part, neck / 2 * 1.01, 0.0) <= whole)
+        # A part without holes is a single junction with dead ends. Disks on either side of its neck may be hardly larger than the neck, and vanish with it.
+        if part.interiors:
+            yield "parted at the neck", float(_topology(part, neck / 2 * 1.01, 0.0) <= whole)
     else:
         yield "no neck", max(0, max(_topology(part, radius * wall, least) for radius in (0.5, 0.75, 1)) - whole)
     reached = part.buffer(-0.49 * wall, resolution=16).buffer(0.49 * wall, resolution=16)
