@@ -62,12 +62,6 @@ struct DesignArguments {
   std::string plot_file;
 };
 
-nlohmann::json request_in_file(const std::string& file) {
-  auto request = nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
-  if (!request.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", file));
-  return request;
-}
-
 /// The reduced curve of a file of measurements. If the server refuses the file, but its lines could be control points,
 /// the failure names the option that reads those.
 nlohmann::json measured_curve(Session& session, const DesignArguments& arguments, const std::string& bytes,
@@ -148,7 +142,7 @@ void set_size(const DesignArguments& arguments, nlohmann::json& request) {
 /// The request in the file, in which options of the command line replace fields.
 nlohmann::json request_of(const DesignArguments& arguments, Session& session) {
   nlohmann::json request =
-      arguments.request_file.empty() ? nlohmann::json::object() : request_in_file(arguments.request_file);
+      arguments.request_file.empty() ? nlohmann::json::object() : object_in_file(arguments.request_file);
   for (const char* const group : {"target", "accuracy", "effects", "limits"}) {
     if (request.contains(group) && !request.at(group).is_object())
       throw Failure(ExitCode::local_file, fmt::format("{}: {} is no JSON object", arguments.request_file, group));

@@ -56,7 +56,7 @@ nlohmann::json outline_of(const PartArguments& arguments) {
 
 nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   nlohmann::json request = nlohmann::json::object();
-  if (!arguments.request_file.empty()) request = object_in(arguments.request_file);
+  if (!arguments.request_file.empty()) request = object_in_file(arguments.request_file);
   const bool has_size = !arguments.coupon.empty() || !arguments.block.empty() || !arguments.rectangle.empty();
   if (has_size) request["outline"] = outline_of(arguments);
   if (!arguments.outline.empty()) request.erase("outline");  // that of the drawing takes its place
@@ -64,7 +64,7 @@ nlohmann::json request_of(const PartArguments& arguments, Session& session) {
   if (!arguments.axis.empty()) request["axis"] = parse_angle(arguments.axis, "--axis");
   if (!arguments.design_file.empty()) request.erase("direction");  // it belongs to the structure that is replaced
   if (!arguments.direction.empty()) request["direction"] = parse_angle(arguments.direction, "--direction");
-  if (!arguments.design_file.empty()) use_design(object_in(arguments.design_file), arguments.design_file, request);
+  if (!arguments.design_file.empty()) use_design(object_in_file(arguments.design_file), arguments.design_file, request);
   if (!arguments.family.empty()) request["structure"] = {{"family", arguments.family}};
   if (!arguments.parameters.empty())
     request["structure"]["parameters"] = parse_numbers(arguments.parameters, "list of parameters");

@@ -111,12 +111,6 @@ nlohmann::json parse_sized_outline(const std::string& text, const char* option) 
   return outline_of_size(kind, text.substr(colon + 1), option);
 }
 
-nlohmann::json object_in(const std::string& file) {
-  auto object = nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
-  if (!object.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", file));
-  return object;
-}
-
 void use_design(const nlohmann::json& design, const std::string& source, nlohmann::json& request) {
   if (design.contains("regions"))
     throw Failure(ExitCode::local_file,

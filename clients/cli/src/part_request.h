@@ -25,9 +25,6 @@ nlohmann::json outline_of_size(const std::string& kind, const std::string& size,
 /// The same from "KIND:SIZE", such as "coupon:20x60".
 nlohmann::json parse_sized_outline(const std::string& text, const char* option);
 
-/// A JSON object in a file. Throws Failure(local_file).
-nlohmann::json object_in(const std::string& file);
-
 /// Sets the structure of a part from a design of an answer of /v1/designs: family, parameters, width of the beams,
 /// orientation and density. If the part has an axis of load, being a coupon or a block or with an `axis`, and no
 /// direction yet, its direction is that of the design's load; where the design has no single one, a notice says along

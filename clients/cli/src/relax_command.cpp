@@ -14,7 +14,6 @@
 #include "style.h"
 #include "surface_point.h"
 #include "units.h"
-#include "weave_arguments.h"
 
 namespace supple::cli {
 namespace {

@@ -212,6 +212,12 @@ std::string read_file(const std::string& path) {
   return content;
 }
 
+nlohmann::json object_in_file(const std::string& path) {
+  auto object = nlohmann::json::parse(read_file(path), nullptr, /*allow_exceptions=*/false);
+  if (!object.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", path));
+  return object;
+}
+
 void write_file(const std::string& path, const std::string& content) {
   if (path == "-") {
     std::cout.write(content.data(), static_cast<std::streamsize>(content.size())).flush();

@@ -62,6 +62,8 @@ void print_json(const nlohmann::json& document);
 bool looks_like_path(const std::string& text);
 /// The content of a file. Throws Failure(local_file) that says why it cannot be read, for example "no such file".
 std::string read_file(const std::string& path);
+/// The JSON object in a file. Throws Failure(local_file).
+nlohmann::json object_in_file(const std::string& path);
 /// Writes to a file, or to standard output if the path is "-". Throws Failure(local_file).
 void write_file(const std::string& path, const std::string& content);
 /// Replaces a file atomically: the old one is unchanged until the new one is complete. Throws Failure(local_file).

@@ -95,12 +95,6 @@ void set_pattern_fields(const WeaveArguments& arguments, nlohmann::json& weave) 
 
 }  // namespace
 
-nlohmann::json object_in_file(const std::string& file) {
-  auto object = nlohmann::json::parse(read_file(file), nullptr, /*allow_exceptions=*/false);
-  if (!object.is_object()) throw Failure(ExitCode::local_file, fmt::format("{} holds no JSON object", file));
-  return object;
-}
-
 void add_weave_options(CLI::App& command, WeaveArguments& arguments) {
   command
       .add_option("weave", arguments.weave,

@@ -53,7 +53,4 @@ void add_equilibrium_options(CLI::App& command, EquilibriumArguments& arguments)
 /// Sets the fields of a request for the options that are set.
 void set_equilibrium_fields(const EquilibriumArguments& arguments, nlohmann::json& request);
 
-/// The JSON object in a file. Throws Failure(local_file).
-nlohmann::json object_in_file(const std::string& file);
-
 }  // namespace supple::cli

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "supple/base/number_text.h"
+#include "supple/design/verdict.h"
 #include "time_limit.h"
 
 namespace supple::design {
@@ -17,11 +18,9 @@ namespace {
 
 using std::numbers::pi;
 
-/// Relative deviation beyond which a target is missed. A shortened target is reached within it.
-constexpr double max_reached_deviation = 0.05;
-/// What a way out deviates by at most: a fraction of the design's deviation, and an absolute limit.
+/// What a way out deviates by at most, as a fraction of the design's deviation. It comes close to the target besides
+/// (`max_close_deviation`).
 constexpr double max_deviation_ratio = 0.7;
-constexpr double max_deviation = 0.15;
 /// Number of starting points of a search, and of that in each of several other families.
 constexpr int max_starts_of_way = 6;
 constexpr int max_starts_of_family = 3;
@@ -317,7 +316,7 @@ constexpr std::array<Ways (*)(const Miss&, const Ways&), 5> kinds{
 
 bool helps(const Miss& miss, const WayOut& way) {
   return way.deviation <= max_deviation_ratio * miss.deviation &&
-         std::hypot(way.deviation, way.uncertainty) < max_deviation;
+         std::hypot(way.deviation, way.uncertainty) < max_close_deviation;
 }
 
 /// The options of searches for ways out. A request that says where to begin does not weigh trust, but ways out lead
