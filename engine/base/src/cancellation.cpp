@@ -1,6 +1,12 @@
 #include "supple/base/cancellation.h"
 
 namespace supple {
+namespace {
+
+/// Whether a stop for this reason is never taken back.
+bool is_final(StopReason reason) { return reason != StopReason::deadline && reason != StopReason::memory; }
+
+}  // namespace
 
 const char* Cancelled::what() const noexcept {
   switch (reason_) {
@@ -18,13 +24,25 @@ const char* Cancelled::what() const noexcept {
 }
 
 void CancellationToken::request(StopReason reason) const noexcept {
-  int none = 0;
-  reason_->compare_exchange_strong(none, static_cast<int>(reason));
+  const auto wanted = static_cast<unsigned>(reason);
+  unsigned reasons = reasons_->load(std::memory_order_relaxed);
+  while (true) {
+    unsigned changed = wanted;
+    if (reasons != 0) {
+      const bool is_noted = is_final(reason) && !is_final(static_cast<StopReason>(reasons % later_reason));
+      if (!is_noted || reasons >= later_reason) return;
+      changed = reasons + later_reason * wanted;
+    }
+    if (reasons_->compare_exchange_weak(reasons, changed)) return;
+  }
 }
 
 bool CancellationToken::resume(StopReason reason) const noexcept {
-  int requested = static_cast<int>(reason);
-  return reason != StopReason::none && reason_->compare_exchange_strong(requested, static_cast<int>(StopReason::none));
+  unsigned reasons = reasons_->load(std::memory_order_relaxed);
+  do {
+    if (reason == StopReason::none || static_cast<StopReason>(reasons % later_reason) != reason) return false;
+  } while (!reasons_->compare_exchange_weak(reasons, reasons / later_reason));
+  return true;
 }
 
 }  // namespace supple

@@ -53,6 +53,50 @@ TEST(Cancellation, IsTakenBackForItsReasonOnlyAndCanBeRequestedAgain) {
   expect_cancelled(StopReason::cancelled, [&] { token.throw_if_requested(); });
 }
 
+TEST(Cancellation, KeepsWhatWasAskedForBetweenADeadlineAndItsResumption) {
+  for (const StopReason first : {StopReason::deadline, StopReason::memory})
+    for (const StopReason later : {StopReason::cancelled, StopReason::shutdown, StopReason::superseded}) {
+      const CancellationToken token;
+      token.request(first);
+      token.request(later);
+      token.request(StopReason::cancelled);  // the first of the later ones stands
+      EXPECT_EQ(token.reason(), first) << "until it is taken back";
+      EXPECT_TRUE(token.resume(first));
+      expect_cancelled(later, [&] { token.throw_if_requested(); });
+      EXPECT_FALSE(token.resume(first));
+      EXPECT_EQ(token.reason(), later);
+    }
+  const CancellationToken token;
+  token.request(StopReason::deadline);
+  token.request(StopReason::memory);
+  EXPECT_TRUE(token.resume(StopReason::deadline));
+  EXPECT_FALSE(token.requested()) << "the report is to fit into the memory that is left for it";
+}
+
+TEST(Cancellation, LosesNoCancellationThatComesWhileADeadlineIsTakenBack) {
+  for (int trial = 0; trial < 2000; ++trial) {
+    const CancellationToken token;
+    token.request(StopReason::deadline);
+    std::thread client([&] { token.request(StopReason::cancelled); });
+    EXPECT_TRUE(token.resume(StopReason::deadline));
+    client.join();
+    ASSERT_EQ(token.reason(), StopReason::cancelled);
+  }
+}
+
+TEST(SearchUntilStopped, EndsItsReportWhereACancellationCameWithTheDeadline) {
+  const CancellationToken token;
+  const auto search = [&] {
+    token.request(StopReason::deadline);
+    token.request(StopReason::shutdown);
+    token.throw_if_requested();
+  };
+  EXPECT_EQ(search_until_stopped(
+                token, [] { return true; }, search),
+            StopReason::deadline);
+  expect_cancelled(StopReason::shutdown, [&] { token.throw_if_requested(); });
+}
+
 TEST(SearchUntilStopped, KeepsTheResultOfADeadlineOrALimitOfMemory) {
   for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
     const CancellationToken token;
