@@ -28,24 +28,29 @@ void ComputationMemory::add(std::int64_t bytes) noexcept {
   peak_ = std::max(peak_, held_);
   budget_.allocated_ += held_ - before;
   if (held_ <= before) return;
-  if (held_ > budget_.max_per_request_) return stop(StopCause::request_limit, held_);
+  if (held_ > max_held()) return stop(StopCause::request_limit, held_, budget_.max_per_request_);
   if (budget_.in_use() > budget_.total_) stop_largest(0);
 }
 
 bool ComputationMemory::allows(std::int64_t bytes) noexcept {
   const std::lock_guard lock(budget_.mutex_);
-  if (held_ + bytes > budget_.max_per_request_) {
-    stop(StopCause::request_limit, held_ + bytes);
+  if (held_ + bytes > max_held()) {
+    stop(StopCause::request_limit, held_ + bytes, budget_.max_per_request_);
     return false;
   }
   const auto all = budget_.in_use() + bytes;
   if (all <= budget_.total_) return true;
   stop_largest(bytes);
-  if (stop_cause_ != StopCause::none) return false;
-  // The largest computation is about to free its memory. Until then a margin of an eighth is allowed.
-  if (all <= budget_.total_ + budget_.total_ / 8) return true;
-  stop(StopCause::total_limit, all);
+  if (is_stopping()) return false;
+  // The largest computation is about to free its memory. Until then the reserve is allowed.
+  if (all <= budget_.total_ + report_reserve(budget_.total_)) return true;
+  stop(StopCause::total_limit, all, budget_.total_);
   return false;
+}
+
+std::int64_t ComputationMemory::max_held() const noexcept {
+  const auto limit = budget_.max_per_request_;
+  return is_reporting() ? limit + report_reserve(limit) : limit;
 }
 
 std::int64_t ComputationMemory::peak() const {
@@ -53,8 +58,8 @@ std::int64_t ComputationMemory::peak() const {
   return peak_;
 }
 
-void ComputationMemory::stop(StopCause why, std::int64_t needed) noexcept {
-  if (stop_cause_ != StopCause::none) return;
+void ComputationMemory::stop(StopCause why, std::int64_t needed, std::int64_t limit) noexcept {
+  if (is_stopping() || (is_reporting() && needed <= limit + report_reserve(limit))) return;
   stop_cause_ = why;
   needed_ = needed;
   token_.request(StopReason::memory);
@@ -65,22 +70,22 @@ void ComputationMemory::stop_largest(std::int64_t wanted) noexcept {
   ComputationMemory* largest = this;
   for (auto* const other : budget_.computations_)
     if (size(other) > size(largest)) largest = other;
-  largest->stop(StopCause::total_limit, budget_.in_use() + wanted);
+  largest->stop(StopCause::total_limit, budget_.in_use() + wanted, budget_.total_);
 }
 
 void ComputationMemory::stop_largest_in(MemoryBudget& budget, std::int64_t resident,
                                         std::int64_t max_resident) noexcept {
+  const bool is_urgent = resident > max_resident + report_reserve(max_resident);
   ComputationMemory* largest = nullptr;
   bool one_is_stopping = false;
   for (auto* const one : budget.computations_) {
-    if (one->stop_cause_ != StopCause::none) {
+    if (one->is_stopping() || (one->is_reporting() && !is_urgent)) {
       one_is_stopping = true;
     } else if (!largest || one->held_ > largest->held_) {
       largest = one;
     }
   }
-  const bool urgent = resident > max_resident + max_resident / 8;
-  if (largest && (urgent || !one_is_stopping)) largest->stop(StopCause::process_limit, resident);
+  if (largest && (is_urgent || !one_is_stopping)) largest->stop(StopCause::process_limit, resident, max_resident);
 }
 
 void ComputationMemory::throw_if_stopped() const {

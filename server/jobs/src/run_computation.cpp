@@ -20,8 +20,12 @@ store::Result run_computation(const Computation& computation, const Execution& e
   try {
     const MemoryAccount::Use use(&account);
     return computation.run(execution);
+  } catch (const Cancelled& stop) {
+    // What is reported where memory has run out may be stopped for another reason.
+    if (stop.reason() == StopReason::memory) account.throw_if_stopped();
+    throw;
   } catch (...) {
-    // A computation without memory may end with a stop, with a lack of memory, or with an error that follows from it.
+    // A computation without memory may also end with a lack of memory, or with an error that follows from it.
     account.throw_if_stopped();
     throw;
   }

@@ -110,6 +110,38 @@ TEST(ComputationMemory, GivesABlockAMarginWhileALargerOneIsStopping) {
   EXPECT_EQ(small.problem().code, "server.out_of_memory");
 }
 
+TEST(ComputationMemory, StopsAReportThatNeedsMoreThanItsReserve) {
+  MemoryBudget budget(1000, 80);
+  Computation computation(budget);
+  computation.memory.add(81);
+  ASSERT_TRUE(computation.token.resume(StopReason::memory));
+  computation.memory.add(8);
+  EXPECT_TRUE(computation.memory.allows(1)) << "the reserve is an eighth";
+  EXPECT_FALSE(computation.token.requested());
+  computation.memory.add(2);
+  EXPECT_EQ(computation.token.reason(), StopReason::memory);
+  EXPECT_EQ(computation.problem().code, "request.too_much_memory");
+  ASSERT_TRUE(computation.token.resume(StopReason::memory));
+  EXPECT_FALSE(computation.memory.allows(1));
+  EXPECT_EQ(computation.token.reason(), StopReason::memory) << "it is stopped each time";
+}
+
+TEST(ComputationMemory, StopsAReportWhereAllTogetherNeedMoreThanTheReserve) {
+  MemoryBudget budget(80, 80);
+  Computation large(budget);
+  Computation small(budget);
+  large.memory.add(60);
+  small.memory.add(21);
+  ASSERT_TRUE(large.token.resume(StopReason::memory));
+  EXPECT_TRUE(large.memory.allows(9));
+  large.memory.add(9);
+  EXPECT_FALSE(large.token.requested() || small.token.requested());
+  small.memory.add(1);
+  EXPECT_EQ(large.token.reason(), StopReason::memory);
+  EXPECT_FALSE(small.token.requested());
+  EXPECT_EQ(large.problem().code, "server.out_of_memory");
+}
+
 TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
   // The ballast is so large that the memory of the test itself is negligible.
   const std::vector<char> ballast(64 * mebibyte, 'x');
@@ -129,6 +161,9 @@ TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
   EXPECT_EQ(large.problem().code, "server.out_of_memory");
   budget.relieve();
   EXPECT_FALSE(small.token.requested()) << "the other one has time to end";
+  ASSERT_TRUE(large.token.resume(StopReason::memory));
+  budget.relieve();
+  EXPECT_FALSE(large.token.requested() || small.token.requested()) << "it has time for its report";
 
   MemoryBudget urgent(1000, 1000, now / 2);
   Computation first(urgent);
@@ -137,6 +172,9 @@ TEST(ComputationMemory, StopsTheLargestOnceTheProcessComesNearItsLimit) {
   urgent.relieve();
   EXPECT_TRUE(first.token.requested());
   EXPECT_TRUE(second.token.requested()) << "there is no time";
+  ASSERT_TRUE(first.token.resume(StopReason::memory));
+  urgent.relieve();
+  EXPECT_TRUE(first.token.requested()) << "nor for a report";
   EXPECT_EQ(ballast.back(), 'x');
 }
 

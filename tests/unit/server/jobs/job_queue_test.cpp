@@ -199,6 +199,26 @@ TEST_F(JobQueueTest, LetsASearchReportItsBestWhereItReachesTheLimitOfMemory) {
   EXPECT_EQ(queue().run_now(search, {}).body, "memory");
 }
 
+TEST_F(JobQueueTest, StopsAReportThatTakesMoreMemoryThanItsReserve) {
+  options_.memory = &memory_;
+  const auto reporting = [](const std::function<store::Result(const Execution&)>& report) {
+    return computation([report](const Execution& execution) {
+      search_until_stopped(
+          execution.cancellation, [] { return true; }, [&] { fill(execution, 80 << 20); });
+      return report(execution);
+    });
+  };
+  const auto greedy = reporting([](const Execution& execution) { return fill(execution, 80 << 20); });
+  EXPECT_EQ(code_of([&] { queue().run_now(greedy, {}); }), "request.too_much_memory");
+  const auto cancelled = reporting([](const Execution& execution) -> store::Result {
+    execution.cancellation.request(StopReason::cancelled);
+    execution.checkpoint(1, "reporting");
+    return {};
+  });
+  EXPECT_EQ(code_of([&] { queue().run_now(cancelled, {}); }), "job.cancelled");
+  EXPECT_LT(memory_.used(), 1 << 20);
+}
+
 TEST_F(JobQueueTest, FailsAWaitingJobAtItsDeadline) {
   const auto first = queue().submit(endless()).record.id;
   wait_until_started();

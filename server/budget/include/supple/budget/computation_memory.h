@@ -13,8 +13,9 @@ namespace supple::budget {
 ///
 /// A computation that exceeds the limit of one request is stopped. If all together exceed the budget, the largest one
 /// is stopped, not the one that allocates last. A stop is requested through the token. A large block that would exceed
-/// a limit is refused at once. Nothing is counted unless the program's malloc reports to accounts
-/// (counting_malloc.cpp). The budget must outlive this object.
+/// a limit is refused at once. A computation that has taken its stop back, because it reports the best that it has
+/// found (CancellationToken::resume), has `report_reserve` more for that, and is stopped again beyond it. Nothing is
+/// counted unless the program's malloc reports to accounts (counting_malloc.cpp). The budget must outlive this object.
 class ComputationMemory final : public MemoryAccount {
  public:
   ComputationMemory(MemoryBudget& budget, const CancellationToken& token);
@@ -33,16 +34,25 @@ class ComputationMemory final : public MemoryAccount {
 
  private:
   friend class MemoryBudget;
+  /// Bytes beyond a limit that a computation may have for its report, and others while the largest one ends: an eighth.
+  static constexpr std::int64_t report_reserve(std::int64_t limit) { return limit / 8; }
   /// The limit for which the computation was stopped.
   enum class StopCause { none, request_limit, total_limit, process_limit };
 
   // The caller of the following functions holds the budget's mutex.
-  /// Stops this computation, unless it was stopped before.
-  void stop(StopCause why, std::int64_t needed) noexcept;
+  /// Whether it was stopped and has not taken that back.
+  bool is_stopping() const noexcept { return stop_cause_ != StopCause::none && token_.requested(); }
+  /// Whether it has taken its stop back.
+  bool is_reporting() const noexcept { return stop_cause_ != StopCause::none && !token_.requested(); }
+  /// The bytes that it may hold.
+  std::int64_t max_held() const noexcept;
+  /// Stops this computation because of `needed` bytes, unless it is stopping, or these are within the reserve of a
+  /// report beyond `limit`.
+  void stop(StopCause why, std::int64_t needed, std::int64_t limit) noexcept;
   /// Stops the largest computation of the budget. `wanted` bytes more are counted for this one.
   void stop_largest(std::int64_t wanted) noexcept;
-  /// Stops the largest computation, because the process has `resident` bytes. While another one is stopping, it does so
-  /// only if `max_resident` is exceeded by more than an eighth.
+  /// Stops the largest computation, because the process has `resident` bytes. While another one is stopping or reports,
+  /// it does so only if `max_resident` is exceeded by more than the reserve.
   static void stop_largest_in(MemoryBudget& budget, std::int64_t resident, std::int64_t max_resident) noexcept;
 
   MemoryBudget& budget_;
