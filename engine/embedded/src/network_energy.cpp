@@ -37,6 +37,16 @@ void NetworkEnergy::prepare(NetworkState& state, int order, const Execution& exe
     cache_.find_host_lengths(state, order, execution);
 }
 
+void NetworkEnergy::redistribute_path_forces(NetworkState& state) const {
+  if (!state.found() || state.found()->equal.empty()) return;
+  const auto paths = std::make_shared<FoundPaths>(*state.found());
+  state.set_found(paths);
+  PathCache::Found found;
+  found.paths = paths;
+  found.equal.swap(paths->equal);
+  distribute_path_forces(state, std::move(found));
+}
+
 void NetworkEnergy::distribute_path_forces(NetworkState& state, PathCache::Found found) const {
   // First all of the force is in the first of the equally short paths.
   for (EqualPaths& equal : found.equal) found.paths->geodesics[equal.path] = equal.geodesics.front();

@@ -45,6 +45,9 @@ class NetworkEnergy : public numerics::Term<NetworkState> {
   /// See PathCache::take_strips.
   void take_strips(const NetworkEnergy& other) { cache_.take_strips(other.cache_); }
   const ElasticNetwork& network() const { return *network_; }
+  /// Divides the force of each path at a cut locus anew, for a state whose paths were found while other points were
+  /// fixed. Does nothing if none are found.
+  void redistribute_path_forces(NetworkState& state) const;
 
   std::string_view name() const override { return "geodesic_elements"; }
   /// On a deformable host: see surface::convex_host_hessian.

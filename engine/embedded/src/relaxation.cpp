@@ -69,15 +69,6 @@ bool needs_mollifier(const RelaxationContext& context, const Equilibrium& end) {
          has_pinned_path(end.state);
 }
 
-/// The last state of the history, for a search that was stopped at another one.
-Equilibrium best_of(const RelaxationHistory& history) {
-  return {.state = *history.state(),
-          .termination = Termination::iteration_limit,
-          .energy = history.last().energy,
-          .gradient_norm = history.last().gradient_norm,
-          .iterations = static_cast<int>(history.size()) - 1};
-}
-
 /// Says why a search was stopped before it was at rest.
 void note_stop(StopReason reason, Relaxation& result) {
   const bool is_late = reason == StopReason::deadline;
@@ -111,7 +102,7 @@ Relaxation run_phases(const RelaxationContext& context) {
   };
   const StopReason reason = search_until_stopped(
       context.execution.cancellation, [&] { return history.state().has_value(); }, search);
-  if (reason != StopReason::none) found = FollowedEquilibrium{best_of(history), {}};
+  if (reason != StopReason::none) found = FollowedEquilibrium{best_of(context, history), {}};
   const bool is_mollified = history.size() > first_mollified;
   Relaxation result = describe_relaxation(context, *found, is_mollified, std::move(history));
   if (reason != StopReason::none) note_stop(reason, result);

@@ -47,12 +47,15 @@ class RelaxationHistory {
   RelaxationHistory(const RelaxationOptions& options, bool keeps_state)
       : options_(options), keeps_state_(keeps_state) {}
 
-  void record(const numerics::MinimizerStep& step, const NetworkState& state);
+  /// With `fixes_more` the gradient norm of the step leaves points out that are free in the answer.
+  void record(const numerics::MinimizerStep& step, const NetworkState& state, bool fixes_more = false);
   bool empty() const { return steps_.empty(); }
   std::size_t size() const { return steps_.size(); }
   const RelaxationStep& last() const { return steps_.back(); }
   /// The state after the last step; nullopt before the first one, or if states are not kept.
   const std::optional<NetworkState>& state() const { return state_; }
+  /// Whether the last step was recorded with `fixes_more`.
+  bool fixes_more() const { return fixes_more_; }
   std::vector<RelaxationStep> take() { return std::move(steps_); }
 
  private:
@@ -60,6 +63,7 @@ class RelaxationHistory {
   bool keeps_state_;
   std::vector<RelaxationStep> steps_;
   std::optional<NetworkState> state_;
+  bool fixes_more_ = false;
 };
 
 /// Going back to an earlier load has found the same equilibrium if the energies differ by at most this fraction.
@@ -94,6 +98,10 @@ struct SearchSettings {
 /// Minimizes the energy from a state. Throws "network.collapsed" if triangles have no area there.
 Equilibrium find_equilibrium(const RelaxationContext& context, const Equilibrium& from, const SearchSettings& settings,
                              RelaxationHistory& history, const Execution& execution);
+
+/// The last state of the history, for a search that was stopped at another one. The gradient norm is that of all free
+/// points, also where the search had fixed some of them. The history has a state.
+Equilibrium best_of(const RelaxationContext& context, const RelaxationHistory& history);
 
 /// Continues where a search could not lower the energy although a gradient is left, because paths under compression are
 /// at their cut loci (`relaxation_jams.cpp` says how). Returns the state where it ended, with the termination

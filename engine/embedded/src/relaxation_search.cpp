@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "euclidean_springs.h"
+#include "network_energy.h"
 #include "relaxation_phases.h"
 #include "supple/base/faults.h"
 
@@ -42,6 +43,18 @@ void refuse_collapsed_triangles(const ElasticNetwork& elements, const NetworkSta
     if (!std::isfinite(elements.triangles()[t].energy.at(elements.side_lengths(*state.found(), t)).energy))
       faults.add("triangles/" + std::to_string(t), "has no area where its corners are");
   faults.throw_if_any("network.collapsed");
+}
+
+/// The gradient norm of a state whose paths are found, by all points and nodes that are free in the answer.
+double gradient_norm_at(const RelaxationContext& context, NetworkState state) {
+  const auto elements = std::make_shared<NetworkEnergy>(context.solver, context.elements, PathCacheOptions{});
+  elements->redistribute_path_forces(state);
+  numerics::System<NetworkState>::Terms terms = context.host.terms();
+  terms.push_back(elements);
+  numerics::System<NetworkState> system(std::move(state), std::move(terms),
+                                        numerics::Unknowns(context.fixed_degrees(context.points.fixed)),
+                                        {.execution = context.execution});
+  return system.evaluate(1).gradient.norm();
 }
 
 }  // namespace
@@ -85,12 +98,13 @@ std::vector<bool> RelaxationContext::fixed_degrees(const std::vector<bool>& fixe
   return coordinates;
 }
 
-void RelaxationHistory::record(const numerics::MinimizerStep& step, const NetworkState& state) {
+void RelaxationHistory::record(const numerics::MinimizerStep& step, const NetworkState& state, bool fixes_more) {
   // Memory may be refused for the copy: then neither the steps nor the state have changed.
   std::optional<NetworkState> copy;
   if (keeps_state_) copy = state;
   steps_.push_back({step.value, step.gradient_norm, step.step_length, step.regularization});
   if (copy) state_ = std::move(copy);
+  fixes_more_ = fixes_more;
   if (options_.observer) options_.observer(steps_.back(), state.points(), state.mesh());
 }
 
@@ -130,7 +144,8 @@ Equilibrium find_equilibrium(const RelaxationContext& context, const Equilibrium
     refuse_collapsed_triangles(*context.elements, system.state());
   numerics::MinimizerOptions options = context.minimizer_options();
   options.max_iterations = std::max(0, settings.max_iterations - from.iterations - first_iteration);
-  options.after_step = [&](const numerics::MinimizerStep& step) { history.record(step, system.state()); };
+  const bool fixes_more = settings.fixed_points != nullptr;
+  options.after_step = [&](const numerics::MinimizerStep& step) { history.record(step, system.state(), fixes_more); };
   const numerics::MinimizerResult found = numerics::minimize(system, options, execution);
   return {.state = system.prepared_state(),
           .moved_surface = from.moved_surface,
@@ -138,6 +153,16 @@ Equilibrium find_equilibrium(const RelaxationContext& context, const Equilibrium
           .energy = found.value,
           .gradient_norm = found.gradient_norm,
           .iterations = from.iterations + found.iterations + first_iteration};
+}
+
+Equilibrium best_of(const RelaxationContext& context, const RelaxationHistory& history) {
+  const NetworkState& state = *history.state();
+  const bool counts_all = !history.fixes_more() || !state.found();
+  return {.state = state,
+          .termination = numerics::MinimizerTermination::iteration_limit,
+          .energy = history.last().energy,
+          .gradient_norm = counts_all ? history.last().gradient_norm : gradient_norm_at(context, state),
+          .iterations = static_cast<int>(history.size()) - 1};
 }
 
 }  // namespace supple::embedded

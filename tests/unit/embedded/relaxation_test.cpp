@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "relaxation_phases.h"
 #include "supple/base/error.h"
 #include "supple/embedded/network_builders.h"
 #include "supple/surface/exponential_map.h"
@@ -68,6 +69,26 @@ TEST(Relax, AnswersWithItsBestStateIfTimeOrMemoryRunsOut) {
     token.request(StopReason::cancelled);
   };
   testing::expect_cancelled(StopReason::cancelled, [&] { relax(solver, network, options, {.cancellation = token}); });
+}
+
+TEST(Relax, ABestStateAtWhichTheSearchHadFixedPointsHasTheGradientOfAllFreeOnes) {
+  const TriangleMesh mesh = testing::torus(24, 12);
+  const GeodesicSolver solver(testing::share(mesh));
+  Network network = checked_network(mesh, dual_network(mesh, {0.2, 0.3, 0.5}));
+  const RelaxationOptions options;
+  const Execution execution;
+  const RelaxationContext context(solver, network, options, execution);
+  std::vector<bool> half_is_fixed = context.points.fixed;
+  for (std::size_t i = 0; i < half_is_fixed.size() / 2; ++i) half_is_fixed[i] = true;
+  RelaxationHistory history(options, true);
+  find_equilibrium(context, start_of(context), {.max_iterations = 2, .fixed_points = &half_is_fixed}, history,
+                   execution);
+  const Equilibrium best = best_of(context, history);
+  EXPECT_GT(best.gradient_norm, 1.01 * history.last().gradient_norm);
+  EXPECT_EQ(best.energy, history.last().energy);
+  RelaxationHistory once_more(options, false);
+  const Equilibrium whole = find_equilibrium(context, best, {.max_iterations = 0}, once_more, execution);
+  EXPECT_NEAR(best.gradient_norm, whole.gradient_norm, 1e-9 * whole.gradient_norm);
 }
 
 TEST(Relax, AStarOfSpringsComesToRestAtTheKarcherMean) {

@@ -26,7 +26,8 @@ enum class SpringLength { geodesic, euclidean };
 struct RelaxationStep {
   double energy = 0;  ///< unit of the weights times squared mesh units
   /// |grad E| by tangent coordinates of the free points. If a path under compression stays at its cut locus, E has
-  /// several gradients there, and this is the least norm of their convex combinations.
+  /// several gradients there, and this is the least norm of their convex combinations. While a jam is left, points that
+  /// are fixed meanwhile do not count.
   double gradient_norm = 0;
   double step_length = 0;     ///< norm of the points' displacements from the state before, mesh units; 0 at the start
   double regularization = 0;  ///< added to the Hessian's diagonal for that step
