@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <exception>
@@ -54,7 +55,8 @@ struct Job final : ProgressSink {
         has_request(with_request),
         earlier_attempts(the_record.attempts),
         due(Clock::now() + duration(computation.deadline)),
-        watch(std::in_place, watchdog, Watchdog::Watch{token, due, {}}),
+        watch(std::in_place, watchdog,
+              Watchdog::Watch{token, due, {}, {}, [this](Clock::time_point now) { resumed_at = now; }}),
         record(std::move(the_record)),
         row(the_row) {}
 
@@ -67,7 +69,9 @@ struct Job final : ProgressSink {
   const bool has_request;      ///< whether a later process can make it again
   const int earlier_attempts;  ///< starts in earlier processes, and on other servers
   const CancellationToken token;
-  const Clock::time_point due;           ///< when its deadline passes
+  const Clock::time_point due;  ///< when its deadline passes
+  /// When its computation has taken the deadline's stop back; before `due` if it has not. Set by the watchdog.
+  std::atomic<Clock::time_point> resumed_at{Clock::time_point::min()};
   std::optional<Watchdog::Guard> watch;  ///< dropped by the thread that ends the job
   std::uint64_t number_in_session = 0;   ///< set before any thread may end the job
   Clock::time_point last_report{};       ///< used by the computing thread alone

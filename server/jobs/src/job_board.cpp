@@ -108,7 +108,7 @@ std::optional<Watchdog::Overdue> JobBoard::overdue(const Job& job, Clock::time_p
   // Another thread stores its row or its end now.
   if (job.row == Row::being_written || job.phase == Phase::ending) return std::nullopt;
   const auto is_long_ago = [&](Clock::time_point since) { return now - since >= Watchdog::patience; };
-  if (is_long_ago(job.due)) return Watchdog::Overdue{StopReason::deadline, job.due};
+  if (is_long_ago(std::max(job.due, job.resumed_at.load()))) return Watchdog::Overdue{StopReason::deadline, job.due};
   if (is_over(job) && is_long_ago(job.ended_at)) return Watchdog::Overdue{StopReason::cancelled, job.ended_at};
   if (job.left_at && is_long_ago(*job.left_at)) return Watchdog::Overdue{StopReason::cancelled, *job.left_at};
   return std::nullopt;

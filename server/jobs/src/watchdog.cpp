@@ -30,25 +30,31 @@ void Watchdog::remove(std::uint64_t id) {
   watches_.erase(id);
 }
 
-void Watchdog::check(Entry& entry, Clock::time_point now) {
-  const auto& [token, deadline, hung_up, overdue] = entry.watch;
-  if (deadline && now >= *deadline && entry.stopped.reason == StopReason::none) {
+void Watchdog::Entry::check(Clock::time_point now) {
+  const auto& token = watch.token;
+  if (watch.deadline && now >= *watch.deadline && stopped.reason == StopReason::none) {
     token.request(StopReason::deadline);
-    entry.stopped = {StopReason::deadline, *deadline};
+    stopped = {StopReason::deadline, *watch.deadline};
+  } else if (stopped.reason == StopReason::deadline && !resumed_at && !token.requested()) {
+    resumed_at = now;
+    if (watch.resumed) watch.resumed(now);
   }
-  if (entry.stopped.reason == StopReason::deadline && now - entry.stopped.since >= report_time)
-    token.request(StopReason::deadline);
-  if (hung_up && !token.requested() && hung_up()) {
+  if (resumed_at && now - *resumed_at >= report_time) token.request(StopReason::deadline);
+  if (watch.hung_up && !token.requested() && watch.hung_up()) {
     token.request(StopReason::cancelled);
-    entry.stopped = {StopReason::cancelled, now};
+    stopped = {StopReason::cancelled, now};
+    resumed_at.reset();
   }
+}
+
+bool Watchdog::Entry::is_overdue(Clock::time_point now) const {
+  return stopped.reason != StopReason::none && now - resumed_at.value_or(stopped.since) >= patience;
 }
 
 void Watchdog::report_overdue(std::unique_lock<std::mutex>& lock, Clock::time_point now) {
   std::vector<std::uint64_t> late;
   for (auto& [id, entry] : watches_) {
-    if (entry.is_reported || !entry.watch.overdue || entry.stopped.reason == StopReason::none) continue;
-    if (now - entry.stopped.since >= patience) late.push_back(id);
+    if (!entry.is_reported && entry.watch.overdue && entry.is_overdue(now)) late.push_back(id);
   }
   for (const auto id : late) {
     const auto found = watches_.find(id);
@@ -93,7 +99,7 @@ void Watchdog::run() {
       lock.lock();
     }
     const auto now = Clock::now();
-    for (auto& [id, entry] : watches_) check(entry, now);
+    for (auto& [id, entry] : watches_) entry.check(now);
     report_overdue(lock, now);
   }
 }

@@ -16,15 +16,17 @@ namespace supple::jobs {
 /// One thread that watches all running computations. It requests the stop of a computation when its deadline has passed
 /// or its client has hung up, and reports once if the computation goes on for a second nevertheless. A computation that
 /// takes the stop back, because it reports the best that it has found (CancellationToken::resume), is stopped again
-/// `report_time` after its deadline. A check takes about a microsecond for each computation, every `period`; the thread
+/// `report_time` after that. A check takes about a microsecond for each computation, every `period`; the thread
 /// sleeps while there is none.
 class Watchdog {
  public:
   using Clock = std::chrono::steady_clock;
   static constexpr std::chrono::milliseconds period{20};
-  /// Time after the deadline that a computation may take to report the best that it has found by then.
+  /// Time that a computation may take to report the best that it has found by its deadline, from when it has taken the
+  /// stop back.
   static constexpr std::chrono::milliseconds report_time{500};
-  /// Time that a computation may take to stop.
+  /// Time that a computation may take to stop. It begins again when it takes a deadline's stop back, and includes the
+  /// time of the report then.
   static constexpr std::chrono::seconds patience{1};
 
   /// Why a computation should have stopped, and since when.
@@ -39,8 +41,24 @@ class Watchdog {
     /// Whether the client has gone; may be empty. Called from the watchdog's thread until the guard is destroyed.
     std::function<bool()> hung_up;
     /// May be empty. Called from the watchdog's thread, at most once, if the guard still exists `patience` after the
-    /// deadline has passed or the client has hung up.
+    /// deadline has passed, its stop was taken back, or the client has hung up.
     std::function<void(const Overdue&)> overdue{};
+    /// May be empty. Called from the watchdog's thread when the stop for the deadline is found taken back. It must not
+    /// wait.
+    std::function<void(Clock::time_point)> resumed{};
+  };
+
+  /// What is known of a watched computation. The caller reads the clock.
+  struct Entry {
+    Watch watch;
+    Overdue stopped{};         ///< when and why the watchdog requested its stop; no reason: not yet
+    bool is_reported = false;  ///< whether `overdue` was called
+    std::optional<Clock::time_point> resumed_at{};  ///< when the stop for the deadline was found taken back
+
+    /// Requests its stop if that is due.
+    void check(Clock::time_point now);
+    /// Whether it should have stopped `patience` ago.
+    bool is_overdue(Clock::time_point now) const;
   };
 
   /// Keeps a watch until it is destroyed. After that `hung_up` and `overdue` are not called any more. The destructor
@@ -65,16 +83,9 @@ class Watchdog {
   Watchdog& operator=(const Watchdog&) = delete;
 
  private:
-  struct Entry {
-    Watch watch;
-    Overdue stopped{};         ///< when and why this watchdog requested its stop; no reason: not yet
-    bool is_reported = false;  ///< whether `overdue` was called
-  };
-
   std::uint64_t add(Watch watch);
   void remove(std::uint64_t id);
   void run();
-  static void check(Entry& entry, Clock::time_point now);
   /// Calls `overdue` with the mutex unlocked, since it may lock mutexes under which other threads add watches.
   void report_overdue(std::unique_lock<std::mutex>& lock, Clock::time_point now);
 

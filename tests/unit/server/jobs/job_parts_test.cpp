@@ -314,6 +314,46 @@ TEST_F(JobPartsTest, AComputationIsOverdueASecondAfterItsDeadlineItsEndOrItsClie
   EXPECT_EQ(board_.overdue(*ended, later)->reason, StopReason::cancelled);
 }
 
+TEST_F(JobPartsTest, AReportHasItsTimeFromWhenTheSearchHasEnded) {
+  const Clock::time_point due(std::chrono::hours(1));
+  const std::chrono::milliseconds long_search(900);
+  std::optional<Clock::time_point> told;
+  bool client_has_gone = false;
+  Watchdog::Entry entry{{{}, due, [&] { return client_has_gone; }, {}, [&](Clock::time_point now) { told = now; }}};
+  const auto& token = entry.watch.token;
+  entry.check(due - long_search);
+  EXPECT_FALSE(token.requested());
+  entry.check(due);
+  EXPECT_EQ(token.reason(), StopReason::deadline);
+  ASSERT_TRUE(token.resume(StopReason::deadline));
+  entry.check(due + long_search);
+  EXPECT_EQ(told, due + long_search);
+  entry.check(due + long_search + Watchdog::report_time - Watchdog::period);
+  EXPECT_FALSE(token.requested()) << "half a second has not passed since the search has ended";
+  EXPECT_FALSE(entry.is_overdue(due + Watchdog::patience));
+  entry.check(due + long_search + Watchdog::report_time);
+  EXPECT_EQ(token.reason(), StopReason::deadline);
+  EXPECT_TRUE(entry.is_overdue(due + long_search + Watchdog::patience));
+  ASSERT_TRUE(token.resume(StopReason::deadline));
+  entry.check(due + long_search + Watchdog::patience);
+  EXPECT_TRUE(token.requested()) << "its time is over";
+
+  Watchdog::Entry left{{{}, due, [&] { return client_has_gone; }}};
+  left.check(due);
+  ASSERT_TRUE(left.watch.token.resume(StopReason::deadline));
+  left.check(due + long_search);
+  client_has_gone = true;
+  left.check(due + long_search + Watchdog::period);
+  EXPECT_EQ(left.watch.token.reason(), StopReason::cancelled);
+  EXPECT_FALSE(left.is_overdue(due + long_search + Watchdog::patience));
+  EXPECT_TRUE(left.is_overdue(due + long_search + Watchdog::period + Watchdog::patience));
+
+  const auto runs = job("runs");
+  runs->resumed_at = runs->due + long_search;
+  EXPECT_FALSE(board_.overdue(*runs, runs->due + Watchdog::patience));
+  EXPECT_TRUE(board_.overdue(*runs, runs->due + long_search + Watchdog::patience));
+}
+
 TEST_F(JobPartsTest, ASchedulerThatRefusesTakesNoJobAndStopsThoseThatWait) {
   options_.workers = 3;
   EXPECT_EQ(scheduler_.missing_workers(WorkerKind::foreground), 4U) << "one is for interactive jobs";

@@ -81,8 +81,8 @@ class JobQueue {
   /// `waiting.hung_up` returns true, "job.deadline_exceeded", "server.shutting_down". Stores nothing. `profile`, if
   /// there is one, is filled however the computation ends.
   ///
-  /// A computation that goes on for Watchdog::patience after its deadline, or after its client has hung up, is
-  /// abandoned: `waiting` is answered, and others get its slot, as long as no more than `immediate` are abandoned. This
+  /// A computation that goes on for Watchdog::patience after its deadline, after it has turned to its report, or after
+  /// its client has hung up, is abandoned: `waiting` is answered, and others get its slot, as long as no more than `immediate` are abandoned. This
   /// call returns when the computation does, and drops its result.
   store::Result run_now(const Computation& computation, Waiting waiting, Profile* profile = nullptr);
 
