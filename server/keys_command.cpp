@@ -42,8 +42,9 @@ void add_add_command(CLI::App& keys, const ServerOptions& options) {
       ->default_str("")
       ->check(CLI::Range(1, 1'000'000));
   command
-      ->add_option("--max-waiting-jobs", arguments->key.max_waiting_jobs,
-                   "Jobs that may wait for a worker; without it as many as --max-queue says")
+      ->add_option(
+          "--max-waiting-jobs", arguments->key.max_waiting_jobs,
+          "Jobs that may wait for a worker, and as many in the background; without it as many as --max-queue says")
       ->default_str("")
       ->check(CLI::Range(1, 1'000'000));
   command

@@ -153,9 +153,11 @@ void add_limits(CLI::App& app, ServerOptions& options) {
   group
       ->add_option("--event-streams", limits.event_streams, "Event streams at the same time (each is a connection too)")
       ->check(CLI::NonNegativeNumber);
-  group->add_option("--max-queue", options.jobs.max_queue, "Jobs that wait for a worker");
+  group->add_option("--max-queue", options.jobs.max_queue,
+                    "Jobs that wait for a worker, and as many in the background");
   group
-      ->add_option("--max-queue-bytes", options.jobs.max_queue_bytes, "Bytes that the requests of jobs hold which wait")
+      ->add_option("--max-queue-bytes", options.jobs.max_queue_bytes,
+                   "Bytes that the requests of jobs hold which wait, and as many in the background")
       ->transform(CLI::AsSizeValue(false));
   group->add_option("--max-jobs", options.jobs.max_jobs, "Finished jobs that are kept");
   group

@@ -8,19 +8,28 @@
 #include <string>
 #include <utility>
 
+#include "interactive_turns.h"
 #include "supple/base/cancellation.h"
 #include "supple/base/priority.h"
 
 namespace supple::jobs {
 
-/// Limits how many immediate computations run at the same time. Of those that wait, an interactive one is next, then
-/// the first one of the client with the fewest running ones, so that a client that sends many does not take the slots
-/// from others. Where all slots are taken, one more computation may run if it is interactive. A computation that does
+/// Limits how many immediate computations run at the same time. Of those that wait, an interactive one is next, as far
+/// as InteractiveTurns says, then the first one of the client with the fewest running ones, so that a client that sends
+/// many does not take the slots from others. Where all slots are taken, one more computation may run if it is
+/// interactive and goes first. A computation that does
 /// not stop takes no slot either, as long as there are no more such computations than slots; otherwise threads would be
 /// used up by computations that nobody waits for. Any thread may call.
 class ComputeSlots {
+  struct Computation {
+    Priority priority;
+    std::string client;
+
+    bool is_interactive() const { return priority == Priority::interactive; }
+  };
+
  public:
-  explicit ComputeSlots(int count) : count_(count) {}
+  explicit ComputeSlots(int count) : turns_(count), count_(count) {}
 
   /// Takes a slot for its lifetime.
   class Slot {
@@ -29,10 +38,10 @@ class ComputeSlots {
     /// have the name "".
     Slot(ComputeSlots& slots, const CancellationToken& token, std::string client = {},
          Priority priority = Priority::normal)
-        : slots_(slots), client_(std::move(client)) {
-      slots_.acquire(token, {priority, client_});
+        : slots_(slots), taken_{priority, std::move(client)} {
+      slots_.acquire(token, taken_);
     }
-    ~Slot() { slots_.release(client_, is_given_up_); }
+    ~Slot() { slots_.release(taken_, is_given_up_); }
     Slot(const Slot&) = delete;
     Slot& operator=(const Slot&) = delete;
 
@@ -46,32 +55,32 @@ class ComputeSlots {
    private:
     bool is_given_up_ = false;
     ComputeSlots& slots_;
-    const std::string client_;
+    const Computation taken_;
   };
 
   /// Number of computations that run or wait, with those that do not stop.
   int in_use() const;
 
  private:
-  struct Waiting {
-    Priority priority;
-    std::string client;
-  };
-  void acquire(const CancellationToken& token, const Waiting& waiting);
-  void release(const std::string& client, bool is_given_up);
+  void acquire(const CancellationToken& token, const Computation& computation);
+  void release(const Computation& computation, bool is_given_up);
   void give_up_one();
   // The caller of the following functions holds the mutex.
   int free(Priority priority) const {
     const int for_interactive = priority == Priority::interactive ? 1 : 0;
     return count_ + for_interactive + std::min(given_up_, count_) - running_;
   }
+  int running_of(const std::string& client, bool is_interactive) const;
+  /// The priority that counts for a computation that waits.
+  Priority rank_of(const Computation& computation) const;
   /// The computation that runs next; the end where none waits.
-  std::list<Waiting>::const_iterator next() const;
+  std::list<Computation>::const_iterator next() const;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::list<Waiting> waiting_;  // the computations that wait, in the order of arrival
-  std::map<std::string, int> running_of_client_;
+  std::list<Computation> waiting_;  // the computations that wait, in the order of arrival
+  std::map<std::pair<std::string, bool>, int> running_of_client_;  // by client and whether they are interactive
+  InteractiveTurns turns_;
   const int count_;
   int running_ = 0;
   int given_up_ = 0;  // running computations whose slots are given up

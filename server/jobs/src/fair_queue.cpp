@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace supple::jobs {
 namespace {
@@ -22,23 +23,33 @@ void FairQueue::require_place(const Computation& computation) const {
   constexpr double max_seconds = 3600;
   const double seconds = std::clamp(mean_seconds_ / options_.workers, 1.0, max_seconds);
   const int retry_after = static_cast<int>(std::ceil(seconds));
-  const auto is_of_client = [&](const Entry& entry) { return entry.job->computation.client == computation.client; };
-  if (const auto limit = computation.max_waiting;
-      limit > 0 && std::count_if(entries_.begin(), entries_.end(), is_of_client) >= limit) {
+  const bool in_background = computation.priority == Priority::background;
+  std::size_t waiting = 0;
+  std::int64_t bytes = computation.bytes;
+  int of_client = 0;
+  for (const auto& entry : entries_) {
+    if (is_in_background(*entry.job) != in_background) continue;
+    ++waiting;
+    bytes += entry.job->computation.bytes;
+    if (entry.job->computation.client == computation.client) ++of_client;
+  }
+  const std::string jobs = in_background ? " jobs in the background" : " jobs";
+  if (const auto limit = computation.max_waiting; limit > 0 && of_client >= limit) {
     throw problem::ProblemError({"job.client_queue_full",
-                                 std::to_string(limit) + " jobs of this key wait for a worker, its limit (setting "
-                                                         "--max-waiting-jobs of its key).",
+                                 std::to_string(limit) + jobs +
+                                     " of this key wait for a worker, its limit (setting --max-waiting-jobs of its "
+                                     "key).",
                                  {},
                                  problem::Limit{1.0 * limit, 1.0 * limit + 1, "--max-waiting-jobs"},
                                  retry_after});
   }
-  if (entries_.size() >= options_.max_queue) {
+  if (waiting >= options_.max_queue) {
     const auto limit = static_cast<double>(options_.max_queue);
-    throw queue_full("The queue holds " + std::to_string(options_.max_queue) + " jobs, its limit", limit, limit + 1,
+    throw queue_full("The queue holds " + std::to_string(options_.max_queue) + jobs + ", its limit", limit, limit + 1,
                      "--max-queue", retry_after);
   }
-  if (const auto bytes = bytes_ + computation.bytes; bytes > options_.max_queue_bytes) {
-    throw queue_full("With this job those that wait would hold " + std::to_string(bytes) +
+  if (bytes > options_.max_queue_bytes) {
+    throw queue_full("With this job the" + jobs + " that wait would hold " + std::to_string(bytes) +
                          " bytes of memory, their limit is " + std::to_string(options_.max_queue_bytes),
                      static_cast<double>(options_.max_queue_bytes), static_cast<double>(bytes), "--max-queue-bytes",
                      retry_after);
@@ -49,45 +60,55 @@ std::deque<FairQueue::Entry>::iterator FairQueue::find(const Job& job) {
   return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.job.get() == &job; });
 }
 
-void FairQueue::add(const JobPointer& job, bool is_paused) {
-  entries_.push_back({job, is_paused});
-  bytes_ += job->computation.bytes;
-}
+void FairQueue::add(const JobPointer& job, bool is_paused) { entries_.push_back({job, is_paused}); }
 
 void FairQueue::pause(const Job& job, bool is_paused) {
   if (const auto entry = find(job); entry != entries_.end()) entry->is_paused = is_paused;
 }
 
 void FairQueue::remove(const Job& job) {
-  const auto entry = find(job);
-  if (entry == entries_.end()) return;
-  bytes_ -= job.computation.bytes;
-  entries_.erase(entry);
+  if (const auto entry = find(job); entry != entries_.end()) entries_.erase(entry);
 }
 
 bool FairQueue::is_last_attempt(const Job& job) const {
   return job.earlier_attempts > 0 && job.earlier_attempts + 1 >= options_.max_attempts;
 }
 
-int FairQueue::running_jobs_of(const Runner& runner) const {
-  const auto found = running_.find(runner);
+int FairQueue::running_jobs_of(const std::string& client, Priority priority) const {
+  const auto found = running_.find({client, priority});
   return found == running_.end() ? 0 : found->second;
 }
 
-JobPointer FairQueue::next(Priority first, Priority last) const {
+Priority FairQueue::rank_of(const Job& job) const {
+  const auto& [client, priority] = std::tie(job.computation.client, job.computation.priority);
+  if (priority != Priority::interactive) return priority;
+  return turns_.goes_first(running_jobs_of(client, priority)) ? priority : Priority::normal;
+}
+
+JobPointer FairQueue::first_of(Priority first, Priority last) const {
   const Entry* next = nullptr;
-  std::pair<Priority, int> least;  // its priority, and the running jobs of its client
+  std::tuple<Priority, int, Priority> least;  // its rank, the running jobs of its client, and its own priority
   for (const auto& entry : entries_) {
     if (entry.is_paused || (last_attempt_runs_ && is_last_attempt(*entry.job))) continue;
-    const auto& computation = entry.job->computation;
-    const auto priority = computation.priority;
+    const auto priority = rank_of(*entry.job);
     if (priority < first || priority > last) continue;
-    const std::pair rank(priority, running_jobs_of(runner_of(computation.client, priority)));
+    const auto& computation = entry.job->computation;
+    const auto running = [&](Priority one) { return running_jobs_of(computation.client, one); };
+    const int running_of_client = priority == Priority::background
+                                      ? running(Priority::background)
+                                      : running(Priority::interactive) + running(Priority::normal);
+    const std::tuple rank(priority, running_of_client, computation.priority);
     if (next && rank >= least) continue;
     next = &entry;
     least = rank;
   }
   return next ? next->job : nullptr;
+}
+
+JobPointer FairQueue::next(Priority first, Priority last) const {
+  if (first == Priority::interactive && last >= Priority::normal && turns_.is_turn_of_others())
+    if (auto job = first_of(Priority::normal, Priority::normal)) return job;
+  return first_of(first, last);
 }
 
 std::size_t FairQueue::size(Priority priority) const {
@@ -109,10 +130,18 @@ std::vector<JobPointer> FairQueue::jobs() const {
   return jobs;
 }
 
-void FairQueue::begin(const Job& job) { ++running_[runner_of(job.computation.client, job.computation.priority)]; }
+void FairQueue::begin(const Job& job) {
+  const auto& computation = job.computation;
+  ++running_[{computation.client, computation.priority}];
+  if (is_in_background(job)) return;
+  const bool others_wait = std::any_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
+    return !entry.is_paused && entry.job->computation.priority == Priority::normal;
+  });
+  turns_.note_start(computation.priority == Priority::interactive, others_wait);
+}
 
 void FairQueue::end(const std::string& client, Priority priority) {
-  if (const auto count = running_.find(runner_of(client, priority)); --count->second == 0) running_.erase(count);
+  if (const auto count = running_.find({client, priority}); --count->second == 0) running_.erase(count);
 }
 
 void FairQueue::note_time(double seconds) {

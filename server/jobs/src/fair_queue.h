@@ -8,27 +8,30 @@
 #include <utility>
 #include <vector>
 
+#include "interactive_turns.h"
 #include "job.h"
 
 namespace supple::jobs {
 
-/// The jobs that wait for a worker, in the order of their arrival, and the number of running jobs of each client: those
-/// in the background, which have workers of their own, and the others. It belongs to the scheduler, whose mutex guards
+/// The jobs that wait for a worker, in the order of their arrival, and the number of running jobs of each client and
+/// priority. Those in the background have workers of their own. It belongs to the scheduler, whose mutex guards
 /// it.
 class FairQueue {
  public:
-  explicit FairQueue(const QueueOptions& options) : options_(options) {}
+  explicit FairQueue(const QueueOptions& options) : options_(options), turns_(options.workers) {}
 
   /// Throws "job.queue_full" if there is no place for the job, and "job.client_queue_full" if too many jobs of its
-  /// client wait.
+  /// client wait. Jobs in the background have places of their own, as many as the others, so that they take none of
+  /// these.
   void require_place(const Computation& computation) const;
   /// Adds a job at the end. A paused job counts for the limits, but next() does not return it.
   void add(const JobPointer& job, bool is_paused);
   void pause(const Job& job, bool is_paused);
   void remove(const Job& job);
   /// The job to run next of those whose priority is from `first` to `last`: of the most urgent ones, the first one of
-  /// the client with the fewest running jobs. Null if no job may run now. Only one job at a time runs its last attempt
-  /// (JobQueue), since such a job may make the process crash.
+  /// the client with the fewest running jobs. An interactive job counts as a normal one where InteractiveTurns says so,
+  /// and comes first among the normal ones then, if its client has no more running jobs than others. Null if no job may
+  /// run now. Only one job at a time runs its last attempt (JobQueue), since such a job may make the process crash.
   JobPointer next(Priority first, Priority last) const;
   /// The jobs that are not paused and whose stop has been requested.
   std::vector<JobPointer> stopped_jobs() const;
@@ -51,17 +54,16 @@ class FairQueue {
     bool is_paused = false;
   };
   std::deque<Entry>::iterator find(const Job& job);
-  /// A client and whether the jobs are in the background.
-  using Runner = std::pair<std::string, bool>;
-  static Runner runner_of(const std::string& client, Priority priority) {
-    return {client, priority == Priority::background};
-  }
-  int running_jobs_of(const Runner& runner) const;
+  static bool is_in_background(const Job& job) { return job.computation.priority == Priority::background; }
+  int running_jobs_of(const std::string& client, Priority priority) const;
+  /// The priority that counts for a waiting job.
+  Priority rank_of(const Job& job) const;
+  JobPointer first_of(Priority first, Priority last) const;
 
   const QueueOptions& options_;
   std::deque<Entry> entries_;
-  std::int64_t bytes_ = 0;  // memory of the jobs in the queue
-  std::map<Runner, int> running_;
+  std::map<std::pair<std::string, Priority>, int> running_;  // by client and priority
+  InteractiveTurns turns_;
   bool last_attempt_runs_ = false;
   double mean_seconds_ = 0;  // moving average of the time that a worker takes for a job
 };

@@ -98,5 +98,62 @@ TEST(ComputeSlots, AreTakenByInteractiveComputationsFirstAndOneOfThemNeedsNone) 
   EXPECT_EQ(order, "inn");
 }
 
+/// Computations that wait for a slot and note their letters once they have it.
+class Queue {
+ public:
+  explicit Queue(ComputeSlots& slots) : slots_(slots) {}
+  ~Queue() { join(); }
+
+  void add(char letter, const std::string& client, Priority priority) {
+    const int before = slots_.in_use();
+    const std::size_t noted = order().size();
+    threads_.emplace_back([this, letter, client, priority] {
+      const ComputeSlots::Slot slot(slots_, {}, client, priority);
+      const std::lock_guard lock(mutex_);
+      order_ += letter;
+    });
+    while (slots_.in_use() == before && order().size() == noted) std::this_thread::yield();
+  }
+  void join() {
+    for (auto& thread : threads_) thread.join();
+    threads_.clear();
+  }
+  std::string order() {
+    const std::lock_guard lock(mutex_);
+    return order_;
+  }
+
+ private:
+  ComputeSlots& slots_;
+  std::mutex mutex_;
+  std::string order_;
+  std::vector<std::thread> threads_;
+};
+
+TEST(ComputeSlots, AreNotAllTakenByTheInteractiveComputationsOfOneClient) {
+  ComputeSlots slots(2);
+  const ComputeSlots::Slot first(slots, {}, "many", Priority::interactive);
+  std::optional<ComputeSlots::Slot> second(std::in_place, slots, CancellationToken(), "", Priority::normal);
+  Queue queue(slots);
+  queue.add('m', "many", Priority::interactive);  // beyond half of the slots, it does not get the one beyond them
+  queue.add('n', "few", Priority::normal);
+  second.reset();
+  queue.join();
+  EXPECT_EQ(queue.order(), "nm");
+}
+
+TEST(ComputeSlots, AreGivenToOthersOnceManyInteractiveComputationsHaveGoneFirst) {
+  ComputeSlots slots(1);
+  std::optional<ComputeSlots::Slot> taken(std::in_place, slots, CancellationToken(), "", Priority::normal);
+  std::optional<ComputeSlots::Slot> beyond(std::in_place, slots, CancellationToken(), "many", Priority::interactive);
+  Queue queue(slots);
+  queue.add('n', "few", Priority::normal);
+  for (int i = 0; i < 2 * InteractiveTurns::max_in_succession; ++i) queue.add('i', "many", Priority::interactive);
+  taken.reset();  // nothing starts: the one slot is that of the interactive computation now
+  beyond.reset();
+  queue.join();
+  EXPECT_EQ(queue.order().find('n'), std::size_t{InteractiveTurns::max_in_succession});
+}
+
 }  // namespace
 }  // namespace supple::jobs

@@ -118,6 +118,73 @@ TEST_F(JobPartsTest, AQueueGivesUrgentJobsFirstAndIsFairAmongThoseOfOnePriority)
   EXPECT_EQ(id_of(next(queue)), "background");
 }
 
+TEST_F(JobPartsTest, AQueueGivesInteractiveJobsOfOneClientHalfOfTheWorkersFirst) {
+  options_.workers = 4;
+  FairQueue queue(options_);
+  queue.begin(*job("runs", of_priority(Priority::interactive, "many")));
+  const auto many = job("many", of_priority(Priority::interactive, "many"));
+  const auto few = job("few", of_priority(Priority::normal, "few"));
+  const auto own = job("own", of_priority(Priority::normal, "many"));
+  for (const auto& one : {own, many, few}) queue.add(one, false);
+  EXPECT_EQ(id_of(next(queue)), "many") << "half of the workers is two";
+  queue.begin(*job("runs too", of_priority(Priority::interactive, "many")));
+  EXPECT_EQ(id_of(next(queue)), "few");
+  EXPECT_EQ(queue.next(Priority::interactive, Priority::interactive), nullptr) << "nor is there a worker beyond";
+  queue.remove(*few);
+  EXPECT_EQ(id_of(next(queue)), "many") << "it comes before a normal one of its own client";
+  const auto other = job("other", of_priority(Priority::interactive, "other"));
+  queue.add(other, false);
+  EXPECT_EQ(id_of(queue.next(Priority::interactive, Priority::interactive)), "other");
+}
+
+TEST_F(JobPartsTest, AQueueGivesOthersTheirTurnAfterSomeInteractiveJobsInSuccession) {
+  options_.workers = 1;
+  FairQueue queue(options_);
+  const auto waits = job("waits", of_priority(Priority::normal, "few"));
+  const auto drag = job("drag", of_priority(Priority::interactive, "many"));
+  for (const auto& one : {waits, drag}) queue.add(one, false);
+  const auto run = [&](const JobPointer& one) {
+    queue.begin(*one);
+    queue.end(one->computation.client, one->computation.priority);
+  };
+  for (int i = 0; i < InteractiveTurns::max_in_succession; ++i) {
+    EXPECT_EQ(id_of(next(queue)), "drag") << i;
+    run(drag);
+  }
+  EXPECT_EQ(id_of(next(queue)), "waits");
+  EXPECT_EQ(id_of(queue.next(Priority::interactive, Priority::interactive)), "drag") << "a worker beyond is for these";
+  run(waits);
+  EXPECT_EQ(id_of(next(queue)), "drag");
+  queue.pause(*waits, true);
+  for (int i = 0; i < 2 * InteractiveTurns::max_in_succession; ++i) run(drag);
+  queue.pause(*waits, false);
+  EXPECT_EQ(id_of(next(queue)), "drag") << "nobody waited";
+}
+
+TEST_F(JobPartsTest, JobsInTheBackgroundTakeNoPlaceFromOthersInAQueue) {
+  options_.max_queue = 2;
+  options_.max_queue_bytes = 100;
+  FairQueue queue(options_);
+  const auto asking = [](Priority priority, std::int64_t bytes) {
+    auto computation = of_client("a", bytes, 2);
+    computation.priority = priority;
+    return computation;
+  };
+  for (const char* const id : {"a", "b"}) queue.add(job(id, asking(Priority::background, 50)), false);
+  for (const auto priority : {Priority::interactive, Priority::normal})
+    EXPECT_FALSE(refusal(queue, asking(priority, 100)));
+  const auto full = refusal(queue, asking(Priority::background, 0));
+  EXPECT_EQ(full->code, "job.client_queue_full");
+  EXPECT_NE(full->detail.find("2 jobs in the background"), std::string::npos) << full->detail;
+  auto of_other = asking(Priority::background, 1);
+  of_other.client = "b";
+  EXPECT_EQ(refusal(queue, of_other)->limit->setting, "--max-queue");
+  options_.max_queue = 3;
+  EXPECT_EQ(refusal(queue, of_other)->limit->setting, "--max-queue-bytes");
+  queue.add(job("c", asking(Priority::normal, 60)), false);
+  EXPECT_EQ(refusal(queue, asking(Priority::interactive, 41))->limit->value, 101);
+}
+
 TEST_F(JobPartsTest, AQueueGivesNoLastAttemptBesideAnother) {
   options_.max_attempts = 3;
   FairQueue queue(options_);

@@ -26,7 +26,8 @@ struct Computation {
   std::string owner{};     ///< owner of the job that it becomes: the id of a key; empty where there is none
   std::int64_t bytes = 0;  ///< approximate bytes of its request, which stay in memory while it waits
   bool takes_slot = true;  ///< whether it waits for a compute slot; false for what reads and computes nothing
-  int max_waiting = 0;     ///< jobs of its client that may wait for a worker; 0: only the queue's own limit
+  int max_waiting = 0;  ///< jobs of its client that may wait for a worker, and as many in the background; 0: only the
+                        ///< queue's own limit
   /// Hash of the client's key and of the idempotency key. Two computations with the same one are one job. Empty where
   /// the request has none.
   std::string idempotency_key{};

@@ -24,8 +24,9 @@ struct JobStatus {
 };
 
 struct QueueOptions {
-  int workers = 2;                             ///< jobs that run at the same time, and as many in the background
-  int immediate = 4;                           ///< immediate computations that run at the same time
+  int workers = 2;    ///< jobs that run at the same time, and as many in the background
+  int immediate = 4;  ///< immediate computations that run at the same time
+  // The following two are the limits of jobs in the background, and once more those of the others.
   std::size_t max_queue = 1000;                ///< jobs that wait for a worker; setting --max-queue
   std::int64_t max_queue_bytes = 256LL << 20;  ///< bytes of memory that those hold; setting --max-queue-bytes
   double retention = 7 * 86400;                ///< seconds for which a finished job is stored; setting --retention
@@ -38,10 +39,10 @@ struct QueueOptions {
 
 /// Runs computations: immediately on the caller's thread, or as jobs on worker threads.
 ///
-/// Interactive computations start before normal ones. They also start where `workers` jobs, or `immediate`
-/// computations, run already: one more may run if it is interactive. Background computations run on workers of their
-/// own, as many as the others have. Their threads have a lower priority, so that they delay no other computation
-/// (background_threads.h).
+/// Interactive computations start before normal ones, as far as InteractiveTurns (interactive_turns.h) says. They also
+/// start where `workers` jobs, or `immediate` computations, run already: one more may run if it is interactive.
+/// Background computations run on workers of their own, as many as the others have. Their threads have a lower
+/// priority, so that they delay no other computation (background_threads.h).
 ///
 /// A job that comes with its request outlives the process. The next process runs it with the same id, client and
 /// session, in the same order, and its deadline counts anew. That holds for jobs that waited and for jobs that ran,
@@ -82,8 +83,8 @@ class JobQueue {
   /// there is one, is filled however the computation ends.
   ///
   /// A computation that goes on for Watchdog::patience after its deadline, after it has turned to its report, or after
-  /// its client has hung up, is abandoned: `waiting` is answered, and others get its slot, as long as no more than `immediate` are abandoned. This
-  /// call returns when the computation does, and drops its result.
+  /// its client has hung up, is abandoned: `waiting` is answered, and others get its slot, as long as no more than
+  /// `immediate` are abandoned. This call returns when the computation does, and drops its result.
   store::Result run_now(const Computation& computation, Waiting waiting, Profile* profile = nullptr);
 
   /// Makes the computation a job that waits for a worker, and that outlives the process if it comes with its request.
