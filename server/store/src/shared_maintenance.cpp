@@ -264,7 +264,7 @@ CopyReport back_up_shared_store(const SharedStoreLocation& store, const fs::path
   database.transaction([&](pqxx::work& snapshot) {
     snapshot.exec0("SET TRANSACTION ISOLATION LEVEL REPEATABLE READ");
     missing = locking_database.transaction([&](pqxx::work& locked) {
-      locked.exec0("LOCK TABLE meshes, mesh_owners, jobs IN SHARE MODE");
+      lock_out_changes(locked);
       return copier.copy_files(shared_files(snapshot));
     });
     write_rows(snapshot, DataPaths{to}.database());

@@ -13,8 +13,11 @@ namespace fs = std::filesystem;
 
 constexpr int version_of_shared_tables = 1;
 
-/// SQL statement of a lock, with which servers that start together make the tables one after the other.
-constexpr const char* table_creation_lock = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
+/// SQL statements of a lock, with which those who make or alter the tables, or lock others out, do so one after the
+/// other. It comes before the lock of any table that others wait for. Those who only want the tables to stay as they
+/// are share it.
+constexpr const char* table_lock = "SELECT pg_advisory_xact_lock(hashtextextended('supple tables', 0))";
+constexpr const char* shared_table_lock = "SELECT pg_advisory_xact_lock_shared(hashtextextended('supple tables', 0))";
 
 /// Columns that were added to tables of version 1. A server that does not know them writes rows with their defaults.
 constexpr const char* later_shared_columns = "ALTER TABLE jobs ADD COLUMN priority text NOT NULL DEFAULT 'normal'";
@@ -100,11 +103,19 @@ void require_no_own_database(const DataPaths& paths) {
   throw StoreUnavailable("The data folder " + paths.folder.string() + " is not the one that this database belongs to.");
 }
 
-/// Altering a table waits for all others who use it, so that it is done only where a column is missing.
+/// Whether all tables and columns are there.
+bool is_complete(pqxx::work& transaction) {
+  return transaction
+      .exec1(
+          "SELECT to_regclass('store') IS NOT NULL AND EXISTS "
+          "(SELECT 1 FROM pg_attribute WHERE attrelid = to_regclass('jobs') AND attname = 'priority')")[0]
+      .as<bool>();
+}
+
+/// Altering a table waits for all others who use it, so that it is done only where a column is missing. The caller has
+/// the `table_lock`.
 void add_later_columns(pqxx::work& transaction) {
-  const auto missing = transaction.exec1(
-      "SELECT NOT EXISTS (SELECT 1 FROM pg_attribute WHERE attrelid = 'jobs'::regclass AND attname = 'priority')");
-  if (missing[0].as<bool>()) transaction.exec0(later_shared_columns);
+  if (!is_complete(transaction)) transaction.exec0(later_shared_columns);
 }
 
 constexpr const char* version_and_id = "SELECT version, id FROM store";
@@ -124,9 +135,11 @@ void prepare_shared_tables(Postgres& database, const DataFolder& folder) {
   const auto& paths = folder.paths();
   require_no_own_database(paths);
   database.transaction([&](pqxx::work& transaction) {
-    transaction.exec(table_creation_lock);
-    transaction.exec0(shared_tables);
-    add_later_columns(transaction);
+    if (!is_complete(transaction)) {
+      transaction.exec(table_lock);
+      transaction.exec0(shared_tables);
+      add_later_columns(transaction);
+    }
     if (const auto rows = transaction.exec(version_and_id); !rows.empty()) {
       require_version_and_folder(rows[0], paths);
       return true;
@@ -146,7 +159,9 @@ void require_shared_tables(pqxx::work& transaction, const DataPaths& paths) {
   const auto rows = transaction.exec(version_and_id);
   if (rows.empty()) throw_no_store();
   require_version_and_folder(rows[0], paths);
-  add_later_columns(transaction);
+  if (is_complete(transaction)) return;
+  transaction.exec(table_lock);
+  add_later_columns(transaction);  // unless somebody else has done so meanwhile
 }
 
 void lock_out_servers(pqxx::work& transaction) {
@@ -159,9 +174,14 @@ void lock_out_servers(pqxx::work& transaction) {
                            "; one that was killed is in it until its lease ends.");
   };
   require_none();  // fails before the locks, which a busy server would delay
-  transaction.exec(table_creation_lock);
+  transaction.exec(table_lock);
   transaction.exec0("LOCK TABLE servers, meshes, mesh_owners, jobs IN EXCLUSIVE MODE");
   require_none();
+}
+
+void lock_out_changes(pqxx::work& transaction) {
+  transaction.exec(shared_table_lock);
+  transaction.exec0("LOCK TABLE meshes, mesh_owners, jobs IN SHARE MODE");
 }
 
 std::string shared_job_columns() {

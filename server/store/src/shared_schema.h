@@ -14,13 +14,18 @@ namespace supple::store {
 /// another database.
 void prepare_shared_tables(Postgres& database, const DataFolder& folder);
 
-/// Throws "store.unavailable" where the database has no store, one of a later version, or another folder. Changes
-/// nothing.
+/// Throws "store.unavailable" where the database has no store, one of a later version, or another folder. Adds the
+/// columns that tables of an earlier version lack.
 void require_shared_tables(pqxx::work& transaction, const DataPaths& paths);
+
+// All transactions lock tables in the order servers, meshes, mesh_owners, jobs, and alter none of them without the lock
+// that comes first in the following two.
 
 /// Locks the tables, so that no server starts or changes anything until the end of the transaction. Throws
 /// "store.unavailable" where the lease of a server has not ended.
 void lock_out_servers(pqxx::work& transaction);
+/// Locks the tables, so that nobody changes meshes and jobs, or alters their tables, until the end of the transaction.
+void lock_out_changes(pqxx::work& transaction);
 
 /// The columns of a row of "jobs" that `read_shared_job` reads.
 std::string shared_job_columns();

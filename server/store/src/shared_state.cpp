@@ -30,6 +30,7 @@ void SharedState::renew_server_lease() {
         "INSERT INTO servers (id, until) VALUES ($1, now() + $2 * interval '1 second') "
         "ON CONFLICT (id) DO UPDATE SET until = excluded.until",
         server, options.lease);
+    transaction.exec0("DELETE FROM servers WHERE until < now() - interval '1 day'");
     return true;
   });
 }

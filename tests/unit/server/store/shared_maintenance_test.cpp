@@ -1,6 +1,7 @@
 #include "supple/store/maintenance.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -395,6 +396,69 @@ TEST_F(SharedMaintenanceTest, ReplacesAStoreOnlyWhereItIsToldToAndKeepsWhatWasTh
   Statement meshes(rows, "SELECT count(*) FROM meshes");
   meshes.step();
   EXPECT_EQ(meshes.integer(0), 3);
+}
+
+TEST_F(SharedMaintenanceTest, OfAllThatFindATableOfAnEarlierVersionOneAddsItsColumns) {
+  {
+    SharedStore store(options());
+    fill(store);
+  }
+  sql("ALTER TABLE jobs DROP COLUMN priority");
+  // Somebody reads the table, so that nobody alters it before all have found it as it was.
+  std::thread reader([&] {
+    try {
+      sql("SELECT count(*) FROM jobs; SELECT pg_sleep(60)");
+    } catch (const std::runtime_error&) {
+      // It is cancelled below.
+    }
+  });
+  const std::string sleeps = "pg_stat_activity WHERE wait_event = $$PgSleep$$";
+  const auto wait_for = [&](const std::string& rows, const char* count) {
+    while (PrivatePostgres::rows(database_, "SELECT count(*) FROM " + rows) != count) std::this_thread::yield();
+  };
+  wait_for(sleeps, "1");
+  std::array<std::string, 3> messages;
+  std::vector<std::thread> users;
+  users.emplace_back([&] { messages[0] = message_of([&] { check_shared_store(place()); }); });
+  users.emplace_back([&] { messages[1] = message_of([&] { back_up_shared_store(place(), folder_ / "backup"); }); });
+  users.emplace_back([&] { messages[2] = message_of([&] { SharedStore server(options()); }); });
+  wait_for("pg_locks WHERE NOT granted", "3");
+  sql("SELECT pg_cancel_backend(pid) FROM " + sleeps);
+  for (auto& user : users) user.join();
+  reader.join();
+  for (const auto& message : messages) EXPECT_EQ(message, "nothing was thrown");
+  EXPECT_EQ(check_shared_store(place()).faults, std::vector<std::string>());
+}
+
+TEST_F(SharedMaintenanceTest, ASnapshotAndAMigrationDoNotWaitForEachOther) {
+  {
+    SharedStore store(options());
+    fill(store);
+  }
+  sql("ALTER TABLE jobs DROP COLUMN priority");
+  // The lock that a backup has while it copies: who would alter the table waits before it has locked anything else.
+  std::thread backup([&] {
+    try {
+      sql("SELECT pg_advisory_xact_lock_shared(hashtextextended($$supple tables$$, 0)); "
+          "LOCK TABLE meshes, mesh_owners, jobs IN SHARE MODE; SELECT pg_sleep(60)");
+    } catch (const std::runtime_error&) {
+      // It is cancelled below.
+    }
+  });
+  const std::string sleeps = "pg_stat_activity WHERE wait_event = $$PgSleep$$";
+  const auto count = [&](const std::string& rows) {
+    return PrivatePostgres::rows(database_, "SELECT count(*) FROM " + rows);
+  };
+  while (count(sleeps) != "1") std::this_thread::yield();
+  std::string message;
+  std::thread server([&] { message = message_of([&] { SharedStore store(options()); }); });
+  while (count("pg_locks WHERE NOT granted") != "1") std::this_thread::yield();
+  EXPECT_EQ(count("pg_locks WHERE NOT granted AND locktype = $$advisory$$"), "1");
+  EXPECT_NE(count("jobs"), "0") << "the backup can read the table";
+  sql("SELECT pg_cancel_backend(pid) FROM " + sleeps);
+  server.join();
+  backup.join();
+  EXPECT_EQ(message, "nothing was thrown");
 }
 
 TEST_F(SharedMaintenanceTest, RefusesToReplaceOrRepairWhatServersUse) {
