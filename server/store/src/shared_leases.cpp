@@ -6,8 +6,8 @@
 namespace supple::store {
 namespace {
 
-/// Number of lost servers' jobs that one call may take, even if it asks for fewer. It is small, so that other servers
-/// get some too.
+/// Number of lost servers' jobs of each kind, in the background or not, that one call may take, even if it asks for
+/// fewer. It is small, so that other servers get some too.
 constexpr std::size_t abandoned_jobs_per_call = 8;
 
 constexpr const char* by_urgency = "array_position(ARRAY['interactive', 'normal', 'background'], priority), sequence";
@@ -27,7 +27,6 @@ class SharedLeases final : public LeaseStore {
             "WHERE id = $1 AND finished = 0 AND holder = $5",
             job.id, job.fraction, job.stage, job.partial, state_.server);
       }
-      transaction.exec0("DELETE FROM servers WHERE until < now() - interval '1 day'");
       std::vector<LeasedJob> jobs;
       for (const auto& row :
            transaction.exec_params("SELECT id, hold FROM jobs WHERE holder = $1 AND finished = 0", state_.server))
@@ -53,16 +52,17 @@ class SharedLeases final : public LeaseStore {
             state_.server, static_cast<std::int64_t>(limit));
         for (const auto& row : rows) taken.push_back(read_shared_job(row));
       };
-      // A join would not do. If another server has just taken a row, PostgreSQL evaluates the condition again, but a
-      // join would still use the old row of "servers".
-      take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now()",
-           std::max(idle.foreground + idle.background, abandoned_jobs_per_call));
-      const auto lost_in_background = static_cast<std::size_t>(std::count_if(
-          taken.begin(), taken.end(), [](const JobRecord& job) { return job.priority == Priority::background; }));
-      const auto lost = taken.size() - lost_in_background;
-      if (idle.foreground > lost) take("state = 'accepted' AND priority <> 'background'", idle.foreground - lost);
-      if (idle.background > lost_in_background)
-        take("state = 'accepted' AND priority = 'background'", idle.background - lost_in_background);
+      const auto take_kind = [&](const std::string& kind, std::size_t idle_workers) {
+        const auto before = taken.size();
+        // A join would not do. If another server has just taken a row, PostgreSQL evaluates the condition again, but a
+        // join would still use the old row of "servers".
+        take("coalesce((SELECT until FROM servers WHERE servers.id = holder), '-infinity') < now() AND " + kind,
+             std::max(idle_workers, abandoned_jobs_per_call));
+        const auto lost = taken.size() - before;
+        if (idle_workers > lost) take("state = 'accepted' AND " + kind, idle_workers - lost);
+      };
+      take_kind("priority <> 'background'", idle.foreground);
+      take_kind("priority = 'background'", idle.background);
       return taken;
     });
   }

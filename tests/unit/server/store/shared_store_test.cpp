@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -370,6 +371,24 @@ TEST_F(SharedStoreTest, TakesNoNewJobsBesideThoseOfALostServerBeyondItsTime) {
   wait_milliseconds(100);
   EXPECT_EQ(other.leases()->lease_jobs({.foreground = 1}).size(), 3U);
   EXPECT_EQ(other.leases()->lease_jobs({.foreground = 1}).at(0).id, "waits");
+}
+
+TEST_F(SharedStoreTest, TakesTheJobsOfALostServerByTheirKind) {
+  SharedStore lost(options(0.05));
+  SharedStore other(options());
+  const auto add = [&](const std::string& id, Priority priority) {
+    auto job = new_job(id);
+    job.priority = priority;
+    lost.jobs().add_job(job, "request");
+  };
+  for (int i = 0; i < 12; ++i) add("normal" + std::to_string(i), Priority::normal);
+  for (int i = 0; i < 2; ++i) add("background" + std::to_string(i), Priority::background);
+  wait_milliseconds(100);
+  const auto taken = other.leases()->lease_jobs({.foreground = 0, .background = 12});
+  const auto in_background = std::count_if(taken.begin(), taken.end(),
+                                           [](const JobRecord& job) { return job.priority == Priority::background; });
+  EXPECT_EQ(in_background, 2);
+  EXPECT_EQ(taken.size(), 10U) << "of the others no more than one call takes for which no worker is idle";
 }
 
 TEST_F(SharedStoreTest, DropsTheLargeRequestOfAJobThatIsDismissed) {

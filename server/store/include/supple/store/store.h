@@ -138,7 +138,8 @@ class LeaseStore {
   /// Returns the jobs that are leased to it.
   virtual std::vector<LeasedJob> renew_leases(const std::vector<JobProgress>& running) = 0;
   /// Leases jobs to this server, the most urgent first and of those the oldest: those of servers that have not been
-  /// heard of, then as many of those that wait at other servers as its workers could start.
+  /// heard of, then as many of those that wait at other servers as its workers could start. Each kind counts by itself:
+  /// the jobs in the background, and the others.
   virtual std::vector<JobRecord> lease_jobs(const IdleWorkers& idle) = 0;
   /// Progress of a job that another server runs.
   virtual std::optional<JobProgress> job_progress(const std::string& id) const = 0;
