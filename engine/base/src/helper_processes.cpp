@@ -229,13 +229,17 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
   const bool in_background = is_background_thread();
   int& starting = in_background ? starting_in_background_ : starting_;
   const auto is_fitting = [&](const auto& process) { return process->is_in_background() == in_background; };
+  std::vector<std::unique_ptr<Process>> ended;  // destroyed after the mutex is unlocked
   std::unique_lock lock(mutex_);
   while (true) {
     execution.cancellation.throw_if_requested();
     for (auto found = idle_.end(); (found = std::find_if(idle_.begin(), idle_.end(), is_fitting)) != idle_.end();) {
       auto process = std::move(*found);
       idle_.erase(found);
-      if (!process->alive()) continue;
+      if (!process->alive()) {
+        ended.push_back(std::move(process));
+        continue;
+      }
       busy_.emplace(process.get(), process->id());
       return process;
     }
@@ -250,6 +254,7 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
   } catch (...) {
     lock.lock();
     --starting;
+    wake_.notify_all();
     throw;
   }
   lock.lock();
@@ -259,17 +264,20 @@ std::unique_ptr<HelperProcesses::Process> HelperProcesses::acquire(const Executi
 }
 
 void HelperProcesses::release(std::unique_ptr<Process> process) {
+  std::unique_ptr<Process> surplus;  // destroyed after the mutex is unlocked
   const std::lock_guard lock(mutex_);
   busy_.erase(process.get());
-  add_idle(std::move(process));
-  wake_.notify_one();
+  surplus = add_idle(std::move(process));
+  wake_.notify_all();
 }
 
-void HelperProcesses::add_idle(std::unique_ptr<Process> process) {
+std::unique_ptr<HelperProcesses::Process> HelperProcesses::add_idle(std::unique_ptr<Process> process) {
   const bool in_background = process->is_in_background();
   const auto idle = std::count_if(idle_.begin(), idle_.end(),
                                   [&](const auto& one) { return one->is_in_background() == in_background; });
-  if (idle < (in_background ? max_idle_background_processes : max_idle_processes)) idle_.push_back(std::move(process));
+  if (idle >= (in_background ? max_idle_background_processes : max_idle_processes)) return process;
+  idle_.push_back(std::move(process));
+  return nullptr;
 }
 
 int HelperProcesses::busy(bool in_background) const {
@@ -293,10 +301,11 @@ std::string HelperProcesses::run(std::string_view task, std::string_view request
       } catch (const std::exception&) {
         // The next task tries again, and says why it cannot be started.
       }
+      std::unique_ptr<Process> surplus;  // destroyed after the mutex is unlocked
       const std::lock_guard lock(helpers.mutex_);
       helpers.busy_.erase(old);
-      if (next) helpers.add_idle(std::move(next));
-      helpers.wake_.notify_one();
+      if (next) surplus = helpers.add_idle(std::move(next));
+      helpers.wake_.notify_all();
     }
   } const replacement{*this, process};
   const auto ended = [&] {

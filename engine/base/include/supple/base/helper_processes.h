@@ -61,14 +61,15 @@ class HelperProcesses {
   class Process;
   std::unique_ptr<Process> acquire(const Execution& execution);
   void release(std::unique_ptr<Process> process);
-  // The caller of the following functions holds the mutex.
-  void add_idle(std::unique_ptr<Process> process);
+  // The caller of the following functions holds the mutex. No process is ended meanwhile, which takes milliseconds.
+  /// Returns the process if there are enough idle ones, so that the caller ends it afterwards.
+  [[nodiscard]] std::unique_ptr<Process> add_idle(std::unique_ptr<Process> process);
   /// Number of busy processes of threads in the background, or of the others.
   int busy(bool in_background) const;
 
   const HelperOptions options_;
   mutable std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_;  // for all who wait for a process, those in the background and the others
   std::vector<std::unique_ptr<Process>> idle_;
   std::map<const Process*, int> busy_;  ///< busy processes and their ids
   int starting_ = 0;
