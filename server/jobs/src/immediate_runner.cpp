@@ -66,12 +66,12 @@ Result ImmediateRunner::run(const Computation& computation, Waiting waiting, Pro
   // The slot is declared before the watch, because the watch may give it up.
   std::optional<ComputeSlots::Slot> slot;
   std::atomic<ComputeSlots::Slot*> held_slot{nullptr};
-  bool is_answered = false;
+  StopReason answered = StopReason::none;  // why the client was answered in place of the computation
   const std::string whose(log::context_text());
   const auto give_up = [&](const Watchdog::Overdue& overdue) {
     const bool is_replaced = abandon(place.number(), overdue);
     if (auto* const held = held_slot.load()) held->give_up();
-    is_answered = true;
+    answered = overdue.reason;
     if (waiting.answer_for_it) waiting.answer_for_it(problem::problem_of(failure_of_stop(overdue.reason)), is_replaced);
     log_.note_abandoned(whose, computation, overdue);
   };
@@ -90,7 +90,8 @@ Result ImmediateRunner::run(const Computation& computation, Waiting waiting, Pro
     execution.cancellation = token;
     result = run_computation(computation, execution, options_.memory, &noted);
   }
-  if (is_answered) token.throw_if_requested();
+  // Also where the computation has taken its stop back and returned the best that it had.
+  if (answered != StopReason::none) std::rethrow_exception(failure_of_stop(answered));
   return charge_request(std::move(result));
 }
 

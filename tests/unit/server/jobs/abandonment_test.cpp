@@ -151,6 +151,32 @@ TEST_F(AbandonmentTest, TheResultOfAnAbandonedComputationIsDropped) {
   EXPECT_EQ(queue().immediate(), 0);
 }
 
+TEST_F(AbandonmentTest, TheResultOfAnAbandonedSearchIsDroppedThoughItHasTakenItsStopBack) {
+  queue();
+  threads_.emplace_back([this] {
+    std::string code;
+    // On a busy machine the deadline may pass before the computation runs; then it is tried again.
+    for (bool runs = false; !runs;) {
+      const auto search = computation(
+          [this, &runs](const Execution& execution) {
+            runs = true;
+            gate_.pass();
+            EXPECT_TRUE(execution.cancellation.resume(StopReason::deadline));
+            return store::Result{"text/plain", {}, "the best"};
+          },
+          short_deadline);
+      code = code_of([&] { queue().run_now(search, client()); });
+    }
+    const std::lock_guard lock(mutex_);
+    codes_.push_back(code);
+    changed_.notify_all();
+  });
+  gate_.wait_for(++begun_);
+  EXPECT_EQ(wait_until_told().code, "job.deadline_exceeded");
+  gate_.open();
+  EXPECT_EQ(wait_until_returned(), std::vector<std::string>{"job.deadline_exceeded"});
+}
+
 TEST_F(AbandonmentTest, WhatAClientThatHasHungUpLeavesBehindIsAbandonedLongBeforeItsDeadline) {
   queue();
   begin_held([] { return true; }, 3600);

@@ -84,7 +84,9 @@ class JobQueue {
   ///
   /// A computation that goes on for Watchdog::patience after its deadline, after it has turned to its report, or after
   /// its client has hung up, is abandoned: `waiting` is answered, and others get its slot, as long as no more than
-  /// `immediate` are abandoned. This call returns when the computation does, and drops its result.
+  /// `immediate` are abandoned. This call returns when the computation does, and drops its result. One in the
+  /// background is abandoned as a job is: this call throws at once, while the computation goes on. So it must own all
+  /// that it uses.
   store::Result run_now(const Computation& computation, Waiting waiting, Profile* profile = nullptr);
 
   /// Makes the computation a job that waits for a worker, and that outlives the process if it comes with its request.
