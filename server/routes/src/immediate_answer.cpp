@@ -1,5 +1,6 @@
 #include "immediate_answer.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace supple::routes {
@@ -38,6 +39,8 @@ store::Result compute_now(const Services& services, const http::Request& request
 void work_now(const Services& services, const http::Request& request, jobs::Computation computation,
               const std::function<void(const Execution&)>& work) {
   computation.client = request.client;
+  // It uses what is on the stack of this thread, which a computation on a background worker may outlive.
+  computation.priority = std::min(computation.priority, Priority::normal);
   computation.run = [&](const Execution& execution) {
     work(execution);
     return store::Result{};

@@ -10,12 +10,14 @@
 
 namespace supple::routes {
 
-/// Computes on this thread, as JobQueue::run_now does, for the client of the request: the computation is stopped once
-/// that has hung up, and the client is answered at its deadline, whether it stops or not.
+/// Computes as JobQueue::run_now does, for the client of the request: the computation is stopped once that has hung up,
+/// and the client is answered at its deadline, whether it stops or not. One in the background owns what it uses, since
+/// it may go on after this has returned, and its request leaves its slot to others (http::StandIn).
 store::Result compute_now(const Services& services, const http::Request& request, const jobs::Computation& computation,
                           jobs::Profile* profile = nullptr);
 
-/// The same for work without a result. The computation says what it belongs to, and its client is that of the request.
+/// The same for work without a result, on this thread whatever its priority: in the background it would not be urgent
+/// enough for a client that waits. The computation says what it belongs to, and its client is that of the request.
 void work_now(const Services& services, const http::Request& request, jobs::Computation computation,
               const std::function<void(const Execution&)>& work);
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "immediate_answer.h"
 #include "results.h"
 #include "supple/json/answers.h"
 #include "supple/routes/resume.h"
@@ -129,6 +130,15 @@ TEST_F(EndpointTest, AJobHasThePriorityOfItsRequest) {
   EXPECT_EQ(priority_of_job("{}"), Priority::interactive) << "who sends requests with a session waits for the latest";
   EXPECT_EQ(priority_of_job(R"({"priority":"normal"})"), Priority::normal);
   EXPECT_EQ(ask(request_with(R"({"priority":"background"})")).body, "25") << "also where it becomes no job";
+}
+
+TEST_F(EndpointTest, WorkForARequestIsDoneOnItsThreadWhateverItsPriority) {
+  jobs::Computation work{.kind = "meshes", .mesh = {}, .deadline = 60, .run = {}};
+  work.priority = Priority::background;
+  std::thread::id worked_on;
+  work_now(services_, request_with("{}"), std::move(work),
+           [&](const Execution&) { worked_on = std::this_thread::get_id(); });
+  EXPECT_EQ(worked_on, std::this_thread::get_id());
 }
 
 TEST_F(EndpointTest, TheFaultOfAFormatNamesAllThatThereAre) {
