@@ -13,7 +13,7 @@ import pytest
 import requests
 
 from contract import Contract
-from harness import ROOT, Api, ServerProcess, pointers, problem_code
+from harness import ROOT, SLOWNESS, Api, ServerProcess, pointers, problem_code
 from working_time import PATIENCE_SECONDS, WorkingTime, comes_true, ends_within
 from test_jobs import ASYNC, events, start_job
 
@@ -380,8 +380,23 @@ def test_delete_ends_a_search_within_a_moment(designs: Api) -> None:
     ends_within(designs.server.pid, designs.busy, 5, "the search goes on")
 
 
-def test_a_deadline_ends_a_search(designs: Api) -> None:
-    response = designs.post(DESIGNS, long_request(deadline=0.3))
+@pytest.mark.parametrize("family", ["IH67", "any"])
+def test_a_deadline_gives_the_best_design_until_then(designs: Api, family: str) -> None:
+    late = {**long_request(deadline=2 * SLOWNESS), "family": family, "verify": True}
+    answer = designs.ok(DESIGNS, late)
+    assert answer["stopped"] == "deadline" and answer["ways_out"] == [] and answer["polish"] is None
+    assert answer["message"].endswith("The deadline passed before the search had ended: this is the best design until then.")
+    assert answer["verdict"]["source"] == "model" and answer["profile"]["verified"] is None
+    assert answer["ranking"][0]["parameters"] == answer["parameters"] and len(answer["profile"]["achieved"]) == 500
+    for name, why in (("verification", "the deadline passed during the search"), ("ways_out", "the search for the design was stopped")):
+        assert (effect(answer, name)["ran"], effect(answer, name)["why"]) == (False, why)
+    job = start_job(designs, DESIGNS, late)
+    assert designs.wait_for_job(job)["state"] == "successful"
+    assert designs.get(f"/v1/jobs/{job}/result").json()["stopped"] == "deadline"
+
+
+def test_a_deadline_before_the_first_design_is_an_error(designs: Api) -> None:
+    response = designs.post(DESIGNS, long_request(deadline=1e-4))
     assert (response.status_code, problem_code(response)) == (504, "job.deadline_exceeded")
 
 

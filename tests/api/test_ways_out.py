@@ -129,6 +129,12 @@ def test_each_region_has_its_own_ways_out(designs: Api) -> None:
     first, second = answer["regions"]
     assert "modulus" in changes(first) and second["ways_out"] == []
     assert effect(answer, "ways_out")["ran"]
+    assert effect(answer, "ways_out")["why"] == "region 1: the target is missed; region 2: the target is reached"
+    named = designs.ok(DESIGNS, {"regions": [{**reached, "name": "heel"}, {**missed, "name": "toe"}], "accuracy": FEW})
+    assert effect(named, "ways_out")["why"] == "heel: the target is reached; toe: the target is missed"
+    equal = designs.ok(DESIGNS, {"regions": [missed, missed], "accuracy": FEW})
+    assert effect(equal, "ways_out")["why"] == "the target is missed"
+    assert all("modulus" in changes(region) for region in equal["regions"])
 
 
 def test_a_deadline_that_passes_meanwhile_leaves_the_design(designs: Api) -> None:

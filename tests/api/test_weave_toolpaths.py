@@ -195,6 +195,16 @@ def test_what_cannot_be_printed_is_pointed_to(api: Api, weave: Any, more: Dict[s
     assert found[:len(expected)] == expected and set(found) == set(expected)
 
 
+def test_what_has_too_little_room_says_how_much_it_needs(api: Api) -> None:
+    faults = api.post(TOOLPATHS, {"weave": {**FUSED, "pitch": 1, "connections": "slides_y"}}).json()["errors"]
+    rooms = [fault for fault in faults if "needed" in fault]
+    assert rooms and all(fault["needed"] > fault["available"] >= 0 for fault in rooms)
+    assert all(f"{fault[number]:.4f} mm" in fault["detail"] for fault in rooms for number in ("needed", "available"))
+    sliding_twice = {"strands": STRANDS, "overrides": [{"crossing": 0, "slides": [0, 1]}]}
+    others = api.post(TOOLPATHS, {"weave": sliding_twice}).json()["errors"]
+    assert all("needed" not in fault and "available" not in fault for fault in others)
+
+
 @pytest.mark.parametrize("fields, expected", [
     ({"printer": {"lift": {"top": 3}}}, ["/printer/lift/run"]),
     ({"printer": {"startup_gcode": "\u00e9", "name": "a\nb"}}, ["/printer/name", "/printer/startup_gcode"]),

@@ -132,7 +132,7 @@ class Polish(Shown):
 
     Attributes:
         target_error: deviation of the simulation for all targets, as `DesignError.relative_rms`; None if a sample is missing.
-        stopped: "reached", "no_improvement", "round_limit", "time_limit", "deadline" or "not_simulated".
+        stopped: "reached", "no_improvement", "round_limit", "time_limit", "deadline", "memory" or "not_simulated".
         rounds: the structures that were simulated; the first is the design that the search found.
     """
 
@@ -303,7 +303,8 @@ class Design(Drawn):
         reached: whether all samples of all targets are reached: by the simulation if it has values at all of them, otherwise
             by the model. A target out of reach raises no exception.
         iterations, starts: iterations and starting points of the search in this family.
-        stopped: "converged", "reached", "iteration_limit", "step_too_small", "no_free_parameters" or "trusted".
+        stopped: "converged", "reached", "iteration_limit", "step_too_small", "no_free_parameters", "trusted", or
+            "deadline" or "memory" if time or memory ran out, and the design is the best until then.
         message: facts that deserve attention; may be empty.
         polish: its correction by simulations; None if it was not simulated.
         ranking: the best design of each family that was searched, the best one first. They are compared by the simulated

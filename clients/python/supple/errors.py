@@ -27,7 +27,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Tuple, Type
+from typing import Any, Mapping, Optional, Tuple, Type
 
 
 class SuppleError(Exception):
@@ -44,10 +44,16 @@ class RequestTimeout(SuppleError, TimeoutError):
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: a JSON pointer into the request or a mesh element, and what is wrong with it."""
+    """One fault: a JSON pointer into the request or a mesh element, and what is wrong with it.
+
+    Where more of a quantity would mend it, `needed` and `available` are the two numbers of the message, in its unit, such as the
+    mm along a strand that a crossing needs to be printed.
+    """
 
     where: str
     message: str
+    needed: Optional[float] = None
+    available: Optional[float] = None
 
     def __str__(self) -> str:
         return f"{self.where}: {self.message}" if self.where else self.message
@@ -183,7 +189,12 @@ def problem_from(status: int, body: Any) -> ProblemError:
     title = str(document.get("title", f"HTTP status {status}"))
     detail = str(document.get("detail", ""))
     faults = tuple(
-        Fault(str(entry.get("pointer", entry.get("where", ""))), str(entry.get("detail", entry.get("message", ""))))
+        Fault(
+            str(entry.get("pointer", entry.get("where", ""))),
+            str(entry.get("detail", entry.get("message", ""))),
+            entry.get("needed"),
+            entry.get("available"),
+        )
         for entry in document.get("errors", [])
         if isinstance(entry, dict)
     )

@@ -87,7 +87,8 @@ class HostState(Shown):
         largest_displacement: largest displacement of a vertex or an inner node, mesh units.
         volume_ratio: enclosed volume over that at rest; None for open surfaces.
         tetrahedra, nodes: those of a solid, whose nodes include the vertices of the mesh; None for other hosts.
-        stops: the load increments of a moving surface or of moved vertices, one for each of their positions; None for others.
+        stops: the load increments of a moving surface or of moved vertices, one for each of their positions
+            that was reached; None for others.
     """
 
     vertices: Positions

@@ -40,6 +40,13 @@ def test_the_message_names_the_code_and_every_fault() -> None:
     assert str(error) == ("2 faces have no area [mesh.degenerate_face, HTTP 422]\n"
                           "  face 3: has no area\n  face 9: repeats vertex 4")
     assert [fault.where for fault in error.faults] == ["face 3", "face 9"]
+    assert error.faults[0].needed is None and error.faults[0].available is None
+
+
+def test_a_fault_says_how_much_is_needed() -> None:
+    entry = {"pointer": "/weave/crossings/3", "detail": "strands/1 must be lifted", "needed": 3, "available": 2.25}
+    (fault,) = errors.problem_from(422, {"code": "weave.not_printable", "errors": [entry]}).faults
+    assert (fault.needed, fault.available) == (3, 2.25)
 
 
 def test_an_answer_that_is_no_problem_document_still_becomes_an_error() -> None:

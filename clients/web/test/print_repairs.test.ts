@@ -3,22 +3,30 @@ import type { WeaveLayout } from "../src/contract/types";
 import { fused, ownCrossings, spreadFactor, spreadWeave } from "../src/weave/print_repairs";
 import { DEFAULT_STATE, FIRST_LAYOUT } from "../src/weave/state";
 
-const lift = (has: string) => ({
+const lift = (available: number) => ({
   pointer: "/weave/crossings/3",
-  detail: `strands/1 must be lifted 3.0000 mm before and after it and has ${has} mm to where it lies on the bed: an end, a fused crossing or another channel`,
+  detail: `strands/1 must be lifted 3.0000 mm before and after it and has ${available.toFixed(4)} mm to where it lies on the bed: an end, a fused crossing or another channel`,
+  needed: 3,
+  available,
 });
-const channel = { pointer: "/weave/crossings/4", detail: "a channel needs 1.2000 mm and 1.4400 mm for its feet, and there are 1.1000 mm to the end of the strand" };
+const channel = {
+  pointer: "/weave/crossings/4",
+  detail: "a channel needs 1.2000 mm and 1.4400 mm for its feet, and there are 1.1000 mm to the end of the strand",
+  needed: 1.44,
+  available: 1.1,
+};
 
 test("crossings too near are spread by the factor that the worst of them needs", () => {
-  expect(spreadFactor({ errors: [lift("2.2000"), channel] })).toBe(1.4);
+  expect(spreadFactor({ errors: [lift(2.2), channel] })).toBe(1.4);
   expect(spreadFactor({ errors: [channel] })).toBe(1.4);
 });
 
 test("no factor is offered without room, far too little of it, or for a fault of another kind", () => {
-  expect(spreadFactor({ errors: [lift("0.0000")] })).toBeNull();
-  expect(spreadFactor({ errors: [lift("0.5000")] })).toBeNull();
-  expect(spreadFactor({ errors: [lift("2.2000"), { pointer: "/weave/crossings/5", detail: "has 2 strands that slide; one can be printed" }] })).toBeNull();
+  expect(spreadFactor({ errors: [lift(0)] })).toBeNull();
+  expect(spreadFactor({ errors: [lift(0.5)] })).toBeNull();
+  expect(spreadFactor({ errors: [lift(2.2), { pointer: "/weave/crossings/5", detail: "has 2 strands that slide; one can be printed" }] })).toBeNull();
   expect(spreadFactor({})).toBeNull();
+  expect(spreadFactor({ errors: [{ ...lift(2.2), detail: "there is too little room" }] }), "the sentence is for people").toBe(1.4);
 });
 
 test("a weave that is spread keeps the thickness of its strands", () => {

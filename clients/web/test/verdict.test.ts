@@ -145,6 +145,14 @@ describe("the parts of a target", () => {
     expect(judge(scaled(0.3), null).sentence).toBe("By the model: 70 % off. No part of it is reached.");
   });
 
+  it("count zeros of the target away from rest, and speak of rest where a preload is missed", () => {
+    const parts = (target: readonly number[], y: readonly number[]) =>
+      fitRanges({ task: "stress_strain", x: [-0.1, -0.05, 0, 0.05, 0.1].slice(5 - target.length), target, y }).map(({ part, fit }) => `${part} ${fit}`);
+    expect(parts([0, 1, 0], [0, 2, 0])).toEqual(["rise missed", "drop reached"]);
+    expect(parts([-0.5, 0.1, 0.5, 1, 1.5], [-0.5, 0.1, 0, 1, 1.5])).toEqual(["compression reached", "around_rest missed", "tension reached"]);
+    expect(parts([0.5, 1, 1.5], [0, 1, 1.5])).toEqual(["around_rest missed", "whole reached"]);
+  });
+
   it("touch each other and cover the target, and over directions those at both ends are one", () => {
     const next = random(3);
     for (let trial = 0; trial < 300; ++trial) {

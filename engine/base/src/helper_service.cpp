@@ -72,8 +72,10 @@ std::string answer(std::string_view request, const HelperTasks& tasks) {
   } catch (const Error& error) {
     ByteWriter writer;
     writer.number(HelperOutcome::error).text(error.code()).text(error.what());
-    writer.list(error.details(),
-                [&writer](const Error::Detail& detail) { writer.text(detail.where).text(detail.message); });
+    writer.list(error.details(), [&writer](const Error::Detail& detail) {
+      writer.text(detail.where).text(detail.message).number(detail.shortage.has_value());
+      if (detail.shortage) writer.number(detail.shortage->needed).number(detail.shortage->available);
+    });
     return writer.take();
   } catch (const std::bad_alloc&) {
     return failed(HelperOutcome::out_of_memory, "");

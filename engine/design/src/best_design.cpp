@@ -67,11 +67,10 @@ void BestDesign::replace(const TargetResiduals& residuals, double deviation, Des
     profile.achieved = residuals.values(t);
     profile.in_range = std::move(trusts[t].in_range);
     profile.error_bar = std::move(trusts[t].error_bar);
-    const Eigen::VectorXd deviations = targets[t].deviations(profile.achieved).cwiseAbs();
-    if (t == 0) best_.error.max = deviations.maxCoeff();
+    if (t == 0)
+      best_.error.max = std::abs(targets[t].deviations(profile.achieved)[targets[t].worst_sample(profile.achieved)]);
     profile.reached = targets[t].reached(profile.achieved);
-    best_.reached = best_.reached &&
-                    std::all_of(profile.reached.begin(), profile.reached.end(), [](auto flag) { return flag != 0; });
+    best_.reached = best_.reached && targets[t].is_reached(profile.achieved);
   }
 }
 

@@ -97,14 +97,18 @@ CurvePart part_of(const SampledTarget& target, std::size_t first, std::size_t la
   const auto& x = target.samples.x;
   if (first == 0 && last + 1 == x.size()) return CurvePart::whole;
   const bool tension = x[first] >= -max_rest_strain;
-  if (!tension && x[last] > max_rest_strain) return CurvePart::around_rest;
+  const bool is_at_rest = tension && x[last] <= max_rest_strain;
+  if (is_at_rest || (!tension && x[last] > max_rest_strain)) return CurvePart::around_rest;
   const Branch branch = branch_of(target, tension);
   const std::size_t before = x.size() - branch.strain.size();
   std::size_t from = tension ? first - before : branch.strain.size() - 1 - last;
   const std::size_t to = tension ? last - before : branch.strain.size() - 1 - first;
   // Rest itself may belong to the range on its other side.
   if (from == 1 && branch.strain[0] <= max_rest_strain) from = 0;
-  if (from == 0 && to + 1 == branch.strain.size()) return tension ? CurvePart::tension : CurvePart::compression;
+  if (from == 0 && to + 1 == branch.strain.size()) {
+    const bool has_other_side = tension ? x.front() < -max_rest_strain : x.back() > max_rest_strain;
+    return !has_other_side ? CurvePart::whole : tension ? CurvePart::tension : CurvePart::compression;
+  }
   return part_of_branch(branch, from, to);
 }
 

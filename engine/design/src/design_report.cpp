@@ -8,6 +8,8 @@
 #include <sstream>
 #include <string_view>
 
+#include "design_search.h"
+#include "free_parameters.h"
 #include "supple/design/verdict.h"
 
 namespace supple::design {
@@ -41,14 +43,16 @@ std::string place(Task task, double x) {
   return text.str();
 }
 
-/// Sentences about the samples that are not in range, after `separator`. Empty if all samples are in range.
+/// Sentences about the samples that have weight and are not in range, after `separator`. Empty if all samples are in
+/// range.
 std::string message_about_trust(const Design& design, const char* separator) {
   long outside = 0;
   long uncertain = 0;
   long samples = 0;
   for (const auto& profile : design.profiles) {
-    samples += static_cast<long>(profile.in_range.size());
     for (std::size_t i = 0; i < profile.in_range.size(); ++i) {
+      if (!profile.target.has_weight(i)) continue;
+      ++samples;
       if (profile.in_range[i]) continue;
       const bool has_bar =
           profile.error_bar.size() > 0 && std::isfinite(profile.error_bar[static_cast<Eigen::Index>(i)]);
@@ -64,41 +68,47 @@ std::string message_about_trust(const Design& design, const char* separator) {
   return text.str();
 }
 
-/// Whether all values of a target that is missed lie within the envelope.
+/// Whether all values of a target that is missed lie within the envelope. Samples without weight do not count.
 bool is_missed_within_envelope(const DesignProfile& profile) {
   if (profile.lowest.size() == 0) return false;
-  const bool is_missed =
-      std::any_of(profile.reached.begin(), profile.reached.end(), [](auto flag) { return flag == 0; });
-  const auto& y = profile.target.y.array();
-  return is_missed && (y >= profile.lowest.array()).all() && (y <= profile.highest.array()).all();
+  const SampledTarget& target = profile.target;
+  const auto counts = target.weights.array() > 0;
+  const auto is_outside = target.y.array() < profile.lowest.array() || target.y.array() > profile.highest.array();
+  return !target.is_reached(profile.achieved) && !(counts && is_outside).any();
+}
+
+bool is_trusted_at_each_sample(const DesignProfile& profile) {
+  for (std::size_t i = 0; i < profile.in_range.size(); ++i)
+    if (profile.target.has_weight(i) && profile.in_range[i] == 0) return false;
+  return true;
 }
 
 }  // namespace
 
-std::string message_about_bounds(const Design& design, const neural::Model& model,
-                                 const std::vector<Eigen::Index>& free) {
-  if (design.reached) return {};
-  std::ostringstream text;
-  for (const Eigen::Index k : free) {
-    const double rounding = bound_fraction * (model.network.upper[k] - model.network.lower[k]);
-    const bool low = design.parameters[k] <= model.network.lower[k] + rounding;
-    if (low || design.parameters[k] >= model.network.upper[k] - rounding)
-      text << " Parameter " << k + 1 << " is at its " << (low ? "lower" : "upper") << " bound.";
+std::string sentences_about_limits(const Design& design, const DesignSpace& space, const DesignProblem& problem) {
+  const neural::Network& network = space.model.network;
+  std::string text;
+  for (const Eigen::Index k : FreeParameters(space, problem).free_of_family()) {
+    const double rounding = bound_fraction * (network.upper[k] - network.lower[k]);
+    const bool low = design.parameters[k] <= network.lower[k] + rounding;
+    if (low || design.parameters[k] >= network.upper[k] - rounding)
+      text += " Parameter " + std::to_string(k + 1) + " is at its " + (low ? "lower" : "upper") + " bound.";
   }
-  return text.str();
+  if (problem.moduli.empty()) return text;
+  const auto& [min_modulus, max_modulus] = problem.moduli[design.material];
+  const bool is_free = min_modulus < max_modulus;
+  if (!is_free || (design.youngs_modulus > min_modulus && design.youngs_modulus < max_modulus)) return text;
+  return text + " Young's modulus is at its " + (design.youngs_modulus <= min_modulus ? "lower" : "upper") + " limit.";
 }
 
-std::string message_about(const Design& design, const neural::Model& model, const std::vector<Eigen::Index>& free) {
+std::string message_about(const Design& design, const neural::Model& model) {
   std::ostringstream text;
   if (!design.reached) {
     const auto& main = design.profiles.front();
-    Eigen::Index worst = 0;
-    main.target.deviations(main.achieved).cwiseAbs().maxCoeff(&worst);
+    const Eigen::Index worst = main.target.worst_sample(main.achieved);
     const std::string deviation = percent(design.error.relative_rms) + " (root mean square)";
     // The model's mean error does not apply to samples at which the model is not trusted.
-    const bool is_trusted = std::all_of(design.profiles.begin(), design.profiles.end(), [](const auto& profile) {
-      return std::all_of(profile.in_range.begin(), profile.in_range.end(), [](auto flag) { return flag != 0; });
-    });
+    const bool is_trusted = std::all_of(design.profiles.begin(), design.profiles.end(), is_trusted_at_each_sample);
     const auto model_error =
         main.target.samples.task == Task::poisson || !is_trusted ? std::nullopt : neural::mean_stress_error(model);
     if (model_error && design.error.relative_rms <= *model_error)
@@ -110,23 +120,33 @@ std::string message_about(const Design& design, const neural::Model& model, cons
     text << place(main.target.samples.task, main.target.samples.x[static_cast<std::size_t>(worst)]) << ".";
     if (std::any_of(design.profiles.begin(), design.profiles.end(), is_missed_within_envelope))
       text << " Each value of the target is within the envelope, but a curve that has all of them need not exist.";
-    text << message_about_bounds(design, model, free);
+    text << design.at_limits;
   }
   text << message_about_trust(design, design.reached ? "" : " ");
   return text.str();
 }
 
+void report_stop(Design& design, StopReason reason) {
+  design.stopped = termination_by(reason);
+  design.message += std::string(design.message.empty() ? "" : " ") +
+                    (reason == StopReason::deadline ? "The deadline passed" : "A limit of memory was reached") +
+                    " before the search had ended: this is the best design until then.";
+}
+
 void report_simulation(Design& design, const Polished& polished) {
   if (!polished.target_error) {
     const std::string by_model = design.message.empty() ? "" : " By the model: " + design.message;
-    design.message = "The simulation does not get to every sample." + by_model;
+    if (is_simulated(polished))
+      design.message = "The simulation does not get to every sample." + by_model;
+    else
+      design.message = std::string(polished.stopped == PolishTermination::deadline ? "The deadline passed"
+                                                                                   : "A limit of memory was reached") +
+                       " before the design was simulated." + by_model;
     return;
   }
   bool reached = true;
-  for (std::size_t t = 0; t < polished.targets.size(); ++t) {
-    const auto flags = polished.targets[t].reached(polished.simulated[t]);
-    reached = reached && std::all_of(flags.begin(), flags.end(), [](auto flag) { return flag != 0; });
-  }
+  for (std::size_t t = 0; t < polished.targets.size(); ++t)
+    reached = reached && polished.targets[t].is_reached(polished.simulated[t]);
   if (reached && design.reached) {
     design.message.clear();
   } else {

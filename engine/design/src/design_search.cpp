@@ -8,24 +8,30 @@
 
 #include "best_design.h"
 #include "design_report.h"
+#include "design_search.h"
 #include "local_search.h"
 #include "ranked_candidates.h"
 #include "search_problem.h"
 #include "search_steps.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/base/part_of_execution.h"
 
 namespace supple::design {
 namespace {
 
+/// A search that was stopped has no time or memory for further candidates.
 void add_envelope(Design& design, const SearchProblem& problem, RankedCandidates& candidates,
                   const Execution& execution) {
   const Switch requested = problem.options.envelope;
-  const bool wanted = requested == Switch::on || (requested == Switch::automatic && candidates.are_evaluated());
+  const bool too_late = is_stopped(design.stopped) && !candidates.are_evaluated();
+  const bool wanted =
+      !too_late && (requested == Switch::on || (requested == Switch::automatic && candidates.are_evaluated()));
   if (execution.cost)
     execution.cost->add_effect("envelope", wanted,
-                               requested == Switch::on      ? "the request asks for it"
-                               : requested == Switch::off   ? "the request leaves it out"
+                               requested == Switch::off     ? "the request leaves it out"
+                               : too_late                   ? "the search was stopped before"
+                               : requested == Switch::on    ? "the request asks for it"
                                : candidates.are_evaluated() ? "candidates were evaluated"
                                                             : "no candidates were evaluated",
                                wanted ? 1 : 0);
@@ -45,16 +51,6 @@ void add_envelope(Design& design, const SearchProblem& problem, RankedCandidates
     fill_envelope(design.profiles[t], candidates.targets()[t], y);
     at += n;
   }
-}
-
-/// The material may be the reason why no design comes closer.
-std::string message_about_modulus(const Design& design, const std::vector<Range>& moduli) {
-  if (design.reached || moduli.empty()) return {};
-  const auto& [min_modulus, max_modulus] = moduli[design.material];
-  if (!(min_modulus < max_modulus) || (design.youngs_modulus > min_modulus && design.youngs_modulus < max_modulus))
-    return {};
-  return std::string(" Young's modulus is at its ") + (design.youngs_modulus == min_modulus ? "lower" : "upper") +
-         " limit.";
 }
 
 void bill_multi_start(const SearchProblem& problem, bool ran, int starts, CostLedger& cost) {
@@ -100,22 +96,29 @@ Design search(const DesignSpace& space, const DesignProblem& one_material, const
   const StageTimer timer(execution.cost, "optimization");
   const FreeParameters& bounds = problem.bounds;
   const bool all_fixed = bounds.free.empty();
-  if (one_material.initial || all_fixed) local.search_from(all_fixed ? bounds.fixed_values : problem.requested_start());
   const bool no_further_starts = all_fixed || options.multi_start == Switch::off;
-  if (counts.starts == 0 || (!no_further_starts && (options.multi_start == Switch::on || !best.is_good())))
-    search_from_candidates(state, local, execution);
   TrustEffort trust;
-  if (best.is_found() && best.is_uncertain() && !no_further_starts) trust = search_trusted_designs(state, execution);
+  const StopReason stop = part_until_stopped(
+      execution.cancellation, [&] { return local.keep_best_state(); },
+      [&] {
+        if (one_material.initial || all_fixed)
+          local.search_from(all_fixed ? bounds.fixed_values : problem.requested_start());
+        if (counts.starts == 0 || (!no_further_starts && (options.multi_start == Switch::on || !best.is_good())))
+          search_from_candidates(state, local, execution);
+        if (best.is_found() && best.is_uncertain() && !no_further_starts)
+          trust = search_trusted_designs(state, execution);
+      });
   Design design = best.get();
+  if (stop != StopReason::none) design.stopped = termination_by(stop);
   design.starts = counts.starts;
   design.iterations = counts.iterations;
   design.evaluations = counts.evaluations;
   for (std::size_t t = 0; t < design.profiles.size(); ++t) design.profiles[t].initial = local.initial_profiles()[t];
   if (execution.cost) bill_multi_start(problem, candidates.are_evaluated(), counts.starts, *execution.cost);
   add_envelope(design, problem, candidates, execution);
-  const std::string at_modulus_limit = message_about_modulus(design, one_material.moduli);
-  design.message = message_about(design, space.model, bounds.free_of_family()) + at_modulus_limit;
-  design.at_limits = message_about_bounds(design, space.model, bounds.free_of_family()) + at_modulus_limit;
+  design.at_limits = sentences_about_limits(design, space, one_material);
+  design.message = message_about(design, space.model);
+  if (stop != StopReason::none) report_stop(design, stop);
   design.model_error = neural::mean_stress_error(space.model);
   if (execution.cost) {
     bill_choices(problem, best.min_deviation() < design.error.relative_rms, trust, *execution.cost);
@@ -149,14 +152,21 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
       progress(update);
     };
   const std::size_t count = problem.moduli.size();
-  for (std::size_t i = 0; i < count; ++i) {
+  StopReason stop = StopReason::none;
+  for (std::size_t i = 0; i < count && stop == StopReason::none; ++i) {
     const double fraction = 1 / static_cast<double>(count);
     const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
     DesignProblem single_material_problem = problem;
     single_material_problem.moduli = {problem.moduli[i]};
     try {
-      Design design = search(space, single_material_problem, options, materials, part.execution(), improvements);
+      std::optional<Design> found;
+      stop = part_until_stopped(
+          execution.cancellation, [&] { return best.has_value(); },
+          [&] { found = search(space, single_material_problem, options, materials, part.execution(), improvements); });
+      if (!found) break;
+      Design design = *std::move(found);
       design.material = i;
+      stop = reason_of(design.stopped);
       const auto merit = [](const Design& candidate) {
         return std::hypot(candidate.error.relative_rms, candidate.uncertainty);
       };
@@ -170,16 +180,33 @@ Design best_of_materials(const DesignSpace& space, const DesignProblem& problem,
     if (is_good && options.multi_start != Switch::on) break;
   }
   if (!best) std::rethrow_exception(refusal);
+  if (stop != StopReason::none && !is_stopped(best->stopped)) report_stop(*best, stop);
   return *std::move(best);
 }
 
 }  // namespace
 
-Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
-                   const Execution& execution, const OnProgress& progress) {
+StopReason reason_of(DesignTermination stopped) {
+  if (stopped == DesignTermination::deadline) return StopReason::deadline;
+  return stopped == DesignTermination::memory ? StopReason::memory : StopReason::none;
+}
+
+DesignTermination termination_by(StopReason reason) {
+  return reason == StopReason::memory ? DesignTermination::memory : DesignTermination::deadline;
+}
+
+Design search_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
+                     const Execution& execution, const OnProgress& progress) {
   const ModulusChoice materials(problem.moduli, space.model.provenance.youngs_modulus);
   if (problem.moduli.size() > 1) return best_of_materials(space, problem, options, materials, execution, progress);
   return search(space, problem, options, materials, execution, progress);
+}
+
+Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options,
+                   const Execution& execution, const OnProgress& progress) {
+  Design design = search_design(space, problem, options, execution, progress);
+  if (is_stopped(design.stopped)) execution.cancellation.resume(reason_of(design.stopped));
+  return design;
 }
 
 }  // namespace supple::design

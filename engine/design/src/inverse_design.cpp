@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <mutex>
+#include <new>
 #include <utility>
 
+#include "design_report.h"
+#include "design_search.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/base/threads.h"
 
@@ -24,6 +29,36 @@ double expected_deviation(double relative_rms, std::optional<double> model_error
   return std::hypot(relative_rms, std::max(model_error.value_or(assumed_model_error), uncertainty));
 }
 
+/// Why the searches of some spaces have no design.
+struct Missing {
+  std::optional<BeyondLimits> beyond_limits;
+  StopReason stop = StopReason::none;  ///< stop of a search, whether it has a design or not
+  std::exception_ptr stopped;          ///< stop of a search without a design
+
+  [[noreturn]] void refuse() const {
+    if (stopped) std::rethrow_exception(stopped);
+    if (beyond_limits)
+      throw BeyondLimits(
+          "design.beyond_limits",
+          "No design of any family that was tried keeps within the limits. Of the closest one of a family, this is "
+          "beyond them: " +
+              beyond_limits->details().front().message,
+          beyond_limits->details());
+    throw NoDesign("design.no_equilibrium",
+                   "No design that was tried has an equilibrium at every sample of the targets.");
+  }
+};
+
+/// The best design comes first.
+std::vector<Design> ranked(std::vector<Design> designs) {
+  const auto expected = [](const Design& design) {
+    return expected_deviation(design.error.relative_rms, design.model_error, design.uncertainty);
+  };
+  std::stable_sort(designs.begin(), designs.end(),
+                   [&](const Design& a, const Design& b) { return expected(a) < expected(b); });
+  return designs;
+}
+
 }  // namespace
 
 bool StructureLimits::any() const {
@@ -35,6 +70,8 @@ bool StructureLimits::any() const {
 std::string_view to_string(DesignTermination stop) {
   if (stop == DesignTermination::no_free_parameters) return "no_free_parameters";
   if (stop == DesignTermination::trusted) return "trusted";
+  if (stop == DesignTermination::deadline) return "deadline";
+  if (stop == DesignTermination::memory) return "memory";
   return numerics::to_string(static_cast<numerics::LeastSquaresTermination>(stop));
 }
 
@@ -44,7 +81,7 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
   std::vector<CostLedger> bills(spaces.size());
   std::mutex mutex;
   std::optional<double> best;
-  std::optional<BeyondLimits> beyond_limits;
+  Missing missing;
   std::size_t done = 0;
   const bool several = spaces.size() > 1;
   DesignOptions space_options = options;
@@ -64,15 +101,26 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
       };
     const Execution inner{execution.cancellation, several ? nullptr : execution.progress,
                           execution.cost ? &bills[i] : nullptr};
+    const auto note_stop = [&](StopReason reason) {
+      const std::lock_guard lock(mutex);
+      missing.stop = reason;
+      if (!found[i]) missing.stopped = std::current_exception();
+    };
     try {
-      found[i] = find_design(spaces[i], problem, space_options, inner, report_space);
+      found[i] = search_design(spaces[i], problem, space_options, inner, report_space);
       found[i]->space = i;
+      if (is_stopped(found[i]->stopped)) note_stop(reason_of(found[i]->stopped));
     } catch (const BeyondLimits& refusal) {
       if (!several) throw;
       const std::lock_guard lock(mutex);
-      if (!beyond_limits) beyond_limits = refusal;
+      if (!missing.beyond_limits) missing.beyond_limits = refusal;
     } catch (const NoDesign&) {
       if (!several) throw;
+    } catch (const Cancelled& stop) {
+      if (!keeps_best(stop.reason())) throw;
+      note_stop(stop.reason());
+    } catch (const std::bad_alloc&) {
+      note_stop(StopReason::memory);
     }
     if (!several || !execution.progress) return;
     const std::lock_guard lock(mutex);
@@ -83,21 +131,12 @@ std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const Desi
     if (execution.cost) execution.cost->merge(bills[i]);
     if (found[i]) ranking.push_back(std::move(*found[i]));
   }
-  if (ranking.empty() && beyond_limits)
-    throw BeyondLimits(
-        "design.beyond_limits",
-        "No design of any family that was tried keeps within the limits. Of the closest one of a family, this is "
-        "beyond them: " +
-            beyond_limits->details().front().message,
-        beyond_limits->details());
-  if (ranking.empty())
-    throw NoDesign("design.no_equilibrium",
-                   "No design that was tried has an equilibrium at every sample of the targets.");
-  const auto expected = [](const Design& design) {
-    return expected_deviation(design.error.relative_rms, design.model_error, design.uncertainty);
-  };
-  std::stable_sort(ranking.begin(), ranking.end(),
-                   [&](const Design& a, const Design& b) { return expected(a) < expected(b); });
+  if (ranking.empty()) missing.refuse();
+  ranking = ranked(std::move(ranking));
+  if (missing.stop != StopReason::none) {
+    execution.cancellation.resume(missing.stop);
+    if (!is_stopped(ranking.front().stopped)) report_stop(ranking.front(), missing.stop);
+  }
   return ranking;
 }
 

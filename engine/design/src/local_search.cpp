@@ -1,6 +1,7 @@
 #include "local_search.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -111,27 +112,36 @@ numerics::LeastSquaresResult LocalSearch::optimize(const std::vector<SampledTarg
   auto result = numerics::minimize_least_squares(
       residuals, x, bounds.free_part(bounds.lower), bounds.free_part(bounds.upper), options,
       Execution{execution_.cancellation},
-      [&](const Eigen::VectorXd&, double, int iteration) { report(residuals, targets, iteration); });
+      [&](const Eigen::VectorXd& at, double norm, int iteration) { report(residuals, targets, at, norm, iteration); });
   counts_.iterations += result.iterations;
   counts_.add(residuals);
   return result;
 }
 
-void LocalSearch::report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration) {
+bool LocalSearch::keep_best_state() {
+  if (best_state_.size() > 0) best_.compare(best_state_, DesignTermination::iteration_limit);
+  return best_.is_found();
+}
+
+void LocalSearch::report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets,
+                         const Eigen::VectorXd& x, double residual_norm, int iteration) {
   if (execution_.progress) {
     const double fraction = static_cast<double>(iteration) / problem_.options.max_iterations;
     execution_.progress->report(std::min(0.99, (counts_.starts - 1 + fraction) / problem_.max_starts()),
                                 "optimization");
   }
-  if (!progress_) return;
   // These deviations are complete, also if the search reduces outliers.
   std::vector<Eigen::VectorXd> achieved;
   for (std::size_t t = 0; t < targets.size(); ++t) achieved.push_back(residuals.values(t));
   const double norm = relative_deviation(targets, problem_.weights, 0, achieved);
-  if (min_reported_deviation_ && norm >= *min_reported_deviation_) return;
+  if (const double penalized = std::max(norm, residual_norm); penalized < best_norm_) {
+    best_norm_ = penalized;
+    best_state_ = x;
+  }
+  if (!progress_ || (min_reported_deviation_ && norm >= *min_reported_deviation_)) return;
   min_reported_deviation_ = norm;
   const Eigen::VectorXd parameters = family_part(residuals.last_parameters());
-  const double largest = targets[0].deviations(achieved[0]).cwiseAbs().maxCoeff();
+  const double largest = std::abs(targets[0].deviations(achieved[0])[targets[0].worst_sample(achieved[0])]);
   progress_({0,
              parameters,
              orientation_in(residuals.last_parameters()),

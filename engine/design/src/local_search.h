@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -36,6 +37,10 @@ class LocalSearch {
   /// comes first.
   void refine(Eigen::VectorXd x, double outlier_threshold = 0);
 
+  /// Compares the best state of all searches, so that it is not lost where they are stopped. Returns whether there is a
+  /// design.
+  bool keep_best_state();
+
   /// Values of each target at the first starting point.
   const std::vector<Eigen::VectorXd>& initial_profiles() const { return initial_; }
 
@@ -45,7 +50,8 @@ class LocalSearch {
                                             int iterations, double outlier_threshold);
   numerics::LeastSquaresResult optimize(const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
                                         const numerics::LeastSquaresOptions& options, double outlier_threshold = 0);
-  void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, int iteration);
+  void report(const TargetResiduals& residuals, const std::vector<SampledTarget>& targets, const Eigen::VectorXd& x,
+              double norm, int iteration);
 
   const SearchProblem& problem_;
   RankedCandidates& candidates_;
@@ -55,6 +61,9 @@ class LocalSearch {
   const OnProgress& progress_;
   std::vector<Eigen::VectorXd> initial_;
   std::optional<double> min_reported_deviation_;
+  /// The free parameters of the best state, and its deviation with the penalties for violated limits.
+  Eigen::VectorXd best_state_;
+  double best_norm_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace supple::design

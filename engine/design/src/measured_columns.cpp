@@ -103,7 +103,7 @@ std::string column_list(const std::vector<Column>& columns) {
 
 [[noreturn]] void refuse_columns(std::vector<Error::Detail> faults) {
   std::string sentence;
-  for (const auto& [place, text] : faults)
+  for (const auto& [place, text, shortage] : faults)
     sentence.append(sentence.empty() ? "" : " ").append(place).append(": ").append(text).append(".");
   throw MeasurementFault("design.invalid_measurement", sentence, std::move(faults));
 }

@@ -1,10 +1,12 @@
 #include "supple/design/polish.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "polish_rounds.h"
 #include "polish_starts.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "trust_region_descent.h"
 
@@ -38,13 +40,17 @@ PolishTermination improve(PolishRounds& rounds, OtherStarts other_starts, Simula
 
 /// Improves the design that `first` simulates or knows.
 template <class First>
-Polished improved(const DesignSpace& space, PolishRounds& rounds, const First& first) {
-  try {
-    return rounds.result(improve(rounds, OtherStarts(space, rounds), first()));
-  } catch (const Cancelled& stop) {
-    if (stop.reason() != StopReason::deadline) throw;
-    return rounds.result(PolishTermination::deadline);
+Polished improved(const DesignSpace& space, PolishRounds& rounds, const Execution& execution, const First& first) {
+  PolishTermination termination = PolishTermination::reached;
+  const StopReason stop = part_until_stopped(
+      execution.cancellation, [&] { return rounds.count() > 0; },
+      [&] { termination = improve(rounds, OtherStarts(space, rounds), first()); });
+  if (stop == StopReason::deadline) termination = PolishTermination::deadline;
+  if (stop == StopReason::memory) {
+    execution.cancellation.resume(stop);
+    termination = PolishTermination::memory;
   }
+  return rounds.result(termination);
 }
 
 }  // namespace
@@ -61,6 +67,8 @@ std::string_view to_string(PolishTermination termination) {
       return "time_limit";
     case PolishTermination::deadline:
       return "deadline";
+    case PolishTermination::memory:
+      return "memory";
     case PolishTermination::not_simulated:
       return "not_simulated";
   }
@@ -83,11 +91,17 @@ std::string_view to_string(Proposal proposal) {
   return "";
 }
 
+bool is_simulated(const Polished& polished) {
+  return !is_stopped(polished.stopped) ||
+         std::any_of(polished.simulated.begin(), polished.simulated.end(),
+                     [](const Eigen::VectorXd& values) { return values.array().isFinite().any(); });
+}
+
 Polished polish(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& found,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution,
                 const OnPolishRound& on_round) {
   PolishRounds rounds(space, problem, simulate, options, execution, on_round);
-  return improved(space, rounds,
+  return improved(space, rounds, execution,
                   [&] { return rounds.simulate_found(FreeParameters::all_of(found.parameters, found.orientation)); });
 }
 
@@ -96,7 +110,7 @@ Polished polish(const DesignSpace& space, const DesignProblem& problem, const Po
                 const OnPolishRound& on_round) {
   PolishRounds rounds(space, problem, simulate, options, execution, on_round);
   rounds.resume(before);
-  return improved(space, rounds, [&] { return rounds.best(); });
+  return improved(space, rounds, execution, [&] { return rounds.best(); });
 }
 
 Design design_at(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& at,

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
+#include <string>
 #include <utility>
 
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/microscale/simulation_error.h"
 #include "supple/tiling/tiling_error.h"
@@ -121,16 +124,22 @@ void PolishRounds::run_simulation(const Eigen::VectorXd& parameters, SimulatedDe
       round.reason = "The network has no equilibrium at every sample.";
     }
   } catch (const Cancelled& stop) {
-    if (stop.reason() == StopReason::deadline) {
-      round.reason = "The deadline passed before the simulation had ended.";
-      record(std::move(round), begin);
-    }
+    if (keeps_best(stop.reason())) record_stopped(std::move(round), stop.reason(), begin);
+    throw;
+  } catch (const std::bad_alloc&) {
+    record_stopped(std::move(round), StopReason::memory, begin);
     throw;
   } catch (const tiling::TilingError& error) {
     round.reason = error.what();
   } catch (const microscale::SimulationError& error) {
     round.reason = error.what();
   }
+}
+
+void PolishRounds::record_stopped(PolishRound round, StopReason reason, Clock::time_point begin) {
+  round.reason = std::string(reason == StopReason::deadline ? "The deadline passed" : "A limit of memory was reached") +
+                 " before the simulation had ended.";
+  record(std::move(round), begin);
 }
 
 void PolishRounds::record(PolishRound round, Clock::time_point begin) {
@@ -157,9 +166,7 @@ std::optional<PolishTermination> PolishRounds::termination() const {
 Polished PolishRounds::result(PolishTermination stopped) const {
   Polished result;
   result.rounds = rounds_;
-  result.stopped = stopped == PolishTermination::deadline || std::isfinite(best_.deviation)
-                       ? stopped
-                       : PolishTermination::not_simulated;
+  result.stopped = is_stopped(stopped) || std::isfinite(best_.deviation) ? stopped : PolishTermination::not_simulated;
   // The parameters of the round, because normalizing parameters and converting them back would round them.
   const PolishRound* best = &rounds_.front();
   for (const PolishRound& round : rounds_)

@@ -62,6 +62,8 @@ class PolishRounds {
 
   SimulatedDesign simulate(Proposal proposal, const Eigen::VectorXd& x, const Eigen::VectorXd& parameters);
   void run_simulation(const Eigen::VectorXd& parameters, SimulatedDesign& trial, PolishRound& round);
+  /// Records a round whose simulation was stopped.
+  void record_stopped(PolishRound round, StopReason reason, Clock::time_point begin);
   void record(PolishRound round, Clock::time_point begin);
 
   const DesignProblem problem_;

@@ -81,7 +81,8 @@ Eigen::VectorXd SampledTarget::deviations(const Eigen::VectorXd& profile) const 
 }
 
 std::optional<double> SampledTarget::relative_rms(const Eigen::VectorXd& profile) const {
-  const double mean_square = weights.dot((deviations(profile) / scale).cwiseAbs2());
+  const Eigen::ArrayXd squares = weights.array() * (deviations(profile) / scale).array().square();
+  const double mean_square = (weights.array() > 0).select(squares, 0.0).sum();
   if (!std::isfinite(mean_square)) return std::nullopt;
   return std::sqrt(mean_square);
 }
@@ -92,6 +93,19 @@ std::vector<std::uint8_t> SampledTarget::reached(const Eigen::VectorXd& profile)
   flags.reserve(static_cast<std::size_t>(magnitudes.size()));
   for (const double deviation : magnitudes) flags.push_back(deviation <= reached_fraction * scale ? 1 : 0);
   return flags;
+}
+
+bool SampledTarget::is_reached(const Eigen::VectorXd& profile) const {
+  const auto flags = reached(profile);
+  for (std::size_t i = 0; i < flags.size(); ++i)
+    if (has_weight(i) && flags[i] == 0) return false;
+  return true;
+}
+
+Eigen::Index SampledTarget::worst_sample(const Eigen::VectorXd& profile) const {
+  Eigen::Index worst = 0;
+  (weights.array() > 0).select(deviations(profile).array().abs(), -1.0).maxCoeff(&worst);
+  return worst;
 }
 
 SampledTarget sample_target(const Target& target) {

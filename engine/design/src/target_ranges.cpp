@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace supple::design {
 namespace {
+
+/// Strains up to this fraction of the largest one are near rest.
+constexpr double max_rest_fraction = 0.05;
 
 /// Joins two samples or ranges that have the same fit: their deviations are a weighted root mean square.
 std::optional<double> joined_deviation(const FitRange& a, const FitRange& b) {
@@ -29,29 +33,46 @@ std::vector<Fit> fits_of(const SampledTarget& target, const Eigen::VectorXd& val
   return fits;
 }
 
-/// Whether each sample says nothing about the design: the target is within the tolerance of 0, and reached, as by each
-/// design with little stress near rest.
+/// Whether a sample is so near rest that each design has little stress there.
+bool is_near_rest(const SampledTarget& target, std::size_t sample) {
+  const auto& x = target.samples.x;
+  return std::abs(x[sample]) <= max_rest_fraction * std::max(std::abs(x.front()), std::abs(x.back()));
+}
+
+/// Whether each sample says nothing about the design although it has weight: it is near rest, and the target is within
+/// the tolerance of 0 and reached, as by each design with little stress near rest.
 std::vector<bool> trivial_samples(const SampledTarget& target, const std::vector<Fit>& fits) {
   std::vector<bool> trivial(fits.size());
   if (target.samples.task != Task::stress_strain) return trivial;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     const double magnitude = std::abs(target.y[static_cast<Eigen::Index>(i)]);
-    trivial[i] = fits[i] == Fit::reached && magnitude <= reached_fraction * target.scale;
+    trivial[i] = target.has_weight(i) && fits[i] == Fit::reached && is_near_rest(target, i) &&
+                 magnitude <= reached_fraction * target.scale;
   }
   return trivial;
 }
 
-/// Gives trivial samples the worse of the fits beside them.
-void judge_trivial_samples(const std::vector<bool>& trivial, std::vector<Fit>& fits) {
+/// Gives trivial samples the worse of the fits of the next samples that say something, and samples without weight the
+/// fit of the nearest one.
+void judge_silent_samples(const SampledTarget& target, const std::vector<bool>& trivial, std::vector<Fit>& fits) {
   const auto own = fits;
+  const auto is_silent = [&](std::size_t i) { return trivial[i] || !target.has_weight(i); };
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (!trivial[i]) continue;
-    std::size_t before = i;
-    std::size_t after = i;
-    while (before > 0 && trivial[before]) --before;
-    while (after + 1 < fits.size() && trivial[after]) ++after;
-    for (const std::size_t beside : {before, after})
-      if (own[beside] != Fit::missing) fits[i] = std::max(fits[i], own[beside]);
+    if (!is_silent(i)) continue;
+    std::optional<std::size_t> before;
+    std::optional<std::size_t> after;
+    for (std::size_t k = i; k > 0 && !before; --k)
+      if (!is_silent(k - 1)) before = k - 1;
+    for (std::size_t k = i + 1; k < fits.size() && !after; ++k)
+      if (!is_silent(k)) after = k;
+    if (!trivial[i]) {
+      const bool takes_before = before && (!after || i - *before <= *after - i);
+      if (takes_before || after) fits[i] = own[takes_before ? *before : *after];
+      if (!before && !after) fits[i] = Fit::reached;
+      continue;
+    }
+    for (const auto beside : {before, after})
+      if (beside && own[*beside] != Fit::missing) fits[i] = std::max(fits[i], own[*beside]);
   }
 }
 
@@ -61,13 +82,14 @@ double border_before(std::size_t i, const std::vector<double>& x, const std::vec
   return trivial[i - 1] ? x[i - 1] : (x[i - 1] + x[i]) / 2;
 }
 
-/// The root mean square over samples without weight counts each of them alike.
+/// The root mean square over samples without weight alone counts each of them alike.
 std::optional<double> deviation_of(const SampledTarget& target, const Eigen::VectorXd& values, const FitRange& range) {
   const auto n = static_cast<Eigen::Index>(range.last - range.first + 1);
   const auto first = static_cast<Eigen::Index>(range.first);
   const Eigen::ArrayXd squares = (target.deviations(values) / target.scale).segment(first, n).array().square();
   const Eigen::ArrayXd weights = target.weights.segment(first, n).array();
-  const double mean = range.weight > 0 ? (weights * squares).sum() / range.weight : squares.mean();
+  const double mean =
+      range.weight > 0 ? (weights > 0).select(weights * squares, 0.0).sum() / range.weight : squares.mean();
   return std::isfinite(mean) ? std::optional(std::sqrt(mean)) : std::nullopt;
 }
 
@@ -91,7 +113,7 @@ std::vector<FitRange> fit_ranges(const SampledTarget& target, const Eigen::Vecto
   const auto& x = target.samples.x;
   auto fits = fits_of(target, values);
   const auto trivial = trivial_samples(target, fits);
-  judge_trivial_samples(trivial, fits);
+  judge_silent_samples(target, trivial, fits);
   std::vector<FitRange> ranges;
   for (std::size_t i = 0; i < fits.size(); ++i) {
     if (i > 0 && fits[i] == fits[i - 1]) {

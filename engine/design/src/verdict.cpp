@@ -9,9 +9,12 @@ namespace {
 TargetVerdict target_verdict(const CurveAtSamples& curve) {
   TargetVerdict verdict;
   verdict.task = curve.target.samples.task;
-  verdict.samples = curve.target.samples.x.size();
   const auto reached = curve.target.reached(curve.values);
-  verdict.reached = static_cast<std::size_t>(std::count(reached.begin(), reached.end(), 1));
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (!curve.target.has_weight(i)) continue;
+    ++verdict.samples;
+    if (reached[i] != 0) ++verdict.reached;
+  }
   verdict.deviation = curve.target.relative_rms(curve.values);
   verdict.ranges = fit_ranges(curve.target, curve.values);
   return verdict;
@@ -31,14 +34,29 @@ std::optional<double> worst_deviation(const std::vector<CurveAtSamples>& curves)
   return worst;
 }
 
-std::size_t untrusted_samples(const std::vector<std::uint8_t>& trusted) {
-  return static_cast<std::size_t>(std::count(trusted.begin(), trusted.end(), 0));
+/// Numbers of the samples of a target that have weight.
+struct TrustCount {
+  std::size_t samples = 0;
+  std::size_t untrusted = 0;
+};
+
+std::vector<TrustCount> trust_counts(const Evidence& evidence) {
+  std::vector<TrustCount> counts(evidence.trusted.size());
+  for (std::size_t t = 0; t < counts.size(); ++t) {
+    for (std::size_t i = 0; i < evidence.trusted[t].size(); ++i) {
+      if (!evidence.model[t].target.has_weight(i)) continue;
+      ++counts[t].samples;
+      if (evidence.trusted[t][i] == 0) ++counts[t].untrusted;
+    }
+  }
+  return counts;
 }
 
 bool is_mostly_untrusted(const Evidence& evidence) {
-  return std::any_of(evidence.trusted.begin(), evidence.trusted.end(), [](const auto& trusted) {
-    const double limit = untrusted_fraction * static_cast<double>(trusted.size());
-    return !trusted.empty() && static_cast<double>(untrusted_samples(trusted)) >= limit;
+  const auto counts = trust_counts(evidence);
+  return std::any_of(counts.begin(), counts.end(), [](const TrustCount& count) {
+    const double limit = untrusted_fraction * static_cast<double>(count.samples);
+    return count.samples > 0 && static_cast<double>(count.untrusted) >= limit;
   });
 }
 
@@ -85,9 +103,9 @@ Verdict judge(const Evidence& evidence) {
       verdict.worst = t;
   if (!verdict.targets.empty()) verdict.deviation = verdict.targets[verdict.worst].deviation;
   verdict.model_deviation = worst_deviation(evidence.model);
-  for (const auto& trusted : evidence.trusted) {
-    verdict.untrusted += untrusted_samples(trusted);
-    verdict.samples += trusted.size();
+  for (const TrustCount& count : trust_counts(evidence)) {
+    verdict.untrusted += count.untrusted;
+    verdict.samples += count.samples;
   }
   verdict.doubt = doubt_about(evidence, verdict);
   if (verdict.doubt == Doubt::none) verdict.grade = grade_of(*verdict.deviation);
@@ -101,7 +119,7 @@ Evidence evidence_of(const Design& design, const Polished* verification) {
     evidence.model.push_back({profile.target, profile.achieved});
     evidence.trusted.push_back(profile.in_range);
   }
-  if (!verification) return evidence;
+  if (!verification || !is_simulated(*verification)) return evidence;
   for (std::size_t t = 0; t < verification->targets.size(); ++t)
     evidence.simulated.push_back({verification->targets[t], verification->simulated[t]});
   return evidence;

@@ -4,11 +4,13 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <string>
 #include <utility>
 
 #include "design_report.h"
 #include "modulus_choice.h"
+#include "supple/base/best_so_far.h"
 #include "supple/base/error.h"
 #include "supple/tiling/structure.h"
 #include "supple/tiling/tiling_error.h"
@@ -32,11 +34,18 @@ std::string_view why_polished(const VerificationPlan& plan, const Polished& poli
       return "no design that was tried could be simulated at every sample";
     case PolishTermination::deadline:
       return "the deadline passed";
+    case PolishTermination::memory:
+      return "a limit of memory was reached";
     case PolishTermination::no_improvement:
       return "there is no parameter to correct, or nowhere to go";
     default:
       return "the limits of rounds and seconds leave no round";
   }
+}
+
+bool differs(const Polished& polished, const Design& design) {
+  return polished.parameters != design.parameters || polished.orientation != design.orientation ||
+         polished.youngs_modulus != design.youngs_modulus;
 }
 
 /// The problem with its modulus fixed at the one that was found.
@@ -49,7 +58,7 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
                                                          const Execution& execution) {
   const SimulateProfile& coarser = simulation.coarser;
   std::vector<std::optional<double>> errors(polished.targets.size());
-  if (!coarser || polished.stopped == PolishTermination::deadline) return errors;
+  if (!coarser || is_stopped(polished.stopped)) return errors;
   try {
     for (std::size_t t = 0; t < errors.size(); ++t) {
       const Eigen::VectorXd& fine = polished.simulated[t];
@@ -64,8 +73,12 @@ std::vector<std::optional<double>> discretization_errors(const Polished& polishe
   } catch (const Error&) {
     // A failed estimate does not fail the request.
   } catch (const Cancelled& stop) {
-    // The design is answered without the rest of the estimate if the deadline has passed.
-    if (stop.reason() != StopReason::deadline) throw;
+    // The design is answered without the rest of the estimate if time or memory has run out.
+    if (!keeps_best(stop.reason())) throw;
+    if (stop.reason() == StopReason::memory) execution.cancellation.resume(stop.reason());
+  } catch (const std::bad_alloc&) {
+    execution.cancellation.resume(StopReason::memory);
+    execution.cancellation.throw_if_requested();
   }
   return errors;
 }
@@ -87,9 +100,9 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
   const std::size_t simulated_count = corrects ? static_cast<std::size_t>(std::max(plan.families, 1)) : 1;
   std::vector<Simulated> simulated;
   std::vector<Design> others;
-  bool deadline_passed = false;
+  std::optional<PolishTermination> stop;
   for (Design& design : ranking) {
-    if (simulated.size() >= simulated_count || deadline_passed) {
+    if (simulated.size() >= simulated_count || stop) {
       others.push_back(std::move(design));
       continue;
     }
@@ -98,8 +111,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
                                OrientedParameters(design.parameters, design.orientation),
                                simulations[design.space].simulate, simulate_only, execution, round_of(design));
     if (!corrects) polished.material = design.material;
-    deadline_passed = polished.stopped == PolishTermination::deadline;
-    if (deadline_passed && !corrects) execution.cancellation.throw_if_requested();
+    if (is_stopped(polished.stopped)) stop = polished.stopped;
     simulated.push_back({std::move(design), std::move(polished)});
   }
   std::stable_sort(simulated.begin(), simulated.end(),
@@ -107,17 +119,16 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
   Simulated& best = simulated.front();
   const auto start = std::chrono::steady_clock::now();
   const bool unfinished = best.polished.stopped == PolishTermination::round_limit ||
-                          best.polished.stopped == PolishTermination::not_simulated || deadline_passed;
+                          best.polished.stopped == PolishTermination::not_simulated || stop;
   if (corrects && unfinished) {
     const DesignSpace& space = spaces[best.design.space];
-    Polished polished = deadline_passed ? best.polished
-                                        : polish(space, problem, best.polished, simulations[best.design.space].simulate,
-                                                 plan.options, execution, round_of(best.design));
-    if (deadline_passed) polished.stopped = PolishTermination::deadline;
+    Polished polished = stop ? best.polished
+                             : polish(space, problem, best.polished, simulations[best.design.space].simulate,
+                                      plan.options, execution, round_of(best.design));
+    if (stop) polished.stopped = *stop;
     best.polished = std::move(polished);
   }
-  if (best.polished.parameters != best.design.parameters || best.polished.orientation != best.design.orientation ||
-      best.polished.youngs_modulus != best.design.youngs_modulus) {
+  if (is_simulated(best.polished) && differs(best.polished, best.design)) {
     const DesignProblem fixed_modulus_problem = with_modulus(problem, best.polished.youngs_modulus);
     best.design =
         design_at(spaces[best.design.space], fixed_modulus_problem,
@@ -129,6 +140,7 @@ VerifiedDesigns verify_designs(std::span<const DesignSpace> spaces, std::span<co
     const auto rounds = static_cast<std::int64_t>(best.polished.rounds.size()) - 1;
     execution.cost->add_effect("polish", rounds > 0, why_polished(plan, best.polished), rounds, seconds.count());
   }
+  best.design.at_limits = sentences_about_limits(best.design, spaces[best.design.space], problem);
   report_simulation(best.design, best.polished);
   VerifiedDesigns result;
   result.polished = best.polished;
@@ -161,13 +173,17 @@ VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<co
                                const DesignSearch& search, const Execution& execution, const SearchObserver& observer) {
   auto ranking = find_designs(spaces, search.problem, search.options, execution, observer.on_progress);
   VerifiedDesigns found;
-  if (search.verification) {
+  const DesignTermination stopped = ranking.front().stopped;
+  if (search.verification && !is_stopped(stopped)) {
     found = verify_designs(spaces, simulations, search.problem, std::move(ranking), search.options,
                            *search.verification, execution, observer.on_round);
   } else {
     for (Design& design : ranking) found.ranking.push_back({std::move(design), std::nullopt});
     if (execution.cost) {
-      execution.cost->add_effect("verification", false, "the request does not ask for it");
+      execution.cost->add_effect("verification", false,
+                                 !search.verification                     ? "the request does not ask for it"
+                                 : stopped == DesignTermination::deadline ? "the deadline passed during the search"
+                                                                          : "the search reached a limit of memory");
       execution.cost->add_effect("polish", false, "designs are corrected where they are verified");
     }
   }

@@ -6,12 +6,15 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <new>
 #include <numbers>
 #include <utility>
 
+#include "supple/base/best_so_far.h"
 #include "supple/base/number_text.h"
 #include "supple/design/verdict.h"
 #include "time_limit.h"
+#include "ways_out_search.h"
 
 namespace supple::design {
 namespace {
@@ -26,27 +29,16 @@ constexpr int max_starts_of_way = 6;
 constexpr int max_starts_of_family = 3;
 /// Ways out need no more accuracy than their sentences say.
 constexpr double min_tolerance = 1e-5;
-/// Young's moduli from soft silicones to rigid plastics, MPa.
-constexpr Range known_moduli{0.1, 5000};
-/// Changes below these are none: rad, and relative.
+/// A smaller turn is none, rad.
 constexpr double min_turn = pi / 180;
+/// A smaller relative change of the modulus is none.
 constexpr double min_modulus_change = 0.01;
-/// The shortest part of a range of strains that is worth asking for, the accuracy with which the longest one is found,
-/// both as fractions of the range, and the minimum number of samples of the whole range.
-constexpr double min_range_fraction = 0.25;
+/// The accuracy with which the longest part of a range of strains is found, as a fraction of the range, and the minimum
+/// number of samples of the whole range.
 constexpr double range_fraction_tolerance = 0.025;
 constexpr int min_samples_of_range = 41;
 /// Other families that are answered, those with the least expected deviation.
 constexpr std::size_t max_families = 3;
-
-/// A design that misses its target, and how it is searched again.
-struct Miss {
-  const WaysOutSearch& search;
-  const Design& design;
-  double deviation;  ///< of the design, by the model
-  DesignOptions options;
-  Execution execution;  ///< without progress and bill
-};
 
 /// The largest relative deviation of a target that counts.
 double worst_deviation(const DesignProblem& problem, const Design& design) {
@@ -59,22 +51,22 @@ double worst_deviation(const DesignProblem& problem, const Design& design) {
   return worst;
 }
 
-/// The same by simulation. None if a sample was not reached.
-std::optional<double> worst_simulated_deviation(const DesignProblem& problem, const Polished& simulated) {
-  if (!simulated.target_error) return std::nullopt;
+/// The same by simulation; infinite if a sample was not reached. None if nothing was simulated.
+std::optional<double> worst_simulated_deviation(const DesignProblem& problem,
+                                                const std::optional<Polished>& simulated) {
+  if (!simulated || !is_simulated(*simulated)) return std::nullopt;
   double worst = 0;
-  for (std::size_t t = 0; t < simulated.targets.size(); ++t)
+  for (std::size_t t = 0; t < simulated->targets.size(); ++t)
     if (problem.targets[t].weight > 0)
-      worst = std::max(worst, simulated.targets[t].relative_rms(simulated.simulated[t]).value_or(INFINITY));
+      worst = std::max(worst, simulated->targets[t].relative_rms(simulated->simulated[t]).value_or(INFINITY));
   return worst;
 }
 
-/// Why no way out is needed; empty if the target is missed.
-std::string why_not_missed(const WaysOutSearch& search, double deviation, const std::optional<Polished>& simulated) {
-  const auto by_simulation = simulated ? worst_simulated_deviation(search.problem, *simulated) : std::nullopt;
+/// Why no way out is sought; empty if the target is missed.
+std::string why_not_sought(const Design& design, double by_model, const std::optional<double>& by_simulation) {
+  if (is_stopped(design.stopped)) return "the search for the design was stopped";
   if (by_simulation && *by_simulation <= max_reached_deviation) return "the target is reached by the simulation";
-  if (deviation > max_reached_deviation) return {};
-  return by_simulation ? "the model does not know that the target is missed" : "the target is reached";
+  return by_model <= max_reached_deviation && !by_simulation ? "the target is reached" : "";
 }
 
 // --- words -----------------------------------------------------------------------------------------------------------
@@ -92,9 +84,16 @@ std::string percent_text(double fraction) {
   return fraction < min_shown ? "less than 0.01 %" : rounded_text(100 * fraction, 2) + " %";
 }
 
-/// "3.5 % instead of 55 % by the model".
-std::string comparison(const Miss& miss, double deviation) {
-  return percent_text(deviation) + " instead of " + percent_text(miss.deviation) + " by the model";
+}  // namespace
+
+std::string comparison(const Miss& miss, double deviation, Basis basis) {
+  const std::string after = percent_text(deviation);
+  const std::string before = std::isfinite(miss.deviation) ? " instead of " + percent_text(miss.deviation) : "";
+  if (!miss.simulated) return after + before + " by the model";
+  const std::string simulated = before.empty() ? "" : before + " by the simulation";
+  if (basis == Basis::model) return after + " by the model" + simulated;
+  return (basis == Basis::corrected_model ? "about " : "") + after +
+         (before.empty() ? " by the simulation" : simulated);
 }
 
 std::string words_for_turn(double angle) {
@@ -106,7 +105,6 @@ std::string words_for_material(const Miss& miss, double modulus) {
          rounded_text(miss.design.youngs_modulus, 3) + " MPa";
 }
 
-/// "Green strains from 0 to 12 %: it is reached up to there".
 std::string words_for_range(const Target& target, const Range& range) {
   const bool is_one_sided = range.least >= 0 || range.most <= 0;
   return fmt::format("{}strains from {} to {} %: it is reached {}",
@@ -116,11 +114,15 @@ std::string words_for_range(const Target& target, const Range& range) {
 
 // --- kinds of ways out -----------------------------------------------------------------------------------------------
 
+namespace {
+
 /// The same orientation within [0, pi). Responses have the period pi.
 double within_half_turn(double orientation) {
   const double angle = orientation - pi * std::floor(orientation / pi);
   return angle < pi ? angle : 0;
 }
+
+}  // namespace
 
 WayOut way_to(const Design& design, WayOut::Change change, const DesignProblem& problem) {
   WayOut way;
@@ -133,7 +135,6 @@ WayOut way_to(const Design& design, WayOut::Change change, const DesignProblem& 
   return way;
 }
 
-/// The problem of the design, which starts at the design and keeps its material.
 DesignProblem problem_from_design(const Miss& miss) {
   DesignProblem problem = miss.search.problem;
   problem.initial = miss.design.parameters;
@@ -142,7 +143,6 @@ DesignProblem problem_from_design(const Miss& miss) {
   return problem;
 }
 
-/// The best design of a problem in the same space; none if there is none.
 std::optional<Design> best_design_of(const Miss& miss, const DesignProblem& problem, Switch multi_start) {
   DesignOptions options = miss.options;
   options.multi_start = multi_start;
@@ -158,7 +158,6 @@ bool may_turn(const Miss& miss) {
   return most - least < pi * (1 - 1e-9);
 }
 
-/// Whether another modulus changes the response, and the request does not leave the best one open already.
 bool may_change_modulus(const Miss& miss) {
   const auto& targets = miss.search.problem.targets;
   const auto& moduli = miss.search.problem.moduli;
@@ -169,7 +168,6 @@ bool may_change_modulus(const Miss& miss) {
   return !(miss.design.youngs_modulus > least && miss.design.youngs_modulus < most);
 }
 
-/// A quarter of a turn to either side, since responses repeat after half a turn.
 void leave_orientation_open(const Miss& miss, DesignProblem& problem) {
   problem.orientation = {miss.design.orientation - pi / 2, miss.design.orientation + pi / 2};
 }
@@ -178,56 +176,15 @@ bool is_turned(const Miss& miss, const Design& design) {
   return std::abs(design.orientation - miss.design.orientation) >= min_turn;
 }
 
-bool is_of_other_material(const Miss& miss, const Design& design) {
-  return std::abs(design.youngs_modulus / miss.design.youngs_modulus - 1) >= min_modulus_change;
+bool is_other_modulus(const Miss& miss, double youngs_modulus) {
+  return std::abs(youngs_modulus / miss.design.youngs_modulus - 1) >= min_modulus_change;
 }
 
-using Ways = std::vector<WayOut>;
-
-Ways ways_by_turn(const Miss& miss, const Ways& /*before*/) {
-  if (!may_turn(miss)) return {};
-  DesignProblem problem = problem_from_design(miss);
-  leave_orientation_open(miss, problem);
-  const auto design = best_design_of(miss, problem, Switch::automatic);
-  if (!design || !is_turned(miss, *design)) return {};
-  WayOut way = way_to(*design, WayOut::Change::turn, problem);
-  way.sentence =
-      fmt::format("Turn the tiling by {}: {}.", words_for_turn(design->orientation - miss.design.orientation),
-                  comparison(miss, way.deviation));
-  return {way};
+bool one_suffices(const Ways& ways) {
+  return std::any_of(ways.begin(), ways.end(),
+                     [](const WayOut& way) { return way.deviation <= max_reached_deviation; });
 }
 
-Ways ways_by_modulus(const Miss& miss, const Ways& /*before*/) {
-  if (!may_change_modulus(miss)) return {};
-  DesignProblem problem = problem_from_design(miss);
-  problem.moduli = {known_moduli};
-  const auto design = best_design_of(miss, problem, Switch::automatic);
-  if (!design || !is_of_other_material(miss, *design)) return {};
-  WayOut way = way_to(*design, WayOut::Change::modulus, problem);
-  way.sentence =
-      fmt::format("Use {}: {}.", words_for_material(miss, way.youngs_modulus), comparison(miss, way.deviation));
-  return {way};
-}
-
-/// Both at once are tried where one of them alone does not reach the target.
-Ways ways_by_turn_and_modulus(const Miss& miss, const Ways& before) {
-  const bool one_suffices = std::any_of(before.begin(), before.end(),
-                                        [](const WayOut& way) { return way.deviation <= max_reached_deviation; });
-  if (one_suffices || !may_turn(miss) || !may_change_modulus(miss)) return {};
-  DesignProblem problem = problem_from_design(miss);
-  leave_orientation_open(miss, problem);
-  problem.moduli = {known_moduli};
-  const auto design = best_design_of(miss, problem, Switch::automatic);
-  if (!design || !is_turned(miss, *design) || !is_of_other_material(miss, *design)) return {};
-  WayOut way = way_to(*design, WayOut::Change::turn_and_modulus, problem);
-  way.sentence = fmt::format("Turn the tiling by {} and use {}: {}.",
-                             words_for_turn(design->orientation - miss.design.orientation),
-                             words_for_material(miss, way.youngs_modulus), comparison(miss, way.deviation));
-  return {way};
-}
-
-/// The target at those of its samples that lie within a part of its range. The part has the strain zero, or the end
-/// next to it, in common with the range, and is this fraction as long.
 Target shortened_target(const Target& target, const SampledTarget& whole, double fraction) {
   const auto& x = whole.samples.x;
   const double origin = std::clamp(0.0, x.front(), x.back());
@@ -248,6 +205,48 @@ Target shortened_target(const Target& target, const SampledTarget& whole, double
   }
   part.samples = static_cast<int>(part.control_points.size());
   return part;
+}
+
+namespace {
+
+Ways ways_by_turn(const Miss& miss, const Ways& /*before*/) {
+  if (!may_turn(miss)) return {};
+  DesignProblem problem = problem_from_design(miss);
+  leave_orientation_open(miss, problem);
+  const auto design = best_design_of(miss, problem, Switch::automatic);
+  if (!design || !is_turned(miss, *design)) return {};
+  WayOut way = way_to(*design, WayOut::Change::turn, problem);
+  way.sentence =
+      fmt::format("Turn the tiling by {}: {}.", words_for_turn(design->orientation - miss.design.orientation),
+                  comparison(miss, way.deviation));
+  return {way};
+}
+
+Ways ways_by_modulus(const Miss& miss, const Ways& /*before*/) {
+  if (!may_change_modulus(miss)) return {};
+  DesignProblem problem = problem_from_design(miss);
+  problem.moduli = {known_moduli};
+  const auto design = best_design_of(miss, problem, Switch::automatic);
+  if (!design || !is_other_modulus(miss, design->youngs_modulus)) return {};
+  WayOut way = way_to(*design, WayOut::Change::modulus, problem);
+  way.sentence =
+      fmt::format("Use {}: {}.", words_for_material(miss, way.youngs_modulus), comparison(miss, way.deviation));
+  return {way};
+}
+
+/// Both at once are tried where one of them alone does not reach the target.
+Ways ways_by_turn_and_modulus(const Miss& miss, const Ways& before) {
+  if (one_suffices(before) || !may_turn(miss) || !may_change_modulus(miss)) return {};
+  DesignProblem problem = problem_from_design(miss);
+  leave_orientation_open(miss, problem);
+  problem.moduli = {known_moduli};
+  const auto design = best_design_of(miss, problem, Switch::automatic);
+  if (!design || !is_turned(miss, *design) || !is_other_modulus(miss, design->youngs_modulus)) return {};
+  WayOut way = way_to(*design, WayOut::Change::turn_and_modulus, problem);
+  way.sentence = fmt::format("Turn the tiling by {} and use {}: {}.",
+                             words_for_turn(design->orientation - miss.design.orientation),
+                             words_for_material(miss, way.youngs_modulus), comparison(miss, way.deviation));
+  return {way};
 }
 
 /// The longest part of the range that is reached, by bisection.
@@ -311,8 +310,12 @@ Ways ways_by_family(const Miss& miss, const Ways& /*before*/) {
 // --- the search ------------------------------------------------------------------------------------------------------
 
 /// Cheapest first.
-constexpr std::array<Ways (*)(const Miss&, const Ways&), 5> kinds{
-    ways_by_turn, ways_by_modulus, ways_by_turn_and_modulus, ways_by_shortening, ways_by_family};
+constexpr std::array<FindWays, 5> kinds{ways_by_turn, ways_by_modulus, ways_by_turn_and_modulus, ways_by_shortening,
+                                        ways_by_family};
+/// Cheapest first. That the modulus is known exactly serves the search for an orientation.
+constexpr std::array<FindWays, 5> kinds_for_simulation{simulated_ways_by_modulus, simulated_ways_by_shortening,
+                                                       simulated_ways_by_turn, simulated_ways_by_turn_and_modulus,
+                                                       ways_by_family};
 
 bool helps(const Miss& miss, const WayOut& way) {
   return way.deviation <= max_deviation_ratio * miss.deviation &&
@@ -351,20 +354,27 @@ std::string_view to_string(WayOut::Change change) {
 
 std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& design,
                                   const std::optional<Polished>& simulated, const Execution& execution) {
-  const double deviation = worst_deviation(search.problem, design);
-  if (const auto why = why_not_missed(search, deviation, simulated); !why.empty()) {
+  const double by_model = worst_deviation(search.problem, design);
+  const auto by_simulation = worst_simulated_deviation(search.problem, simulated);
+  if (const auto why = why_not_sought(design, by_model, by_simulation); !why.empty()) {
     if (execution.cost) execution.cost->add_effect("ways_out", false, why);
     return {};
   }
+  const bool only_simulation = by_model <= max_reached_deviation;
   const auto start = std::chrono::steady_clock::now();
   const StageTimer timer(execution.cost, "ways_out");
-  std::string why = "the target is missed";
+  std::string why = only_simulation ? "the target is missed by the simulation alone" : "the target is missed";
   Ways ways;
   int tried = 0;
   try {
     const TimeLimit limit(execution.cancellation, search.max_seconds);
-    const Miss miss{search, design, deviation, options_for_ways(search), {.cancellation = limit.token()}};
-    for (const auto find : kinds) {
+    const Miss miss{search,
+                    design,
+                    only_simulation ? *by_simulation : by_model,
+                    only_simulation ? &*simulated : nullptr,
+                    options_for_ways(search),
+                    {.cancellation = limit.token()}};
+    for (const auto find : only_simulation ? kinds_for_simulation : kinds) {
       execution.cancellation.throw_if_requested();
       limit.token().throw_if_requested();
       if (execution.progress) execution.progress->report(tried / static_cast<double>(kinds.size()), "ways_out");
@@ -372,11 +382,16 @@ std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& des
         if (helps(miss, way)) ways.push_back(std::move(way));
       ++tried;
     }
+    limit.token().throw_if_requested();
   } catch (const Cancelled& stop) {
-    if (stop.reason() != StopReason::deadline) throw;
-    why += execution.cancellation.requested() ? "; the deadline passed before all was tried"
-                                              : "; the time for it passed before all was tried";
+    if (!keeps_best(stop.reason())) throw;
+    why += stop.reason() == StopReason::memory  ? "; a limit of memory was reached before all was tried"
+           : execution.cancellation.requested() ? "; the deadline passed before all was tried"
+                                                : "; the time for it passed before all was tried";
+  } catch (const std::bad_alloc&) {
+    why += "; a limit of memory was reached before all was tried";
   }
+  execution.cancellation.resume(StopReason::memory);
   if (execution.cancellation.reason() != StopReason::deadline) execution.cancellation.throw_if_requested();
   std::stable_sort(ways.begin(), ways.end(),
                    [](const WayOut& a, const WayOut& b) { return a.deviation < b.deviation; });

@@ -69,30 +69,48 @@ bool needs_mollifier(const RelaxationContext& context, const Equilibrium& end) {
          has_pinned_path(end.state);
 }
 
-/// Says why a search was stopped before it was at rest.
-void note_stop(StopReason reason, Relaxation& result) {
+/// The equilibrium at the last position that a host has reached, and the size of the history by then.
+struct ReachedPosition {
+  FollowedEquilibrium found;
+  std::size_t history_size = 0;
+};
+
+/// Says why a search was stopped before it was at rest, or on the way to the next position of a host.
+void note_stop(StopReason reason, bool is_on_the_way, Relaxation& result) {
   const bool is_late = reason == StopReason::deadline;
   result.stopped = is_late ? RelaxationTermination::deadline : RelaxationTermination::memory;
-  result.warnings.push_back(std::string(is_late ? "The deadline passed" : "A limit of memory was reached") + " after " +
-                            std::to_string(result.iterations) +
-                            (result.iterations == 1 ? " iteration" : " iterations") +
-                            ": this is the best state until then, and the network is not at rest.");
+  const std::size_t position = result.stops.size();
+  const std::string when =
+      is_on_the_way
+          ? "on the way to position " + std::to_string(position) + ": this is the equilibrium " +
+                (position == 0 ? "before the first motion." : "at position " + std::to_string(position - 1) + ".")
+          : "after " + std::to_string(result.iterations) + (result.iterations == 1 ? " iteration" : " iterations") +
+                ": this is the best state until then, and the network is not at rest.";
+  result.warnings.push_back((is_late ? "The deadline passed " : "A limit of memory was reached ") + when);
 }
 
 Relaxation run_phases(const RelaxationContext& context) {
   const bool starts_mollified = context.follows_geodesics() && context.options.mollifier == Switch::on;
   const auto* moving = std::get_if<MovingHost>(&context.options.host);
   const bool moves = moving || !context.host.moved().empty();
-  RelaxationHistory history(context.options, !moves);
+  RelaxationHistory history(context.options);
   std::optional<FollowedEquilibrium> found;
+  std::optional<ReachedPosition> reached;
+  const OnPosition keep_position = [&](const Equilibrium& end, const std::vector<LoadIncrement>& stops) {
+    ReachedPosition here{{end, stops}, history.size()};  // first, since memory may be refused for it
+    reached = std::move(here);
+  };
   std::size_t first_mollified = starts_mollified ? 0 : std::numeric_limits<std::size_t>::max();  // in the history
   const auto search = [&] {
     const PartOfExecution rest(context.execution, 0, moves ? fraction_before_moving : 1);
     found = FollowedEquilibrium{rest_on_host(context, starts_mollified, history, rest.execution()), {}};
     if (moves) {
+      keep_position(found->end, {});
+      history.keep_no_states();
       const PartOfExecution motion(context.execution, fraction_before_moving, 1 - fraction_before_moving);
-      found = moving ? follow_surface(context, std::move(found->end), *moving, history, motion.execution())
-                     : follow_supports(context, std::move(found->end), history, motion.execution());
+      found = moving
+                  ? follow_surface(context, std::move(found->end), *moving, history, motion.execution(), keep_position)
+                  : follow_supports(context, std::move(found->end), history, motion.execution(), keep_position);
     }
     if (!needs_mollifier(context, found->end)) return;
     first_mollified = history.size();
@@ -101,11 +119,16 @@ Relaxation run_phases(const RelaxationContext& context) {
                          history, context.execution);
   };
   const StopReason reason = search_until_stopped(
-      context.execution.cancellation, [&] { return history.state().has_value(); }, search);
-  if (reason != StopReason::none) found = FollowedEquilibrium{best_of(context, history), {}};
+      context.execution.cancellation, [&] { return reached || history.state(); }, search);
+  if (reason != StopReason::none && reached) {
+    history.truncate(reached->history_size);
+    found = std::move(reached->found);
+  } else if (reason != StopReason::none) {
+    found = FollowedEquilibrium{best_of(context, history), {}};
+  }
   const bool is_mollified = history.size() > first_mollified;
   Relaxation result = describe_relaxation(context, *found, is_mollified, std::move(history));
-  if (reason != StopReason::none) note_stop(reason, result);
+  if (reason != StopReason::none) note_stop(reason, reached.has_value(), result);
   return result;
 }
 

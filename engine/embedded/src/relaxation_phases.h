@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -43,9 +44,7 @@ struct RelaxationContext {
 /// The steps of all phases so far, which an observer is told of, and the state after the last one.
 class RelaxationHistory {
  public:
-  /// `keeps_state` is false where a state outlives its surface.
-  RelaxationHistory(const RelaxationOptions& options, bool keeps_state)
-      : options_(options), keeps_state_(keeps_state) {}
+  explicit RelaxationHistory(const RelaxationOptions& options) : options_(options) {}
 
   /// With `fixes_more` the gradient norm of the step leaves points out that are free in the answer.
   void record(const numerics::MinimizerStep& step, const NetworkState& state, bool fixes_more = false);
@@ -56,11 +55,18 @@ class RelaxationHistory {
   const std::optional<NetworkState>& state() const { return state_; }
   /// Whether the last step was recorded with `fixes_more`.
   bool fixes_more() const { return fixes_more_; }
+  /// From now on no state is kept: it would outlive its surface, which moves.
+  void keep_no_states() {
+    keeps_state_ = false;
+    state_.reset();
+  }
+  /// Forgets the steps after the first `size`.
+  void truncate(std::size_t size) { steps_.resize(size); }
   std::vector<RelaxationStep> take() { return std::move(steps_); }
 
  private:
   const RelaxationOptions& options_;
-  bool keeps_state_;
+  bool keeps_state_ = true;
   std::vector<RelaxationStep> steps_;
   std::optional<NetworkState> state_;
   bool fixes_more_ = false;
@@ -115,13 +121,17 @@ struct FollowedEquilibrium {
   std::vector<LoadIncrement> stops;
 };
 
+/// Is told of the equilibrium at each position, and of all load increments up to there.
+using OnPosition = std::function<void(const Equilibrium& end, const std::vector<LoadIncrement>& stops)>;
+
 /// Follows the equilibrium on the mesh to those on all positions of a moving surface.
 FollowedEquilibrium follow_surface(const RelaxationContext& context, Equilibrium start, const MovingHost& host,
-                                   RelaxationHistory& history, const Execution& execution);
+                                   RelaxationHistory& history, const Execution& execution,
+                                   const OnPosition& on_position);
 
 /// Follows the equilibrium at rest to those with the moved vertices of a host at all of their positions.
 FollowedEquilibrium follow_supports(const RelaxationContext& context, Equilibrium start, RelaxationHistory& history,
-                                    const Execution& execution);
+                                    const Execution& execution, const OnPosition& on_position);
 
 /// The public name of a minimizer's termination.
 RelaxationTermination relaxation_termination(numerics::MinimizerTermination termination);

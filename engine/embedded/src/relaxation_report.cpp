@@ -127,7 +127,7 @@ HostState describe_host(const RelaxationContext& context, const Equilibrium& end
   const surface::TriangleMesh& rest = context.solver.mesh();
   const double rest_volume = enclosed_volume(rest);
   if (rest_volume != 0) host.volume_ratio = enclosed_volume(state.mesh()) / rest_volume;
-  if (end.moved_surface) {
+  if (!context.host.is_deformable()) {
     host.vertices = state.mesh().positions();
     for (std::size_t i = 0; i < host.vertices.size(); ++i)
       host.largest_displacement = std::max(host.largest_displacement, (host.vertices[i] - rest.positions()[i]).norm());

@@ -40,22 +40,28 @@ class SupportFollower {
         scene_(*system_, context.host, minimizer_.gradient_tolerance),
         path_(scene_, path_options(), execution_) {}
 
-  FollowedEquilibrium run() {
+  FollowedEquilibrium run(const OnPosition& on_position) {
     std::vector<LoadIncrement> stops;
-    int increments = 0;
+    bill(0);
     const std::size_t count = scene_.position_count();
     for (std::size_t k = 1; k <= count && (k == 1 || stops.back().reached == 1); ++k) {
+      int increments = 0;
       stops.push_back(follow_to(static_cast<double>(k), increments));
+      bill(increments);
+      now_.state = system_->prepared_state();
+      on_position(now_, stops);
     }
-    if (context_.execution.cost)
-      context_.execution.cost->add_effect("moved_vertices", true, "the host has vertices that are moved", increments);
-    now_.state = system_->prepared_state();
     return {std::move(now_), std::move(stops)};
   }
 
  private:
   using System = numerics::System<NetworkState>;
   using Path = numerics::EquilibriumPath<MovedSupports>;
+
+  void bill(int increments) const {
+    if (context_.execution.cost)
+      context_.execution.cost->add_effect("moved_vertices", true, "the host has vertices that are moved", increments);
+  }
 
   std::unique_ptr<System> make_system() const {
     const NetworkTerm term = network_term(context_.solver, context_.elements, context_.search_options(false));
@@ -188,8 +194,8 @@ class SupportFollower {
 }  // namespace
 
 FollowedEquilibrium follow_supports(const RelaxationContext& context, Equilibrium start, RelaxationHistory& history,
-                                    const Execution& execution) {
-  return SupportFollower(context, std::move(start), history, execution).run();
+                                    const Execution& execution, const OnPosition& on_position) {
+  return SupportFollower(context, std::move(start), history, execution).run(on_position);
 }
 
 }  // namespace supple::embedded

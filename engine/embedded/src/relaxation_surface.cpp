@@ -43,14 +43,15 @@ class SurfaceFollower {
                minimizer_.gradient_tolerance, context.execution),
         path_(scene_, path_options(), execution_) {}
 
-  FollowedEquilibrium run() {
+  FollowedEquilibrium run(const OnPosition& on_position) {
     std::vector<LoadIncrement> stops;
     const std::size_t count = host_.positions.size();
     for (std::size_t k = 1; k <= count; ++k) {
       execution_.checkpoint(static_cast<double>(k - 1) / static_cast<double>(count), "step");
       stops.push_back(follow_to(static_cast<double>(k)));
+      take_scene();
+      on_position(now_, stops);
     }
-    take_scene();
     return {std::move(now_), std::move(stops)};
   }
 
@@ -159,8 +160,9 @@ class SurfaceFollower {
 }  // namespace
 
 FollowedEquilibrium follow_surface(const RelaxationContext& context, Equilibrium start, const MovingHost& host,
-                                   RelaxationHistory& history, const Execution& execution) {
-  return SurfaceFollower(context, std::move(start), host, history, execution).run();
+                                   RelaxationHistory& history, const Execution& execution,
+                                   const OnPosition& on_position) {
+  return SurfaceFollower(context, std::move(start), host, history, execution).run(on_position);
 }
 
 }  // namespace supple::embedded

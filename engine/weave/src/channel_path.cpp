@@ -142,9 +142,11 @@ std::vector<std::vector<Eigen::Vector3d>> channel_paths(const Weave& weave,
     const bool backwards = back.distance >= second && ahead.distance >= first;
     if (!forwards && !backwards) {
       const Reach& nearer = back.distance < ahead.distance ? back : ahead;
-      faults.add(crossing_name(crossing.crossing), "a channel needs " + mm(first) + " and " + mm(second) +
-                                                       " for its feet, and there are " +
-                                                       mm(std::max(0.0, nearer.distance)) + " to " + nearer.limit);
+      const double available = std::max(0.0, nearer.distance);
+      faults.add(crossing_name(crossing.crossing),
+                 "a channel needs " + mm(first) + " and " + mm(second) + " for its feet, and there are " +
+                     mm(available) + " to " + nearer.limit,
+                 Error::Shortage{second, available});
     }
     paths.push_back(polyline(weave.strands[static_cast<std::size_t>(crossing.bottom)].curve, crossing.bottom_coordinate,
                              forwards ? 1 : -1, profile));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,9 @@ namespace supple::weave {
 /// Collects the reasons why a layout cannot be printed.
 class PrintFaults {
  public:
-  void add(const std::string& where, const std::string& message) {
-    if (details_.size() < max_details) details_.push_back({where, message});
+  /// `room`: the length in mm that is needed and the one that is there, if that is the fault.
+  void add(const std::string& where, const std::string& message, std::optional<Error::Shortage> room = {}) {
+    if (details_.size() < max_details) details_.push_back({where, message, room});
   }
   /// Throws "weave.not_printable" with all details, if there are any.
   void throw_if_any() const;

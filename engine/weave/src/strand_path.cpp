@@ -92,10 +92,11 @@ std::vector<RaisedInterval> lifts_over_crossings(int number, const HeightConstra
     const Interval free = free_distances(constraints, lifted.at, length, closed);
     const double min_distance = lifted.top + lift.height / max_slope;
     if (std::min(free.begin, free.end) < min_distance) {
+      const double available = std::max(0.0, std::min(free.begin, free.end));
       faults.add(crossing_name(lifted.crossing),
                  strand_name(number) + " must be lifted " + mm(min_distance) + " before and after it and has " +
-                     mm(std::max(0.0, std::min(free.begin, free.end))) +
-                     " to where it lies on the bed: an end, a fused crossing or another channel");
+                     mm(available) + " to where it lies on the bed: an end, a fused crossing or another channel",
+                 Error::Shortage{min_distance, available});
       continue;
     }
     const double run = std::max(lift.run, min_distance);

@@ -17,7 +17,9 @@ std::string write_problem(const problem::Problem& problem) {
   if (!problem.errors.empty()) {
     out.key("errors").begin_array();
     for (const auto& error : problem.errors) {
-      out.begin_object().field("pointer", error.where).field("detail", error.message).end_object();
+      out.begin_object().field("pointer", error.where).field("detail", error.message);
+      if (error.shortage) out.field("needed", error.shortage->needed).field("available", error.shortage->available);
+      out.end_object();
     }
     out.end_array();
   }

@@ -60,7 +60,8 @@ Problem problem_of(const std::exception_ptr& exception) {
     return error.problem();
   } catch (const Error& error) {
     Problem problem{error.code(), error.what(), {}, {}, {}};
-    for (const auto& detail : error.details()) problem.errors.push_back({as_pointer(detail.where), detail.message});
+    for (const auto& detail : error.details())
+      problem.errors.push_back({as_pointer(detail.where), detail.message, detail.shortage});
     return problem;
   } catch (const Cancelled& stop) {
     return {code_of(stop.reason()), stop.what(), {}, {}, {}};

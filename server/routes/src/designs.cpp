@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -181,6 +182,28 @@ void add_ways_out(json::FoundDesigns& found, const Region& region, const json::D
                                          found.verification, execution);
 }
 
+/// Adds ways out to the designs of all regions. The bill says of each region why they were sought there or not.
+void add_ways_out(std::vector<json::FoundDesigns>& found, const std::vector<Region>& regions,
+                  const json::DesignRequest& request, const Execution& execution) {
+  std::vector<std::string> reasons;
+  std::string all;
+  bool ran = false;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    const double fraction = 1 / static_cast<double>(regions.size());
+    const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
+    CostLedger bill;
+    add_ways_out(found[i], regions[i], request, {execution.cancellation, part.execution().progress, &bill});
+    const CostLedger::Effect effect = bill.effects().back();
+    ran = ran || effect.ran;
+    reasons.push_back(effect.why);
+    const std::string& name = regions[i].spec.name;
+    all += (all.empty() ? "" : "; ") + (name.empty() ? "region " + std::to_string(i + 1) : name) + ": " + effect.why;
+    if (execution.cost) execution.cost->merge(bill);
+  }
+  const bool are_equal = std::adjacent_find(reasons.begin(), reasons.end(), std::not_equal_to<>()) == reasons.end();
+  if (execution.cost && !are_equal) execution.cost->add_effect("ways_out", ran, all);
+}
+
 store::Result compute_design(const std::vector<Region>& regions, const json::DesignRequest& request,
                              metrics::Metrics& metrics, const Execution& outer) {
   std::vector<json::FoundDesigns> found;
@@ -190,15 +213,14 @@ store::Result compute_design(const std::vector<Region>& regions, const json::Des
     const double designs_fraction = !seeks_ways_out       ? 1
                                     : request.simulates() ? simulation_before_ways_out
                                                           : search_before_ways_out;
-    const auto part_of = [&](std::size_t i, double first, double length) {
-      const double fraction = length / static_cast<double>(regions.size());
-      return PartOfExecution(execution, first + fraction * static_cast<double>(i), fraction);
-    };
-    for (std::size_t i = 0; i < regions.size(); ++i)
-      found.push_back(search(regions[i], request, part_of(i, 0, designs_fraction).execution()));
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      const double fraction = designs_fraction / static_cast<double>(regions.size());
+      const PartOfExecution part(execution, fraction * static_cast<double>(i), fraction);
+      found.push_back(search(regions[i], request, part.execution()));
+    }
     // The deadline may pass while ways out are sought; by then all regions have their designs.
-    for (std::size_t i = 0; seeks_ways_out && i < regions.size(); ++i)
-      add_ways_out(found[i], regions[i], request, part_of(i, designs_fraction, 1 - designs_fraction).execution());
+    const PartOfExecution rest(execution, designs_fraction, 1 - designs_fraction);
+    if (seeks_ways_out) add_ways_out(found, regions, request, rest.execution());
     if (!seeks_ways_out && execution.cost)
       execution.cost->add_effect(
           "ways_out", false,

@@ -72,7 +72,7 @@ std::string PointerMap::with_entries_of_request(const std::string& message) cons
 
 Error PointerMap::operator()(const Error& error) const {
   auto details = error.details();
-  for (auto& [where, message] : details) {
+  for (auto& [where, message, shortage] : details) {
     if (where.starts_with('/') || where.find(' ') != std::string::npos) continue;
     const auto found = find(where);
     message = with_entries_of_request(message);

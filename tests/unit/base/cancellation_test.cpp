@@ -150,6 +150,28 @@ TEST(SearchUntilStopped, LetsEveryOtherStopPassAndReturnsWhereTheSearchEndsByIts
   });
 }
 
+TEST(PartUntilStopped, KeepsItsResultAndLeavesTheStopForTheOthers) {
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory, StopReason::cancelled}) {
+    const CancellationToken token;
+    token.request(reason);
+    const auto search = [&] { token.throw_if_requested(); };
+    const auto part = [&](bool has_result) {
+      return part_until_stopped(
+          token, [=] { return has_result; }, search);
+    };
+    expect_cancelled(reason, [&] { part(false); });
+    if (reason == StopReason::cancelled)
+      expect_cancelled(reason, [&] { part(true); });
+    else
+      EXPECT_EQ(part(true), reason);
+    EXPECT_TRUE(token.requested());
+  }
+  const auto refused = [] { throw std::bad_alloc(); };
+  EXPECT_EQ(part_until_stopped(
+                CancellationToken(), [] { return true; }, refused),
+            StopReason::memory);
+}
+
 TEST(Cancellation, IsSharedByCopiesButNotByNewTokens) {
   const CancellationToken token;
   const CancellationToken copy = token;

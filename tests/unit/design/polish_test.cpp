@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <numbers>
 
 #include "corrected_model.h"
 #include "polish_rounds.h"
 #include "polish_starts.h"
+#include "supple/design/verdict.h"
 #include "supple/design/verified_designs.h"
 #include "supple/tiling/tiling_error.h"
 #include "support/expect_error.h"
@@ -277,6 +279,29 @@ TEST(Polish, KeepsToItsSeconds) {
   const auto polished = missed.polished({.tolerance = 1e-9, .max_seconds = 1e-9});
   EXPECT_EQ(polished.rounds.size(), 1U);
   EXPECT_EQ(polished.stopped, PolishTermination::time_limit);
+}
+
+TEST(Polish, GivesTheBestSoFarWhereALimitOfMemoryIsReachedInARound) {
+  for (const bool is_refused : {false, true}) {
+    Missed missed;
+    const CancellationToken token;
+    int calls = 0;
+    missed.simulate = [&](const Eigen::VectorXd& parameters, const ProfileSamples& samples,
+                          const Execution& execution) {
+      if (calls++ == 2) {
+        token.request(StopReason::memory);
+        if (is_refused) throw std::bad_alloc();
+      }
+      execution.checkpoint(0, "simulation");
+      return missed.displaced(parameters, samples);
+    };
+    const auto polished = missed.polished({.tolerance = 1e-9}, {token});
+    EXPECT_EQ(polished.stopped, PolishTermination::memory);
+    ASSERT_EQ(polished.rounds.size(), 3U);
+    EXPECT_EQ(polished.rounds.back().reason, "A limit of memory was reached before the simulation had ended.");
+    EXPECT_LE(*polished.target_error, *polished.rounds.front().target_error);
+    EXPECT_FALSE(token.requested()) << "the report goes on";
+  }
 }
 
 TEST(Polish, GivesTheBestSoFarWhereTheDeadlinePassesInARound) {
@@ -605,7 +630,58 @@ TEST(VerifyDesigns, StandWithoutTheEstimateThatFailsUnlessTheyAreCancelled) {
   }
 }
 
-TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
+/// The targets are out of reach, so that designs end at the bounds, and polishing moves them along these.
+TEST(VerifyDesigns, SayWhichParametersAreAtTheirBoundsAfterAPolishToo) {
+  int moved_and_at_bounds = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    for (const double factor : {0.4, 1.6, 3.0}) {
+      const TestSpace test(2, seed);
+      const Displaced displaced(test);
+      int calls = 0;
+      const std::vector<DesignSpace> spaces{test.space()};
+      const std::vector<FamilySimulation> simulations{{displaced.counted(calls), {}}};
+      DesignProblem problem;
+      problem.targets = {target_at(test, displaced, {0.4, 0.65}, Task::stress_strain)};
+      for (auto& point : problem.targets[0].control_points) point[1] *= factor;
+      const auto ranking = find_designs(spaces, problem);
+      const auto verified = verify_designs(spaces, simulations, problem, ranking, {}, {.options = {.max_rounds = 8}});
+      const Design& best = verified.ranking[0].design;
+      if (best.reached || best.parameters == ranking[0].parameters) continue;
+      const neural::Network& network = test.model.network;
+      for (Eigen::Index k = 0; k < best.parameters.size(); ++k) {
+        const bool is_low = best.parameters[k] == network.lower[k];
+        if (!is_low && best.parameters[k] != network.upper[k]) continue;
+        ++moved_and_at_bounds;
+        const std::string sentence =
+            "Parameter " + std::to_string(k + 1) + " is at its " + (is_low ? "lower" : "upper") + " bound.";
+        EXPECT_NE(best.message.find(sentence), std::string::npos) << best.message;
+      }
+    }
+  }
+  EXPECT_GT(moved_and_at_bounds, 0);
+}
+
+TEST(VerifyDesigns, SayThatTheModulusIsAtItsLimitWhereOnlyTheSimulationMisses) {
+  const TestSpace test(2, 1);
+  const Displaced displaced(test, 3);
+  const double modulus = test.model.provenance.youngs_modulus;
+  int calls = 0;
+  const std::vector<DesignSpace> spaces{test.space()};
+  const std::vector<FamilySimulation> simulations{{displaced.counted(calls), {}}};
+  DesignProblem problem;
+  problem.targets = {target_at(test, Displaced(test, 1), {0.4, 0.65}, Task::stress_strain)};
+  problem.moduli = {{0.9 * modulus, 1.1 * modulus}};
+  auto ranking = find_designs(spaces, problem);
+  ASSERT_TRUE(ranking[0].reached);
+  const auto verified =
+      verify_designs(spaces, simulations, problem, std::move(ranking), {}, {.options = {.max_rounds = 0}});
+  const Design& best = verified.ranking[0].design;
+  EXPECT_FALSE(best.reached);
+  EXPECT_DOUBLE_EQ(best.youngs_modulus, 0.9 * modulus);
+  EXPECT_TRUE(best.message.ends_with(" Young's modulus is at its lower limit.")) << best.message;
+}
+
+TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadline) {
   TwoFamilies families;
   const CancellationToken token;
   token.request(StopReason::deadline);
@@ -614,7 +690,27 @@ TEST(VerifyDesigns, GiveTheBestSoFarAtTheDeadlineUnlessPolishingIsOff) {
   EXPECT_EQ(verified.ranking.size(), 2U);
   EXPECT_FALSE(verified.ranking[0].target_error);
   EXPECT_FALSE(verified.discretization_error.at(0));
-  expect_cancelled(StopReason::deadline, [&] { families.verified({.polish = Switch::off}, {.cancellation = token}); });
+}
+
+TEST(VerifyDesigns, AnswerWithTheDesignOfTheModelIfItsSimulationIsStopped) {
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    for (const Switch polish : {Switch::off, Switch::automatic}) {
+      TwoFamilies families;
+      const CancellationToken token;
+      token.request(reason);
+      const auto verified = families.verified({.polish = polish}, {.cancellation = token});
+      const Design& best = verified.ranking.at(0).design;
+      EXPECT_EQ(best.parameters, families.ranking[0].parameters);
+      EXPECT_EQ(best.youngs_modulus, families.ranking[0].youngs_modulus);
+      EXPECT_FALSE(is_simulated(*verified.polished));
+      EXPECT_EQ(best.message.rfind(reason == StopReason::deadline ? "The deadline passed before the design"
+                                                                  : "A limit of memory was reached before the design",
+                                   0),
+                0U)
+          << best.message;
+      EXPECT_EQ(judge(evidence_of(best, &*verified.polished)).source, VerdictSource::model);
+    }
+  }
 }
 
 /// The simulation is stiffer than the network by the same factor everywhere, so that another modulus alone corrects it.

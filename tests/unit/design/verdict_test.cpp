@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "supple/base/random.h"
 
@@ -52,8 +53,10 @@ std::vector<std::uint8_t> flags(const SampledTarget& target, std::uint8_t flag) 
 }
 
 /// The curve that the target names, up to small numbers.
-SampledTarget curve_through(const std::vector<double>& x, const std::vector<double>& y) {
+SampledTarget curve_through(const std::vector<double>& x, const std::vector<double>& y,
+                            std::vector<double> weights = {}) {
   Target target;
+  target.weights = std::move(weights);
   for (std::size_t i = 0; i < x.size(); ++i) target.control_points.emplace_back(x[i], y[i]);
   target.interpolation = numerics::Interpolation::linear;
   target.samples = static_cast<int>(x.size());
@@ -83,7 +86,7 @@ void expect_ranges_of(const SampledTarget& target, const Eigen::VectorXd& values
     bool all = true;
     for (std::size_t i = range.first; i <= range.last; ++i) {
       EXPECT_TRUE(x[i] >= range.from && x[i] <= range.to);
-      all = all && reached[i] != 0;
+      all = all && (reached[i] != 0 || !target.has_weight(i));
     }
     EXPECT_EQ(range.is_reached(), all);
     ASSERT_TRUE(range.deviation);
@@ -215,6 +218,60 @@ TEST(FitRanges, DoNotCountRestWhichEachDesignReaches) {
   ASSERT_EQ(ranges.size(), 1U);
   EXPECT_EQ(ranges[0].from, 0);
   EXPECT_FALSE(ranges[0].is_reached());
+}
+
+TEST(FitRanges, CountZerosOfTheTargetAwayFromRest) {
+  const auto target = curve_through({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.1, 0, 0, 0, 0.1});
+  Eigen::VectorXd values = target.y;
+  values[1] = values[5] = 0.2;
+  const auto ranges = fit_ranges(target, values);
+  ASSERT_EQ(ranges.size(), 3U);
+  EXPECT_FALSE(ranges[0].is_reached() || ranges[2].is_reached());
+  EXPECT_TRUE(ranges[1].is_reached());
+  EXPECT_NEAR(ranges[1].from, 0.06, 1e-12);
+  EXPECT_NEAR(ranges[1].to, 0.18, 1e-12);
+}
+
+TEST(FitRanges, SpeakOfRestAndNotOfTensionWhereAPreloadIsMissed) {
+  const auto missed_at = [](const SampledTarget& target, Eigen::Index sample) {
+    Eigen::VectorXd values = target.y;
+    values[sample] = 0;
+    return parts_of(target, values);
+  };
+  const std::vector<double> strains{0, 0.04, 0.08, 0.12, 0.16, 0.2};
+  const std::vector<double> negative{-0.2, -0.16, -0.12, -0.08, -0.04, 0};
+  const auto compression = curve_through(negative, {-0.7, -0.6, -0.5, -0.4, -0.3, -0.2});
+  EXPECT_EQ(missed_at(compression, 5), (Parts{"whole", "around_rest not"}));
+  const auto tension = curve_through(strains, {0.2, 0.3, 0.4, 0.5, 0.6, 0.7});
+  EXPECT_EQ(missed_at(tension, 0), (Parts{"around_rest not", "whole"}));
+  const auto both = curve_through({-0.1, -0.05, 0, 0.05, 0.1}, {-0.5, 0.1, 0.5, 1, 1.5});
+  EXPECT_EQ(missed_at(both, 2), (Parts{"compression", "around_rest not", "tension"}));
+}
+
+TEST(Verdict, DoesNotCountSamplesWithoutWeight) {
+  const auto target =
+      curve_through({0, 0.04, 0.08, 0.12, 0.16, 0.2}, {0, 0.04, 0.08, 0.084, 0.088, 0.092}, {1, 1, 1, 0, 0, 1});
+  Eigen::VectorXd values = target.y;
+  auto trusted = flags(target, 1);
+  trusted[2] = trusted[3] = trusted[4] = 0;
+  for (const double value : {0.3, no_value}) {
+    values[3] = values[4] = value;
+    const auto verdict = judge({{{target, values}}, {trusted}, {}});
+    EXPECT_EQ(verdict.grade, Grade::reached);
+    EXPECT_EQ(verdict.deviation, 0);
+    EXPECT_EQ(verdict.samples, 4U);
+    EXPECT_EQ(verdict.untrusted, 1U);
+    const TargetVerdict& judged = verdict.targets[0];
+    EXPECT_EQ(judged.samples, 4U);
+    EXPECT_EQ(judged.reached, 4U);
+    ASSERT_EQ(judged.ranges.size(), 1U);
+    EXPECT_TRUE(judged.ranges[0].is_reached());
+    EXPECT_EQ(judged.ranges[0].deviation, 0);
+  }
+  values[5] = 0.3;
+  const auto ranges = fit_ranges(target, values);
+  ASSERT_EQ(ranges.size(), 2U);
+  EXPECT_NEAR(ranges[0].to, 0.14, 1e-12) << "the ranges meet amid the samples without weight";
 }
 
 TEST(FitRanges, OverDirectionsGoOnAfterHalfATurn) {

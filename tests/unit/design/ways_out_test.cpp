@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "support/expect_error.h"
@@ -292,6 +293,8 @@ TEST(WaysOut, FollowTheSimulationWhereThereIsOne) {
     Polished simulated;
     simulated.targets = {design.profiles[0].target};
     simulated.simulated = {simulated_factor * design.profiles[0].target.y};
+    simulated.model = {design.profiles[0].achieved};
+    simulated.youngs_modulus = design.youngs_modulus;
     simulated.target_error = std::abs(simulated_factor - 1);
     CostLedger bill;
     find_ways_out({test.space(), {}, problem, options, ample_seconds}, design, simulated, {.cost = &bill});
@@ -299,7 +302,99 @@ TEST(WaysOut, FollowTheSimulationWhereThereIsOne) {
   };
   EXPECT_EQ(why(3, 1), "the target is reached by the simulation");
   EXPECT_EQ(why(3, 2), "the target is missed");
-  EXPECT_EQ(why(1, 2), "the model does not know that the target is missed");
+  EXPECT_EQ(why(1, 2), "the target is missed by the simulation alone");
+}
+
+/// A design that meets its target by the model, and its simulation.
+struct MissedBySimulation {
+  MissedBySimulation(const TestSpace& its_test, const Response& response)
+      : test(its_test),
+        problem(held_problem(test.at({0.37, 0.72}), response_target(test, test.at({0.37, 0.72}), response))),
+        design(find_design(test.space(), problem, options)) {
+    simulated.targets = {design.profiles[0].target};
+    simulated.model = simulated.simulated = {design.profiles[0].achieved};
+    simulated.youngs_modulus = design.youngs_modulus;
+  }
+  std::vector<WayOut> ways() {
+    simulated.target_error = simulated.targets[0].relative_rms(simulated.simulated[0]);
+    return find_ways_out({test.space(), {}, problem, options, ample_seconds}, design, simulated);
+  }
+
+  const TestSpace& test;
+  DesignOptions options;
+  DesignProblem problem;
+  Design design;
+  Polished simulated;
+};
+
+const WayOut* way_among(const std::vector<WayOut>& ways, Change change) {
+  const auto found = std::find_if(ways.begin(), ways.end(), [&](const WayOut& way) { return way.change == change; });
+  return found == ways.end() ? nullptr : &*found;
+}
+
+TEST(WaysOut, TakeTheModulusOfTheSimulationWhereItAloneMisses) {
+  const TestSpace test(2, 1);
+  for (const Task task : {Task::stress_strain, Task::stiffness}) {
+    MissedBySimulation missed(test, {.task = task});
+    missed.simulated.simulated[0] *= 2;
+    const auto ways = missed.ways();
+    const WayOut* way = way_among(ways, Change::modulus);
+    ASSERT_TRUE(way);
+    EXPECT_NEAR(way->youngs_modulus, 0.5 * missed.design.youngs_modulus, 1e-6 * missed.design.youngs_modulus);
+    EXPECT_LT(way->deviation, 1e-6);
+    EXPECT_EQ(way->parameters, missed.design.parameters);
+    EXPECT_NE(way->sentence.find(" instead of 100 % by the simulation."), std::string::npos) << way->sentence;
+    EXPECT_EQ(way, &ways.front());
+  }
+}
+
+TEST(WaysOut, ShortenTheRangeToWhatTheSimulationReaches) {
+  const TestSpace test(2, 1);
+  for (const double factor : {3.0, std::numeric_limits<double>::quiet_NaN()}) {
+    MissedBySimulation missed(test, {.task = Task::stress_strain});
+    missed.simulated.simulated[0].tail(8) *= factor;  // 13 of the 21 samples are met
+    const auto ways = missed.ways();
+    const WayOut* way = way_among(ways, Change::shorten);
+    ASSERT_TRUE(way);
+    EXPECT_EQ(way->range->least, 0);
+    EXPECT_NEAR(way->range->most, 0.12, 1e-12);
+    EXPECT_LT(way->deviation, 1e-6);
+    EXPECT_TRUE(begins_with(*way, "Shorten the target to Green strains from 0 to 12 %: it is reached up to there, "))
+        << way->sentence;
+    EXPECT_NE(way->sentence.find(" % by the simulation."), std::string::npos) << way->sentence;
+    EXPECT_EQ(way->sentence.find("instead of") == std::string::npos, std::isnan(factor)) << way->sentence;
+  }
+}
+
+TEST(WaysOut, TurnByTheModelWithTheErrorThatTheSimulationHasFound) {
+  int turned = 0;
+  for (const std::uint64_t seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    const TestSpace test(2, seed);
+    for (const double angle : {-0.3, 0.2, 0.4}) {
+      MissedBySimulation missed(test, {});
+      // The real structure behaves as one that is turned.
+      const auto of_turned = response_target(test, test.at({0.37, 0.72}), {.orientation = angle});
+      for (int i = 0; i < 12; ++i)
+        missed.simulated.simulated[0][i] = of_turned.control_points[static_cast<std::size_t>(i)][1];
+      for (const WayOut& way : missed.ways()) {
+        if (way.change != Change::turn) continue;
+        ++turned;
+        EXPECT_TRUE(begins_with(way, "Turn the tiling by ")) << way.sentence;
+        EXPECT_NE(way.sentence.find(": about "), std::string::npos) << way.sentence;
+        EXPECT_LE(way.deviation, 0.7 * *missed.simulated.target_error);
+        EXPECT_EQ(way.youngs_modulus, missed.design.youngs_modulus);
+      }
+    }
+  }
+  EXPECT_GT(turned, 0);
+}
+
+TEST(WaysOut, AreThoseOfTheModelWhereNoSimulationHasEnded) {
+  const TestSpace test(2, 1);
+  MissedBySimulation missed(test, {});
+  missed.simulated.simulated[0].setConstant(std::numeric_limits<double>::quiet_NaN());
+  missed.simulated.stopped = PolishTermination::deadline;
+  EXPECT_TRUE(missed.ways().empty()) << "the model reaches the target";
 }
 
 TEST(WaysOut, EndWithTheirTimeAndWithTheDeadline) {
@@ -322,6 +417,26 @@ TEST(WaysOut, EndWithTheirTimeAndWithTheDeadline) {
   const CancellationToken cancelled;
   cancelled.request(StopReason::cancelled);
   expect_cancelled(StopReason::cancelled, [&] { find_ways_out(search, design, {}, {.cancellation = cancelled}); });
+}
+
+TEST(WaysOut, EndAtALimitOfMemoryWithWhatTheyHave) {
+  const TestSpace test(2, 1);
+  const auto parameters = test.at({0.37, 0.72});
+  const auto problem = held_problem(parameters, response_target(test, parameters, {.factor = 3}));
+  const DesignOptions options;
+  Design design = find_design(test.space(), problem, options);
+  const WaysOutSearch search{test.space(), {}, problem, options, ample_seconds};
+  const CancellationToken token;
+  token.request(StopReason::memory);
+  CostLedger bill;
+  EXPECT_TRUE(find_ways_out(search, design, {}, {.cancellation = token, .cost = &bill}).empty());
+  EXPECT_EQ(bill.effects().front().why, "the target is missed; a limit of memory was reached before all was tried");
+  EXPECT_FALSE(token.requested()) << "the answer goes on";
+
+  design.stopped = DesignTermination::deadline;
+  CostLedger none;
+  EXPECT_TRUE(find_ways_out(search, design, {}, {.cost = &none}).empty());
+  EXPECT_FALSE(none.effects().front().ran);
 }
 
 TEST(WaysOut, StopSoonAfterTheyAreToldTo) {

@@ -255,6 +255,52 @@ TEST(Hosts, AMembraneFollowsASurfaceThatMoves) {
   EXPECT_GT(relax(last, kept, {.max_iterations = 0}).energy, found.energy);
 }
 
+TEST(Hosts, AnswerWithTheEquilibriumAtTheLastPositionIfTimeOrMemoryRunsOut) {
+  const auto mesh = testing::share(testing::torus(24, 12));
+  const GeodesicSolver solver(mesh);
+  Network network;
+  network.points = poisson_disk_points(solver, 0.45, 1);
+  network.triangles = membrane_at_rest(solver, network.points, triangulate(solver, network.points).triangles, 1);
+  MovingHost host;
+  for (int k = 1; k <= 6; ++k) {
+    auto& positions = host.positions.emplace_back(mesh->positions());
+    for (Vector3d& p : positions) p.x() *= 1 + 0.1 * k;
+  }
+  RelaxationOptions options{.host = host};
+  const Relaxation whole = relax(solver, network, options);
+  const auto width = [](const std::vector<Vector3d>& positions) {
+    double most = 0;
+    for (const Vector3d& p : positions) most = std::max(most, p.x());
+    return most;
+  };
+  for (const StopReason reason : {StopReason::deadline, StopReason::memory}) {
+    // The first state on the way to the fourth position, and the first one of all.
+    for (const double widest : {width(host.positions[2]) + 1e-9, 0.0}) {
+      const CancellationToken token;
+      options.observer = [&](const RelaxationStep&, std::span<const SurfacePoint>, const TriangleMesh& at) {
+        if (width(at.positions()) > widest) token.request(reason);
+      };
+      const Relaxation best = relax(solver, network, options, {.cancellation = token});
+      EXPECT_EQ(best.stopped,
+                reason == StopReason::deadline ? RelaxationTermination::deadline : RelaxationTermination::memory);
+      ASSERT_FALSE(best.warnings.empty());
+      if (widest == 0) {
+        EXPECT_TRUE(best.stops.empty());
+        EXPECT_EQ(best.host.vertices, mesh->positions());
+        EXPECT_NE(best.warnings.back().find("after 0 iterations"), std::string::npos) << best.warnings.back();
+        continue;
+      }
+      ASSERT_GE(best.stops.size(), 3U);
+      ASSERT_LT(best.stops.size(), 6U);
+      const std::size_t last = best.stops.size() - 1;
+      EXPECT_EQ(best.host.vertices, host.positions[last]);
+      EXPECT_EQ(best.energy, whole.stops[last].energy);
+      EXPECT_NE(best.warnings.back().find("at position " + std::to_string(last) + "."), std::string::npos)
+          << best.warnings.back();
+    }
+  }
+}
+
 TEST(Hosts, AMovingSurfaceGoesOnWhereItsNetworkCannotFollow) {
   const auto mesh = testing::share(testing::icosphere(2));
   const GeodesicSolver solver(mesh);

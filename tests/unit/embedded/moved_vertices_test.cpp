@@ -298,13 +298,41 @@ TEST(MovedVertices, StopWhenAskedAndTellHowFarTheyAre) {
     for (const LoadIncrement& stop : found.stops) moving += stop.iterations;
     return moving;
   }();
-  for (const StopReason reason : {StopReason::cancelled, StopReason::deadline}) {
-    Execution execution;
-    states = 0;
-    options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>, const TriangleMesh&) {
-      if (++states > at_rest_after + 3) execution.cancellation.request(reason);
-    };
-    testing::expect_cancelled(reason, [&] { relax(*bar.solver, bar.network, options, execution); });
+  for (const int last_state : {at_rest_after + 4, static_cast<int>(found.history.size()) - 2}) {
+    for (const StopReason reason : {StopReason::cancelled, StopReason::deadline, StopReason::memory}) {
+      Execution execution;
+      CostLedger cost;
+      execution.cost = &cost;
+      states = 0;
+      options.observer = [&](const RelaxationStep&, std::span<const surface::SurfacePoint>, const TriangleMesh&) {
+        if (++states == last_state) execution.cancellation.request(reason);
+      };
+      const auto relaxation = [&] { return relax(*bar.solver, bar.network, options, execution); };
+      if (reason == StopReason::cancelled) {
+        testing::expect_cancelled(reason, relaxation);
+        continue;
+      }
+      const Relaxation best = relaxation();
+      const bool is_late = reason == StopReason::deadline;
+      EXPECT_EQ(best.stopped, is_late ? RelaxationTermination::deadline : RelaxationTermination::memory);
+      ASSERT_LT(best.stops.size(), 5U);
+      ASSERT_FALSE(best.warnings.empty());
+      EXPECT_NE(best.warnings.back().find("on the way to position " + std::to_string(best.stops.size())),
+                std::string::npos)
+          << best.warnings.back();
+      EXPECT_EQ(best.history.back().energy, found.history[best.history.size() - 1].energy);
+      for (std::size_t k = 0; k < best.stops.size(); ++k) EXPECT_EQ(best.stops[k].energy, found.stops[k].energy);
+      if (!best.stops.empty()) EXPECT_EQ(best.energy, best.stops.back().energy);
+      const std::size_t last = best.stops.size();
+      for (const MovedVertex& one : host.moved_vertices) {
+        const auto vertex = static_cast<std::size_t>(one.vertex);
+        const Vector3d expected = last == 0 ? bar.mesh->positions()[vertex] : one.positions[last - 1];
+        EXPECT_LT((best.host.vertices[vertex] - expected).norm(), 1e-12);
+      }
+      EXPECT_TRUE(
+          std::ranges::any_of(cost.effects(), [](const auto& effect) { return effect.name == "moved_vertices"; }));
+      EXPECT_FALSE(execution.cancellation.requested()) << "the report goes on";
+    }
   }
 }
 

@@ -272,9 +272,17 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
   weave.strands[1] = line({0, -10}, {0, 1});
   EXPECT_EQ(fault(weave).where, "crossings/0");
   EXPECT_NE(fault(weave).message.find("lifted 1.0000 mm"), std::string::npos) << fault(weave).message;
+  const auto room = fault(weave).shortage;
+  ASSERT_TRUE(room);
+  EXPECT_NEAR(room->needed, 1, 1e-4);
+  EXPECT_LT(room->available, room->needed);
   weave = sliding_cross();
   weave.strands[0] = line({-10, 0}, {1, 0});
   EXPECT_NE(fault(weave).message.find("1.0000 mm to the end of strands/0"), std::string::npos) << fault(weave).message;
+  ASSERT_TRUE(fault(weave).shortage);
+  EXPECT_NEAR(fault(weave).shortage->available, 1, 1e-12);
+  EXPECT_NEAR(fault(weave).shortage->needed,
+              PrinterProfile().channel.half_width * (1 + PrinterProfile().channel.longer), 1e-12);
   // A neighbour slides where a foot must stand.
   weave.strands = {line({-10, 0}, {10, 0}), line({0, -10}, {0, 10}), line({1.5, -10}, {1.5, 10})};
   weave.crossings = find_crossings(weave.strands);
@@ -291,6 +299,7 @@ TEST(Toolpath, NamesTheCrossingAndTheLengthThatItLacks) {
   weave.crossings = find_crossings(weave.strands);
   weave.crossings[0].members[0].slides = weave.crossings[0].members[1].slides = true;
   EXPECT_NE(fault(weave).message.find("2 strands that slide"), std::string::npos);
+  EXPECT_FALSE(fault(weave).shortage) << "no room would help";
   // The strands are nearly parallel.
   weave.strands = {line({-10, 0}, {10, 0}), line({-10, -1}, {10, 1})};
   weave.crossings = find_crossings(weave.strands);

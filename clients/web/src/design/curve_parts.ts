@@ -60,13 +60,17 @@ export function partOf(task: Task, x: readonly number[], target: readonly number
   if (isPolar(task)) return "directions";
   if (first === 0 && last + 1 === x.length) return "whole";
   const isTension = x[first] >= -MAX_REST_STRAIN;
-  if (!isTension && x[last] > MAX_REST_STRAIN) return "around_rest";
+  const isAtRest = isTension && x[last] <= MAX_REST_STRAIN;
+  if (isAtRest || (!isTension && x[last] > MAX_REST_STRAIN)) return "around_rest";
   const branch = new Branch(x, target, isTension);
   const count = branch.strain.length;
   const before = x.length - count;
   const [begin, to] = isTension ? [first - before, last - before] : [count - 1 - last, count - 1 - first];
   // Rest itself may belong to the range on its other side.
   const from = begin === 1 && branch.strain[0] <= MAX_REST_STRAIN ? 0 : begin;
-  if (from === 0 && to + 1 === count) return isTension ? "tension" : "compression";
+  if (from === 0 && to + 1 === count) {
+    const hasOtherSide = isTension ? x[0] < -MAX_REST_STRAIN : x[x.length - 1] > MAX_REST_STRAIN;
+    return !hasOtherSide ? "whole" : isTension ? "tension" : "compression";
+  }
   return branch.partOf(from, to);
 }

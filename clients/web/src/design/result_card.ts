@@ -26,6 +26,8 @@ const TERMINATION_WORDS: Record<DesignStop, string> = {
   step_too_small: "steps became too small",
   no_free_parameters: "all parameters are fixed",
   trusted: "a nearer design is not trusted",
+  deadline: "the deadline; more time may come closer",
+  memory: "a limit of memory; this is the best until then",
 };
 
 /** Whether nothing else than another target would help. */

@@ -26,6 +26,9 @@ export interface FitRange {
 /** Deviations of Poisson's ratio are relative to at least this value, since a target of zeros has no scale; of stresses and stiffnesses in MPa. */
 const MIN_SCALE: Record<Task, number> = { stress_strain: 1e-6, stiffness: 1e-6, poisson: 0.1 };
 
+/** Strains up to this fraction of the largest one are near rest. */
+const MAX_REST_FRACTION = 0.05;
+
 const FROM_BEST: readonly Fit[] = ["reached", "near", "missed", "missing"];
 
 export function badness(fit: Fit): number {
@@ -92,10 +95,11 @@ function fitsOf({ task, target, y }: JudgedCurve): Fit[] {
   });
 }
 
-/** Whether each sample says nothing about the design: the target is within the tolerance of 0, and reached. */
-function trivialSamples({ task, target }: JudgedCurve, own: readonly Fit[]): readonly boolean[] {
+/** Whether each sample says nothing about the design: it is near rest, and the target is within the tolerance of 0 and reached. */
+function trivialSamples({ task, x, target }: JudgedCurve, own: readonly Fit[]): readonly boolean[] {
   const tolerance = limits.sample * scaleOf({ task, target });
-  return own.map((fit, k) => fit === "reached" && !isPolar(task) && Math.abs(target[k]) <= tolerance);
+  const rest = MAX_REST_FRACTION * Math.max(Math.abs(x[0]), Math.abs(x[x.length - 1]));
+  return own.map((fit, k) => fit === "reached" && !isPolar(task) && Math.abs(x[k]) <= rest && Math.abs(target[k]) <= tolerance);
 }
 
 /** Gives trivial samples the worse of the fits beside them. */

@@ -356,9 +356,16 @@ function textOf({ design, targets }: Subject): string {
   return `${design.family} ${design.parameters.map((value) => value.toFixed(4)).join()} ${design.youngsModulus} ${design.orientation.toFixed(4)} ${targets}`;
 }
 
+/** Whether time or memory ran out before any structure was simulated, so that `message` says all there is. */
+function endedBeforeSimulation({ polish, profile, also }: DesignAnswer): boolean {
+  const wasStopped = polish?.stopped === "deadline" || polish?.stopped === "memory";
+  return wasStopped && [profile, ...also].every(({ verified }) => !verified?.y.some((value) => value !== null));
+}
+
 /** The simulated responses in the order of the tabs; null if a target was not simulated. */
 function simulatedProfiles(answer: DesignAnswer, { asked, order }: Subject): SimulationRecord["profiles"] | null {
   const profiles = [answer.profile, ...answer.also];
+  if (endedBeforeSimulation(answer)) return null;
   const targets = targetsOf(asked);
   const found = targets.map((target, place) => {
     const verified = profiles[order.indexOf(place)]?.verified ?? null;

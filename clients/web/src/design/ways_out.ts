@@ -1,6 +1,7 @@
 // Ways out of a target that is missed: changes of the problem with which a design comes close. They are looked for in the background.
 import { Observable } from "../base/observable";
 import { plain } from "../base/format";
+import type { DesignStop } from "../contract/types";
 import { type Client, isBusy, statusOf } from "../contract/client";
 import { JobRunner } from "../contract/runner";
 import { Pauses } from "./pauses";
@@ -64,7 +65,8 @@ export class WaysOut {
     this.problem = problem;
     this.state.set({ kind: "looking" });
     void this.runner.start(async (run) => {
-      const { ways_out: ways } = await run.job<{ ways_out?: readonly WayOut[] }>("/v1/designs", waysOutRequest(state));
+      const { ways_out: ways, stopped } = await run.job<{ ways_out?: readonly WayOut[]; stopped?: DesignStop }>("/v1/designs", waysOutRequest(state));
+      if (stopped === "deadline" || stopped === "memory") return this.postpone(problem);
       this.pauses.clear();
       this.remember(problem, ways ?? []);
     }, (error) => this.fail(error, problem));
@@ -85,6 +87,10 @@ export class WaysOut {
   /** What was not asked for has no complaints. A search that did not come to its end says nothing, after any other failure other advice is shown. */
   private fail(error: unknown, problem: string): void {
     if (!isBusy(error) && ![DISMISSED, DEADLINE_EXCEEDED].includes(statusOf(error) ?? 0)) return this.remember(problem, []);
+    this.postpone(problem);
+  }
+
+  private postpone(problem: string): void {
     this.pauses.begin();
     if (this.problem === problem) this.clear();
   }

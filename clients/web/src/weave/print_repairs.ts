@@ -10,12 +10,6 @@ const MAX_SPREAD = 4;
 /** Largest distance of a crossing of the sheet from the cell's, as a fraction of the shorter translation. */
 const SAME_FRACTION = 0.05;
 
-/** The room that a crossing needs along a strand and the room that it has, in mm, as the server's sentences give them. */
-const ROOMS: readonly RegExp[] = [
-  /must be lifted ([\d.]+) mm before and after it and has ([\d.]+) mm/,
-  /a channel needs [\d.]+ mm and ([\d.]+) mm for its feet, and there are ([\d.]+) mm/,
-];
-
 type Errors = Pick<ProblemDocument, "errors">;
 
 /**
@@ -25,10 +19,9 @@ type Errors = Pick<ProblemDocument, "errors">;
  */
 export function spreadFactor({ errors = [] }: Errors): number | null {
   let factor = 1;
-  for (const { detail } of errors) {
-    const rooms = ROOMS.map((pattern) => pattern.exec(detail)).find((match) => match !== null);
-    if (!rooms) return null;
-    factor = Math.max(factor, Number(rooms[1]) / Number(rooms[2]));
+  for (const { needed, available } of errors) {
+    if (needed === undefined || available === undefined) return null;
+    factor = Math.max(factor, needed / available);
   }
   const rounded = Math.ceil(10 * factor - 1e-9) / 10;
   return rounded > 1 && rounded <= MAX_SPREAD ? rounded : null;

@@ -6,6 +6,9 @@
 
 namespace supple {
 
+/// Whether a search that is stopped for this reason answers with the best that it has found.
+constexpr bool keeps_best(StopReason reason) { return reason == StopReason::deadline || reason == StopReason::memory; }
+
 /// Runs a search whose best result so far is worth an answer. If the search is stopped because its deadline has passed
 /// or a limit of memory is reached, and `has_result()` is true by then, the stop is taken back
 /// (CancellationToken::resume), so that the best result can be reported, and its reason is returned: `deadline` or
@@ -13,9 +16,7 @@ namespace supple {
 /// itself. Whatever else it throws passes, and so does a stop before there is a result.
 template <class HasResult, class Search>
 StopReason search_until_stopped(const CancellationToken& token, const HasResult& has_result, const Search& search) {
-  const auto is_resumed = [&](StopReason reason) {
-    return (reason == StopReason::deadline || reason == StopReason::memory) && has_result() && token.resume(reason);
-  };
+  const auto is_resumed = [&](StopReason reason) { return keeps_best(reason) && has_result() && token.resume(reason); };
   try {
     search();
   } catch (const Cancelled& stop) {
@@ -25,6 +26,23 @@ StopReason search_until_stopped(const CancellationToken& token, const HasResult&
     // A refused block may have requested a stop that nothing has thrown yet.
     const StopReason reason = token.reason();
     if (reason == StopReason::none ? !has_result() : !is_resumed(reason)) throw;
+    return StopReason::memory;
+  }
+  return StopReason::none;
+}
+
+/// The same for a search whose token others share that run beside it: the stop is not taken back, so that they end,
+/// too. Whoever waits for all of them takes it back.
+template <class HasResult, class Search>
+StopReason part_until_stopped(const CancellationToken& token, const HasResult& has_result, const Search& search) {
+  try {
+    search();
+  } catch (const Cancelled& stop) {
+    if (!keeps_best(stop.reason()) || !has_result()) throw;
+    return stop.reason();
+  } catch (const std::bad_alloc&) {
+    const bool keeps = token.reason() == StopReason::none || keeps_best(token.reason());
+    if (!keeps || !has_result()) throw;
     return StopReason::memory;
   }
   return StopReason::none;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -13,9 +14,16 @@ namespace supple {
 /// the mesh element at fault and, where a limit is exceeded, the limit and the value.
 class Error : public std::runtime_error {
  public:
+  /// A quantity of which there is too little.
+  struct Shortage {
+    double needed = 0;
+    double available = 0;
+  };
   struct Detail {
     std::string where;    ///< path of the offending input, e.g. "points/3/barycentric" or "face 17"
     std::string message;  ///< what is wrong with it
+    /// The two numbers of the message, in its unit, if more of a quantity would mend it.
+    std::optional<Shortage> shortage{};
   };
 
   Error(std::string code, const std::string& message, std::vector<Detail> details = {});

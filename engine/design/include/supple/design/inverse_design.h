@@ -102,15 +102,22 @@ enum class DesignTermination {
   iteration_limit,     ///< max_iterations was reached
   step_too_small,      ///< steps became shorter than rounding, or have no equilibrium or structure at their end
   no_free_parameters,  ///< all parameters are fixed
-  trusted,  ///< the search ended at a design with a smaller deviation; this one has a smaller sqrt(d^2 + u^2)
+  trusted,   ///< the search ended at a design with a smaller deviation; this one has a smaller sqrt(d^2 + u^2)
+  deadline,  ///< the computation's deadline passed; the design is the best until then
+  memory,    ///< a limit of memory was reached; the design is the best until then
 };
 std::string_view to_string(DesignTermination stop);
+/// Whether a stop request ended the search before its end.
+constexpr bool is_stopped(DesignTermination stop) {
+  return stop == DesignTermination::deadline || stop == DesignTermination::memory;
+}
 
 struct DesignError {
   /// The weighted root mean square of the deviations beyond the bands, each divided by SampledTarget::scale, over all
   /// targets.
   double relative_rms = 0;
-  double max = 0;  ///< largest deviation of the main target beyond its band, in its unit
+  /// Largest deviation from the main target beyond its band at a sample that has weight, in its unit.
+  double max = 0;
 };
 
 /// A target and the profiles of designs at its samples. The vectors have one entry for each sample.
@@ -135,8 +142,8 @@ struct Design {
   double youngs_modulus = 0;  ///< MPa; the profiles are at this modulus
   std::vector<DesignProfile> profiles;  ///< one for each target
   DesignError error;
-  /// Whether all samples of all targets are reached. The simulation decides if it reaches every sample. Otherwise the
-  /// model decides.
+  /// Whether all samples of all targets that have weight are reached. The simulation decides if it reaches every
+  /// sample. Otherwise the model decides.
   bool reached = false;
   int iterations = 0;  ///< total of all starting points
   int starts = 0;      ///< number of starting points that were used
@@ -144,7 +151,8 @@ struct Design {
   std::int64_t evaluations = 0;
   DesignTermination stopped = DesignTermination::converged;
   std::string message;  ///< sentences for the user about the result; may be empty
-  /// The sentences of `message` about parameters and the modulus at their limits, each after a space.
+  /// Sentences about parameters and the modulus at their limits, each after a space. `message` has them if the target
+  /// is missed.
   std::string at_limits;
   double residual = 0;  ///< largest residual of the equilibria, as neural::uniaxial_residual
   /// Expected error of the samples at which the model is not trusted, relative to the targets' scales: the root mean
@@ -191,15 +199,20 @@ class BeyondLimits : public NoDesign {
 /// Throws "design.invalid_target", "design.parameter_count", "design.parameter_out_of_bounds", "model.invalid_load",
 /// "design.no_equilibrium" if no design that was tried can be built and has an equilibrium at every sample, and
 /// "design.beyond_limits" if each design with these equilibria violates the limits. A target out of reach is no error.
-/// Bills the stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus", "orientation",
-/// "limits" and, if the model has error bars, "trust", and the quantities "evaluations", "iterations" and "restarts".
+/// A search that is stopped by its deadline or a limit of memory answers with its best design until then, says so in
+/// `stopped` and the message, and takes the stop back (CancellationToken::resume). Without a design it throws
+/// Cancelled. Bills the stages "candidates" and "optimization", the effects "multi_start", "envelope", "modulus",
+/// "orientation", "limits" and, if the model has error bars, "trust", and the quantities "evaluations", "iterations"
+/// and "restarts".
 Design find_design(const DesignSpace& space, const DesignProblem& problem, const DesignOptions& options = {},
                    const Execution& execution = {}, const OnProgress& progress = {});
 
 /// Finds the best design of each space and ranks the designs by the expected deviation of the real structure,
 /// sqrt(d^2 + m^2). Here d is the design's relative root mean square deviation. m is the mean error of its model (1 if
 /// unknown) or the design's uncertainty, whichever is larger. Problems with `initial` or `fixed` must have one space.
-/// Spaces without any equilibrium are left out, and "design.no_equilibrium" is thrown if none remains.
+/// Spaces without any equilibrium are left out, and "design.no_equilibrium" is thrown if none remains. If the deadline
+/// or a limit of memory stops the search in one of them, the first design says so, and spaces without a design until
+/// then are left out, too.
 std::vector<Design> find_designs(std::span<const DesignSpace> spaces, const DesignProblem& problem,
                                  const DesignOptions& options = {}, const Execution& execution = {},
                                  const OnProgress& progress = {});

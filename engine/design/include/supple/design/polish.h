@@ -43,6 +43,7 @@ enum class PolishTermination {
   round_limit,     ///< max_rounds was reached
   time_limit,      ///< the next round would exceed max_seconds
   deadline,        ///< the computation's deadline passed; the result is the best design so far
+  memory,          ///< a limit of memory was reached; the result is the best design so far
   not_simulated,   ///< no design that was tried has a structure whose simulation reaches every sample
 };
 std::string_view to_string(PolishTermination stop);
@@ -85,6 +86,12 @@ struct Polished {
   std::vector<PolishRound> rounds;     ///< all simulated structures; the first is the design that the search found
   PolishTermination stopped = PolishTermination::reached;
 };
+/// Whether a stop request ended the polish before its end.
+constexpr bool is_stopped(PolishTermination termination) {
+  return termination == PolishTermination::deadline || termination == PolishTermination::memory;
+}
+/// Whether the simulation of any design ended. None did if the first one was stopped.
+bool is_simulated(const Polished& polished);
 using OnPolishRound = std::function<void(const PolishRound& round)>;
 
 /// Simulates a design that the network's search has found, and corrects it until the *simulated* response is within the
@@ -109,7 +116,8 @@ using OnPolishRound = std::function<void(const PolishRound& round)>;
 /// proposal beyond the problem's limits is refused without a simulation.
 ///
 /// max_rounds = 0 only simulates the given design. Each round simulates every target. The network's searches cost
-/// little compared with that. Bills what the simulations bill.
+/// little compared with that. If the deadline passes or a limit of memory is reached, the answer is the best design so
+/// far; the stop by the latter is taken back (CancellationToken::resume). Bills what the simulations bill.
 Polished polish(const DesignSpace& space, const DesignProblem& problem, const OrientedParameters& found,
                 const SimulateProfile& simulate, const PolishOptions& options, const Execution& execution = {},
                 const OnPolishRound& on_round = {});

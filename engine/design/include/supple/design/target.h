@@ -37,16 +37,21 @@ struct Target {
 struct SampledTarget {
   ProfileSamples samples;
   Eigen::VectorXd y;
-  Eigen::VectorXd weights;  ///< their sum is 1
+  Eigen::VectorXd weights;  ///< their sum is 1; a sample without weight says nothing about a profile
   Eigen::VectorXd bands;
   double scale = 1;  ///< weighted root mean square of y, or min_scale of the task if that is larger
   /// Signed deviations of a profile beyond the bands, in the unit of y; 0 within a band.
   Eigen::VectorXd deviations(const Eigen::VectorXd& profile) const;
   /// Weighted root mean square of these deviations, divided by the scale. None if a value of the profile is missing
-  /// (NaN).
+  /// (NaN) at a sample that has weight.
   std::optional<double> relative_rms(const Eigen::VectorXd& profile) const;
   /// Whether each value of a profile is within its band, or within 1 % of the scale beyond it.
   std::vector<std::uint8_t> reached(const Eigen::VectorXd& profile) const;
+  /// Whether the profile is so at each sample that has weight.
+  bool is_reached(const Eigen::VectorXd& profile) const;
+  bool has_weight(std::size_t sample) const { return weights[static_cast<Eigen::Index>(sample)] > 0; }
+  /// The index of the largest deviation among the samples that have weight.
+  Eigen::Index worst_sample(const Eigen::VectorXd& profile) const;
 };
 
 /// The minimum of SampledTarget::scale: 0.1 for Poisson's ratio, 1e-6 MPa for stresses and stiffnesses.

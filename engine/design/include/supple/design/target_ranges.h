@@ -15,7 +15,7 @@ inline constexpr double max_reached_deviation = 0.05;
 
 /// How well a range of a target is met, from best to worst.
 enum class Fit {
-  reached,  ///< each sample is within its tolerance, as SampledTarget::reached
+  reached,  ///< each sample that has weight is within its tolerance, as SampledTarget::reached
   near,     ///< no sample is, and each one is within `max_reached_deviation` of the target's scale beyond its band
   missed,   ///< each sample is further off
   missing,  ///< there is no value
@@ -28,7 +28,7 @@ enum class CurvePart {
   whole,        ///< the whole curve
   compression,  ///< all strains below 0 of a curve that has others too
   tension,      ///< all strains above 0 of a curve that has others too
-  around_rest,  ///< strains below and above 0
+  around_rest,  ///< strains below and above 0, or rest alone, where a target with a preload is missed
   beginning,    ///< from rest, and less steep than later parts
   rise,         ///< from rest
   plateau,      ///< much less steep than what comes before
@@ -55,10 +55,11 @@ struct FitRange {
 };
 
 /// Divides a target into ranges of the same fit. They are contiguous and cover the target; over directions they cover
-/// half a turn from the first sample. Two ranges meet halfway between their samples. A sample near rest whose target is
-/// within the tolerance of 0 is reached by each design with little stress: it belongs to the worse of the ranges beside
-/// it, which meet there.
-/// `values` has one entry for each sample of the target, NaN where there is no value. O(samples).
+/// half a turn from the first sample. Two ranges meet halfway between their samples. A sample near rest (up to 5 % of
+/// the largest strain) whose target is within the tolerance of 0 is reached by each design with little stress: it
+/// belongs to the worse of the ranges beside it, which meet there. A sample without weight belongs to the range of the
+/// nearest one that has weight. `values` has one entry for each sample of the target, NaN where there is no value.
+/// O(samples).
 std::vector<FitRange> fit_ranges(const SampledTarget& target, const Eigen::VectorXd& values);
 
 /// The same ranges as a person sees them: over directions the last and the first are one if they have the same fit,

@@ -42,15 +42,15 @@ struct CurveAtSamples {
 /// What is known of a design. The lists have one entry for each target.
 struct Evidence {
   std::vector<CurveAtSamples> model;
-  std::vector<std::vector<std::uint8_t>> trusted;  ///< whether the model is trusted at each sample
+  std::vector<std::vector<std::uint8_t>> trusted;  ///< whether the model is trusted at each sample of `model`
   std::vector<CurveAtSamples> simulated;           ///< empty if nothing was simulated
   bool has_structure = true;
 };
 
 struct TargetVerdict {
   Task task = Task::stress_strain;
-  std::size_t samples = 0;
-  std::size_t reached = 0;          ///< number of samples that are reached
+  std::size_t samples = 0;          ///< number of samples that have weight
+  std::size_t reached = 0;          ///< number of those that are reached
   std::optional<double> deviation;  ///< as SampledTarget::relative_rms
   std::vector<FitRange> ranges;
 };
@@ -61,8 +61,8 @@ struct Verdict {
   Doubt doubt = Doubt::none;
   std::optional<double> deviation;        ///< of the worst target by the source; none if a value is missing
   std::optional<double> model_deviation;  ///< of the worst target by the model
-  std::size_t untrusted = 0;              ///< number of samples of all targets at which the model is not trusted
-  std::size_t samples = 0;                ///< number of samples of all targets by the model
+  std::size_t samples = 0;                ///< number of samples by the model that have weight, of all targets
+  std::size_t untrusted = 0;              ///< number of those at which the model is not trusted
   std::vector<TargetVerdict> targets;     ///< by the source
   std::size_t worst = 0;                  ///< index of the target that decides
 };
@@ -73,7 +73,8 @@ Grade grade_of(double deviation);
 /// Judges a design by its simulation if there is one, otherwise by the model.
 Verdict judge(const Evidence& evidence);
 
-/// What is known of a design that `search_designs` found. `verification` is null if nothing was simulated.
+/// What is known of a design that `search_designs` found. `verification` is null if nothing was simulated, and
+/// counts for nothing if it was stopped before a simulation ended.
 Evidence evidence_of(const Design& design, const Polished* verification);
 
 }  // namespace supple::design

@@ -40,9 +40,9 @@ struct VerifiedDesigns {
 /// whose simulation does not reach every sample comes after those whose simulation does. An empty ranking has an empty
 /// answer and no bill.
 ///
-/// `simulations` has one entry for each space. If the deadline passes while polish is off, Cancelled is
-/// thrown. Otherwise the answer is the best design so far. Costs one simulation for each family and each round, and a
-/// coarser one of the answer. Bills the effect "polish" and what the simulations bill.
+/// `simulations` has one entry for each space. If the deadline passes or a limit of memory is reached, the answer is
+/// the best design so far, which may be one that was not simulated (`is_simulated`). Costs one simulation for each
+/// family and each round, and a coarser one of the answer. Bills the effect "polish" and what the simulations bill.
 VerifiedDesigns verify_designs(
     std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations, const DesignProblem& problem,
     std::vector<Design> ranking, const DesignOptions& search, const VerificationPlan& plan,
@@ -62,10 +62,10 @@ struct SearchObserver {
   std::function<void(const Design& design, const PolishRound& round)> on_round{};
 };
 
-/// Calls `find_designs`, and then `verify_designs` if the search has a plan for it. Without a plan `polished` and
-/// `discretization_error` are empty, `simulations` may be empty, and the bill has the effects "verification" and
-/// "polish" as not run. The parameters of the best design may have no structure, because tiles are too small or voids
-/// close in a corner of the bounds. Then its message says so.
+/// Calls `find_designs`, and then `verify_designs` if the search has a plan for it and was not stopped. Without a plan
+/// `polished` and `discretization_error` are empty, `simulations` may be empty, and the bill has the effects
+/// "verification" and "polish" as not run. The parameters of the best design may have no structure, because tiles are
+/// too small or voids close in a corner of the bounds. Then its message says so.
 VerifiedDesigns search_designs(std::span<const DesignSpace> spaces, std::span<const FamilySimulation> simulations,
                                const DesignSearch& search, const Execution& execution = {},
                                const SearchObserver& observer = {});

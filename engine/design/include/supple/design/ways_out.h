@@ -29,7 +29,7 @@ struct WayOut {
   double orientation = 0;        ///< rad, within [0, pi)
   double youngs_modulus = 0;     ///< MPa
   std::optional<Range> range{};  ///< strains of the shortened target; none if the target stays
-  /// Relative root mean square deviation by the model, of the target with the largest one.
+  /// Relative root mean square deviation of the target with the largest one: by the model, or as the sentence says.
   double deviation = 0;
   double uncertainty = 0;  ///< as Design::uncertainty
 };
@@ -45,13 +45,19 @@ struct WaysOutSearch {
 };
 
 /// Looks for ways out if `design` misses the target, which means that it deviates by more than 5 %: by its simulation
-/// if there is one that reaches every sample, and by the model. Tried are, in this order: turning the tiling, another
-/// modulus from 0.1 to 5000 MPa, both, the longest part of the range of strains that is reached within 5 %, and the
-/// other families. Each is a search with few starting points, the design among them.
+/// if there is one, and otherwise by the model. A simulation that does not reach every sample misses. Tried are, in
+/// this order: turning the tiling, another modulus from 0.1 to 5000 MPa, both, the longest part of the range of strains
+/// that is reached within 5 %, and the other families. Each is a search with few starting points, the design among
+/// them.
+///
+/// Where only the simulation misses, the model alone would find the same design again. Then the modulus and the range
+/// follow from the simulated values, and the orientation is sought by the model with the error that the simulation has
+/// found at the design.
 ///
 /// A way out is in the answer if the model trusts it, if its deviation is below 15 %, and if this is at most 0.7 of the
-/// design's. The best one comes first. If the time or the deadline ends, the answer is what was found until then; any
-/// other stop request throws Cancelled. Takes as long as some searches for a design. Bills the stage and the effect
+/// design's. The best one comes first. If the time or the deadline ends, or a limit of memory is reached, the answer is
+/// what was found until then; any other stop request throws Cancelled. Nothing is tried for a design whose own search
+/// was stopped. Takes as long as some searches for a design. Bills the stage and the effect
 /// "ways_out".
 std::vector<WayOut> find_ways_out(const WaysOutSearch& search, const Design& design,
                                   const std::optional<Polished>& simulated = {}, const Execution& execution = {});

@@ -132,7 +132,7 @@ struct Relaxation {
   double energy = 0;                   ///< energy of network and host together
   double network_energy = 0;           ///< energy of springs and triangles
   HostState host{};                    ///< empty on a rigid host
-  std::vector<LoadIncrement> stops{};  ///< one for each position of a moving host or of moved vertices
+  std::vector<LoadIncrement> stops{};  ///< one for each position of a moving host or of moved vertices that was reached
   double gradient_norm = 0;
   double gradient_tolerance = 0;  ///< the norm up to which the search has converged
   int iterations = 0;
@@ -176,8 +176,8 @@ struct Relaxation {
 ///
 /// If a stop is requested for a deadline or a limit of memory (StopReason), or memory is refused, after the first state
 /// was evaluated, the result is the best state so far, which is the last one of the history. A warning says so. The
-/// stop is taken back for the report. On a host that moves, or whose vertices are moved, the stop is an error, because
-/// the answer would not be an equilibrium at any of the positions.
+/// stop is taken back for the report. Once a host moves, or its vertices are moved, the result is the equilibrium at
+/// the last position that was reached, and `stops` ends there; before the first one it is the equilibrium at rest.
 ///
 /// Throws what checked_network throws; "network.invalid_option" (tolerance, max_iterations, mollifier_length, triangles
 /// with Euclidean springs, a mollifier or Euclidean springs on a host that deforms or moves); "network.collapsed" if a
